@@ -1,0 +1,93 @@
+"""Compiled passes of the march: gap, geometric overlap, what a solved window holds. Rows and columns count on the unrolled plate."""
+
+# mypy: disable-error-code="no-untyped-def"
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
+    """out = ((x_i - x)^2 + (y_j - y)^2) / (2 R) - z on the window that begins at node (row, column)."""
+    along, across = heights.shape
+    for i in range(out.shape[0]):
+        dx = (row + i) * spacing - x
+        z = heights[(row + i) % along]
+        for j in range(out.shape[1]):
+            dy = (column + j) * spacing - y
+            out[i, j] = (dx * dx + dy * dy) / (2 * radius) - z[(column + j) % across]
+
+
+@njit(cache=True)
+def overlap_block(heights, row_highest, spacing, radius, x, y, approach):
+    """Bounding block (first row, last row, first column, last column) of the nodes whose gap is below the approach.
+
+    Looked for on the whole disc the highest node allows, one period to each side at most: an island may lie outside any earlier
+    window. Empty: last row < first row.
+    """
+    along, across = heights.shape
+    first_row, last_row, first_column, last_column = 1, 0, 1, 0
+    reach2 = 2 * radius * (approach + row_highest.max())
+    if reach2 <= 0.0:
+        return first_row, last_row, first_column, last_column
+    reach = np.sqrt(reach2)
+    low = int(np.ceil(max(x - reach, x - along * spacing) / spacing))
+    high = int(np.floor(min(x + reach, x + along * spacing) / spacing))
+    for i in range(low, high + 1):
+        dx = i * spacing - x
+        width2 = 2 * radius * (approach + row_highest[i % along]) - dx * dx
+        if width2 <= 0.0:
+            continue
+        width = min(np.sqrt(width2), across * spacing)
+        left = int(np.ceil((y - width) / spacing))
+        right = int(np.floor((y + width) / spacing))
+        z = heights[i % along]
+        rise = dx * dx / (2 * radius) - approach
+        j = left
+        while j <= right and rise + (j * spacing - y) ** 2 / (2 * radius) - z[j % across] >= 0.0:
+            j += 1
+        if j > right:
+            continue
+        k = right
+        while rise + (k * spacing - y) ** 2 / (2 * radius) - z[k % across] >= 0.0:
+            k -= 1
+        if last_row < first_row:
+            first_row, first_column, last_column = i, j, k
+        last_row = i
+        first_column = min(first_column, j)
+        last_column = max(last_column, k)
+    return first_row, last_row, first_column, last_column
+
+
+@njit(cache=True)
+def loaded(pressure, deflection, hardness):
+    """Number of loaded and of capped nodes, greatest pressure, sum of p u, bounding block of the loaded nodes in the window."""
+    count = 0
+    capped = 0
+    greatest = 0.0
+    work = 0.0
+    first_row, last_row, first_column, last_column = pressure.shape[0], -1, pressure.shape[1], -1
+    for i in range(pressure.shape[0]):
+        for j in range(pressure.shape[1]):
+            p = pressure[i, j]
+            if p > 0.0:
+                count += 1
+                if p >= hardness:
+                    capped += 1
+                greatest = max(greatest, p)
+                work += p * deflection[i, j]
+                first_row = min(first_row, i)
+                last_row = max(last_row, i)
+                first_column = min(first_column, j)
+                last_column = max(last_column, j)
+    return count, capped, greatest, work, first_row, last_row, first_column, last_column
+
+
+@njit(cache=True)
+def copy_block(source, target, row_offset, column_offset):
+    """target[i + row_offset, j + column_offset] = source[i, j] where both exist, 0 elsewhere."""
+    target[:] = 0.0
+    for i in range(max(0, -row_offset), min(source.shape[0], target.shape[0] - row_offset)):
+        for j in range(max(0, -column_offset), min(source.shape[1], target.shape[1] - column_offset)):
+            target[i + row_offset, j + column_offset] = source[i, j]

@@ -1,0 +1,360 @@
+"""What a scene will cost and whether it can be believed, said before anything is computed.
+
+Depends on `scenario` (what is asked), `reference` (Hertz) and, for measured heights, `surface`.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from rolling import reference, surface
+from rolling.scenario import Gaussian, HeightFile, Scene, SceneError, Track, expand, run_name, track
+
+HEARING = (20.0, 20e3)  # [Hz]
+SAMPLE_RATE = 48_000  # [Hz]
+STEEL = 7850.0  # [kg/m3]
+LEAST_HERTZ_NODES = 10  # across the Hertz radius
+LEAST_CORRELATION_NODES = 5  # across the correlation length
+GREATEST_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
+GREATEST_CONTACT = 0.2  # contact radius over sphere radius
+LEAST_BAND_TIME = 5.0  # bandwidth times duration
+THIRD_OCTAVES = [10 ** (n / 10) for n in range(13, 44)]  # exact mid-frequencies [Hz], nominal 20 Hz to 20 kHz
+RISE = (
+    1.5  # rms roughnesses by which the overlap of a rough surface reaches beyond that of a smooth one; fitted to solved
+)
+# contacts at Ra 0.01 to 5 um and 1 to 100 N, where it lay between 0.2 (elastic, light) and 2.4 (plastic, heavy)
+CONVOLUTIONS = 20  # of a step, about
+RUNS_ABREAST = 5  # columns of the report
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line of the check: what, its value as text with unit, and a warning (number and what to change) or None."""
+
+    what: str
+    value: str
+    warning: str | None = None
+
+
+def expected_step_ms(window_nodes: float) -> float:
+    """Expected time of a step [ms] on a square window of that many nodes a side: convolutions, by a power law."""
+    return CONVOLUTIONS * 0.12 * (window_nodes / 64) ** 2.45
+
+
+def overlap_radius(scene: Scene, rq: float) -> float:
+    """Radius [m] within which sphere and surface of rms roughness rq [m] about overlap: sqrt(2 R (a^2/R + 1.5 rq))."""
+    approach = reference.hertz_approach(scene.load, scene.radius, scene.contact_modulus)
+    if math.isfinite(scene.hardness):
+        # Rigid-plastic sinking: the overlap's area times the hardness is the load.
+        approach = max(approach, scene.load / (2 * math.pi * scene.radius * scene.hardness))
+    return math.sqrt(2 * scene.radius * (approach + RISE * rq))
+
+
+def roughness(scene: Scene) -> tuple[float, float]:
+    """Rms roughness [m] and rms slope [-] (norm of the gradient over one spacing) that the surface has or will have.
+
+    Raises
+    ------
+    SceneError : the height file cannot be used.
+    """
+    s, spacing = scene.surface, scene.spacing
+    if isinstance(s, Gaussian):
+        rq = s.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
+        decay, exponent = surface.AUTOCORRELATIONS[s.autocorrelation]
+        # Mean square of a difference over one spacing: 2 (rq^2 - C(spacing)).
+        drops = [-math.expm1(-decay * (s.spacing_um / length) ** exponent) for length in _correlation_lengths(s)]
+        return rq, rq * math.sqrt(2 * sum(drops)) / spacing
+    path = scene.height_path
+    if path is None:
+        return 0.0, 0.0
+    try:
+        statistics = surface.statistics(surface.read(path), spacing)
+    except surface.SurfaceError as error:
+        raise SceneError([f"surface.path: {error}"]) from error
+    return statistics.rq, statistics.rms_slope
+
+
+def findings(scene: Scene) -> list[Finding]:
+    """All there is to say about one run; a sweep is not looked at.
+
+    Raises
+    ------
+    SceneError : the height file cannot be used.
+    """
+    way = track(scene)
+    rq, slope = roughness(scene)
+    return [
+        *_size(scene, way),
+        *_window(scene, way, rq),
+        *_contact(scene, way),
+        *_sampling(scene, way),
+        *_validity(scene, slope),
+        _resonance(scene),
+        _record(scene, way),
+    ]
+
+
+def report(scene: Scene) -> str:
+    """The findings of a scene as a table: what holds for all its runs, then a column per run, the warnings below."""
+    runs = [(run_name(values) or scene.name, findings(run)) for values, run in expand(scene)]
+    whats = list(dict.fromkeys(finding.what for _, found in runs for finding in found))
+    cells = {what: [next((_cell(f) for f in found if f.what == what), "") for _, found in runs] for what in whats}
+    shared = [what for what in whats if len(set(cells[what])) == 1]
+    blocks = [_table([[what, cells[what][0]] for what in shared])]
+    rows = [["", *(name for name, _ in runs)], *([what, *cells[what]] for what in whats if what not in shared)]
+    if len(rows) > 1:
+        columns = range(1, len(runs) + 1, RUNS_ABREAST)
+        blocks += [_table([[row[0], *row[k : k + RUNS_ABREAST]] for row in rows]) for k in columns]
+    warnings: dict[str, list[str]] = {}
+    for what in whats:
+        for name, found in runs:
+            for finding in found:
+                if finding.what == what and finding.warning:
+                    warnings.setdefault(f"{what}: {finding.warning}", []).append(name)
+    lines = []
+    for warning, names in warnings.items():
+        some = names if len(names) <= RUNS_ABREAST else [*names[:RUNS_ABREAST], f"{len(names)} runs in all"]
+        lines.append(f"warning: {warning}" + ("" if len(names) == len(runs) else f" ({', '.join(some)})"))
+    return "\n\n".join(filter(None, [*blocks, "\n".join(lines)]))
+
+
+def _cell(finding: Finding) -> str:
+    return finding.value + (" !" if finding.warning else "")
+
+
+def _table(rows: Sequence[Sequence[str]]) -> str:
+    """Rows of cells, columns aligned."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join("  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows)
+
+
+def _size(scene: Scene, way: Track) -> list[Finding]:
+    duration = _duration(scene, way)
+    size = f"{_si(way.n_along * way.spacing, 'm')} x {_si(way.n_across * way.spacing, 'm')}"
+    return [
+        Finding("steps", f"{way.steps} of {_si(way.step, 'm')}"),
+        Finding("surface", f"{size}, {way.n_along} x {way.n_across} nodes"),
+        Finding("distance rolled", f"{_si(way.distance, 'm')}{'' if way.closed else ', not closed'}"),
+        Finding("duration", _si(duration, "s")),
+        Finding("sound samples", f"{round(duration * SAMPLE_RATE)}"),
+    ]
+
+
+def _window(scene: Scene, way: Track, rq: float) -> list[Finding]:
+    across = 2 * overlap_radius(scene, rq)
+    nodes = across / scene.spacing + max(1.0, scene.numerics.step_nodes)  # the blocks of both ends of a step
+    warning = None
+    period = min(way.n_along, way.n_across) * scene.spacing
+    if across > period:
+        side = "width" if way.n_across <= way.n_along else "length"
+        key = {"width": "surface.width_um", "length": "rolling.duration_s"}[side]
+        key = "a larger height file" if isinstance(scene.surface, HeightFile) else f"a larger {key}"
+        warning = (
+            f"the contact is about {_si(across, 'm')} across, the surface has a {side} of {_si(period, 'm')}: choose {key},"
+            f" at least {across * 1e6:.0f} um of surface"
+        )
+    memory = _memory(scene, way, nodes)
+    machine = _machine_memory()
+    too_much = (
+        f"about {_bytes(memory)} are needed, this machine has {_bytes(machine)}: shorten rolling.duration_s or widen"
+        " surface.spacing_um"
+        if memory > machine
+        else None
+    )
+    step_ms = expected_step_ms(nodes)
+    return [
+        Finding("window", f"about {nodes:.0f} x {nodes:.0f} nodes", warning),
+        Finding("memory", f"about {_bytes(memory)}", too_much),
+        Finding("expected time", f"about {_clock(way.steps * step_ms * 1e-3)}, {step_ms:.3g} ms a step"),
+    ]
+
+
+def _contact(scene: Scene, way: Track) -> list[Finding]:
+    a, p0 = _hertz(scene)
+    result = [Finding("Hertz radius", _si(a, "m")), Finding("Hertz pressure", _si(p0, "Pa"))]
+    if not math.isfinite(scene.hardness):
+        result.append(Finding("hardness", "none, purely elastic"))
+    else:
+        says = "yields" if p0 > scene.hardness else "stays elastic"
+        result.append(Finding("hardness", f"{_si(scene.hardness, 'Pa')}, {says}"))
+        capacity = scene.hardness * way.n_along * way.n_across * way.spacing**2
+        warning = None
+        if scene.load >= capacity:
+            warning = (
+                f"the load is {scene.load:g} N, hardness times one period of the surface is {_si(capacity, 'N')}: the run"
+                " will be refused; lower rolling.load_n or enlarge the surface"
+            )
+        result.append(Finding("capacity", _si(capacity, "N"), warning))
+    nodes = a / scene.spacing
+    coarse = None
+    if nodes < LEAST_HERTZ_NODES:
+        coarse = (
+            f"{nodes:.2g} nodes across the Hertz radius, {LEAST_HERTZ_NODES} are wanted: choose a surface.spacing_um of at"
+            f" most {_down(a / LEAST_HERTZ_NODES * 1e6)}"
+        )
+    return [*result, Finding("nodes per Hertz radius", f"{nodes:.3g}", coarse)]
+
+
+def _sampling(scene: Scene, way: Track) -> list[Finding]:
+    slowest, fastest = _speeds(scene, way)
+    low, high = slowest / (2 * way.step), fastest / (2 * way.step)
+    warning = None
+    if low < HEARING[1]:
+        warning = (
+            f"the simulated band ends at {_si(low, 'Hz')} at {slowest:g} m/s, hearing at 20 kHz: choose a step of at most"
+            f" {_down(slowest / (2 * HEARING[1]) * 1e6)} um (numerics.step_nodes or surface.spacing_um) or a speed of at"
+            f" least {_up(2 * HEARING[1] * way.step)} m/s"
+        )
+    result = [
+        Finding(
+            "simulated Nyquist", _si(low, "Hz") if low == high else f"{_si(low, 'Hz')} to {_si(high, 'Hz')}", warning
+        )
+    ]
+    if scene.numerics.step_nodes < 1:
+        tone = slowest / scene.spacing
+        audible = None
+        if tone < HEARING[1]:
+            audible = (
+                f"steps below one node sound a tone of the grid at {_si(tone, 'Hz')}: choose numerics.step_nodes 1 or a"
+                f" surface.spacing_um of at most {_down(slowest / HEARING[1] * 1e6)}"
+            )
+        result.append(Finding("tone of the grid", _si(tone, "Hz"), audible))
+    if isinstance(scene.surface, Gaussian):
+        shortest = min(_correlation_lengths(scene.surface))
+        nodes = shortest / scene.surface.spacing_um
+        coarse = None
+        if nodes < LEAST_CORRELATION_NODES * (1 - 1e-9):
+            coarse = (
+                f"{nodes:.2g} nodes per correlation length, {LEAST_CORRELATION_NODES} are wanted: choose a"
+                f" surface.spacing_um of at most {_down(shortest / LEAST_CORRELATION_NODES)}"
+            )
+        result.append(Finding("nodes per correlation length", f"{nodes:.3g}", coarse))
+    return result
+
+
+def _validity(scene: Scene, slope: float) -> list[Finding]:
+    steep = wide = None
+    if slope > GREATEST_SLOPE:
+        advice = "filter the shortest wavelengths out of the heights" if isinstance(scene.surface, HeightFile) else ""
+        advice = advice or "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
+        steep = f"the rms slope is {slope:.2g}, a half-space holds up to {GREATEST_SLOPE:g}: {advice}"
+    a, _ = _hertz(scene)
+    if math.isfinite(scene.hardness):
+        a = max(a, math.sqrt(scene.load / (math.pi * scene.hardness)))
+    share = a / scene.radius
+    if share > GREATEST_CONTACT:
+        wide = (
+            f"the contact radius is {share:.2g} of the sphere's, a half-space holds up to {GREATEST_CONTACT:g}: lower"
+            " rolling.load_n or enlarge sphere.radius_mm"
+        )
+    return [
+        Finding("rms slope", f"{slope:.2g}", steep),
+        Finding("contact radius / radius", f"{share:.2g}", wide),
+    ]
+
+
+def _resonance(scene: Scene) -> Finding:
+    a, _ = _hertz(scene)
+    mass = STEEL * 4 / 3 * math.pi * scene.radius**3
+    frequency = math.sqrt(2 * scene.contact_modulus * a / mass) / (2 * math.pi)
+    warning = None
+    if HEARING[0] < frequency < HEARING[1]:
+        warning = (
+            f"a free steel ball would bounce on its contact at {_si(frequency, 'Hz')}, inside hearing, and the load is held"
+            " constant here: do not trust levels about that frequency, or choose another sphere.radius_mm or rolling.load_n"
+        )
+    return Finding("contact resonance", _si(frequency, "Hz"), warning)
+
+
+def _record(scene: Scene, way: Track) -> Finding:
+    duration = _duration(scene, way)
+    share = 10**0.05 - 10**-0.05  # bandwidth of a third octave over its mid-frequency
+    short = [f for f in THIRD_OCTAVES if f * share * duration < LEAST_BAND_TIME]
+    warning = None
+    if short:
+        warning = (
+            f"{len(short)} of {len(THIRD_OCTAVES)} third octaves, up to {short[-1]:.0f} Hz, have a bandwidth times duration"
+            f" below {LEAST_BAND_TIME:g} and are uncertain by 2 dB or more: for all of them choose a rolling.duration_s of at"
+            f" least {_up(LEAST_BAND_TIME / (share * THIRD_OCTAVES[0]))}"
+        )
+    return Finding("certain third octaves", f"{len(THIRD_OCTAVES) - len(short)} of {len(THIRD_OCTAVES)}", warning)
+
+
+def _hertz(scene: Scene) -> tuple[float, float]:
+    """Radius [m] and peak pressure [Pa] of the smooth elastic contact."""
+    three = (scene.load, scene.radius, scene.contact_modulus)
+    return reference.hertz_radius(*three), reference.hertz_pressure(*three)
+
+
+def _correlation_lengths(s: Gaussian) -> tuple[float, float]:
+    """Along and across [um]."""
+    return s.correlation_length_um, s.correlation_length_across_um or s.correlation_length_um
+
+
+def _duration(scene: Scene, way: Track) -> float:
+    """Time [s] the track takes."""
+    if isinstance(scene.surface, HeightFile) and scene.motion.final_distance < way.distance:
+        return scene.motion.duration(
+            scene.motion.final_distance
+        )  # one step at least, even for a sphere that rests before
+    return scene.motion.duration(way.distance)
+
+
+def _speeds(scene: Scene, way: Track) -> tuple[float, float]:
+    """Least (not zero) and greatest speed [m/s] of the profile's points while the track lasts."""
+    motion, end = scene.motion, _duration(scene, way)
+    speeds = [v for t, v in zip(motion.times, motion.speeds, strict=True) if t < end] + [float(motion.speed(end))]
+    moving = [v for v in speeds if v > 1e-9 * motion.fastest] or [motion.fastest]
+    return min(moving), max(moving)
+
+
+def _memory(scene: Scene, way: Track, nodes: float) -> float:
+    """Bytes at the peak, about: the surface while it is made, the window's arrays and transforms, the series."""
+    making = 5 if isinstance(scene.surface, Gaussian) else 2
+    return 8.0 * (making * way.n_along * way.n_across + 12 * nodes**2 + 3 * (2 * nodes) ** 2 + 10 * way.steps)
+
+
+def _machine_memory() -> float:
+    """Bytes of this machine, infinite where it does not say."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, OSError, ValueError):
+        return math.inf
+
+
+def _si(value: float, unit: str) -> str:
+    """Three digits and a prefix: 6.87e-5, "m" gives "68.7 um"."""
+    for prefix, size in (("G", 1e9), ("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9)):
+        if (unit, prefix) not in (("m", "G"), ("m", "M"), ("m", "k")) and abs(value) >= 0.9995 * size:
+            digits = f"{value / size:.3g}"
+            return f"{float(digits):g} {prefix}{unit}"
+    return f"{value:.3g} {unit}"
+
+
+def _bytes(value: float) -> str:
+    return f"{value / 1e9:.2g} GB" if value >= 1e9 else f"{max(value / 1e6, 1):.0f} MB"
+
+
+def _clock(seconds: float) -> str:
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds:.2g} s"
+
+
+def _down(value: float) -> str:
+    """Two digits, rounded so that the advice holds."""
+    return f"{_rounded(value, math.floor):g}"
+
+
+def _up(value: float) -> str:
+    return f"{_rounded(value, math.ceil):g}"
+
+
+def _rounded(value: float, towards: Callable[[float], int]) -> float:
+    size = 10.0 ** (math.floor(math.log10(value)) - 1)
+    # What is a whole number but for rounding stays.
+    return towards(round(value / size, 9)) * size

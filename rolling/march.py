@@ -1,0 +1,243 @@
+"""Moves the sphere along the track, one contact solve per position, warm-started, on a window that contact cannot leave.
+
+Depends on contact and half_space. The march is in distance: a quasi-static contact knows its position, not its speed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling import _march, contact, reference
+from rolling.contact import ContactError
+from rolling.half_space import HalfSpace, window_size
+
+Array = NDArray[np.float64]
+
+COLD_TIGHTENING = 0.1  # a cold start is solved this much tighter, so that its error does not stand out among warm ones
+
+
+@dataclass(frozen=True)
+class Window:
+    """A block of nodes on the unrolled plate: its first row (along) and column (across), which may be negative, and its size."""
+
+    row: int
+    column: int
+    rows: int
+    columns: int
+
+    @classmethod
+    def spanning(cls, blocks: list[tuple[int, int, int, int]]) -> Window:
+        """The smallest window over blocks given as (first row, last row, first column, last column)."""
+        row, last_row = min(b[0] for b in blocks), max(b[1] for b in blocks)
+        column, last_column = min(b[2] for b in blocks), max(b[3] for b in blocks)
+        return cls(row, column, last_row - row + 1, last_column - column + 1)
+
+    def covers(self, other: Window) -> bool:
+        return (
+            self.row <= other.row
+            and self.column <= other.column
+            and self.row + self.rows >= other.row + other.rows
+            and self.column + self.columns >= other.column + other.columns
+        )
+
+    def padded(self) -> Window:
+        """Grown to sizes whose transforms are quick, the slack on all sides alike."""
+        rows, columns = window_size(self.rows), window_size(self.columns)
+        return Window(self.row - (rows - self.rows) // 2, self.column - (columns - self.columns) // 2, rows, columns)
+
+    def moved(self, values: Array, target: Window) -> Array:
+        """Values (rows, columns) of this window as they stand in the target window; zero where this one does not reach."""
+        out = np.empty((target.rows, target.columns))
+        _march.copy_block(values, out, self.row - target.row, self.column - target.column)
+        return out
+
+
+@dataclass(frozen=True)
+class Track:
+    """What is rolled over and by what. SI; heights (along, across), periodic both ways; hardness inf: purely elastic."""
+
+    heights: Array
+    spacing: float
+    radius: float
+    contact_modulus: float
+    hardness: float
+    load: float
+    step: float
+    start: float
+    tolerance: float
+
+    @cached_property
+    def row_highest(self) -> Array:
+        return self.heights.max(axis=1)
+
+    @property
+    def mid_width(self) -> float:
+        return (self.heights.shape[1] - 1) / 2 * self.spacing
+
+    def position(self, k: int) -> float:
+        """Distance along the track of the sphere's centre at position k [m]."""
+        return self.start + k * self.step
+
+    def overlap(self, k: int, approach: float) -> Window | None:
+        """Where the undeformed gap is below the approach at position k: contact lies inside. None: nowhere."""
+        block = _march.overlap_block(
+            self.heights, self.row_highest, self.spacing, self.radius, self.position(k), self.mid_width, approach
+        )
+        return Window.spanning([block]) if block[1] >= block[0] else None
+
+    def gap(self, k: int, window: Window) -> Array:
+        """Undeformed gap [m] on a window at position k."""
+        out = np.empty((window.rows, window.columns))
+        _march.undeformed_gap(
+            self.heights, self.spacing, self.radius, self.position(k), self.mid_width, window.row, window.column, out
+        )
+        return out
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """The solved contact at one position; SI. `loaded` is the bounding window of the nodes under pressure."""
+
+    position: int
+    window: Window
+    loaded: Window
+    pressure: Array
+    deflection: Array
+    approach: float
+    contact_area: float
+    plastic_area: float
+    max_pressure: float
+    stored_energy: float
+    residual: float
+    iterations: int
+    convolutions: int
+
+
+def march(track: Track, first: int, last: int, half_space: HalfSpace) -> Iterator[ContactState]:
+    """Contact states at positions first, first + 1, ..., last; the first one from a cold start.
+
+    What comes out depends on `first`, not on what was marched before: pieces of a track may be marched anywhere.
+
+    Raises
+    ------
+    ContactError : load above capacity, contact wider than the surface, or a solve that did not converge (with its position).
+    """
+    _refuse_the_impossible(track)
+    state: ContactState | None = None
+    change = np.inf
+    for k in range(first, last + 1):
+        try:
+            following = _start(track, k, half_space) if state is None else _follow(track, k, half_space, state, change)
+        except ContactError as error:
+            raise ContactError(f"step {k} (sphere at {track.position(k) * 1e3:.4f} mm): {error}") from error
+        change = abs(following.approach - state.approach) if state else np.inf
+        state = following
+        yield state
+
+
+def _start(track: Track, k: int, half_space: HalfSpace) -> ContactState:
+    """A cold start: from springs that meet Hertz, on a window grown until contact cannot leave it."""
+    hertz = reference.hertz_radius(track.load, track.radius, track.contact_modulus)
+    stiffness = 4 * track.contact_modulus / (np.pi * hertz)
+    nodes = int(np.ceil(max(hertz, np.sqrt(track.load / (np.pi * track.hardness))) * 1.5 / track.spacing)) + 2
+    centre, middle = round(track.position(k) / track.spacing), round(track.mid_width / track.spacing)
+    window = Window(centre - nodes, middle - nodes, 2 * nodes + 1, 2 * nodes + 1)
+    blocks = [window]
+    overlap = track.overlap(k, hertz**2 / track.radius)
+    if overlap is not None:
+        blocks.append(overlap)
+    window = _span(blocks).padded()
+    pressure = contact.foundation(track.gap(k, window), track.load, track.spacing, stiffness, track.hardness)
+    return _solve(track, k, half_space, window, pressure, COLD_TIGHTENING * track.tolerance)
+
+
+def _follow(track: Track, k: int, half_space: HalfSpace, state: ContactState, change: float) -> ContactState:
+    """The next position, from pressures that stayed with the plate, on a window of all that was loaded and all that can be.
+
+    On a smooth plate pressures move with the sphere instead: the start is the mixture of both of least energy. Both deflections
+    are known, so finding it takes no convolution.
+    """
+    margin = min(4 * change, 0.1 * float(state.deflection.max()))
+    overlap = track.overlap(k, state.approach + margin)
+    window = _span([state.loaded] if overlap is None else [state.loaded, overlap]).padded()
+    start = state.window.moved(state.pressure, window)
+    nodes = round(track.step / track.spacing)
+    if nodes * track.spacing == track.step:
+        ahead = replace(state.window, row=state.window.row + nodes)
+        towards = ahead.moved(state.pressure, window) - start
+        slope = np.vdot(track.gap(k, window) + state.window.moved(state.deflection, window), towards)
+        rise = ahead.moved(state.deflection, window) - state.window.moved(state.deflection, window)
+        curvature = np.vdot(towards, rise)
+        if slope < 0 < curvature and window.covers(replace(state.loaded, row=state.loaded.row + nodes)):
+            start += min(-slope / curvature, 1.0) * towards
+    return _solve(track, k, half_space, window, start, track.tolerance)
+
+
+def _solve(
+    track: Track, k: int, half_space: HalfSpace, window: Window, pressure: Array, tolerance: float
+) -> ContactState:
+    """Solve on the window; where the overlap of the answer reaches outside, again on a larger one."""
+    iterations = convolutions = 0
+    while True:
+        solved = contact.solve(half_space, track.gap(k, window), track.load, pressure, tolerance, track.hardness)
+        iterations += solved.iterations
+        convolutions += solved.convolutions
+        overlap = track.overlap(k, solved.approach)
+        if overlap is None or window.covers(overlap):
+            break
+        larger = _span([window, overlap]).padded()
+        pressure, window = window.moved(solved.pressure, larger), larger
+
+    count, capped, greatest, work, *block = _march.loaded(solved.pressure, solved.deflection, track.hardness)
+    cell = track.spacing**2
+    loaded = Window(window.row + block[0], window.column + block[2], block[1] - block[0] + 1, block[3] - block[2] + 1)
+    _refuse_wide(track, loaded.rows * track.spacing, loaded.columns * track.spacing)
+    return ContactState(
+        position=k,
+        window=window,
+        loaded=loaded,
+        pressure=solved.pressure,
+        deflection=solved.deflection,
+        approach=solved.approach,
+        contact_area=count * cell,
+        plastic_area=capped * cell,
+        max_pressure=float(greatest),
+        stored_energy=0.5 * float(work) * cell,
+        residual=solved.residual,
+        iterations=iterations,
+        convolutions=convolutions,
+    )
+
+
+def _span(windows: list[Window]) -> Window:
+    return Window.spanning([(w.row, w.row + w.rows - 1, w.column, w.column + w.columns - 1) for w in windows])
+
+
+def _refuse_the_impossible(track: Track) -> None:
+    area = track.heights.size * track.spacing**2
+    if track.load >= track.hardness * area:
+        raise ContactError(
+            f"a load of {track.load:g} N is more than the surface can carry: hardness {track.hardness:g} Pa times one period"
+            f" of {area:.4g} m2 is {track.hardness * area:.4g} N; take a lower load, a harder plate or a larger surface"
+        )
+    # A rough or yielding contact is at least as wide as the smooth elastic one.
+    width = 2 * reference.hertz_radius(track.load, track.radius, track.contact_modulus)
+    _refuse_wide(track, width, width)
+
+
+def _refuse_wide(track: Track, along: float, across: float) -> None:
+    for needed, nodes, way, key in (
+        (along, track.heights.shape[0], "along the track", "rolling.duration_s"),
+        (across, track.heights.shape[1], "across the track", "surface.width_um"),
+    ):
+        period = nodes * track.spacing
+        if needed > period:
+            raise ContactError(
+                f"contact is {needed * 1e6:.4g} um wide {way}, more than one period of the surface ({period * 1e6:.4g} um);"
+                f" raise {key} to more than {needed * 1e6:.4g} um of surface"
+            )

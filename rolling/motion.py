@@ -1,0 +1,123 @@
+"""How far the sphere has rolled when: constant speed, or speeds joined by straight lines. Depends on numpy only."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+ROUNDING = 1e-9  # relative; a distance this little beyond the last one reached is that one
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A speed profile: linear between the given times, constant after the last.
+
+    Parameters
+    ----------
+    times : [s], strictly increasing from 0.
+    speeds : [m/s], one per time, none negative, not all zero.
+
+    Raises
+    ------
+    ValueError : times or speeds that are not so.
+    """
+
+    times: tuple[float, ...]
+    speeds: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        times, speeds = np.array(self.times), np.array(self.speeds)
+        if times.ndim != 1 or times.shape != speeds.shape or not times.size:
+            raise ValueError("a motion needs as many speeds as times, at least one of each")
+        if times[0] != 0 or not np.all(np.diff(times) > 0):
+            raise ValueError("the times of a motion must increase strictly from 0")
+        if not np.all(np.isfinite(speeds)) or np.any(speeds < 0) or not np.any(speeds > 0):
+            raise ValueError("the speeds of a motion must be finite, not negative, and not all zero")
+
+    @classmethod
+    def of(cls, speed: float | Sequence[Sequence[float]]) -> Motion:
+        """Motion at a constant speed [m/s], or along (time [s], speed [m/s]) pairs."""
+        if isinstance(speed, int | float):
+            return cls((0.0,), (float(speed),))
+        return cls(tuple(float(t) for t, _ in speed), tuple(float(v) for _, v in speed))
+
+    @property
+    def is_constant(self) -> bool:
+        """The speed never changes."""
+        return len(set(self.speeds)) == 1
+
+    @property
+    def slowest(self) -> float:
+        """Least speed [m/s] of the profile's points that is not zero."""
+        return min(v for v in self.speeds if v > 0)
+
+    @property
+    def fastest(self) -> float:
+        """Greatest speed [m/s]."""
+        return max(self.speeds)
+
+    @property
+    def final_distance(self) -> float:
+        """Distance [m] beyond which the sphere never comes: infinite unless the last speed is zero."""
+        return np.inf if self.speeds[-1] > 0 else float(self._knots[2][-1])
+
+    @cached_property
+    def _knots(self) -> tuple[Array, Array, Array, Array]:
+        """Time, speed, distance rolled and acceleration at the start of each stretch."""
+        times, speeds = np.array(self.times), np.array(self.speeds)
+        lasting = np.diff(times)
+        distances = np.append(0.0, np.cumsum(lasting * (speeds[:-1] + speeds[1:]) / 2))
+        return times, speeds, distances, np.append(np.diff(speeds) / lasting, 0.0)
+
+    def speed(self, t: ArrayLike) -> Array:
+        """Speed [m/s] at the times t >= 0 [s]."""
+        return np.interp(_from_zero(t, "time"), self.times, self.speeds)
+
+    def distance(self, t: ArrayLike) -> Array:
+        """Distance rolled [m] up to the times t >= 0 [s]."""
+        t = _from_zero(t, "time")
+        times, speeds, distances, accelerations = self._knots
+        k = np.searchsorted(times, t, side="right") - 1
+        tau = t - times[k]
+        return distances[k] + tau * (speeds[k] + accelerations[k] * tau / 2)
+
+    def time(self, distance: ArrayLike) -> Array:
+        """Time [s] at which each distance >= 0 [m] is reached, the earliest where the sphere rests there.
+
+        Raises
+        ------
+        ValueError : the sphere comes to rest before a distance.
+        """
+        d = _from_zero(distance, "distance")
+        times, speeds, distances, accelerations = self._knots
+        if speeds[-1] == 0:
+            end = distances[-1]
+            if np.any(d > end * (1 + ROUNDING)):
+                raise ValueError(f"the sphere comes to rest after {end:.6g} m and never reaches {np.max(d):.6g} m")
+            d = np.minimum(d, end)
+        # A stretch owns its end, not its start: so a distance the sphere rests at belongs to its arrival.
+        k = np.maximum(np.searchsorted(distances, d, side="left") - 1, 0)
+        ahead = d - distances[k]
+        root = np.sqrt(np.maximum(speeds[k] ** 2 + 2 * accelerations[k] * ahead, 0.0))
+        # This form of the quadratic's root does not cancel when braking, and holds for no acceleration.
+        with np.errstate(invalid="ignore", divide="ignore"):
+            tau = np.where(ahead > 0, 2 * ahead / (speeds[k] + root), 0.0)
+        lasting = np.append(np.diff(times), np.inf)
+        return times[k] + np.minimum(tau, lasting[k])
+
+    def duration(self, distance: float) -> float:
+        """Time [s] it takes to roll a distance [m]; raises ValueError as `time` does."""
+        return float(self.time(distance))
+
+
+def _from_zero(values: ArrayLike, what: str) -> Array:
+    array = np.asarray(values, dtype=float)
+    if np.any(array < 0):
+        raise ValueError(f"a {what} before the start: {np.min(array):.6g}")
+    return array

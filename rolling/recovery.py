@@ -1,0 +1,126 @@
+"""Deflection histories in the frame of the plate: release, loading and stored energy per step, recovery events, energy ledger.
+
+Depends on march (states) and half_space. A node whose deflection falls by du under pressure p releases p du dA (Lee, Kim & Kim,
+Inventions 10(1), 17 (2025), Eq. 8-9); p is the mean over the step, second order in it, or its left end as in the article.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling import _recovery
+from rolling.half_space import HalfSpace
+from rolling.march import ContactState, Window
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StepEnergy:
+    """Energies of the step between two states [J]: `defect` is loading - release - change of the stored energy.
+
+    `node_work` [J] is what each node of `window` released (positive) or took up (negative).
+    """
+
+    release: float
+    loading: float
+    defect: float
+    window: Window
+    node_work: Array
+
+
+def step_energy(old: ContactState, new: ContactState, half_space: HalfSpace, left_end: bool = False) -> StepEnergy:
+    """Release and loading between two successive positions.
+
+    Every node loaded at either position counts, so both deflections must be known on all of them: the new window reaches over
+    the nodes that were loaded; where the old one does not reach over the new ones, its deflection is computed there.
+    """
+    window, u_old = new.window, None
+    if old.window.covers(new.loaded):
+        # Nodes of the new window outside the old one are unloaded at both ends: what is filled in there meets zero pressure.
+        u_old = old.window.moved(old.deflection, window)
+    p_old = old.window.moved(old.pressure, window)
+    if u_old is None:
+        u_old = half_space.deflection(p_old)
+    work = np.empty((window.rows, window.columns))
+    cell = half_space.spacing**2
+    release, loading = _recovery.node_work(p_old, u_old, new.pressure, new.deflection, left_end, cell, work)
+    defect = loading - release - (new.stored_energy - old.stored_energy)
+    return StepEnergy(float(release), float(loading), float(defect), window, work)
+
+
+@dataclass
+class EventTable:
+    """Recovery events of a march: each an unbroken fall of one loaded node's deflection.
+
+    Columns: node (along, across), first and last position, energy [J], peak [J per step].
+    """
+
+    shape: tuple[int, int]
+    count: int = 0
+    node: NDArray[np.int32] = field(default_factory=lambda: np.empty((1024, 2), np.int32))
+    first: NDArray[np.int64] = field(default_factory=lambda: np.empty(1024, np.int64))
+    last: NDArray[np.int64] = field(default_factory=lambda: np.empty(1024, np.int64))
+    energy: Array = field(default_factory=lambda: np.empty(1024))
+    peak: Array = field(default_factory=lambda: np.empty(1024))
+
+    def __post_init__(self) -> None:
+        self._open = np.full(self.shape, -1, dtype=np.int64)
+
+    def add(self, step: int, work: StepEnergy) -> None:
+        """Enter what was released between positions `step` and `step` + 1."""
+        while True:
+            count = _recovery.extend_events(
+                work.node_work,
+                work.window.row,
+                work.window.column,
+                step,
+                self._open,
+                self.first,
+                self.last,
+                self.energy,
+                self.peak,
+                self.node,
+                self.count,
+            )
+            if count >= 0:
+                self.count = int(count)
+                return
+            rows = max(-1 - count, 2 * self.energy.size)
+            for name in ("node", "first", "last", "energy", "peak"):
+                old = getattr(self, name)
+                new = np.empty((rows, *old.shape[1:]), old.dtype)
+                new[: self.count] = old[: self.count]
+                setattr(self, name, new)
+
+    def columns(self) -> dict[str, NDArray]:
+        """The filled part, by column name."""
+        names = ("node", "first", "last", "energy", "peak")
+        return {name: getattr(self, name)[: self.count].copy() for name in names}
+
+
+def join_events(pieces: Iterable[dict[str, NDArray]]) -> dict[str, NDArray]:
+    """One table from the tables of successive pieces of a track: an event cut by a border between pieces is made whole."""
+    whole: dict[str, NDArray] = {}
+    for piece in pieces:
+        if not whole:
+            whole = {name: column.copy() for name, column in piece.items()}
+            continue
+        if piece["energy"].size == 0:
+            continue
+        border = piece["first"].min()
+        ending = {tuple(whole["node"][k]): k for k in np.flatnonzero(whole["last"] == border)}
+        keep = np.ones(piece["energy"].size, dtype=bool)
+        for k in np.flatnonzero(piece["first"] == border):
+            before = ending.get(tuple(piece["node"][k]))
+            if before is not None:
+                whole["last"][before] = piece["last"][k]
+                whole["energy"][before] += piece["energy"][k]
+                whole["peak"][before] = max(whole["peak"][before], piece["peak"][k])
+                keep[k] = False
+        whole = {name: np.concatenate([whole[name], piece[name][keep]]) for name in whole}
+    return whole

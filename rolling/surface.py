@@ -1,0 +1,130 @@
+"""Periodic surface heights: generation by spectral filtering, files, statistics. Depends on numpy only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent)
+    "gaussian": (1.0, 2),
+    "gaussian_10pct": (2.3, 2),
+    "exponential": (1.0, 1),
+    "exponential_10pct": (2.3, 1),
+}
+LARGEST_RA = 1e-3  # [m]; anything rougher is a file in other units
+
+
+class SurfaceError(ValueError):
+    """Heights that cannot be used: what is wrong with them, and where."""
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Roughness of a surface about its mean plane: lengths in m, the rest without unit."""
+
+    ra: float
+    rq: float
+    skewness: float
+    kurtosis: float
+    rms_slope: float
+    highest: float
+    lowest: float
+
+
+def gaussian(
+    shape: tuple[int, int],
+    spacing: float,
+    ra: float,
+    correlation_length: tuple[float, float],
+    autocorrelation: str,
+    seed: int,
+) -> Array:
+    """Periodic Gaussian heights [m] of exact Ra and zero mean, by filtering white noise with the root of the spectrum.
+
+    Parameters
+    ----------
+    shape : nodes along and across the track.
+    spacing : node spacing [m].
+    ra : arithmetic mean roughness [m].
+    correlation_length : along and across the track [m].
+    autocorrelation : a key of AUTOCORRELATIONS; its r / L is the norm of (x / L_along, y / L_across).
+    seed : of numpy's default generator.
+
+    Raises
+    ------
+    SurfaceError : the filter leaves nothing (a correlation length far above the surface's size).
+    """
+    decay, exponent = AUTOCORRELATIONS[autocorrelation]
+    along, across = (
+        np.minimum(np.arange(n), n - np.arange(n)) * spacing / length
+        for n, length in zip(shape, correlation_length, strict=True)
+    )
+    r2 = along[:, None] ** 2 + across[None, :] ** 2
+    # Folding the law onto the periodic grid can leave slightly negative spectral densities: they are nothing.
+    density = np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0)
+    noise = np.random.default_rng(seed).standard_normal(shape)
+    heights = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
+    heights -= heights.mean()
+    got = np.abs(heights).mean()
+    if not got > 1e-12 * np.sqrt(density.max()):
+        raise SurfaceError("the surface has no roughness left: its correlation length is far above its size")
+    heights *= ra / got
+    return heights
+
+
+def smooth(shape: tuple[int, int]) -> Array:
+    """Flat heights [m]."""
+    return np.zeros(shape)
+
+
+def read(path: Path) -> Array:
+    """Heights [m] from a .npy file, shape (along track, across), mean plane taken off.
+
+    Raises
+    ------
+    SurfaceError : not a 2-D array of real numbers, NaN or infinite heights (the first one named), or an Ra above 1 mm (other units).
+    """
+    try:
+        stored = np.load(path, allow_pickle=False)
+    except (OSError, ValueError) as error:
+        raise SurfaceError(f"{path}: not a readable .npy file of heights ({error})") from error
+    if not isinstance(stored, np.ndarray) or stored.ndim != 2 or stored.dtype.kind not in "fiu":
+        what = f"{stored.ndim}-D {stored.dtype}" if isinstance(stored, np.ndarray) else "an archive"
+        raise SurfaceError(f"{path}: got {what}, allowed is one 2-D array of real heights in m, (along track, across)")
+    heights = stored.astype(np.float64)
+    bad = np.argwhere(~np.isfinite(heights))
+    if len(bad):
+        i, j = bad[0]
+        raise SurfaceError(
+            f"{path}: {len(bad)} of {heights.size} heights are not numbers, the first at ({i}, {j}); fill them in first"
+        )
+    heights -= heights.mean()
+    ra = np.abs(heights).mean()
+    if ra > LARGEST_RA:
+        raise SurfaceError(
+            f"{path}: Ra would be {ra:.4g} m, more than {LARGEST_RA:g} m; heights must be in metres"
+            f" (multiply by 1e-6 if they are in um)"
+        )
+    return heights
+
+
+def statistics(heights: Array, spacing: float) -> Statistics:
+    """Roughness statistics of periodic heights (m, n) [m]; the rms slope is the norm of the gradient over one spacing."""
+    z = heights - heights.mean()
+    rq = float(np.sqrt(np.mean(z**2)))
+    rough = rq > 0
+    slopes = [np.mean(((np.roll(z, -1, axis) - z) / spacing) ** 2) for axis in (0, 1)]
+    return Statistics(
+        ra=float(np.abs(z).mean()),
+        rq=rq,
+        skewness=float(np.mean((z / rq) ** 3)) if rough else 0.0,
+        kurtosis=float(np.mean((z / rq) ** 4)) if rough else 0.0,
+        rms_slope=float(np.sqrt(sum(slopes))),
+        highest=float(z.max()),
+        lowest=float(z.min()),
+    )

@@ -1,0 +1,109 @@
+"""Oracles: tones whose levels follow from their amplitude, through the whole chain from step power to level."""
+
+import math
+
+import numpy as np
+import pytest
+
+from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
+from acoustics.level import I_REF_W_M2, P_REF_PA, RHO_C, laeq_db, level_db, sound_levels
+from acoustics.radiation import intensity, sound_pressure
+from acoustics.resampling import band_limit, resample_closed, undo_step_mean
+from acoustics.weighting import a_weighting_db
+
+RATE = 48000
+
+
+def tone(frequency_hz, amplitude=1.0, n=24000, rate=RATE):
+    return amplitude * np.sin(2.0 * np.pi * frequency_hz * np.arange(n) / rate + 0.4)
+
+
+@pytest.mark.parametrize(
+    ("frequency_hz", "band"), [(40.0, "40"), (1000.0, "1000"), (3200.0, "3150"), (19800.0, "20000")]
+)
+def test_sine_through_the_whole_chain(frequency_hz, band):
+    # The power over a step of 20 us is the mean of 1 mW + 10 uW sin over it, in closed form.
+    mean_w, amplitude_w, step_rate, n, distance = 1e-3, 1e-5, 50000.0, 25000, 2.0
+    phase = 2.0 * np.pi * frequency_hz * np.arange(n + 1) / step_rate + 0.4
+    means = mean_w - amplitude_w * np.diff(np.cos(phase)) * step_rate / (2.0 * np.pi * frequency_hz)
+
+    radiated = intensity(undo_step_mean(means), distance)
+    audible = band_limit(resample_closed(radiated, RATE // 2), RATE)
+    pressure, factor = sound_pressure(audible)
+    levels = sound_levels(pressure, RATE, highest_hz=step_rate / 2.0)
+
+    fluctuation = amplitude_w / math.sqrt(2.0) / (4.0 * math.pi * distance**2)  # rms of I'
+    expected = 10.0 * math.log10(fluctuation * RHO_C / P_REF_PA**2)
+    # The contract is 0.01 dB; every operation is exact but for rounding, so ask for far more.
+    assert levels.level_db == pytest.approx(expected, abs=1e-6)
+    assert levels.laeq_db == pytest.approx(expected + a_weighting_db(frequency_hz), abs=1e-6)
+    assert levels.third_octave_db[band] == pytest.approx(expected, abs=1e-6)
+    assert levels.third_octave_a_db[band] == pytest.approx(expected + a_weighting_db(frequency_hz), abs=1e-6)
+    assert [name for name, level in levels.third_octave_db.items() if level is not None] == [band]
+    assert factor == pytest.approx(math.sqrt(RHO_C / fluctuation), rel=1e-9)
+    # The steady level is that of the mean intensity and does not sound.
+    steady = level_db(float(np.mean(radiated)), I_REF_W_M2)
+    assert steady == pytest.approx(10.0 * math.log10(1e-3 / (16.0 * math.pi) / 1e-12), abs=1e-9)
+
+
+def test_1_pa_is_94_db():
+    # 20 lg(1 / 20e-6) = 93.979 dB, the level of an acoustic calibrator.
+    assert laeq_db(tone(1000.0, math.sqrt(2.0)), RATE) == pytest.approx(93.9794, abs=1e-4)
+
+
+def test_bands_add_up_to_the_whole():
+    noise = np.random.default_rng(2).standard_normal(RATE)
+    levels = sound_levels(band_limit(noise, RATE), RATE)
+
+    def total(bands):
+        return 10.0 * math.log10(sum(10.0 ** (level / 10.0) for level in bands.values()))
+
+    assert total(levels.third_octave_db) == pytest.approx(levels.level_db, abs=1e-9)  # rounding
+    assert total(levels.third_octave_a_db) == pytest.approx(levels.laeq_db, abs=1e-9)
+    assert laeq_db(band_limit(noise, RATE), RATE) == levels.laeq_db
+
+
+def test_silence_is_none_everywhere():
+    levels = sound_levels(np.zeros(4800), RATE)
+    assert levels.laeq_db is None and levels.level_db is None
+    assert list(levels.third_octave_db) == list(levels.third_octave_a_db) == list(BAND_NAMES)
+    assert {*levels.third_octave_db.values(), *levels.third_octave_a_db.values()} == {None}
+    assert level_db(0.0) is None and level_db(-1.0) is None and laeq_db(np.zeros(10), RATE) is None
+
+
+def test_a_constant_power_is_silent():
+    # Transforms of these lengths (smooth and prime) leave rounding beside 0 Hz; it must not sound at -100 dB.
+    for n in (24000, 23993):
+        radiated = intensity(undo_step_mean(np.full(n, 1.8e-4)), 1.0)
+        pressure, factor = sound_pressure(band_limit(resample_closed(radiated, 24000), RATE))
+        assert factor == 0.0 and sound_levels(pressure, RATE).level_db is None
+
+
+def test_bands_above_what_was_simulated_are_unknown():
+    noise = band_limit(np.random.default_rng(4).standard_normal(RATE), RATE)
+    known = sound_levels(noise, RATE, highest_hz=12500.0).third_octave_db
+    # The 10 kHz band ends at 11.2 kHz, the 12.5 kHz band at 14.1 kHz.
+    assert [name for name, level in known.items() if level is None] == ["12500", "16000", "20000"]
+    assert sound_levels(noise, 16000.0).third_octave_a_db["8000"] is None  # above the record's own Nyquist, in part
+
+
+def test_a_steady_pressure_is_no_sound_for_the_ear():
+    assert laeq_db(np.full(480, 3.0), RATE) is None
+
+
+def test_a_fault_is_not_silence():
+    with pytest.raises(ValueError, match="NaN"):
+        level_db(math.nan)
+    with pytest.raises(ValueError, match="finite"):
+        sound_levels(np.array([0.0, math.inf]), RATE)
+    with pytest.raises(ValueError, match="finite"):
+        sound_levels(sound_pressure(band_limit(np.array([0.0, math.nan, 1.0]), RATE))[0], RATE)
+
+
+def test_each_band_hears_its_own_middle():
+    n = 10 * RATE
+    for name, mid in zip(BAND_NAMES, MID_HZ, strict=True):
+        on_line = round(mid * 10.0) / 10.0
+        levels = sound_levels(tone(on_line, n=n), RATE).third_octave_db
+        assert max(levels, key=lambda key: -math.inf if levels[key] is None else levels[key]) == name
+    assert AUDIBLE_HZ[1] < RATE / 2

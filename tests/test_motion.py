@@ -1,0 +1,109 @@
+"""Motion against the exact integral of its speed: distance, its inverse, and what is refused."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from rolling.motion import Motion
+
+
+@st.composite
+def motions(draw: st.DrawFn) -> Motion:
+    n = draw(st.integers(1, 5))
+    times = np.append(0.0, np.cumsum(draw(st.lists(st.floats(1e-3, 2.0), min_size=n, max_size=n))))
+    # Speeds of zero are wanted, speeds of 1e-300 are not.
+    speeds = draw(st.lists(st.one_of(st.just(0.0), st.floats(1e-3, 5.0)), min_size=n + 1, max_size=n + 1))
+    assume(any(speeds))
+    return Motion(tuple(times.tolist()), tuple(speeds))
+
+
+def test_constant_speed() -> None:
+    motion = Motion.of(0.2)
+    assert motion.is_constant
+    assert motion.distance([0.0, 3.0]) == pytest.approx([0.0, 0.6], rel=1e-15)
+    assert motion.speed([0.0, 3.0]) == pytest.approx([0.2, 0.2])
+    assert motion.time(0.6) == pytest.approx(3.0, rel=1e-15)
+    assert motion.duration(0.6) == pytest.approx(3.0)
+    assert motion.final_distance == np.inf
+
+
+def test_accelerating_ball_by_hand() -> None:
+    # 0 to 2 m/s in 4 s: 4 m; then 2 m/s.
+    motion = Motion.of([(0, 0), (4, 2)])
+    assert not motion.is_constant
+    assert motion.distance([2, 4, 6]) == pytest.approx([1, 4, 8], rel=1e-15)
+    assert motion.time([1, 4, 8]) == pytest.approx([2, 4, 6], rel=1e-15)
+    assert motion.speed([1, 5]) == pytest.approx([0.5, 2])
+    assert (motion.slowest, motion.fastest) == (2, 2)
+
+
+def test_equal_pairs_are_constant() -> None:
+    assert Motion.of([[0, 0.1], [1, 0.1]]).is_constant
+
+
+def test_a_rest_in_between_is_reached_when_it_begins() -> None:
+    motion = Motion.of([(0, 1), (1, 0), (2, 0), (3, 1)])
+    assert motion.distance([1, 1.5, 2]) == pytest.approx([0.5, 0.5, 0.5])
+    assert motion.time(0.5) == pytest.approx(1.0)
+    assert motion.time(1.0) == pytest.approx(3.0)
+
+
+def test_a_start_at_rest_is_at_time_zero() -> None:
+    assert Motion.of([(0, 0), (1, 0), (2, 1)]).time(0.0) == 0.0
+
+
+def test_final_stop() -> None:
+    motion = Motion.of([(0, 0.1), (0.1, 0)])
+    assert motion.final_distance == pytest.approx(0.005)
+    assert motion.time(0.005 * (1 + 1e-12)) == pytest.approx(0.1)
+    with pytest.raises(ValueError, match=r"comes to rest after 0\.005 m and never reaches 0\.0051 m"):
+        motion.time([0.001, 0.0051])
+
+
+@settings(deadline=None, max_examples=200)
+@given(motions(), st.lists(st.floats(0, 8), min_size=1, max_size=20))
+def test_time_undoes_distance(motion: Motion, times: list[float]) -> None:
+    t = np.sort(times)
+    d = motion.distance(t)
+    assert np.all(np.diff(d) >= -1e-14)
+    back = motion.time(d)
+    assert np.all(np.diff(back) >= -1e-14)
+    # The way back always leads to the same distance, and to the same time wherever the sphere moves: the time is as uncertain
+    # as the distance's rounding over the speed.
+    assert motion.distance(back) == pytest.approx(d, rel=1e-12, abs=1e-13)
+    moving = motion.speed(t) > 1e-2
+    assert back[moving] == pytest.approx(t[moving], rel=1e-10, abs=1e-10)
+
+
+@settings(deadline=None, max_examples=100)
+@given(motions())
+def test_distance_is_the_integral_of_the_speed(motion: Motion) -> None:
+    knots = np.array([*motion.times, motion.times[-1] + 1])
+    # The trapezoidal rule is exact on each straight stretch.
+    v = motion.speed(knots)
+    assert motion.distance(knots[-1]) == pytest.approx(np.sum(np.diff(knots) * (v[1:] + v[:-1]) / 2), rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("times", "speeds", "message"),
+    [
+        ((0.0, 1.0), (1.0,), "as many speeds as times"),
+        ((), (), "as many speeds as times"),
+        ((0.0, 0.0), (1.0, 1.0), "increase strictly from 0"),
+        ((1.0, 2.0), (1.0, 1.0), "increase strictly from 0"),
+        ((0.0, 1.0), (1.0, -1.0), "not negative"),
+        ((0.0, 1.0), (0.0, 0.0), "not all zero"),
+        ((0.0,), (float("nan"),), "finite"),
+    ],
+)
+def test_refusals(times: tuple[float, ...], speeds: tuple[float, ...], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Motion(times, speeds)
+
+
+def test_nothing_before_the_start() -> None:
+    with pytest.raises(ValueError, match="before the start"):
+        Motion.of(1.0).distance(-1.0)
+    with pytest.raises(ValueError, match="before the start"):
+        Motion.of(1.0).time(-1.0)

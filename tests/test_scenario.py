@@ -1,0 +1,808 @@
+"""Scenes: every message for bad input is read here; round trips, sweeps, overrides, track rounding, the scenes in scenarios/."""
+
+import math
+import pickle
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rolling import surface
+from rolling.scenario import (
+    RESOUND_KEYS,
+    STEP_NODES,
+    Gaussian,
+    Scene,
+    SceneError,
+    dump,
+    expand,
+    load,
+    loads,
+    resound,
+    run_name,
+    schema,
+    track,
+)
+
+SCENES = sorted((Path(__file__).parent.parent / "scenarios").glob("*.yaml"))
+
+TEXT = """\
+name: trial
+sphere: {radius_mm: 5}
+plate:
+  youngs_modulus_gpa: 210
+  poissons_ratio: 0.3
+  hardness_gpa: 2.1
+surface:
+  kind: gaussian
+  roughness_ra_um: 0.1
+  correlation_length_um: 10
+  spacing_um: 2
+  width_um: 64
+  seed: 1
+rolling:
+  load_n: 20
+  speed_m_s: 0.1
+  duration_s: 0.01
+numerics: {step_nodes: 1}
+sweep:
+  rolling.load_n: [5, 20, 100]
+  sphere.radius_mm: [2, 5]
+"""
+PLAIN = TEXT[: TEXT.index("sweep:")]
+NAME = "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in quotes)"
+SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recovery, sound, sweep"
+
+
+def faults(text: str, *overrides: str) -> list[str]:
+    with pytest.raises(SceneError) as error:
+        loads(text, overrides, "s.yaml")
+    assert str(error.value) == "\n".join(error.value.faults)
+    return error.value.faults
+
+
+# ---- Messages --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("name: trial", "name: a/b", f's.yaml:1: name: got "a/b", allowed: {NAME}'),
+        ("name: trial", "name: ../x", f's.yaml:1: name: got "../x", allowed: {NAME}'),
+        ("name: trial", "name: 2024", f"s.yaml:1: name: got 2024, allowed: {NAME}"),
+        ("name: trial\n", "\n", f"s.yaml:1: name: missing, allowed: {NAME}"),
+        ("name: trial", "name: trial\ndescription: 3", "s.yaml:2: description: got 3, allowed: text"),
+        ("radius_mm: 5", "radius_mm: 0", "s.yaml:2: sphere.radius_mm: got 0, allowed: a number > 0"),
+        ("radius_mm: 5", 'radius_mm: "5"', 's.yaml:2: sphere.radius_mm: got "5", allowed: a number > 0'),
+        ("radius_mm: 5", "radius_mm: .nan", "s.yaml:2: sphere.radius_mm: got .nan, allowed: a number > 0"),
+        (
+            "radius_mm: 5",
+            "radius_mm: 1e300",
+            "s.yaml:2: sphere.radius_mm: got 1e+300, allowed: a size from 1e-15 to 1e+15",
+        ),
+        (
+            "speed_m_s: 0.1",
+            "speed_m_s: 1e-300",
+            "s.yaml:16: rolling.speed_m_s: got 1e-300, allowed: a size from 1e-15 to 1e+15",
+        ),
+        ("radius_mm: 5", "radius_mm: [5]", "s.yaml:2: sphere.radius_mm: got [5], allowed: a number > 0"),
+        (
+            "radius_mm: 5",
+            "radius_mm: 5, youngs_modulus_gpa: 210",
+            "s.yaml:2: sphere.poissons_ratio: missing beside youngs_modulus_gpa; an elastic sphere needs both, a rigid one"
+            " neither",
+        ),
+        (
+            "radius_mm: 5",
+            "radius_mm: 5, poissons_ratio: 0.3",
+            "s.yaml:2: sphere.youngs_modulus_gpa: missing beside poissons_ratio; an elastic sphere needs both, a rigid one"
+            " neither",
+        ),
+        ("sphere: {radius_mm: 5}\n", "", "s.yaml:1: sphere: missing, allowed: a section of keys (radius_mm)"),
+        ("sphere: {radius_mm: 5}", "sphere: 5", "s.yaml:2: sphere: got 5, allowed: a section of keys (radius_mm)"),
+        ("sphere: {radius_mm: 5}", "sphere:", "s.yaml:2: sphere: missing, allowed: a section of keys (radius_mm)"),
+        ("ratio: 0.3", "ratio: 0.6", "s.yaml:5: plate.poissons_ratio: got 0.6, allowed: a number >= 0 and <= 0.5"),
+        ("ratio: 0.3", "ratio: -0.1", "s.yaml:5: plate.poissons_ratio: got -0.1, allowed: a number >= 0 and <= 0.5"),
+        (
+            "hardness_gpa",
+            "hardnes_gpa",
+            "s.yaml:6: plate.hardnes_gpa: unknown key, nearest: hardness_gpa, allowed: youngs_modulus_gpa, poissons_ratio,"
+            " hardness_gpa",
+        ),
+        (
+            "hardness_gpa",
+            "load_n",
+            "s.yaml:6: plate.load_n: unknown key, nearest: rolling.load_n, allowed: youngs_modulus_gpa, poissons_ratio,"
+            " hardness_gpa",
+        ),
+        ("hardness_gpa: 2.1", "hardness_gpa: .inf", "s.yaml:6: plate.hardness_gpa: got .inf, allowed: a number > 0"),
+        (
+            "kind: gaussian",
+            "kind: gausian",
+            's.yaml:8: surface.kind: got "gausian", allowed: gaussian, smooth or file, nearest: gaussian',
+        ),
+        (
+            "kind: gaussian",
+            "kind: [smooth]",
+            's.yaml:8: surface.kind: got ["smooth"], allowed: gaussian, smooth or file',
+        ),
+        ("  kind: gaussian\n", "", "s.yaml:7: surface.kind: missing, allowed: gaussian, smooth or file"),
+        (
+            "kind: gaussian",
+            "kind: gaussian\n  autocorrelation: exponental",
+            's.yaml:9: surface.autocorrelation: got "exponental", allowed: gaussian, gaussian_10pct, exponential or'
+            " exponential_10pct, nearest: exponential",
+        ),
+        ("ra_um: 0.1", "ra_um: 1001", "s.yaml:9: surface.roughness_ra_um: got 1001, allowed: a number > 0 and <= 1000"),
+        ("ra_um: 0.1", "ra_um: 0", "s.yaml:9: surface.roughness_ra_um: got 0, allowed: a number > 0 and <= 1000"),
+        ("seed: 1", "seed: 1.5", "s.yaml:13: surface.seed: got 1.5, allowed: a whole number >= 0"),
+        ("seed: 1", "seed: -1", "s.yaml:13: surface.seed: got -1, allowed: a whole number >= 0"),
+        ("seed: 1", "seed: true", "s.yaml:13: surface.seed: got true, allowed: a whole number >= 0"),
+        (
+            "width_um: 64",
+            "width_um: 65",
+            "s.yaml:12: surface.width_um: got 65, allowed: a whole number of nodes of 2 um, at least 8; nearest: 64",
+        ),
+        (
+            "width_um: 64",
+            "width_um: 4",
+            "s.yaml:12: surface.width_um: got 4, allowed: a whole number of nodes of 2 um, at least 8; nearest: 16",
+        ),
+        (
+            "width_um: 64",
+            "width_um: 1e12",
+            "s.yaml:12: surface.width_um: got 1000000000000, allowed: less than 1e+09 nodes",
+        ),
+        ("load_n: 20", "load_n: true", "s.yaml:15: rolling.load_n: got true, allowed: a number > 0"),
+        ("load_n: 20", "load_n:", "s.yaml:15: rolling.load_n: missing, allowed: a number > 0"),
+        ("load_n: 20", "load_n: !big 20", "s.yaml:15: rolling.load_n: got the tag !big, allowed: plain values"),
+        ("load_n: 20", "load_n: [[[1]]]", "s.yaml:15: rolling.load_n[0][0][0]: nested too deeply"),
+        (
+            "load_n: 20",
+            "load: 20\n  load_n: 20",
+            "s.yaml:15: rolling.load: unknown key, nearest: load_n, allowed: load_n, speed_m_s, duration_s, start_um",
+        ),
+        (
+            "speed_m_s: 0.1",
+            "speed_m_s: 0",
+            "s.yaml:16: rolling.speed_m_s: got 0, allowed: a number > 0, or at least two [time_s, speed_m_s] pairs",
+        ),
+        (
+            "speed_m_s: 0.1",
+            "speed_m_s: [[0, 1]]",
+            "s.yaml:16: rolling.speed_m_s: got [[0, 1]], allowed: a number > 0, or at least two [time_s, speed_m_s] pairs",
+        ),
+        (
+            "speed_m_s: 0.1",
+            "speed_m_s:\n  - [0, 1]\n  - [1, true]",
+            "s.yaml:18: rolling.speed_m_s[1]: got [1, true], allowed: [time_s, speed_m_s], two numbers",
+        ),
+        (
+            "speed_m_s: 0.1",
+            "speed_m_s: [[0, 1], 2]",
+            "s.yaml:16: rolling.speed_m_s[1]: got 2, allowed: [time_s, speed_m_s], two numbers",
+        ),
+        (
+            "speed_m_s: 0.1",
+            "speed_m_s: [[1, 1], [2, 1]]",
+            "s.yaml:16: rolling.speed_m_s[0]: got 1, allowed: 0, the time of the first pair",
+        ),
+        (
+            "speed_m_s: 0.1",
+            "speed_m_s: [[0, 1], [2, 1], [2, 3]]",
+            "s.yaml:16: rolling.speed_m_s[2]: got time 2 after 2, allowed: increasing times",
+        ),
+        (
+            "speed_m_s: 0.1",
+            "speed_m_s: [[0, 1], [2, -1]]",
+            "s.yaml:16: rolling.speed_m_s[1]: got speed -1, allowed: a number >= 0",
+        ),
+        (
+            "speed_m_s: 0.1",
+            "speed_m_s: [[0, 0], [2, 0]]",
+            "s.yaml:16: rolling.speed_m_s: got speeds that are all 0, allowed: at least one > 0",
+        ),
+        (
+            "speed_m_s: 0.1",
+            "speed_m_s: [[0, 1e-3], [0.01, 0]]",
+            "s.yaml:16: rolling.speed_m_s: the sphere comes to rest after 5 um, the shortest track is 16 um: give it more"
+            " speed",
+        ),
+        ("  duration_s: 0.01\n", "", "s.yaml:14: rolling.duration_s: missing, allowed: a number > 0"),
+        (
+            "duration_s: 0.01",
+            "duration_s: 1.0e-4",
+            "s.yaml:17: rolling.duration_s: got 0.0001, in which the sphere rolls 10 um; the shortest track is 8 nodes,"
+            " 16 um: at least 0.00016",
+        ),
+        (
+            "duration_s: 0.01",
+            "duration_s: 1e9",
+            "s.yaml:17: rolling.duration_s: got 1000000000, which is more than 1e+09 nodes or steps",
+        ),
+        (
+            "step_nodes: 1",
+            "step_nodes: 1.6",
+            "s.yaml:18: numerics.step_nodes: got 1.6, allowed: a whole number from 1 to 64, or one over a whole number down"
+            " to 1/16; nearest: 2",
+        ),
+        (
+            "step_nodes: 1",
+            "step_nodes: 0.3",
+            "s.yaml:18: numerics.step_nodes: got 0.3, allowed: a whole number from 1 to 64, or one over a whole number down"
+            " to 1/16; nearest: 0.3333333333333333",
+        ),
+        (
+            "step_nodes: 1",
+            "tolerance: 0.5",
+            "s.yaml:18: numerics.tolerance: got 0.5, allowed: a number >= 1e-12 and <= 0.1",
+        ),
+        (
+            "step_nodes: 1",
+            "tolerance: 1e-13",
+            "s.yaml:18: numerics.tolerance: got 1e-13, allowed: a number >= 1e-12 and <= 0.1",
+        ),
+        (
+            "numerics: {step_nodes: 1}",
+            "numeric: {step_nodes: 1}",
+            f"s.yaml:18: numeric: unknown key, nearest: numerics, allowed: {SECTIONS}",
+        ),
+        ("numerics: {step_nodes: 1}", "17: 3", f"s.yaml:18: 17: unknown key, allowed: {SECTIONS}"),
+        (
+            "numerics: {step_nodes: 1}",
+            "recovery: {events: on}",
+            's.yaml:18: recovery.events: got "on", allowed: true or false',
+        ),
+        (
+            "numerics: {step_nodes: 1}",
+            "recovery: {rule: left}",
+            's.yaml:18: recovery.rule: got "left", allowed: mean or left_end, nearest: left_end',
+        ),
+        ("numerics: {step_nodes: 1}", "sound: {q: 1.5}", "s.yaml:18: sound.q: got 1.5, allowed: a number > 0 and <= 1"),
+        (
+            "numerics: {step_nodes: 1}",
+            "sound: {gain_pa_per_w_m2: 0}",
+            "s.yaml:18: sound.gain_pa_per_w_m2: got 0, allowed: a number > 0",
+        ),
+        (
+            "sweep:\n",
+            "sweep: [1]\nx:\n",
+            "s.yaml:19: sweep: got [1], allowed: lists of numbers by dotted key, as in rolling.load_n: [5, 20]",
+        ),
+        (
+            "rolling.load_n: [",
+            "rolling.lod_n: [",
+            "s.yaml:20: sweep.rolling.lod_n: unknown key, nearest: rolling.load_n",
+        ),
+        ("rolling.load_n: [", "load_n: [", "s.yaml:20: sweep.load_n: unknown key, nearest: rolling.load_n"),
+        ("rolling.load_n: [", "surface.kind: [", "s.yaml:20: sweep.surface.kind: cannot be swept, only numbers can"),
+        ("[5, 20, 100]", "[]", "s.yaml:20: sweep.rolling.load_n: got [], allowed: a list of numbers, at least one"),
+        ("[5, 20, 100]", "5", "s.yaml:20: sweep.rolling.load_n: got 5, allowed: a list of numbers, at least one"),
+        ("[5, 20, 100]", "[5, x]", 's.yaml:20: sweep.rolling.load_n[1]: got "x", allowed: a number'),
+        ("[5, 20, 100]", "[5, 6, 5.0]", "s.yaml:20: sweep.rolling.load_n[2]: got 5.0 twice, allowed: different values"),
+        ("[5, 20, 100]", "\n  - 5\n  - -2", "s.yaml:22: sweep.rolling.load_n[1]: got -2, allowed: a number > 0"),
+        (
+            "rolling.load_n: [5, 20, 100]",
+            "surface.spacing_um: [2, 3]",
+            "s.yaml:12: surface.width_um: got 64, allowed: a whole number of nodes of 3 um, at least 8; nearest: 63"
+            " (in the run spacing_um=3,radius_mm=2 of the sweep)",
+        ),
+        (
+            "rolling.load_n: [5, 20, 100]",
+            "surface.seed: [1, 1.5]",
+            "s.yaml:20: sweep.surface.seed[1]: got 1.5, allowed: a whole number >= 0",
+        ),
+        (
+            "[5, 20, 100]",
+            str(list(range(1, 6001))),
+            "s.yaml:19: sweep: got 12000 runs, allowed: at most 10000",
+        ),
+    ],
+)
+def test_message(old: str, new: str, message: str) -> None:
+    assert old in TEXT
+    assert message in faults(TEXT.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "s.yaml: empty, a scene needs at least name, sphere, plate, surface, rolling"),
+        ("# only a comment\n", "s.yaml: empty, a scene needs at least name, sphere, plate, surface, rolling"),
+        ("- name: x\n", 's.yaml:1: got [{"name": "x"}], allowed: a scene of keys and values, the first being name'),
+        ("hello", 's.yaml:1: got "hello", allowed: a scene of keys and values, the first being name'),
+        ("name: x\nsphere: {radius_mm: 5\n", "s.yaml:3: not YAML: expected ',' or '}', but got 'the end'"),
+        ("name: x\nname: y\n", "s.yaml:2: name: given twice in the section that begins in line 1"),
+        (
+            PLAIN.replace("  poissons_ratio: 0.3\n", "  poissons_ratio: 0.3\n  poissons_ratio: 0.2\n"),
+            "s.yaml:6: poissons_ratio: given twice in the section that begins in line 4",
+        ),
+        ("name: x\n---\nname: y\n", "s.yaml:2: not YAML: but found another document"),
+    ],
+)
+def test_message_of_text_that_is_no_scene(text: str, message: str) -> None:
+    assert faults(text) == [message]
+
+
+def test_all_faults_at_once() -> None:
+    text = (
+        PLAIN.replace("radius_mm: 5", "radius: 5")
+        .replace("load_n: 20", "load_n: -1")
+        .replace("  duration_s: 0.01\n", "")
+    )
+    got = faults(text.replace("width_um: 64", "width_um: 65"), "sound.q=2", "rolling.lod_n=3")
+    assert [fault.split(": ")[1] for fault in got] == [
+        "rolling.lod_n",
+        "sphere.radius_mm",
+        "sphere.radius",
+        "surface.width_um",
+        "rolling.load_n",
+        "sound.q",
+    ]
+
+
+def test_a_missing_duration_is_told_beside_other_faults() -> None:
+    got = faults(PLAIN.replace("  duration_s: 0.01\n", "").replace("radius_mm: 5", "radius_mm: -5"))
+    assert [fault.split(": ")[1] for fault in got] == ["sphere.radius_mm", "rolling.duration_s"]
+
+
+def test_keys_of_another_kind_of_surface() -> None:
+    assert faults(PLAIN.replace("kind: gaussian", "kind: smooth")) == [
+        f"s.yaml:{line}: surface.{key}: unknown key of kind smooth, allowed: kind, spacing_um, width_um"
+        for line, key in ((9, "roughness_ra_um"), (10, "correlation_length_um"), (13, "seed"))
+    ]
+
+
+def test_messages_of_files(tmp_path: Path) -> None:
+    def fault(path: Path) -> str:
+        with pytest.raises(SceneError) as error:
+            load(path)
+        return str(error.value)
+
+    assert fault(tmp_path / "no.yaml") == f"{tmp_path / 'no.yaml'}: no such file"
+    assert fault(tmp_path) == f"{tmp_path}: is a folder, a scene file is needed"
+    latin = tmp_path / "latin.yaml"
+    latin.write_bytes("name: x\ndescription: Stöße\n".encode("latin-1"))
+    assert fault(latin) == f"{latin}:2: not UTF-8 text (byte 0xf6)"
+    bad = tmp_path / "bad.yaml"
+    bad.write_text(PLAIN.replace("load_n: 20", "load_n: 0"))
+    assert fault(bad) == f"{bad}:15: rolling.load_n: got 0, allowed: a number > 0"
+
+
+def test_aliases_and_merges_keep_a_line() -> None:
+    text = PLAIN.replace("sphere: {radius_mm: 5}", "sphere: {radius_mm: &r -5}").replace("load_n: 20", "load_n: *r")
+    assert faults(text) == [
+        "s.yaml:2: sphere.radius_mm: got -5, allowed: a number > 0",
+        "s.yaml:15: rolling.load_n: got -5, allowed: a number > 0",
+    ]
+    assert loads(PLAIN.replace("load_n: 20", "<<: {load_n: 20}")).load == 20
+
+
+def test_aliases_cannot_grow_without_end() -> None:
+    assert faults("name: x\nsphere: &s\n  sphere: *s\n")  # an alias of itself
+    text = "a: &a [1, 1]\nb: &b [*a, *a]\nc: &c [*b, *b]\nd: &d [*c, *c]\ne: [*d, *d]\n"
+    assert faults(text) == ["s.yaml:1: d[0][0][0][0]: nested too deeply"]
+
+
+def test_errors_pass_between_processes() -> None:
+    error = SceneError(["a", "b"])
+    assert pickle.loads(pickle.dumps(error)).faults == ["a", "b"]
+
+
+# ---- Reading and writing ---------------------------------------------------------------------------------------------
+
+
+def test_numbers_of_yaml() -> None:
+    scene = loads(PLAIN.replace("gpa: 210", "gpa: 210e0").replace("step_nodes: 1", "step_nodes: 1, tolerance: 1e-3"))
+    assert scene.plate.youngs_modulus_gpa == 210.0
+    assert scene.numerics.tolerance == 1e-3
+
+
+def test_si() -> None:
+    scene = loads(PLAIN, ["sphere.youngs_modulus_gpa=100", "sphere.poissons_ratio=0.2", "rolling.start_um=-3"])
+    assert scene.radius == pytest.approx(5e-3)
+    assert 1 / scene.contact_modulus == pytest.approx((1 - 0.3**2) / 210e9 + (1 - 0.2**2) / 100e9, rel=1e-15)
+    assert scene.hardness == pytest.approx(2.1e9)
+    assert (scene.spacing, scene.step, scene.load) == pytest.approx((2e-6, 2e-6, 20))
+    assert scene.start == pytest.approx(-3e-6)
+    rigid = loads(PLAIN, ["plate.hardness_gpa="])
+    assert rigid.contact_modulus == pytest.approx(210e9 / 0.91, rel=1e-15)
+    assert rigid.hardness == math.inf
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
+def test_round_trip(path: Path) -> None:
+    scene = load(path)
+    again = loads(dump(scene))
+    assert again == scene
+    assert Scene.from_dict(scene.to_dict()) == scene
+    assert pickle.loads(pickle.dumps(scene)).folder == scene.folder == path.parent
+
+
+def test_dump_fills_in_defaults_and_no_folder(tmp_path: Path) -> None:
+    path = tmp_path / "s.yaml"
+    path.write_text(PLAIN)
+    text = dump(load(path))
+    for line in ("tolerance: 0.0001", "rule: mean", "events: false", "distance_m: 1.0", "autocorrelation: gaussian"):
+        assert line in text
+    assert str(tmp_path) not in text
+
+
+@settings(deadline=None, max_examples=100)
+@given(
+    st.floats(1e-12, 1e12),
+    st.sampled_from(STEP_NODES),
+    st.text(st.characters(codec="utf-8", exclude_categories=["Cs", "Cc"]), max_size=50),
+    st.from_regex(r"\A[A-Za-z0-9][A-Za-z0-9._-]{0,63}\Z"),
+)
+def test_round_trip_of_any_value(load_n: float, step_nodes: float, description: str, name: str) -> None:
+    data = loads(PLAIN).to_dict()
+    data["rolling"]["load_n"], data["numerics"]["step_nodes"] = load_n, step_nodes
+    data["name"], data["description"] = name, description
+    scene = Scene.from_dict(data)
+    assert loads(dump(scene)) == scene
+
+
+def test_step_of_a_third() -> None:
+    assert loads(PLAIN, ["numerics.step_nodes=0.33333"]).numerics.step_nodes == 1 / 3
+
+
+def test_scenes_are_frozen_and_folders_do_not_count() -> None:
+    scene = loads(PLAIN, folder=Path("a"))
+    with pytest.raises(ValueError, match="frozen"):
+        scene.name = "other"  # type: ignore[misc]
+    assert scene == loads(PLAIN, folder=Path("b"))
+    assert scene != loads(PLAIN, ["rolling.load_n=21"])
+
+
+# ---- Overrides -------------------------------------------------------------------------------------------------------
+
+
+def test_overrides() -> None:
+    scene = loads(
+        PLAIN, ["rolling.load_n = 50", "recovery.events=true", "sound={distance_m: 2}", "plate.hardness_gpa=null"]
+    )
+    assert scene.load == 50
+    assert scene.recovery.events
+    assert scene.sound.distance_m == 2
+    assert scene.plate.hardness_gpa is None
+    assert loads(PLAIN, ["rolling.speed_m_s=[[0, 0.1], [1, 0.2]]"]).rolling.speed_m_s == ((0, 0.1), (1, 0.2))
+
+
+def test_overrides_of_the_sweep() -> None:
+    assert loads(TEXT, ["sweep=null"]).sweep == {}
+    assert loads(TEXT, ["sweep.rolling.load_n=[1, 2]"]).sweep["rolling.load_n"] == (1, 2)
+    assert list(loads(TEXT, ["sweep.rolling.load_n="]).sweep) == ["sphere.radius_mm"]
+    assert loads(PLAIN, ["sweep.surface.seed=[1, 2]"]).sweep == {"surface.seed": (1, 2)}
+
+
+def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
+    scene = loads(TEXT, ["rolling.load_n=50"])
+    assert scene.load == 50
+    assert list(scene.sweep) == ["sphere.radius_mm"]
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        (
+            "rolling.lod_n=5",
+            "--set: rolling.lod_n: unknown key, nearest: rolling.load_n, allowed: load_n, speed_m_s, duration_s, start_um",
+        ),
+        (
+            "rolling.speed=5",
+            "--set: rolling.speed: unknown key, nearest: rolling.speed_m_s, allowed: load_n, speed_m_s, duration_s, start_um",
+        ),
+        ("load_n=5", "--set: load_n: unknown key, nearest: rolling.load_n"),
+        ("sond=null", "--set: sond: unknown key, nearest: sound"),
+        ("zzz=1", "--set: zzz: unknown key"),
+        ("rolling.load_n", '--set: got "rolling.load_n", allowed: key=value, as in rolling.load_n=50'),
+        ("=5", '--set: got "=5", allowed: key=value, as in rolling.load_n=50'),
+        ("rolling.load_n=-1", "--set: rolling.load_n: got -1, allowed: a number > 0"),
+        ("rolling.load_n=abc", '--set: rolling.load_n: got "abc", allowed: a number > 0'),
+        ("rolling.load_n=", "--set: rolling.load_n: missing, allowed: a number > 0"),
+        ("numerics.step_nodes=[1", "--set: numerics.step_nodes: not YAML: expected ',' or ']', but got 'the end'"),
+        ("sound={q: 2}", "--set: sound.q: got 2, allowed: a number > 0 and <= 1"),
+        ("recovery.rule=men", '--set: recovery.rule: got "men", allowed: mean or left_end, nearest: mean'),
+        ("sweep.rolling.load_n=5", "--set: sweep.rolling.load_n: got 5, allowed: a list of numbers, at least one"),
+        ("sweep.rolling.load_n=[5, -1]", "--set: sweep.rolling.load_n[1]: got -1, allowed: a number > 0"),
+        (
+            "sweep.rolling.lod_n=[5]",
+            "--set: sweep.rolling.lod_n: unknown key, nearest: sweep.rolling.load_n, allowed: load_n, speed_m_s,"
+            " duration_s, start_um",
+        ),
+        (
+            "sphere.poissons_ratio=0.3",
+            "s.yaml:2: sphere.youngs_modulus_gpa: missing beside poissons_ratio; an elastic sphere needs both, a rigid one"
+            " neither",
+        ),
+    ],
+)
+def test_message_of_override(override: str, message: str) -> None:
+    assert faults(PLAIN, override) == [message]
+
+
+# ---- The sweep -------------------------------------------------------------------------------------------------------
+
+
+def test_sweep_product() -> None:
+    runs = expand(loads(TEXT, folder=Path("here")))
+    assert [(run.load, run.sphere.radius_mm) for _, run in runs] == [
+        (5, 2),
+        (5, 5),
+        (20, 2),
+        (20, 5),
+        (100, 2),
+        (100, 5),
+    ]
+    assert all(not run.sweep and run.folder == Path("here") for _, run in runs)
+    assert runs[0][0] == {"rolling.load_n": 5, "sphere.radius_mm": 2}
+    assert run_name(runs[0][0]) == "load_n=5,radius_mm=2"
+
+
+def test_no_sweep_is_one_run() -> None:
+    scene = loads(PLAIN)
+    assert expand(scene) == [({}, scene)]
+
+
+def test_any_number_can_be_swept() -> None:
+    scene = loads(PLAIN, ["sweep={surface.seed: [1, 2], numerics.step_nodes: [2, 0.5], plate.hardness_gpa: [1, 2]}"])
+    last = expand(scene)[-1][1]
+    assert (last.surface.seed, last.numerics.step_nodes, last.plate.hardness_gpa) == (2, 0.5, 2)  # type: ignore[union-attr]
+    assert len({run_name(values) for values, _ in expand(scene)}) == 8
+    across = loads(PLAIN, ["sweep.surface.correlation_length_um=[5, 20]"])
+    assert [run.surface.correlation_length_across_um for _, run in expand(across)] == [None, None]  # type: ignore[union-attr]
+
+
+def test_run_names() -> None:
+    assert run_name({"rolling.load_n": 5.0}) == "load_n=5"
+    assert run_name({"surface.roughness_ra_um": 0.01}) == "roughness_ra_um=0.01"
+    both = {"plate.youngs_modulus_gpa": 1, "sphere.youngs_modulus_gpa": 2}
+    assert run_name(both) == "plate.youngs_modulus_gpa=1,sphere.youngs_modulus_gpa=2"
+    assert run_name({}) == ""
+
+
+# ---- New sound -------------------------------------------------------------------------------------------------------
+
+
+def test_resound() -> None:
+    scene = loads(PLAIN)
+    new = resound(scene, ["rolling.speed_m_s=0.2", "sound.distance_m=3"])
+    assert (new.rolling.speed_m_s, new.rolling.duration_s, new.sound.distance_m) == (0.2, 0.005, 3)
+    assert track(new) == track(scene)
+    slow = resound(scene, ["rolling.speed_m_s=[[0, 0], [1, 0.002]]"])
+    assert track(slow) == track(scene)
+
+
+def test_resound_slower_than_the_shortest_track_would_take() -> None:
+    assert resound(loads(PLAIN), ["rolling.speed_m_s=1e-6"]).rolling.duration_s == pytest.approx(1000)
+
+
+def test_resound_refusals() -> None:
+    allowed = "rolling.speed_m_s, sound.distance_m, sound.q, sound.gain_pa_per_w_m2"
+    assert ", ".join(RESOUND_KEYS) == allowed
+    with pytest.raises(SceneError) as error:
+        resound(loads(PLAIN), ["rolling.load_n=5", "sound.q=0", "sound.z=1"])
+    assert error.value.faults == [
+        f"--set: rolling.load_n: needs a new run; without solving again allowed: {allowed}",
+        "--set: sound.z: unknown key, allowed: distance_m, q, gain_pa_per_w_m2",
+        "--set: sound.q: got 0, allowed: a number > 0 and <= 1",
+    ]
+    with pytest.raises(
+        SceneError, match=r"^--set: rolling.speed_m_s: the sphere comes to rest after 0.0005 m and never"
+    ):
+        resound(loads(PLAIN), ["rolling.speed_m_s=[[0, 0.1], [0.01, 0]]"])
+    with pytest.raises(SceneError, match=r"^--set: rolling.speed_m_s: got -1, allowed: a number > 0"):
+        resound(loads(PLAIN), ["rolling.speed_m_s=-1"])
+
+
+# ---- The track -------------------------------------------------------------------------------------------------------
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    st.floats(0.01, 10), st.sampled_from(STEP_NODES), st.floats(0.001, 10), st.floats(0.01, 1.0), st.floats(0.1, 10.0)
+)
+def test_made_tracks_close(spacing: float, step_nodes: float, speed: float, duration: float, start: float) -> None:
+    data: dict[str, Any] = loads(PLAIN).to_dict()
+    data["surface"] |= {"spacing_um": spacing, "width_um": 16 * spacing}
+    data["rolling"] |= {"speed_m_s": speed, "duration_s": duration, "start_um": start}
+    data["numerics"] = {"step_nodes": step_nodes}
+    try:
+        scene = Scene.from_dict(data)
+    except SceneError as error:  # the longest and shortest are refused, and nothing else
+        assert "shortest track" in str(error) or "more than" in str(error)
+        return
+    way = track(scene)
+    assert way.closed
+    assert way.lap_steps == way.steps
+    assert way.n_across == 16
+    assert way.n_along >= 8
+    assert way.steps * way.step == pytest.approx(way.n_along * way.spacing, rel=1e-12)
+    # Rounded, not cut: never further off than half of the larger of node and step.
+    assert abs(way.distance - speed * duration) <= 0.500001 * max(way.step, way.spacing)
+
+
+def test_the_shortest_track_that_is_named_is_enough() -> None:
+    scene = loads(PLAIN, ["rolling.duration_s=0.00016"])
+    assert track(scene).n_along == 8
+    assert track(loads(PLAIN, ["rolling.duration_s=0.00016", "numerics.step_nodes=0.25"])).steps == 32
+    coarse = track(loads(PLAIN, ["numerics.step_nodes=64", "rolling.duration_s=0.0013"]))
+    assert (coarse.n_along, coarse.steps) == (64, 1)
+
+
+def test_a_sphere_that_stops_is_not_asked_for_more() -> None:
+    # 9.9 nodes until it rests: ten would be nearer, and out of reach.
+    scene = loads(PLAIN, ["rolling.speed_m_s=[[0, 0.00396], [0.01, 0]]", "rolling.duration_s=1"])
+    assert track(scene).n_along == 9
+    assert scene.motion.duration(track(scene).distance) < 0.01
+
+
+def file_scene(folder: Path, heights: Any, *overrides: str) -> Scene:
+    np.save(folder / "heights.npy", heights)
+    text = PLAIN[: PLAIN.index("surface:")] + "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
+    text += "rolling: {load_n: 20, speed_m_s: 0.1}\n"
+    return loads(text, overrides, folder=folder)
+
+
+@pytest.mark.parametrize(
+    ("step_nodes", "lap_steps", "steps", "closed"),
+    [(1, 100, 100, True), (2, 50, 50, True), (3, 100, 33, False), (0.5, 200, 200, True), (8, 25, 12, False)],
+)
+def test_once_round_a_file(tmp_path: Path, step_nodes: float, lap_steps: int, steps: int, closed: bool) -> None:
+    scene = file_scene(tmp_path, np.zeros((100, 16)), f"numerics.step_nodes={step_nodes}")
+    way = track(scene)
+    assert (way.n_along, way.n_across, way.lap_steps, way.steps, way.closed) == (100, 16, lap_steps, steps, closed)
+    assert not (lap_steps * step_nodes) % 100
+
+
+def test_a_file_goes_round_again(tmp_path: Path) -> None:
+    scene = file_scene(tmp_path, np.zeros((100, 16), dtype=np.int16), "rolling.duration_s=0.004")
+    assert (track(scene).steps, track(scene).closed) == (200, True)
+    scene = file_scene(tmp_path, np.zeros((100, 16)), "rolling.duration_s=0.003")
+    assert (track(scene).steps, track(scene).closed) == (150, False)
+    assert track(file_scene(tmp_path, np.zeros((100, 16)), "rolling.duration_s=1e-9")).steps == 1
+    assert resound(scene, ["rolling.speed_m_s=0.2"]).rolling.duration_s == pytest.approx(0.0015)
+
+
+@pytest.mark.parametrize(
+    ("heights", "message"),
+    [
+        (np.zeros(10), "got 1-D float64, allowed: one 2-D array of real heights in m, (along track, across)"),
+        (np.zeros((9, 9), dtype=complex), "got 2-D complex128, allowed: one 2-D array of real heights in m, "),
+        (np.zeros((9, 9), dtype=bool), "got 2-D bool, allowed: one 2-D array of real heights in m, "),
+        (np.zeros((9, 7)), "got 9 x 7 nodes, allowed: at least 8 each way"),
+    ],
+)
+def test_files_of_wrong_shape(tmp_path: Path, heights: Any, message: str) -> None:
+    with pytest.raises(SceneError) as error:
+        track(file_scene(tmp_path, heights))
+    assert str(error.value).startswith(f"surface.path: heights.npy: {message}")
+
+
+def test_files_that_are_none(tmp_path: Path) -> None:
+    scene = file_scene(tmp_path, np.zeros((9, 9)))
+    path = tmp_path / "heights.npy"
+    path.write_text("1 2 3\n")
+    with pytest.raises(SceneError, match=r"^surface.path: heights.npy: no readable .npy file"):
+        track(scene)
+    with path.open("wb") as stream:
+        np.savez(stream, a=np.zeros((9, 9)))
+    with pytest.raises(SceneError, match="got an archive"):
+        track(scene)
+    path.write_bytes(b"")
+    with pytest.raises(SceneError, match="no readable"):
+        track(scene)
+    path.unlink()
+    with pytest.raises(SceneError) as error:
+        track(scene)
+    assert str(error.value) == f"surface.path: heights.npy: no such file (looked in {tmp_path})"
+    path.mkdir()
+    with pytest.raises(SceneError, match="is a folder"):
+        track(scene)
+
+
+def test_a_file_that_is_never_rounded(tmp_path: Path) -> None:
+    scene = file_scene(tmp_path, np.zeros((100, 16)), "rolling.speed_m_s=[[0, 0.1], [0.001, 0]]")
+    with pytest.raises(SceneError) as error:
+        track(scene)
+    assert str(error.value) == (
+        "rolling.speed_m_s: the sphere comes to rest after 5e-05 m, once round the height file is 0.0002 m: give it more"
+        " speed or set rolling.duration_s"
+    )
+
+
+def test_an_absolute_path_stays(tmp_path: Path) -> None:
+    scene = file_scene(tmp_path, np.zeros((9, 9)), f"surface.path={tmp_path / 'heights.npy'}")
+    assert loads(dump(scene), folder=Path("elsewhere")).height_path == tmp_path / "heights.npy"
+
+
+# ---- The schema and the scenes ---------------------------------------------------------------------------------------
+
+
+def resolved(node: dict[str, Any], root: dict[str, Any]) -> list[dict[str, Any]]:
+    """A schema node and its alternatives, references followed."""
+    if "$ref" in node:
+        return resolved(root["$defs"][node["$ref"].rpartition("/")[2]], root)
+    parts = node.get("anyOf") or node.get("oneOf")
+    return [leaf for part in parts for leaf in resolved(part, root)] if parts else [node]
+
+
+def accepts(node: dict[str, Any], value: Any, root: dict[str, Any]) -> bool:
+    """As much of JSON Schema as ours uses."""
+    for leaf in resolved(node, root):
+        if value != leaf.get("const", value) or value not in leaf.get("enum", [value]):
+            continue
+        kind = leaf.get("type")
+        if kind == "object":
+            if not isinstance(value, dict) or not set(leaf.get("required", [])) <= set(value):
+                continue
+            known = leaf.get("properties", {})
+            assert leaf["additionalProperties"] is False
+            if all(name in known and accepts(known[name], item, root) for name, item in value.items()):
+                return True
+        elif kind == "array":
+            if isinstance(value, list) and leaf["minItems"] <= len(value) <= leaf.get("maxItems", math.inf):
+                items = leaf.get("prefixItems") or [leaf["items"]] * len(value)
+                if all(accepts(item, part, root) for item, part in zip(items, value, strict=True)):
+                    return True
+        elif kind in ("number", "integer"):
+            if isinstance(value, int if kind == "integer" else int | float) and not isinstance(value, bool):
+                low, high = leaf.get("minimum", -math.inf), leaf.get("maximum", math.inf)
+                if low <= value <= high and value > leaf.get("exclusiveMinimum", -math.inf):
+                    return True
+        elif isinstance(value, {"string": str, "boolean": bool, "null": type(None)}[kind]):
+            return True
+    return False
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
+def test_schema_accepts_the_scenes(path: Path) -> None:
+    from ruamel.yaml import YAML
+
+    root = schema()
+    assert root["$schema"] == "https://json-schema.org/draft/2020-12/schema"
+    data = YAML(typ="safe").load(path.read_text())
+    assert accepts(root, data, root)
+    assert accepts(root, load(path).to_dict(), root)
+    assert not accepts(root, {**data, "nmae": 1}, root)
+    assert not accepts(root, {**data, "rolling": {**data["rolling"], "load_n": 0}}, root)
+    assert not accepts(root, {**data, "sweep": {"rolling.lod_n": [1]}}, root)
+    assert not accepts(root, {**data, "surface": {**data["surface"], "kind": "x"}}, root)
+
+
+def test_schema_describes_every_key() -> None:
+    root = schema()
+    for section in root["$defs"].values():
+        assert section["additionalProperties"] is False
+        for name, key in section["properties"].items():
+            assert key.get("description"), name
+    for name, unit in (("radius_mm", "[mm]"), ("youngs_modulus_gpa", "[GPa]")):
+        assert unit in root["$defs"]["Sphere"]["properties"][name]["description"]
+
+
+def test_the_laws_are_those_of_the_surface_module() -> None:
+    annotation = Gaussian.model_fields["autocorrelation"].annotation
+    assert set(get_args(annotation)) == set(surface.AUTOCORRELATIONS)
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
+def test_every_scene_says_what_it_shows_and_has_a_track(path: Path, tmp_path: Path) -> None:
+    first, *rest = path.read_text().splitlines()
+    assert first.startswith("# ")
+    scene = load(path)
+    assert scene.name == path.stem
+    if scene.height_path:
+        # The command in the file's head makes the heights; it is run as it stands.
+        command = next(line for line in rest if "python -c" in line).removeprefix("#")
+        subprocess.run([sys.executable, *shlex.split(command)[1:]], cwd=tmp_path, check=True)
+        scene = Scene.from_dict(scene.to_dict(), tmp_path)
+    for _, run in expand(scene):
+        assert 400 <= track(run).steps <= 5000
+        assert track(run).closed
