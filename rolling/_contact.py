@@ -75,7 +75,7 @@ def update_and_sort(p, u, trial, du, t, e, cap, reach, snap, residual, free, act
             active[n_free] = k
             n_free += 1
     for i in range(n_bound):
-        active[n_free + i] = active[p.size - 1 - i]
+        active[n_free + i] = active[p.size - n_bound + i]  # in this order nothing is overwritten before it is read
     return approach, worst, u_max, n_free, n_bound
 
 
@@ -165,12 +165,28 @@ def project(p, gap, approach, u, direction, length, cap, active, n_free, n_bound
         if following == shift:
             break
         shift = following
+    for a in range(n_free):
+        k = active[a]
+        trial[k] = min(max(trial[k] + shift, 0.0), cap)
+    # Where the direction dwarfs the pressures the shift is rounded coarsely; what is left is spread over those between bounds.
+    for _ in range(4):
+        error = target
+        moving = 0
+        for a in range(n_free):
+            v = trial[active[a]]
+            error -= v
+            if 0.0 < v < cap:
+                moving += 1
+        if moving == 0 or abs(error) <= 1e-15 * total:
+            break
+        for a in range(n_free):
+            k = active[a]
+            if 0.0 < trial[k] < cap:
+                trial[k] = min(max(trial[k] + error / moving, 0.0), cap)
     slope = 0.0
     greatest = np.inf
     for a in range(n_free + n_bound):
         k = active[a]
-        if a < n_free:
-            trial[k] = min(max(trial[k] + shift, 0.0), cap)
         dp[k] = trial[k] - p[k]
         slope += (gap[k] + u[k] - approach) * dp[k]
         if dp[k] < 0.0:

@@ -1,4 +1,4 @@
-"""Compiled passes of the march: gap, geometric overlap, what a solved window holds. Rows and columns count on the unrolled plate."""
+"""Compiled passes of the march: gap, geometric overlap, what a solved window holds; rows and columns of the unrolled plate."""
 
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations

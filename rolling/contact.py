@@ -113,7 +113,8 @@ def solve(
     trial, dp, du = p.copy(), np.zeros(size), np.zeros(size)
     z, direction = np.empty(size), np.empty(size)
     free, active = np.zeros(size, dtype=np.bool_), np.empty(size, dtype=np.int64)
-    length, zr_before, t, fresh, snap = 1.0, 0.0, 0.0, True, 0.0
+    length, zr_before, t, fresh, stuck = 1.0, 0.0, 0.0, True, False
+    snap = 0.01 * tolerance * float(u.max()) * reach / size
     restarts = plain_steps = 0
 
     for iteration in range(max_iterations):
@@ -126,7 +127,7 @@ def solve(
                 "the contact solve met numbers that are not finite: check units of load, modulus and heights"
             )
         if worst <= tolerance * u_max:
-            if fresh:
+            if fresh and abs(p.sum() / total - 1) <= 1e-12:
                 return Contact(
                     p.reshape(shape.shape),
                     u.reshape(shape.shape),
@@ -166,17 +167,24 @@ def solve(
                 p, e, approach, u, direction, length, hardness, active, n_free, n_bound, total, trial, dp
             )
         if not slope < 0:
-            # The plain projected gradient over all that may move always descends, short of a solution.
+            # The plain projected gradient, of all nodes, always descends, short of a solution.
             plain_steps += 1
-            movable = n_free + n_bound
-            direction[:movable] = -reach * (e + u - approach)[active[:movable]]
-            length = 1.0
-            zr_before = 0.0
+            active[:] = np.arange(size)
+            direction[:] = -reach * (e + u - approach)
+            length, zr_before = 1.0, 0.0
             slope, greatest = _contact.project(
-                p, e, approach, u, direction, length, hardness, active, movable, 0, total, trial, dp
+                p, e, approach, u, direction, length, hardness, active, size, 0, total, trial, dp
             )
         if not slope < 0:
-            break
+            if stuck:
+                break
+            # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
+            stuck = True
+            p[:] = trial
+            u = half_space.deflection(p.reshape(shape.shape)).ravel()
+            t, fresh = 0.0, True
+            continue
+        stuck = False
         half_space.deflection(dp.reshape(shape.shape), out=du.reshape(shape.shape))
         curvature = _contact.dot(dp, du)
         best = -slope / curvature if curvature > 0 else 1.0

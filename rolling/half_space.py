@@ -123,7 +123,7 @@ class _Convolution:
 
 
 @njit(cache=True)
-def _multiply(spectrum, coefficients):  # type: ignore[no-untyped-def]
+def _multiply(spectrum, coefficients):
     for i in range(spectrum.shape[0]):
         for j in range(spectrum.shape[1]):
             spectrum[i, j] *= coefficients[i, j]

@@ -47,7 +47,10 @@ class Window:
 
     def padded(self) -> Window:
         """Grown to sizes whose transforms are quick, the slack on all sides alike."""
-        rows, columns = window_size(self.rows), window_size(self.columns)
+        try:
+            rows, columns = window_size(self.rows), window_size(self.columns)
+        except ValueError as error:
+            raise ContactError(f"{error}; take a larger spacing") from error
         return Window(self.row - (rows - self.rows) // 2, self.column - (columns - self.columns) // 2, rows, columns)
 
     def moved(self, values: Array, target: Window) -> Array:
@@ -58,7 +61,7 @@ class Window:
 
 
 @dataclass(frozen=True)
-class Track:
+class RollingContact:
     """What is rolled over and by what. SI; heights (along, across), periodic both ways; hardness inf: purely elastic."""
 
     heights: Array
@@ -118,7 +121,7 @@ class ContactState:
     convolutions: int
 
 
-def march(track: Track, first: int, last: int, half_space: HalfSpace) -> Iterator[ContactState]:
+def march(track: RollingContact, first: int, last: int, half_space: HalfSpace) -> Iterator[ContactState]:
     """Contact states at positions first, first + 1, ..., last; the first one from a cold start.
 
     What comes out depends on `first`, not on what was marched before: pieces of a track may be marched anywhere.
@@ -140,7 +143,7 @@ def march(track: Track, first: int, last: int, half_space: HalfSpace) -> Iterato
         yield state
 
 
-def _start(track: Track, k: int, half_space: HalfSpace) -> ContactState:
+def _start(track: RollingContact, k: int, half_space: HalfSpace) -> ContactState:
     """A cold start: from springs that meet Hertz, on a window grown until contact cannot leave it."""
     hertz = reference.hertz_radius(track.load, track.radius, track.contact_modulus)
     stiffness = 4 * track.contact_modulus / (np.pi * hertz)
@@ -156,7 +159,7 @@ def _start(track: Track, k: int, half_space: HalfSpace) -> ContactState:
     return _solve(track, k, half_space, window, pressure, COLD_TIGHTENING * track.tolerance)
 
 
-def _follow(track: Track, k: int, half_space: HalfSpace, state: ContactState, change: float) -> ContactState:
+def _follow(track: RollingContact, k: int, half_space: HalfSpace, state: ContactState, change: float) -> ContactState:
     """The next position, from pressures that stayed with the plate, on a window of all that was loaded and all that can be.
 
     On a smooth plate pressures move with the sphere instead: the start is the mixture of both of least energy. Both deflections
@@ -174,12 +177,13 @@ def _follow(track: Track, k: int, half_space: HalfSpace, state: ContactState, ch
         rise = ahead.moved(state.deflection, window) - state.window.moved(state.deflection, window)
         curvature = np.vdot(towards, rise)
         if slope < 0 < curvature and window.covers(replace(state.loaded, row=state.loaded.row + nodes)):
-            start += min(-slope / curvature, 1.0) * towards
+            start += min(float(-slope / curvature), 1.0) * towards
+            np.clip(start, 0.0, track.hardness, out=start)
     return _solve(track, k, half_space, window, start, track.tolerance)
 
 
 def _solve(
-    track: Track, k: int, half_space: HalfSpace, window: Window, pressure: Array, tolerance: float
+    track: RollingContact, k: int, half_space: HalfSpace, window: Window, pressure: Array, tolerance: float
 ) -> ContactState:
     """Solve on the window; where the overlap of the answer reaches outside, again on a larger one."""
     iterations = convolutions = 0
@@ -218,7 +222,7 @@ def _span(windows: list[Window]) -> Window:
     return Window.spanning([(w.row, w.row + w.rows - 1, w.column, w.column + w.columns - 1) for w in windows])
 
 
-def _refuse_the_impossible(track: Track) -> None:
+def _refuse_the_impossible(track: RollingContact) -> None:
     area = track.heights.size * track.spacing**2
     if track.load >= track.hardness * area:
         raise ContactError(
@@ -230,7 +234,7 @@ def _refuse_the_impossible(track: Track) -> None:
     _refuse_wide(track, width, width)
 
 
-def _refuse_wide(track: Track, along: float, across: float) -> None:
+def _refuse_wide(track: RollingContact, along: float, across: float) -> None:
     for needed, nodes, way, key in (
         (along, track.heights.shape[0], "along the track", "rolling.duration_s"),
         (across, track.heights.shape[1], "across the track", "surface.width_um"),

@@ -6,7 +6,7 @@ Inventions 10(1), 17 (2025), Eq. 8-9); p is the mean over the step, second order
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -103,24 +103,31 @@ class EventTable:
         return {name: getattr(self, name)[: self.count].copy() for name in names}
 
 
-def join_events(pieces: Iterable[dict[str, NDArray]]) -> dict[str, NDArray]:
-    """One table from the tables of successive pieces of a track: an event cut by a border between pieces is made whole."""
-    whole: dict[str, NDArray] = {}
-    for piece in pieces:
-        if not whole:
-            whole = {name: column.copy() for name, column in piece.items()}
-            continue
-        if piece["energy"].size == 0:
-            continue
-        border = piece["first"].min()
-        ending = {tuple(whole["node"][k]): k for k in np.flatnonzero(whole["last"] == border)}
-        keep = np.ones(piece["energy"].size, dtype=bool)
-        for k in np.flatnonzero(piece["first"] == border):
-            before = ending.get(tuple(piece["node"][k]))
-            if before is not None:
-                whole["last"][before] = piece["last"][k]
-                whole["energy"][before] += piece["energy"][k]
-                whole["peak"][before] = max(whole["peak"][before], piece["peak"][k])
+def join_events(pieces: Sequence[dict[str, NDArray]]) -> dict[str, NDArray]:
+    """One table from the tables of pieces of a track, in their order: an event cut by a border between pieces is made whole."""
+    tables = [{name: column.copy() for name, column in piece.items()} for piece in pieces if piece["energy"].size]
+    if not tables:
+        return {name: column.copy() for name, column in pieces[0].items()}
+    kept = [np.ones(table["energy"].size, dtype=bool) for table in tables]
+    # Where each event that reaches the last position of its piece began: a long one may run through whole pieces.
+    open_events: dict[tuple[int, ...], tuple[dict[str, NDArray], int]] = {}
+    for table, keep in zip(tables, kept, strict=True):
+        border = table["first"].min()
+        reaching = open_events
+        open_events = {}
+        end = table["last"].max()
+        for k in np.flatnonzero((table["first"] == border) | (table["last"] == end)):
+            owner, row = table, int(k)
+            node = tuple(table["node"][k])
+            before = reaching.get(node) if table["first"][k] == border else None
+            if before is not None and before[0]["last"][before[1]] == border:
+                owner, row = before
+                owner["last"][row] = table["last"][k]
+                owner["energy"][row] += table["energy"][k]
+                owner["peak"][row] = max(owner["peak"][row], table["peak"][k])
                 keep[k] = False
-        whole = {name: np.concatenate([whole[name], piece[name][keep]]) for name in whole}
-    return whole
+            if table["last"][k] == end:
+                open_events[node] = (owner, row)
+    return {
+        name: np.concatenate([table[name][keep] for table, keep in zip(tables, kept, strict=True)]) for name in tables[0]
+    }

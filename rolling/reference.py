@@ -94,6 +94,12 @@ def dense_contact(
     capped = np.zeros_like(free)
     scale = np.ptp(e) + load / (contact_modulus * spacing)
     for _ in range(500):
+        if not free.any():  # all on a bound: the best of the others takes up, or gives up, what is missing
+            gap = e + matrix @ np.where(capped, hardness, 0.0)
+            short = hardness * capped.sum() < total
+            bound = np.flatnonzero(~capped if short else capped)
+            node = bound[np.argmin(gap[bound]) if short else np.argmax(gap[bound])]
+            free[node], capped[node] = True, False
         inside = np.flatnonzero(free)
         # Unknown: pressures of the free nodes and the approach; known: hardness on the capped ones.
         system = np.zeros((inside.size + 1, inside.size + 1))

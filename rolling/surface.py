@@ -71,8 +71,13 @@ def gaussian(
     heights = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
     heights -= heights.mean()
     got = np.abs(heights).mean()
-    if not got > 1e-12 * np.sqrt(density.max()):
-        raise SurfaceError("the surface has no roughness left: its correlation length is far above its size")
+    # A surface much smaller than its correlation length is flat to rounding: scaled up, that rounding would pass for roughness.
+    if not got > 1e-6 * np.sqrt(density.max() / heights.size):
+        sizes = " x ".join(f"{n * spacing * 1e6:.4g}" for n in shape)
+        lengths = " and ".join(f"{length * 1e6:.4g}" for length in correlation_length)
+        raise SurfaceError(
+            f"no roughness left: correlation lengths of {lengths} um are far above the surface's {sizes} um; enlarge it"
+        )
     heights *= ra / got
     return heights
 
@@ -83,18 +88,22 @@ def smooth(shape: tuple[int, int]) -> Array:
 
 
 def read(path: Path) -> Array:
-    """Heights [m] from a .npy file, shape (along track, across), mean plane taken off.
+    """Heights [m] from a .npy file, shape (along track, across), the mean taken off.
 
     Raises
     ------
-    SurfaceError : not a 2-D array of real numbers, NaN or infinite heights (the first one named), or an Ra above 1 mm (other units).
+    SurfaceError : not a 2-D array of real numbers, heights that are not finite (the first one named), an Ra above 1 mm (other units).
     """
     try:
         stored = np.load(path, allow_pickle=False)
     except (OSError, ValueError) as error:
         raise SurfaceError(f"{path}: not a readable .npy file of heights ({error})") from error
-    if not isinstance(stored, np.ndarray) or stored.ndim != 2 or stored.dtype.kind not in "fiu":
-        what = f"{stored.ndim}-D {stored.dtype}" if isinstance(stored, np.ndarray) else "an archive"
+    if not isinstance(stored, np.ndarray) or stored.ndim != 2 or not stored.size or stored.dtype.kind not in "fiu":
+        what = (
+            f"{stored.ndim}-D {stored.dtype} of shape {stored.shape}"
+            if isinstance(stored, np.ndarray)
+            else "an archive"
+        )
         raise SurfaceError(f"{path}: got {what}, allowed is one 2-D array of real heights in m, (along track, across)")
     heights = stored.astype(np.float64)
     bad = np.argwhere(~np.isfinite(heights))

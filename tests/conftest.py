@@ -9,7 +9,7 @@ from scipy.signal import fftconvolve
 
 from rolling import recovery, surface
 from rolling.half_space import HalfSpace
-from rolling.march import ContactState, Track, march
+from rolling.march import ContactState, RollingContact, march
 
 STEEL = 210e9 / (1 - 0.3**2)  # E* [Pa] of the plate under a rigid sphere
 
@@ -20,7 +20,7 @@ def rough(
     return surface.gaussian((along, across), spacing, ra, (length, length), "gaussian", seed)
 
 
-def make_track(heights: np.ndarray, **changes: float) -> Track:
+def make_track(heights: np.ndarray, **changes: float) -> RollingContact:
     """A steel plate under a 5 mm sphere at 5 N and 2 um spacing, one node per step, but for the changes."""
     scene = {
         "spacing": 2e-6,
@@ -32,23 +32,23 @@ def make_track(heights: np.ndarray, **changes: float) -> Track:
         "tolerance": 1e-8,
     } | changes
     scene.setdefault("step", scene["spacing"])
-    return Track(heights=heights, **scene)
+    return RollingContact(heights=heights, **scene)
 
 
-def space_of(track: Track) -> HalfSpace:
+def space_of(track: RollingContact) -> HalfSpace:
     return HalfSpace(track.spacing, track.contact_modulus)
 
 
-def roll(track: Track, first: int, last: int) -> list[ContactState]:
+def roll(track: RollingContact, first: int, last: int) -> list[ContactState]:
     return list(march(track, first, last, space_of(track)))
 
 
-def step_energies(track: Track, states: list[ContactState], left_end: bool = False) -> list[recovery.StepEnergy]:
+def step_energies(track: RollingContact, states: list[ContactState], left_end: bool = False) -> list[recovery.StepEnergy]:
     space = space_of(track)
     return [recovery.step_energy(old, new, space, left_end) for old, new in pairwise(states)]
 
 
-def releases(track: Track, states: list[ContactState], left_end: bool = False) -> np.ndarray:
+def releases(track: RollingContact, states: list[ContactState], left_end: bool = False) -> np.ndarray:
     return np.array([step.release for step in step_energies(track, states, left_end)])
 
 
@@ -66,7 +66,7 @@ def love_kernel(rows: int, columns: int) -> np.ndarray:
     return total
 
 
-def gap_and_deflection(track: Track, state: ContactState, around: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def gap_and_deflection(track: RollingContact, state: ContactState, around: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Undeformed gap, deflection and pressure on the window grown by `around` nodes, all computed afresh."""
     w = state.window
     rows, columns = np.arange(-around, w.rows + around) + w.row, np.arange(-around, w.columns + around) + w.column
@@ -80,7 +80,7 @@ def gap_and_deflection(track: Track, state: ContactState, around: int = 0) -> tu
     return e, u * track.spacing / (np.pi * track.contact_modulus), p
 
 
-def violations(track: Track, state: ContactState, around: int = 8) -> dict[str, float]:
+def violations(track: RollingContact, state: ContactState, around: int = 8) -> dict[str, float]:
     """What a solved contact must hold, as numbers: largest violation over largest deflection, pressure bounds, load error.
 
     Also looks `around` nodes past the window: the contact must not have been cut off by it.
@@ -96,7 +96,7 @@ def violations(track: Track, state: ContactState, around: int = 8) -> dict[str, 
     }
 
 
-def assert_solved(track: Track, state: ContactState, allowance: float = 1.5) -> None:
+def assert_solved(track: RollingContact, state: ContactState, allowance: float = 1.5) -> None:
     """The state holds the contact conditions within the tolerance, the bounds exactly and the load to 1e-12.
 
     The allowance is for the rounding of heights against deflection and of the two convolutions; the solver's own residual is

@@ -15,10 +15,10 @@ from conftest import STEEL, assert_solved, make_track, rough, step_energies
 from rolling import reference
 from rolling.contact import ContactError
 from rolling.half_space import HalfSpace
-from rolling.march import ContactState, Track, march
+from rolling.march import ContactState, RollingContact, march
 
 
-def random_scene(seed: int) -> tuple[Track, str]:
+def random_scene(seed: int) -> tuple[RollingContact, str]:
     """A scene from far and wide, and what is special about its surface.
 
     Load over 10 decades, E* over 9, R from 50 um to 1 m; the spacing follows from a Hertz radius of 0.02 to 20 nodes (one in ten
@@ -58,7 +58,7 @@ def random_scene(seed: int) -> tuple[Track, str]:
     return track, feature
 
 
-def try_scene(track: Track, steps: int = 3) -> tuple[str, int]:
+def try_scene(track: RollingContact, steps: int = 3) -> tuple[str, int]:
     """What became of a scene (solved, or why it was refused) and its most iterations; raises where an answer is wrong."""
     space = HalfSpace(track.spacing, track.contact_modulus)
     states = []
@@ -82,7 +82,7 @@ def try_scene(track: Track, steps: int = 3) -> tuple[str, int]:
     return "solved", max(state.iterations for state in states)
 
 
-def solve_hard(track: Track, budget: int, steps: int = 3, first: int = 0) -> list[ContactState]:
+def solve_hard(track: RollingContact, budget: int, steps: int = 3, first: int = 0) -> list[ContactState]:
     """March, check every state against its own convolution and the ledger, and the iterations of each against the budget."""
     space = HalfSpace(track.spacing, track.contact_modulus)
     with warnings.catch_warnings():

@@ -1,0 +1,311 @@
+"""Scenes to release series: a track is cut into pieces that depend on nothing but the scene, marched by any number of processes.
+
+Depends on march, recovery and surface. Each piece starts cold, so the numbers are the same however many workers there are, and
+what is done when a run stops is kept and never done again.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling import surface
+from rolling.contact import ContactError
+from rolling.half_space import HalfSpace
+from rolling.march import ContactState, RollingContact, march
+from rolling.recovery import EventTable, step_energy
+from rolling.scenario import Gaussian, HeightFile, Scene, SceneError, track
+
+Array = NDArray[np.float64]
+
+PIECE_STEPS = 200  # a cold start costs about four steps: 2 % of a piece
+STEP_SERIES = ("release_energy", "loading_energy", "energy_defect", "step_time")
+STATE_SERIES = (
+    "approach",
+    "contact_area",
+    "plastic_area",
+    "max_pressure",
+    "stored_energy",
+    "residual",
+    "iterations",
+    "convolutions",
+)
+
+
+class Interrupted(Exception):
+    """The march was asked to stop before its end."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Pressure [Pa] and deflection [m] at one position, with the plate coordinates [m] of the window's first node."""
+
+    distance: float
+    along: float
+    across: float
+    pressure: Array
+    deflection: Array
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Series of the steps first .. last - 1 and of the states first + 1 .. last (and of state 0, in the first piece)."""
+
+    first: int
+    last: int
+    steps: dict[str, Array]
+    states: dict[str, Array]
+    events: dict[str, NDArray[Any]] | None
+    snapshot: Snapshot | None
+
+
+def heights(scene: Scene) -> Array:
+    """Surface heights of a scene [m], (along, across).
+
+    Raises
+    ------
+    SceneError : a surface that cannot be made or read.
+    """
+    made = track(scene)
+    try:
+        return _heights(scene.surface.model_dump_json(), scene, made.n_along, made.n_across)
+    except surface.SurfaceError as error:
+        raise SceneError([f"surface: {error}"]) from error
+
+
+_kept: dict[tuple[str, str, int, int], Array] = {}
+
+
+def _heights(text: str, scene: Scene, n_along: int, n_across: int) -> Array:
+    key = (text, str(scene.folder), n_along, n_across)
+    if key not in _kept:
+        _kept.clear()  # one surface at a time: the runs of a sweep mostly share it
+        shape, s = (n_along, n_across), scene.surface
+        if isinstance(s, Gaussian):
+            across = s.correlation_length_across_um or s.correlation_length_um
+            lengths = (s.correlation_length_um * 1e-6, across * 1e-6)
+            _kept[key] = surface.gaussian(
+                shape, scene.spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed
+            )
+        elif isinstance(s, HeightFile):
+            assert scene.height_path is not None
+            _kept[key] = surface.read(scene.height_path)
+        else:
+            _kept[key] = surface.smooth(shape)
+    return _kept[key]
+
+
+def rolling_contact(scene: Scene) -> RollingContact:
+    """What the march needs of a scene."""
+    return RollingContact(
+        heights=heights(scene),
+        spacing=scene.spacing,
+        radius=scene.radius,
+        contact_modulus=scene.contact_modulus,
+        hardness=scene.hardness,
+        load=scene.load,
+        step=scene.step,
+        start=scene.start,
+        tolerance=scene.numerics.tolerance,
+    )
+
+
+@lru_cache(maxsize=4)
+def _half_space(spacing: float, contact_modulus: float) -> HalfSpace:
+    return HalfSpace(spacing, contact_modulus)
+
+
+def pieces(steps: int) -> list[tuple[int, int]]:
+    """First and last position of each piece of a track of that many steps."""
+    return [(first, min(first + PIECE_STEPS, steps)) for first in range(0, steps, PIECE_STEPS)]
+
+
+def simulate_piece(
+    scene: Scene,
+    first: int,
+    last: int,
+    stopped: Callable[[], bool] = lambda: False,
+    progress: Callable[[int], object] = lambda steps: None,
+) -> Piece:
+    """March one piece of a scene.
+
+    Raises
+    ------
+    ContactError : as march does.
+    Interrupted : `stopped` said so.
+    """
+    contact = rolling_contact(scene)
+    half_space = _half_space(contact.spacing, contact.contact_modulus)
+    left_end = scene.recovery is not None and scene.recovery.rule == "left_end"
+    table = EventTable(contact.heights.shape) if scene.recovery is not None and scene.recovery.events else None
+    steps = {name: np.empty(last - first) for name in STEP_SERIES}
+    states = {name: np.empty(last - first + (first == 0)) for name in STATE_SERIES}
+    snapshot = None
+    old: ContactState | None = None
+    began = time.perf_counter()
+    for state in march(contact, first, last, half_space):
+        if stopped():
+            raise Interrupted
+        k = state.position
+        if old is not None:
+            energy = step_energy(old, state, half_space, left_end)
+            if table is not None:
+                table.add(k - 1, energy)
+            now = time.perf_counter()
+            values = (energy.release, energy.loading, energy.defect, now - began)
+            for name, value in zip(STEP_SERIES, values, strict=True):
+                steps[name][k - 1 - first] = value
+            began = now
+            progress(1)
+        if k > first or first == 0:
+            for name in STATE_SERIES:
+                states[name][k - first - (first > 0)] = getattr(state, name)
+        if k == last and first == 0:
+            window, spacing = state.window, contact.spacing
+            snapshot = Snapshot(
+                contact.position(k), window.row * spacing, window.column * spacing, state.pressure, state.deflection
+            )
+        old = state
+    return Piece(first, last, steps, states, table.columns() if table else None, snapshot)
+
+
+@dataclass
+class Outcome:
+    """How a simulation ended: runs that failed with their reason, and whether it was interrupted."""
+
+    failures: dict[int, str] = field(default_factory=dict)
+    interrupted: bool = False
+
+
+def default_workers() -> int:
+    """Number of processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def simulate(
+    scenes: Sequence[Scene],
+    todo: Sequence[tuple[int, int, int]],
+    workers: int,
+    finished: Callable[[int, Piece], None],
+    progress: Callable[[int], object] = lambda steps: None,
+) -> Outcome:
+    """March pieces (number of the scene, first, last) on `workers` processes; `finished` gets each piece as it is done.
+
+    A scene that fails does not stop the others. The first Ctrl-C or SIGTERM stops all after the step at hand.
+    """
+    outcome = Outcome()
+    with _asked_to_stop() as asked:
+        if min(workers, len(todo)) <= 1:
+            for run, first, last in todo:
+                if run in outcome.failures:
+                    continue
+                try:
+                    finished(run, simulate_piece(scenes[run], first, last, asked, progress))
+                except ContactError as error:
+                    outcome.failures[run] = str(error)
+                except Interrupted:
+                    break
+        else:
+            _simulate_parallel(scenes, todo, workers, finished, progress, asked, outcome)
+        outcome.interrupted = asked()
+    return outcome
+
+
+def _simulate_parallel(scenes, todo, workers, finished, progress, asked, outcome) -> None:  # type: ignore[no-untyped-def]
+    context = multiprocessing.get_context("spawn")
+    stop = context.Event()
+    waiting = iter(todo)
+    running: dict[Future[Piece], tuple[int, int, int]] = {}
+    # One thread each: workers must not fight over cores. Spawned processes read this when they import numpy.
+    pins = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+    before = {name: os.environ.get(name) for name in pins}
+    os.environ.update(pins)
+    try:
+        with ProcessPoolExecutor(min(workers, len(todo)), context, _begin_worker, (stop,)) as pool:
+            while True:
+                while len(running) < 2 * workers and not asked():
+                    job = next((j for j in waiting if j[0] not in outcome.failures), None)
+                    if job is None:
+                        break
+                    running[pool.submit(_piece_in_worker, scenes[job[0]], job[1], job[2])] = job
+                if asked():
+                    stop.set()
+                if not running:
+                    break
+                done, _ = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
+                for future in done:
+                    run, first, last = running.pop(future)
+                    try:
+                        finished(run, future.result())
+                        progress(last - first)
+                    except ContactError as error:
+                        outcome.failures.setdefault(run, str(error))
+                    except Interrupted:
+                        pass
+                    except BrokenProcessPool:
+                        for number in {run, *(job[0] for job in running.values()), *(j[0] for j in waiting)}:
+                            outcome.failures.setdefault(
+                                number, "a worker process was killed (out of memory?); `rolling resume` goes on from here"
+                            )
+                        return
+    finally:
+        stop.set()
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+_worker_stop: Any = None
+
+
+def _begin_worker(stop: Any) -> None:
+    global _worker_stop
+    _worker_stop = stop
+    # Ctrl-C reaches the whole process group; the parent decides and tells through the event.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _piece_in_worker(scene: Scene, first: int, last: int) -> Piece:
+    return simulate_piece(scene, first, last, _worker_stop.is_set)
+
+
+class _asked_to_stop:
+    """While open, the first SIGINT or SIGTERM only sets a flag; a second one acts as usual."""
+
+    def __enter__(self) -> Callable[[], bool]:
+        self.asked = False
+        self.before: dict[int, Any] = {}
+        try:
+            for number in (signal.SIGINT, signal.SIGTERM):
+                self.before[number] = signal.signal(number, self._ask)
+        except ValueError:  # not the main thread: signals are somebody else's
+            pass
+        return lambda: self.asked
+
+    def _ask(self, number: int, frame: Any) -> None:
+        self.asked = True
+        signal.signal(number, self.before[number])
+
+    def __exit__(self, *error: object) -> None:
+        for number, handler in self.before.items():
+            signal.signal(number, handler)
+
+
+def missing(steps: int, release: Array) -> Iterator[tuple[int, int]]:
+    """Pieces of a track whose release is not known yet (NaN)."""
+    for first, last in pieces(steps):
+        if np.isnan(release[first:last]).any():
+            yield first, last
