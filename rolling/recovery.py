@@ -6,7 +6,7 @@ Inventions 10(1), 17 (2025), Eq. 8-9); p is the mean over the step, second order
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -103,11 +103,12 @@ class EventTable:
         return {name: getattr(self, name)[: self.count].copy() for name in names}
 
 
-def join_events(pieces: Sequence[dict[str, NDArray]]) -> dict[str, NDArray]:
+def join_events(pieces: Iterable[dict[str, NDArray]]) -> dict[str, NDArray]:
     """One table from the tables of pieces of a track, in their order: an event cut by a border between pieces is made whole."""
-    tables = [{name: column.copy() for name, column in piece.items()} for piece in pieces if piece["energy"].size]
+    copies = [{name: column.copy() for name, column in piece.items()} for piece in pieces]
+    tables = [piece for piece in copies if piece["energy"].size]
     if not tables:
-        return {name: column.copy() for name, column in pieces[0].items()}
+        return copies[0]
     kept = [np.ones(table["energy"].size, dtype=bool) for table in tables]
     # Where each event that reaches the last position of its piece began: a long one may run through whole pieces.
     open_events: dict[tuple[int, ...], tuple[dict[str, NDArray], int]] = {}
@@ -129,5 +130,6 @@ def join_events(pieces: Sequence[dict[str, NDArray]]) -> dict[str, NDArray]:
             if table["last"][k] == end:
                 open_events[node] = (owner, row)
     return {
-        name: np.concatenate([table[name][keep] for table, keep in zip(tables, kept, strict=True)]) for name in tables[0]
+        name: np.concatenate([table[name][keep] for table, keep in zip(tables, kept, strict=True)])
+        for name in tables[0]
     }

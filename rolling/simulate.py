@@ -222,7 +222,7 @@ def simulate(
     return outcome
 
 
-def _simulate_parallel(scenes, todo, workers, finished, progress, asked, outcome) -> None:  # type: ignore[no-untyped-def]
+def _simulate_parallel(scenes, todo, workers, finished, progress, asked, outcome) -> None:
     context = multiprocessing.get_context("spawn")
     stop = context.Event()
     waiting = iter(todo)
@@ -256,7 +256,8 @@ def _simulate_parallel(scenes, todo, workers, finished, progress, asked, outcome
                     except BrokenProcessPool:
                         for number in {run, *(job[0] for job in running.values()), *(j[0] for j in waiting)}:
                             outcome.failures.setdefault(
-                                number, "a worker process was killed (out of memory?); `rolling resume` goes on from here"
+                                number,
+                                "a worker process was killed (out of memory?); `rolling resume` goes on from here",
                             )
                         return
     finally:

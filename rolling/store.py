@@ -225,8 +225,8 @@ def load(path: Path) -> Result:
             )
             if "snapshot" in file:
                 group = file["snapshot"]
-                at = [float(group.attrs[name]) for name in ("distance_m", "along_m", "across_m")]
-                result.snapshot = Snapshot(*at, group["pressure"][:], group["deflection"][:])
+                distance, along, across = (float(group.attrs[name]) for name in ("distance_m", "along_m", "across_m"))
+                result.snapshot = Snapshot(distance, along, across, group["pressure"][:], group["deflection"][:])
             for first, group in file.get("event_pieces", {}).items():
                 result.event_pieces[int(first)] = {column: values[:] for column, values in group.items()}
             if "events" in file:

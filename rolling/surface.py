@@ -92,7 +92,7 @@ def read(path: Path) -> Array:
 
     Raises
     ------
-    SurfaceError : not a 2-D array of real numbers, heights that are not finite (the first one named), an Ra above 1 mm (other units).
+    SurfaceError : not a 2-D array of real numbers, heights that are not finite (the first is named), an Ra above 1 mm.
     """
     try:
         stored = np.load(path, allow_pickle=False)

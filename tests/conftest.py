@@ -43,7 +43,9 @@ def roll(track: RollingContact, first: int, last: int) -> list[ContactState]:
     return list(march(track, first, last, space_of(track)))
 
 
-def step_energies(track: RollingContact, states: list[ContactState], left_end: bool = False) -> list[recovery.StepEnergy]:
+def step_energies(
+    track: RollingContact, states: list[ContactState], left_end: bool = False
+) -> list[recovery.StepEnergy]:
     space = space_of(track)
     return [recovery.step_energy(old, new, space, left_end) for old, new in pairwise(states)]
 
@@ -66,7 +68,9 @@ def love_kernel(rows: int, columns: int) -> np.ndarray:
     return total
 
 
-def gap_and_deflection(track: RollingContact, state: ContactState, around: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def gap_and_deflection(
+    track: RollingContact, state: ContactState, around: int = 0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Undeformed gap, deflection and pressure on the window grown by `around` nodes, all computed afresh."""
     w = state.window
     rows, columns = np.arange(-around, w.rows + around) + w.row, np.arange(-around, w.columns + around) + w.column

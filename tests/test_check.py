@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from acoustics import wav
 from rolling import check, surface
 from rolling.check import Finding, expected_step_ms, findings, report, roughness
-from rolling.scenario import Scene, SceneError, load, loads
+from rolling.scenario import Scene, SceneError
+from rolling.scene_file import load, loads
 
 TEXT = """\
 name: trial
@@ -164,8 +166,8 @@ def test_roughness_is_that_of_the_surface_made(law: str) -> None:
 
 
 def test_window_is_about_what_a_solved_contact_needs() -> None:
-    # Blocks of {e < approach} of solved contacts (spacing 2 um, this surface): 98 nodes at 20 N smooth, 100 at Ra 0.1 um,
-    # 150 at Ra 1 um, 240 at Ra 1 um and 100 N. An estimate: a quarter is allowed.
+    # Blocks of {e < approach} of solved contacts (spacing 2 um, this surface): 98 nodes at 20 N smooth, 100 at Ra 0.1
+    # um, 150 at Ra 1 um, 240 at Ra 1 um and 100 N. An estimate: a quarter is allowed.
     for overrides, nodes in (
         (["surface.roughness_ra_um=0.0001"], 98),
         ([], 100),
@@ -177,9 +179,31 @@ def test_window_is_about_what_a_solved_contact_needs() -> None:
         assert got == pytest.approx(nodes, rel=0.25)
 
 
-def test_expected_time_follows_the_measured_convolutions() -> None:
-    for nodes, ms in ((64, 0.12), (96, 0.3), (128, 0.6), (256, 3.6)):
-        assert expected_step_ms(nodes) == pytest.approx(20 * ms, rel=0.15)
+def test_expected_time_follows_the_measured_solves() -> None:
+    for nodes, ms in ((70, 2.5), (120, 8), (180, 22)):
+        assert expected_step_ms(nodes) == pytest.approx(ms, rel=0.1)
+
+
+def test_expected_time_is_shared_by_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(check, "cores", lambda: 1)
+    alone = found()
+    monkeypatch.setattr(check, "cores", lambda: 8)
+    shared = found()
+    assert alone["expected time"].value.endswith(" on 1 core")
+    assert shared["expected time"].value.endswith(" on 8 cores")
+    assert alone["time of a step"] == shared["time of a step"]
+    step_ms = float(alone["time of a step"].value.split()[1])
+    assert alone["expected time"].seconds == pytest.approx(25000 * step_ms * 1e-3, rel=0.05)
+    assert shared["expected time"].seconds == pytest.approx(alone["expected time"].seconds / 8)
+    of_all = "expected time of all"
+    lines = report(loads(TEXT, ["sweep.surface.seed=[1, 2]"])).splitlines()
+    line = next(line for line in lines if line.startswith(of_all))
+    assert line.endswith(f"about {2 * shared['expected time'].seconds:.2g} s on 8 cores, 2 runs")
+    assert of_all not in report(loads(TEXT))
+
+
+def test_the_sample_rate_is_that_of_the_files() -> None:
+    assert check.SAMPLE_RATE == wav.SAMPLE_RATE_HZ
 
 
 def file_scene(folder: Path, heights: np.ndarray, *overrides: str) -> Scene:

@@ -14,21 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rolling import surface
-from rolling.scenario import (
-    RESOUND_KEYS,
-    STEP_NODES,
-    Gaussian,
-    Scene,
-    SceneError,
-    dump,
-    expand,
-    load,
-    loads,
-    resound,
-    run_name,
-    schema,
-    track,
-)
+from rolling.scenario import STEP_NODES, Gaussian, Scene, SceneError, expand, run_name, track
+from rolling.scene_file import RESOUND_KEYS, dump, load, loads, resound, schema
 
 SCENES = sorted((Path(__file__).parent.parent / "scenarios").glob("*.yaml"))
 

@@ -1,0 +1,226 @@
+"""Keys, values and faults in words: what is known, what is allowed, what is nearest. Knows no model but those it is given.
+
+`root` is the model of a whole scene: sections of plain values, one of them perhaps of several kinds, and a sweep.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+import math
+import types
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
+
+Key = tuple[str | int, ...]  # where a value stands: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
+
+
+@dataclass(frozen=True)
+class Words:
+    """Stands in the annotation of a field whose type does not tell what it may hold."""
+
+    allowed: str
+
+
+# ---- faults ----------------------------------------------------------------------------------------------------------
+
+
+def fault(message: str, *at: str | int) -> PydanticCustomError:
+    """A fault for pydantic to collect; `at` is the key it belongs to when that is not the one being validated."""
+    return PydanticCustomError("fault", "{message}", {"message": message, "at": at})
+
+
+def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
+    """Key and message of one pydantic fault."""
+    key: Key = error["loc"]
+    outer = root.model_fields.get(str(key[0]))
+    by = outer.discriminator if outer else None
+    if by and len(key) > 1:  # pydantic names the kind of a section in between
+        key = (key[0], *key[2:])
+    kind = error["type"]
+    if kind == "fault":
+        return error["ctx"]["at"] or key, error["ctx"]["message"]
+    if kind == "extra_forbidden":
+        siblings = _siblings(root, key, data)
+        known = [other for other in all_keys(root) if not other.startswith("sweep.")]
+        elsewhere = [] if dotted(key) in known else known  # a key of another kind of the section is no slip
+        of = f" of {by} {_value(data, (key[0], str(by)))}" if by else ""
+        return key, f"unknown key{of}{nearest(str(key[-1]), siblings, elsewhere)}, allowed: {', '.join(siblings)}"
+    if kind.startswith("union_tag") and outer:
+        key = (*key, str(by))
+        choices = [name for model in _models(outer) for name in _choices(model.model_fields[str(by)])]
+        words = _either(choices)
+    else:
+        field = _field(root, key, data)
+        choices, words = _choices(field), allowed(field)
+    value = _value(data, key)
+    if kind in ("missing", "union_tag_not_found") and value is None:
+        return key, f"missing, allowed: {words}"
+    return key, f"got {shown(value)}, allowed: {words}{nearest(value, choices) if isinstance(value, str) else ''}"
+
+
+def place(key: Key, places: Mapping[Key, str]) -> str:
+    """File and line (or --set) of a key, or of the nearest section around it that stands somewhere."""
+    return next(places[key[:n]] for n in range(len(key), -1, -1) if key[:n] in places)
+
+
+def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
+    """ ", nearest: name" from the first family that has a name like it; nothing when none has.
+
+    Names are compared by their last part, or as a whole when the section is misspelt as well; the unit may be missing.
+    """
+
+    def norm(name: str) -> str:
+        return name.lower().replace("-", "_").replace(" ", "_")
+
+    def alike(name: str) -> float:
+        one, two = norm(got), norm(name)
+        (section, _, last), (its_section, _, its_last) = one.rpartition("."), two.rpartition(".")
+        if its_last.startswith(f"{last}_"):
+            return 0.95
+        pairs = [(last, its_last)] if section == its_section else [(last, its_last), (one, two)]
+        return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
+
+    for names in families:
+        best = max(names, key=alike, default="")
+        if best and alike(best) >= 0.6:
+            return f", nearest: {best}"
+    return ""
+
+
+# ---- values ----------------------------------------------------------------------------------------------------------
+
+
+def is_number(value: Any) -> bool:
+    """A number, not true or false, not endless."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and -1e300 < value < 1e300
+
+
+def plain_number(value: float) -> str:
+    """A number without a needless point."""
+    return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
+
+
+def shown(value: Any) -> str:
+    """A value as the user wrote it, or nearly: text in quotes, so that "20" is seen to be text."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, float) and not math.isfinite(value):
+        return ".nan" if math.isnan(value) else f"{'-' * (value < 0)}.inf"
+    text = json.dumps(value, ensure_ascii=False, default=str)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def first_line(error: BaseException) -> str:
+    """What an error says, on one line."""
+    return (str(error).strip().splitlines() or [type(error).__name__])[0]
+
+
+# ---- keys ------------------------------------------------------------------------------------------------------------
+
+
+def dotted(key: Key) -> str:
+    """("rolling", "load_n") as "rolling.load_n", places in a list in brackets."""
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in key).removeprefix(".")
+
+
+def numeric_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Every key that holds a number, by its dotted name."""
+    return {name: field for name, field in _inner(root) if {int, float} & set(_kinds(field.annotation))}
+
+
+def all_keys(root: type[BaseModel]) -> list[str]:
+    """Every name that an override can set, sections and swept keys included."""
+    inner = [name for name, _ in _inner(root)]
+    return list(dict.fromkeys([*root.model_fields, *inner, *(f"sweep.{key}" for key in numeric_keys(root))]))
+
+
+def required(model: type[BaseModel]) -> list[str]:
+    """The keys that must be given."""
+    return [name for name, field in model.model_fields.items() if field.is_required()]
+
+
+def allowed(field: FieldInfo) -> str:
+    """What a field may hold, in words."""
+    for words in field.metadata:
+        if isinstance(words, Words):
+            return words.allowed
+    if choices := _choices(field):
+        return _either(choices)
+    if field.discriminator:
+        return f"a section of keys ({field.discriminator}, ...)"
+    for model in _models(field):
+        return f"a section of keys ({', '.join(required(model) or model.model_fields)})"
+    kind = _kinds(field.annotation)[0]
+    if kind in (int, float):
+        signs = [("gt", ">"), ("ge", ">="), ("lt", "<"), ("le", "<=")]
+        bounds = [f"{sign} {getattr(m, name):g}" for name, sign in signs for m in field.metadata if hasattr(m, name)]
+        return " ".join(["a whole number" if kind is int else "a number", " and ".join(bounds)]).strip()
+    return "true or false" if kind is bool else "text"
+
+
+def _inner(root: type[BaseModel]) -> Iterator[tuple[str, FieldInfo]]:
+    """Every dotted name with its field; those that several kinds of a section share come once per kind."""
+    for section, outer in root.model_fields.items():
+        for model in _models(outer):
+            yield from ((f"{section}.{name}", field) for name, field in model.model_fields.items())
+
+
+def _field(root: type[BaseModel], key: Key, data: Mapping[str, Any]) -> FieldInfo:
+    """The field of a key, or the last one around it."""
+    field = root.model_fields[str(key[0])]
+    model = _model(field, data.get(str(key[0])))
+    return model.model_fields.get(str(key[1]), field) if model and len(key) > 1 else field
+
+
+def _siblings(root: type[BaseModel], key: Key, data: Mapping[str, Any]) -> list[str]:
+    """The names known where a key stands."""
+    model = _model(root.model_fields[str(key[0])], data.get(str(key[0]))) if len(key) > 1 else root
+    return list(model.model_fields) if model else []
+
+
+def _model(field: FieldInfo, section: Any) -> type[BaseModel] | None:
+    """The model of a section, the first when it does not tell its kind; None for a plain value."""
+    models = _models(field)
+    for model in models if isinstance(field.discriminator, str) and isinstance(section, Mapping) else []:
+        if section.get(field.discriminator) in _choices(model.model_fields[str(field.discriminator)]):
+            return model
+    return next(iter(models), None)
+
+
+def _models(field: FieldInfo) -> list[type[BaseModel]]:
+    """The models of a section, one for each of its kinds; none for a plain value."""
+    return [kind for kind in _kinds(field.annotation) if isinstance(kind, type) and issubclass(kind, BaseModel)]
+
+
+def _kinds(annotation: Any) -> tuple[Any, ...]:
+    """What a field may hold: the types of an annotation without None and Annotated."""
+    if get_origin(annotation) is Annotated:
+        return _kinds(get_args(annotation)[0])
+    if get_origin(annotation) in (Union, types.UnionType):
+        return tuple(kind for part in get_args(annotation) for kind in _kinds(part) if kind is not type(None))
+    return (annotation,)
+
+
+def _choices(field: FieldInfo) -> list[str]:
+    """The names a field chooses from; none when it holds something else."""
+    return [choice for kind in _kinds(field.annotation) if get_origin(kind) is Literal for choice in get_args(kind)]
+
+
+def _either(choices: Sequence[str]) -> str:
+    """ "a, b or c"."""
+    return " or ".join(filter(None, [", ".join(choices[:-1]), choices[-1]]))
+
+
+def _value(data: Any, key: Key) -> Any:
+    for part in key:
+        try:
+            data = data[part]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return data

@@ -1,0 +1,145 @@
+"""The command `rolling`. Imports what a command needs inside it, so that --help is instant."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rolling import __version__
+
+OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code: 0 done, 1 failed, 2 bad scene or usage, 130 interrupted."""
+    # The solve is cut into processes; libraries that start threads of their own only get in their way.
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    arguments = _parser().parse_args(argv)
+    try:
+        return int(arguments.command(arguments))
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader of our output went away
+        sys.stderr.close()
+        return FAILED
+    except OSError as error:
+        _say(f"{error}\nwhat was solved before is kept; `rolling resume RUN` goes on when the cause is mended")
+        return FAILED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="rolling", description="Contact noise of a sphere rolling over a rough surface."
+    )
+    parser.add_argument("--version", action="version", version=f"rolling-contact-noise {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    def command(name, function, text, *parts):
+        sub = commands.add_parser(name, help=text, description=text)
+        sub.set_defaults(command=function)
+        for part in parts:
+            part(sub)
+
+    def scene(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument("scene", type=Path, metavar="SCENE", help="scene file (YAML)")
+
+    def folder(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument("folder", type=Path, metavar="RUN", help="run folder")
+
+    def settings(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument(
+            "--set", action="append", default=[], metavar="KEY=VALUE", help="override, such as rolling.load_n=50"
+        )
+
+    def target(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument("--out", type=Path, metavar="FOLDER", help="run folder to make (default: outputs/NAME/TIME)")
+        sub.add_argument("--force", action="store_true", help="replace the run in --out")
+
+    def workers(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument("--workers", type=_count, default=0, metavar="N", help="processes (default: one per core)")
+
+    command("run", _run, "run a scene: release, sound, levels and plots", scene, settings, target, workers)
+    command("check", _check, "validate a scene and say what it will cost and where it is doubtful", scene, settings)
+    command("resume", _resume, "go on with a run that was interrupted", folder, workers)
+    command("resound", _resound, "new sound from a stored run, without solving again", folder, settings, target)
+    command("schema", _schema, "print the JSON Schema of scene files, for editors")
+    return parser
+
+
+def _count(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError("at least 1")
+    return value
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from rolling import run
+
+    return _reported(lambda: run.run(arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers))
+
+
+def _resume(arguments: argparse.Namespace) -> int:
+    from rolling import run
+
+    return _reported(lambda: run.resume(arguments.folder, arguments.workers))
+
+
+def _resound(arguments: argparse.Namespace) -> int:
+    from rolling import run
+
+    return _reported(lambda: run.resound(arguments.folder, arguments.set, arguments.out, arguments.force))
+
+
+def _reported(act) -> int:
+    from rolling import run
+    from rolling.scenario import SceneError
+    from rolling.store import FolderError
+
+    try:
+        report = act()
+    except (SceneError, FolderError) as error:
+        _say(str(error))
+        return BAD_INPUT
+    print(run.table(report))
+    for label, reason in report.failures.items():
+        _say(f"failed: {label}: {reason}")
+    if report.exit_code == OK:
+        print(f"\nlisten: {report.runs[0][0].folder / 'listen.wav'}   pictures, numbers: {report.folder}")
+    else:
+        _say(f"stopped early; what is solved is in {report.folder}, `rolling resume {report.folder}` goes on")
+    return report.exit_code
+
+
+def _check(arguments: argparse.Namespace) -> int:
+    from rolling import check, scene_file
+    from rolling.scenario import SceneError
+
+    try:
+        print(check.report(scene_file.load(arguments.scene, arguments.set)))
+    except SceneError as error:
+        _say(str(error))
+        return BAD_INPUT
+    return OK
+
+
+def _schema(arguments: argparse.Namespace) -> int:
+    import json
+
+    from rolling import scene_file
+
+    print(json.dumps(scene_file.schema(), indent=2))
+    return OK
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,231 @@
+"""Scenes read from YAML and written to it, with overrides, and the JSON Schema for editors. Depends on `scenario`."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq, TaggedScalar
+from ruamel.yaml.constructor import DuplicateKeyError
+from ruamel.yaml.error import YAMLError
+
+from rolling._wording import Key, all_keys, dotted, first_line, nearest, numeric_keys, required, shown
+from rolling.motion import Motion
+from rolling.scenario import HeightFile, Rolling, Scene, SceneError, Sound, track
+
+MAX_NESTING = 4  # of values in a scene; aliases of aliases could otherwise grow without end
+
+# ---- reading, writing, overriding ------------------------------------------------------------------------------------
+
+
+def load(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
+    """Read a scene file.
+
+    Parameters
+    ----------
+    path : YAML 1.2 in UTF-8.
+    overrides : "rolling.load_n=50" each, the value in YAML. Nothing (or null) takes an optional key or section out.
+        A key that the scene sweeps leaves the sweep when it is set; "sweep.rolling.load_n=[5, 20]" sweeps it.
+
+    Raises
+    ------
+    SceneError : all faults of file and overrides.
+    """
+    path = Path(path)
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise SceneError([f"{path}:{line}: not UTF-8 text (byte {error.object[error.start]:#04x})"]) from error
+    except FileNotFoundError as error:
+        raise SceneError([f"{path}: no such file"]) from error
+    except IsADirectoryError as error:
+        raise SceneError([f"{path}: is a folder, a scene file is needed"]) from error
+    except OSError as error:
+        raise SceneError([f"{path}: not readable ({error.strerror})"]) from error
+    return loads(text, overrides, str(path), path.parent)
+
+
+def loads(text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()) -> Scene:
+    """Read a scene from text; `where` names it in messages, `folder` is what `surface.path` is relative to."""
+    data, lines = _read(text, where)
+    if data is None:
+        raise SceneError([f"{where}: empty, a scene needs at least {', '.join(required(Scene))}"])
+    if not isinstance(data, dict):
+        raise SceneError([f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first being name"])
+    places = {key: f"{where}:{line}" for key, line in lines.items()}
+    return Scene.from_dict(data, folder, places, _override(data, places, overrides))
+
+
+def dump(scene: Scene) -> str:
+    """The scene as YAML text with every default filled in; `loads` gives an equal scene back."""
+    yaml = YAML(typ="rt")
+    yaml.width = 4096
+    stream = io.StringIO()
+    yaml.dump(_flowing(scene.to_dict()), stream)
+    return stream.getvalue()
+
+
+def _flowing(value: Any) -> Any:
+    """Lists that YAML writes on one line."""
+    if isinstance(value, dict):
+        return {name: _flowing(item) for name, item in value.items()}
+    if isinstance(value, list):
+        line = CommentedSeq(_flowing(item) for item in value)
+        line.fa.set_flow_style()
+        return line
+    return value
+
+
+def _read(text: str, where: str) -> tuple[Any, dict[Key, int]]:
+    """Plain values and the line of every key."""
+    lines: dict[Key, int] = {(): 1}
+
+    def plain(value: Any, key: Key) -> Any:
+        if len(key) > MAX_NESTING:
+            raise SceneError([f"{where}:{lines[key]}: {dotted(key)}: nested too deeply"])
+        if isinstance(value, CommentedMap):
+            for name in value:
+                place = (value.lc.data or {}).get(name)  # none for what a merge brought in
+                lines[(*key, str(name))] = place[0] + 1 if place else lines[key]
+            return {str(name): plain(item, (*key, str(name))) for name, item in value.items()}
+        if isinstance(value, CommentedSeq):
+            for i in range(len(value)):
+                place = (value.lc.data or {}).get(i)
+                lines[(*key, i)] = place[0] + 1 if place else lines[key]
+            return [plain(item, (*key, i)) for i, item in enumerate(value)]
+        if isinstance(value, TaggedScalar):
+            raise SceneError(
+                [f"{where}:{lines[key]}: {dotted(key)}: got the tag {value.tag.value}, allowed: plain values"]
+            )
+        # ruamel keeps how a number was written; bool before int, whose child it is.
+        for kind in (bool, int, float, str):
+            if isinstance(value, kind):
+                return kind(value)
+        return value
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of anchors given twice, which YAML 1.2 allows
+            return plain(YAML(typ="rt").load(text), ()), lines
+    except DuplicateKeyError as error:
+        section, second = error.context_mark, error.problem_mark
+        name = second.buffer[second.pointer :].split(":")[0].strip() if second.buffer else "key"
+        raise SceneError(
+            [f"{where}:{second.line + 1}: {name}: given twice in the section that begins in line {section.line + 1}"]
+        ) from error
+    except YAMLError as error:
+        mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
+        place = f"{where}:{mark.line + 1}" if mark else where
+        problem = getattr(error, "problem", None) or getattr(error, "reason", None) or first_line(error)
+        raise SceneError([f"{place}: not YAML: {problem.replace('<stream end>', 'the end')}"]) from error
+    except (ValueError, RecursionError, NotImplementedError) as error:
+        raise SceneError([f"{where}: not YAML: {first_line(error)}"]) from error
+
+
+def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[str]) -> list[str]:
+    """Put overrides into `data` and `places`; the faults of those that cannot be."""
+    faults = []
+    for override in overrides:
+        name, equals, text = override.partition("=")
+        name = name.strip()
+        known = all_keys(Scene)
+        if not equals or not name:
+            faults.append(f"--set: got {shown(override)}, allowed: key=value, as in rolling.load_n=50")
+            continue
+        if name not in known:
+            section = name.rpartition(".")[0] + "."
+            siblings = [other for other in known if other.startswith(section) and section != "sweep."]
+            allowed = f", allowed: {', '.join(other.removeprefix(section) for other in siblings)}" if siblings else ""
+            faults.append(f"--set: {name}: unknown key{nearest(name, siblings or known)}{allowed}")
+            continue
+        try:
+            value, _ = _read(text, "--set")
+        except SceneError as error:
+            faults += [
+                f"--set: {name}: {fault.removeprefix('--set:').lstrip('1234567890: ')}" for fault in error.faults
+            ]
+            continue
+        key = _split(name)
+        inside = data
+        for depth, part in enumerate(key[:-1]):
+            if inside.get(part) is None:
+                inside[part] = {}
+                places[key[: depth + 1]] = "--set"
+            inside = inside[part]
+            if not isinstance(inside, dict):
+                break  # the file has something else where a section must be, and is told so
+        else:
+            inside[key[-1]] = value
+            for old in [old for old in places if old[: len(key)] == key]:
+                del places[old]
+            places[key] = "--set"
+            sweep = data.get("sweep")
+            if isinstance(sweep, dict) and key[0] != "sweep":
+                sweep.pop(name, None)
+    return faults
+
+
+def _split(name: str) -> tuple[str, ...]:
+    """The key of a dotted name; what follows "sweep." is one name."""
+    first, dot, rest = name.partition(".")
+    return (first, rest) if dot else (first,)
+
+
+# ---- new sound from a stored run -------------------------------------------------------------------------------------
+
+
+RESOUND_KEYS = ("rolling.speed_m_s", *(f"sound.{name}" for name in Sound.model_fields))
+
+
+def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
+    """The scene of a stored run with another speed or sound; track and contact stay as they are.
+
+    `duration_s`, where the scene has one, becomes the time the same track takes.
+
+    Raises
+    ------
+    SceneError : keys that need a new solve, values that are not allowed, a speed that ends before the track does.
+    """
+    known = {override: override.partition("=")[0].strip() for override in overrides}
+    solved = [override for override in overrides if known[override] in set(all_keys(Scene)) - {*RESOUND_KEYS, "sound"}]
+    faults = [
+        f"--set: {known[override]}: needs a new run; without solving again allowed: {', '.join(RESOUND_KEYS)}"
+        for override in solved
+    ]
+    data = scene.to_dict()
+    places: dict[Key, str] = {(): "stored scene"}
+    faults += _override(data, places, [override for override in overrides if override not in solved])
+    if not faults and scene.rolling.duration_s is not None:
+        made = not isinstance(scene.surface, HeightFile)
+        distance = track(scene).distance if made else float(scene.motion.distance(scene.rolling.duration_s))
+        try:
+            motion = Motion.of(Rolling.model_validate(data["rolling"]).speed_m_s)
+            data["rolling"]["duration_s"] = float(f"{motion.duration(distance):.12g}")
+        except ValidationError:
+            pass  # the new speed is not allowed, which `from_dict` tells
+        except ValueError as error:
+            faults.append(f"--set: rolling.speed_m_s: {error}, the end of the stored run")
+    return Scene.from_dict(data, scene.folder, places, faults)
+
+
+# ---- schema ----------------------------------------------------------------------------------------------------------
+
+
+def schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of a scene file, for editors."""
+    result = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
+    result["title"] = "Scene of rolling contact noise"
+    numbers = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "number"}}
+    sweep = result["properties"]["sweep"]
+    sweep["properties"] = {
+        key: {**numbers, "description": f"Values of {key}: {field.description}"}
+        for key, field in numeric_keys(Scene).items()
+    }
+    sweep["additionalProperties"] = False
+    return result

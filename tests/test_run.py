@@ -1,0 +1,263 @@
+"""Run folders: the same numbers however they are made, nothing lost, nothing overwritten; new sound without a new solve."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from acoustics import wav
+from rolling import cli, contact, run, scene_file, simulate, store
+from rolling.scenario import track
+
+SCENE = """\
+name: small
+sphere: {radius_mm: 5}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}
+rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.009}
+"""
+STEPS = 450
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "small.yaml"
+    path.write_text(SCENE)
+    return path
+
+
+def series(folder: Path, name: str = "release_energy") -> np.ndarray:
+    with h5py.File(folder / "result.h5") as file:
+        return file[name][:]
+
+
+def summary(folder: Path) -> dict:
+    return json.loads((folder / "summary.json").read_text())
+
+
+def test_same_numbers_whatever_the_workers(scene: Path, tmp_path: Path) -> None:
+    for workers in (1, 2):
+        assert cli.main(["run", str(scene), "--out", str(tmp_path / str(workers)), "--workers", str(workers)]) == 0
+    for name in ("release_energy", "approach", "iterations"):
+        assert np.array_equal(series(tmp_path / "1", name), series(tmp_path / "2", name))
+    sounds = [(tmp_path / w / "signal.wav").read_bytes() for w in ("1", "2")]
+    assert sounds[0] == sounds[1]
+
+
+def test_sweep_makes_a_folder_per_run_and_a_table(scene: Path, tmp_path: Path, capsys) -> None:
+    out = tmp_path / "out"
+    settings = ["--set", "rolling.duration_s=0.002", "--set", "sweep.rolling.load_n=[0.5, 2]"]
+    assert cli.main(["run", str(scene), *settings, "--out", str(out), "--workers", "1"]) == 0
+    assert sorted(f.name for f in out.iterdir() if f.is_dir()) == ["load_n=0.5", "load_n=2"]
+    for picture in ("spectrum.png", "third_octaves.png", "levels.png"):
+        assert (out / picture).stat().st_size > 5000
+    entries = json.loads((out / "sweep.json").read_text())
+    assert [entry["values"] for entry in entries] == [{"rolling.load_n": 0.5}, {"rolling.load_n": 2}]
+    assert entries[1]["summary"]["release_power_mean_w"] > entries[0]["summary"]["release_power_mean_w"]
+    printed = capsys.readouterr().out
+    assert "load 0.5 N" in printed and "load 2 N" in printed
+
+
+def test_outputs_are_never_overwritten_without_force(scene: Path, tmp_path: Path, capsys) -> None:
+    out = tmp_path / "out"
+    short = ["--set", "rolling.duration_s=0.001", "--workers", "1"]
+    assert cli.main(["run", str(scene), *short, "--out", str(out)]) == 0
+    before = (out / "result.h5").read_bytes()
+    assert cli.main(["run", str(scene), *short, "--out", str(out)]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert (out / "result.h5").read_bytes() == before
+    assert cli.main(["run", str(scene), *short, "--set", "rolling.load_n=2", "--out", str(out), "--force"]) == 0
+    assert summary(out)["load_n"] == 2
+    precious = tmp_path / "precious"
+    precious.mkdir()
+    (precious / "thesis.txt").write_text("years")
+    assert cli.main(["run", str(scene), *short, "--out", str(precious), "--force"]) == 2
+    assert [f.name for f in precious.iterdir()] == ["thesis.txt"]
+
+
+def test_bad_scene_writes_nothing(scene: Path, tmp_path: Path, capsys) -> None:
+    scene.write_text(SCENE.replace("load_n", "laod_n"))
+    assert cli.main(["run", str(scene), "--out", str(tmp_path / "out")]) == 2
+    message = capsys.readouterr().err
+    assert "small.yaml:5" in message and "rolling.laod_n" in message and "load_n" in message
+    assert not (tmp_path / "out").exists()
+    np.save(tmp_path / "z.npy", np.full((20, 20), np.nan))
+    scene.write_text(SCENE.replace(SCENE.splitlines()[4 - 1], "surface: {kind: file, path: z.npy, spacing_um: 2}"))
+    assert cli.main(["run", str(scene), "--out", str(tmp_path / "out")]) == 2
+    assert "400 of 400 heights are not numbers" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_run_that_fails_says_why_and_leaves_the_others_whole(scene: Path, tmp_path: Path, capsys) -> None:
+    out = tmp_path / "out"
+    # 2.1 GPa times 100 x 200 um is 42 N
+    settings = ["--set", "rolling.duration_s=0.001", "--set", "sweep.rolling.load_n=[50, 1]"]
+    assert cli.main(["run", str(scene), *settings, "--out", str(out), "--workers", "1"]) == 1
+    message = capsys.readouterr().err
+    assert "load 50 N" in message and "42 N" in message and "more than the surface can carry" in message
+    assert summary(out / "load_n=1")["complete"]
+    assert not (out / "finished").exists()
+
+
+def start(scene: Path, out: Path, *more: str) -> subprocess.Popen:
+    command = [sys.executable, "-m", "rolling.cli", "run", str(scene), "--out", str(out), *more]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def wait_for_steps(out: Path, process: subprocess.Popen) -> None:
+    """Until the first piece has been kept."""
+    for _ in range(1200):
+        if process.poll() is not None:
+            raise AssertionError(process.communicate())
+        if (out / "result.h5").is_file() and not np.isnan(series(out)[: simulate.PIECE_STEPS]).any():
+            return
+        time.sleep(0.05)
+    raise AssertionError("no steps in a minute")
+
+
+LONG = ("--set", "rolling.duration_s=0.4", "--set", "surface.width_um=128", "--set", "rolling.load_n=0.3")
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_ctrl_c_leaves_a_valid_part(scene: Path, tmp_path: Path, workers: str) -> None:
+    out = tmp_path / "out"
+    process = start(scene, out, *LONG, "--workers", workers)
+    wait_for_steps(out, process)
+    process.send_signal(signal.SIGINT)
+    printed, complaint = process.communicate(timeout=60)
+    assert process.returncode == 130, complaint
+    assert "partial" in printed and "resume" in complaint
+    part = summary(out)
+    assert not part["complete"] and part["steps"] >= simulate.PIECE_STEPS and not part["loops"]
+    release = series(out)
+    assert np.isfinite(release[: part["steps"]]).all() and np.isnan(release).any()
+    pressure, _, _ = wav.read(out / "signal.wav")
+    assert abs(pressure[0]) < 1e-3 * np.abs(pressure).max()  # it does not close: faded
+    assert not (out / "finished").exists()
+
+
+def test_a_killed_run_is_resumed_to_the_same_numbers(scene: Path, tmp_path: Path) -> None:
+    killed, whole = tmp_path / "killed", tmp_path / "whole"
+    settings = ["--set", "rolling.duration_s=0.05", "--set", "recovery.events=true"]
+    process = start(scene, killed, *settings, "--workers", "1")
+    wait_for_steps(killed, process)
+    process.kill()
+    process.communicate()
+    assert cli.main(["run", str(scene), *settings, "--out", str(whole), "--workers", "1"]) == 0
+    left = np.isnan(series(killed)).sum()
+    assert 0 < left < 2500
+    solved = []
+    inner = simulate.simulate_piece
+    try:
+        simulate.simulate_piece = lambda *a, **k: (solved.append(a[2] - a[1]), inner(*a, **k))[1]  # type: ignore[assignment]
+        assert cli.main(["resume", str(killed), "--workers", "1"]) == 0
+    finally:
+        simulate.simulate_piece = inner
+    assert sum(solved) == left  # what was solved is not solved again
+    for name in ("release_energy", "approach", "events/energy", "events/first", "events/node"):
+        assert np.array_equal(series(killed, name), series(whole, name))
+    assert (killed / "signal.wav").read_bytes() == (whole / "signal.wav").read_bytes()
+    assert (killed / "finished").is_file()
+
+
+def test_a_full_disk_keeps_what_was_written(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
+    out = tmp_path / "out"
+    inner, calls = h5py.File, []
+
+    def full(path, mode="r"):
+        calls.append(mode)
+        if mode == "w" and calls.count("w") > 2:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return inner(path, mode)
+
+    monkeypatch.setattr(store.Keeper, "due", lambda self: True)
+    monkeypatch.setattr(store.h5py, "File", full)
+    assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
+    message = capsys.readouterr().err
+    assert "No space left on device" in message and "resume" in message
+    monkeypatch.undo()
+    assert 0 < np.isnan(series(out)).sum() < STEPS
+    assert not list(out.glob(".*partial"))
+    assert cli.main(["resume", str(out), "--workers", "1"]) == 0
+
+
+def test_resound_solves_nothing_and_speed_scales(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
+    first, fast, far = tmp_path / "first", tmp_path / "fast", tmp_path / "far"
+    assert cli.main(["run", str(scene), "--out", str(first), "--workers", "1"]) == 0
+    monkeypatch.setattr(contact, "solve", None)
+    assert cli.main(["resound", str(first), "--set", "rolling.speed_m_s=0.2", "--out", str(fast)]) == 0
+    slow, quick = summary(first), summary(fast)
+    # Speed times 2: power times 2, half the time, spectrum at twice the frequency (DESIGN: scaling laws).
+    assert quick["release_power_mean_w"] == pytest.approx(2 * slow["release_power_mean_w"], rel=1e-12)
+    assert quick["duration_s"] == pytest.approx(slow["duration_s"] / 2, rel=1e-12)
+    assert quick["steady_level_db"] == pytest.approx(slow["steady_level_db"] + 10 * np.log10(2), abs=1e-9)
+    assert np.array_equal(series(first), series(fast))
+    assert quick["sound_seconds"] < 1.0
+    assert cli.main(["resound", str(fast), "--set", "sound.distance_m=10", "--out", str(far)]) == 0
+    assert summary(far)["level_db"] == pytest.approx(quick["level_db"] - 20, abs=1e-6)
+    capsys.readouterr()
+    assert cli.main(["resound", str(first), "--set", "rolling.load_n=2", "--out", str(tmp_path / "no")]) == 2
+    message = capsys.readouterr().err
+    assert "rolling.load_n" in message and "rolling.speed_m_s" in message
+    assert not (tmp_path / "no").exists()
+
+
+def test_laps_of_a_file_are_solved_once(scene: Path, tmp_path: Path) -> None:
+    np.save(tmp_path / "z.npy", np.random.default_rng(1).standard_normal((40, 60)) * 2e-8)
+    text = SCENE.replace(SCENE.splitlines()[3], "surface: {kind: file, path: z.npy, spacing_um: 2}")
+    scene.write_text(text.replace("load_n: 1", "load_n: 0.2").replace("0.009", "0.0016"))  # 160 um: 2 laps
+    out = tmp_path / "out"
+    assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 0
+    release, approach = series(out), series(out, "approach")
+    assert len(release) == 80 and np.array_equal(release[:40], release[40:])
+    assert len(approach) == 81 and summary(out)["loops"]
+    with h5py.File(out / "result.h5") as file:
+        assert file.attrs["solved_steps"] == 40
+    # Back where it began, the contact is the same within the tolerance.
+    assert approach[40] == pytest.approx(approach[0], rel=1e-3)
+
+
+def test_a_smooth_ball_that_accelerates_is_silent(tmp_path: Path) -> None:
+    path = tmp_path / "s.yaml"
+    path.write_text(
+        "name: s\nsphere: {radius_mm: 5}\nplate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n"
+        "surface: {kind: smooth, spacing_um: 2, width_um: 200}\n"
+        "rolling: {load_n: 5, speed_m_s: [[0, 0.1], [0.01, 0.3]], duration_s: 0.004}\n"
+    )
+    out = tmp_path / "out"
+    assert cli.main(["run", str(path), "--out", str(out), "--workers", "1"]) == 0
+    found = summary(out)
+    assert found["laeq_db"] is None and found["level_db"] is None
+    assert found["steady_level_db"] > 80  # 3 W v a / (16 R) of about 1 mW
+
+
+def test_result_is_dimensioned_and_provenance_names_no_path(scene: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert cli.main(["run", str(scene), "--set", "rolling.duration_s=0.002", "--out", str(out), "--workers", "1"]) == 0
+    with h5py.File(out / "result.h5") as file:
+        speed = 0.1
+        assert np.allclose(file["release_power"], file["release_per_metre"][:] * speed, rtol=1e-12)
+        for name, unit in store.UNITS.items():
+            assert file[name].attrs["units"] == unit
+            assert len(file[name].dims[0].keys()) == 1
+    for name in ("provenance.json", "summary.json", "resolved.yaml"):
+        assert str(tmp_path) not in (out / name).read_text()
+    resolved = scene_file.load(out / "resolved.yaml")
+    assert track(resolved).steps == 100
+
+
+def test_workers_pin_their_threads_and_leave_the_environment(scene: Path, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    report = run.run(scene, ["rolling.duration_s=0.01"], tmp_path / "out", workers=2)
+    assert report.exit_code == 0
+    assert os.environ["OMP_NUM_THREADS"] == "7"
