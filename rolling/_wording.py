@@ -1,4 +1,4 @@
-"""Keys, values and faults in words: what is known, what is allowed, what is nearest. Knows no model but those it is given.
+"""Keys, values and faults in words: what is known, allowed or nearest. Knows no model but those it is given.
 
 `root` is the model of a whole scene: sections of plain values, one of them perhaps of several kinds, and a sweep.
 """

@@ -226,8 +226,8 @@ def _sampling(scene: Scene, way: Track) -> list[Finding]:
     warning = None
     if low < HEARING[1]:
         warning = (
-            f"the simulated band ends at {_si(low, 'Hz')} at {slowest:g} m/s, hearing at {_si(HEARING[1], 'Hz')}: choose"
-            f" a step of at most {_down(slowest / (2 * HEARING[1]) * 1e6)} um (numerics.step_nodes or"
+            f"the simulated band ends at {_si(low, 'Hz')} at {slowest:g} m/s, hearing at {_si(HEARING[1], 'Hz')}:"
+            f" choose a step of at most {_down(slowest / (2 * HEARING[1]) * 1e6)} um (numerics.step_nodes or"
             f" surface.spacing_um) or a speed of at least {_up(2 * HEARING[1] * way.step)} m/s"
         )
     nyquist = _si(low, "Hz") if low == high else f"{_si(low, 'Hz')} to {_si(high, 'Hz')}"

@@ -1,7 +1,7 @@
 """What a scene can say: frozen models, units in the key names, all checks. `scene_file` reads and writes it.
 
 Outside (YAML, overrides) lengths are in mm or um and moduli in GPa; the properties of `Scene` and `Track` are SI.
-Depends on `motion` only, and on `_wording` for the messages.
+Depends on `motion`, `_track` (the arithmetic of `track`) and `_wording` (the messages).
 """
 
 from __future__ import annotations

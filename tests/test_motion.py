@@ -69,8 +69,8 @@ def test_time_undoes_distance(motion: Motion, times: list[float]) -> None:
     assert np.all(np.diff(d) >= -1e-14)
     back = motion.time(d)
     assert np.all(np.diff(back) >= -1e-14)
-    # The way back always leads to the same distance, and to the same time wherever the sphere moves: the time is as uncertain
-    # as the distance's rounding over the speed.
+    # The way back always leads to the same distance, and to the same time wherever the sphere moves: the time is as
+    # uncertain as the distance's rounding over the speed.
     assert motion.distance(back) == pytest.approx(d, rel=1e-12, abs=1e-13)
     moving = motion.speed(t) > 1e-2
     assert back[moving] == pytest.approx(t[moving], rel=1e-10, abs=1e-10)

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from acoustics import wav
-from rolling import cli, contact, run, scene_file, simulate, store
+from rolling import cli, contact, reference, run, scene_file, simulate, store
 from rolling.scenario import track
 
 SCENE = """\
@@ -70,7 +70,7 @@ def test_sweep_makes_a_folder_per_run_and_a_table(scene: Path, tmp_path: Path, c
 
 def test_outputs_are_never_overwritten_without_force(scene: Path, tmp_path: Path, capsys) -> None:
     out = tmp_path / "out"
-    short = ["--set", "rolling.duration_s=0.001", "--workers", "1"]
+    short = ["--set", "rolling.duration_s=0.002", "--workers", "1"]
     assert cli.main(["run", str(scene), *short, "--out", str(out)]) == 0
     before = (out / "result.h5").read_bytes()
     assert cli.main(["run", str(scene), *short, "--out", str(out)]) == 2
@@ -100,11 +100,11 @@ def test_bad_scene_writes_nothing(scene: Path, tmp_path: Path, capsys) -> None:
 
 def test_a_run_that_fails_says_why_and_leaves_the_others_whole(scene: Path, tmp_path: Path, capsys) -> None:
     out = tmp_path / "out"
-    # 2.1 GPa times 100 x 200 um is 42 N
-    settings = ["--set", "rolling.duration_s=0.001", "--set", "sweep.rolling.load_n=[50, 1]"]
+    # 2.1 GPa times 200 x 200 um is 84 N
+    settings = ["--set", "rolling.duration_s=0.002", "--set", "sweep.rolling.load_n=[90, 1]"]
     assert cli.main(["run", str(scene), *settings, "--out", str(out), "--workers", "1"]) == 1
     message = capsys.readouterr().err
-    assert "load 50 N" in message and "42 N" in message and "more than the surface can carry" in message
+    assert "load 90 N" in message and "84 N" in message and "more than the surface can carry" in message
     assert summary(out / "load_n=1")["complete"]
     assert not (out / "finished").exists()
 
@@ -142,7 +142,8 @@ def test_ctrl_c_leaves_a_valid_part(scene: Path, tmp_path: Path, workers: str) -
     release = series(out)
     assert np.isfinite(release[: part["steps"]]).all() and np.isnan(release).any()
     pressure, _, _ = wav.read(out / "signal.wav")
-    assert abs(pressure[0]) < 1e-3 * np.abs(pressure).max()  # it does not close: faded
+    # It does not close, so it is faded; band-limiting afterwards leaves a little at the very ends (measured 0.3 %).
+    assert abs(pressure[0]) < 0.01 * np.abs(pressure).max()
     assert not (out / "finished").exists()
 
 
@@ -238,7 +239,10 @@ def test_a_smooth_ball_that_accelerates_is_silent(tmp_path: Path) -> None:
     assert cli.main(["run", str(path), "--out", str(out), "--workers", "1"]) == 0
     found = summary(out)
     assert found["laeq_db"] is None and found["level_db"] is None
-    assert found["steady_level_db"] > 80  # 3 W v a / (16 R) of about 1 mW
+    speed = scene_file.load(out / "resolved.yaml").motion.distance(0.004) / 0.004
+    power = reference.smooth_release_power(5, speed, 5e-3, 210e9 / 0.91)
+    # 0.3 % of release at a / spacing = 22, and a track rounded to whole nodes
+    assert found["steady_level_db"] == pytest.approx(10 * np.log10(power / (4 * np.pi * 1e-12)), abs=0.02)
 
 
 def test_result_is_dimensioned_and_provenance_names_no_path(scene: Path, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Scenes: every message for bad input is read here; round trips, sweeps, overrides, track rounding, the scenes in scenarios/."""
+"""Scenes: every fault of a value is read here; properties in SI, sweeps, track rounding, the scenes in scenarios/."""
 
 import math
 import pickle
@@ -12,46 +12,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scene_text import PLAIN, SCENES, TEXT, faults
 
 from rolling import surface
 from rolling.scenario import STEP_NODES, Gaussian, Scene, SceneError, expand, run_name, track
-from rolling.scene_file import RESOUND_KEYS, dump, load, loads, resound, schema
+from rolling.scene_file import dump, load, loads, resound
 
-SCENES = sorted((Path(__file__).parent.parent / "scenarios").glob("*.yaml"))
-
-TEXT = """\
-name: trial
-sphere: {radius_mm: 5}
-plate:
-  youngs_modulus_gpa: 210
-  poissons_ratio: 0.3
-  hardness_gpa: 2.1
-surface:
-  kind: gaussian
-  roughness_ra_um: 0.1
-  correlation_length_um: 10
-  spacing_um: 2
-  width_um: 64
-  seed: 1
-rolling:
-  load_n: 20
-  speed_m_s: 0.1
-  duration_s: 0.01
-numerics: {step_nodes: 1}
-sweep:
-  rolling.load_n: [5, 20, 100]
-  sphere.radius_mm: [2, 5]
-"""
-PLAIN = TEXT[: TEXT.index("sweep:")]
 NAME = "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in quotes)"
 SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recovery, sound, sweep"
-
-
-def faults(text: str, *overrides: str) -> list[str]:
-    with pytest.raises(SceneError) as error:
-        loads(text, overrides, "s.yaml")
-    assert str(error.value) == "\n".join(error.value.faults)
-    return error.value.faults
 
 
 # ---- Messages --------------------------------------------------------------------------------------------------------
@@ -82,14 +50,14 @@ def faults(text: str, *overrides: str) -> list[str]:
         (
             "radius_mm: 5",
             "radius_mm: 5, youngs_modulus_gpa: 210",
-            "s.yaml:2: sphere.poissons_ratio: missing beside youngs_modulus_gpa; an elastic sphere needs both, a rigid one"
-            " neither",
+            "s.yaml:2: sphere.poissons_ratio: missing beside youngs_modulus_gpa; an elastic sphere needs both, a"
+            " rigid one neither",
         ),
         (
             "radius_mm: 5",
             "radius_mm: 5, poissons_ratio: 0.3",
-            "s.yaml:2: sphere.youngs_modulus_gpa: missing beside poissons_ratio; an elastic sphere needs both, a rigid one"
-            " neither",
+            "s.yaml:2: sphere.youngs_modulus_gpa: missing beside poissons_ratio; an elastic sphere needs both, a"
+            " rigid one neither",
         ),
         ("sphere: {radius_mm: 5}\n", "", "s.yaml:1: sphere: missing, allowed: a section of keys (radius_mm)"),
         ("sphere: {radius_mm: 5}", "sphere: 5", "s.yaml:2: sphere: got 5, allowed: a section of keys (radius_mm)"),
@@ -99,8 +67,8 @@ def faults(text: str, *overrides: str) -> list[str]:
         (
             "hardness_gpa",
             "hardnes_gpa",
-            "s.yaml:6: plate.hardnes_gpa: unknown key, nearest: hardness_gpa, allowed: youngs_modulus_gpa, poissons_ratio,"
-            " hardness_gpa",
+            "s.yaml:6: plate.hardnes_gpa: unknown key, nearest: hardness_gpa, allowed: youngs_modulus_gpa,"
+            " poissons_ratio, hardness_gpa",
         ),
         (
             "hardness_gpa",
@@ -163,7 +131,8 @@ def faults(text: str, *overrides: str) -> list[str]:
         (
             "speed_m_s: 0.1",
             "speed_m_s: [[0, 1]]",
-            "s.yaml:16: rolling.speed_m_s: got [[0, 1]], allowed: a number > 0, or at least two [time_s, speed_m_s] pairs",
+            "s.yaml:16: rolling.speed_m_s: got [[0, 1]], allowed: a number > 0, or at least two [time_s, speed_m_s]"
+            " pairs",
         ),
         (
             "speed_m_s: 0.1",
@@ -198,8 +167,8 @@ def faults(text: str, *overrides: str) -> list[str]:
         (
             "speed_m_s: 0.1",
             "speed_m_s: [[0, 1e-3], [0.01, 0]]",
-            "s.yaml:16: rolling.speed_m_s: the sphere comes to rest after 5 um, the shortest track is 16 um: give it more"
-            " speed",
+            "s.yaml:16: rolling.speed_m_s: the sphere comes to rest after 5 um, the shortest track is 16 um: give it"
+            " more speed",
         ),
         ("  duration_s: 0.01\n", "", "s.yaml:14: rolling.duration_s: missing, allowed: a number > 0"),
         (
@@ -216,14 +185,14 @@ def faults(text: str, *overrides: str) -> list[str]:
         (
             "step_nodes: 1",
             "step_nodes: 1.6",
-            "s.yaml:18: numerics.step_nodes: got 1.6, allowed: a whole number from 1 to 64, or one over a whole number down"
-            " to 1/16; nearest: 2",
+            "s.yaml:18: numerics.step_nodes: got 1.6, allowed: a whole number from 1 to 64, or one over a whole"
+            " number down to 1/16; nearest: 2",
         ),
         (
             "step_nodes: 1",
             "step_nodes: 0.3",
-            "s.yaml:18: numerics.step_nodes: got 0.3, allowed: a whole number from 1 to 64, or one over a whole number down"
-            " to 1/16; nearest: 0.3333333333333333",
+            "s.yaml:18: numerics.step_nodes: got 0.3, allowed: a whole number from 1 to 64, or one over a whole"
+            " number down to 1/16; nearest: 0.3333333333333333",
         ),
         (
             "step_nodes: 1",
@@ -297,43 +266,6 @@ def test_message(old: str, new: str, message: str) -> None:
     assert message in faults(TEXT.replace(old, new, 1))
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "s.yaml: empty, a scene needs at least name, sphere, plate, surface, rolling"),
-        ("# only a comment\n", "s.yaml: empty, a scene needs at least name, sphere, plate, surface, rolling"),
-        ("- name: x\n", 's.yaml:1: got [{"name": "x"}], allowed: a scene of keys and values, the first being name'),
-        ("hello", 's.yaml:1: got "hello", allowed: a scene of keys and values, the first being name'),
-        ("name: x\nsphere: {radius_mm: 5\n", "s.yaml:3: not YAML: expected ',' or '}', but got 'the end'"),
-        ("name: x\nname: y\n", "s.yaml:2: name: given twice in the section that begins in line 1"),
-        (
-            PLAIN.replace("  poissons_ratio: 0.3\n", "  poissons_ratio: 0.3\n  poissons_ratio: 0.2\n"),
-            "s.yaml:6: poissons_ratio: given twice in the section that begins in line 4",
-        ),
-        ("name: x\n---\nname: y\n", "s.yaml:2: not YAML: but found another document"),
-    ],
-)
-def test_message_of_text_that_is_no_scene(text: str, message: str) -> None:
-    assert faults(text) == [message]
-
-
-def test_all_faults_at_once() -> None:
-    text = (
-        PLAIN.replace("radius_mm: 5", "radius: 5")
-        .replace("load_n: 20", "load_n: -1")
-        .replace("  duration_s: 0.01\n", "")
-    )
-    got = faults(text.replace("width_um: 64", "width_um: 65"), "sound.q=2", "rolling.lod_n=3")
-    assert [fault.split(": ")[1] for fault in got] == [
-        "rolling.lod_n",
-        "sphere.radius_mm",
-        "sphere.radius",
-        "surface.width_um",
-        "rolling.load_n",
-        "sound.q",
-    ]
-
-
 def test_a_missing_duration_is_told_beside_other_faults() -> None:
     got = faults(PLAIN.replace("  duration_s: 0.01\n", "").replace("radius_mm: 5", "radius_mm: -5"))
     assert [fault.split(": ")[1] for fault in got] == ["sphere.radius_mm", "rolling.duration_s"]
@@ -346,49 +278,12 @@ def test_keys_of_another_kind_of_surface() -> None:
     ]
 
 
-def test_messages_of_files(tmp_path: Path) -> None:
-    def fault(path: Path) -> str:
-        with pytest.raises(SceneError) as error:
-            load(path)
-        return str(error.value)
-
-    assert fault(tmp_path / "no.yaml") == f"{tmp_path / 'no.yaml'}: no such file"
-    assert fault(tmp_path) == f"{tmp_path}: is a folder, a scene file is needed"
-    latin = tmp_path / "latin.yaml"
-    latin.write_bytes("name: x\ndescription: Stöße\n".encode("latin-1"))
-    assert fault(latin) == f"{latin}:2: not UTF-8 text (byte 0xf6)"
-    bad = tmp_path / "bad.yaml"
-    bad.write_text(PLAIN.replace("load_n: 20", "load_n: 0"))
-    assert fault(bad) == f"{bad}:15: rolling.load_n: got 0, allowed: a number > 0"
-
-
-def test_aliases_and_merges_keep_a_line() -> None:
-    text = PLAIN.replace("sphere: {radius_mm: 5}", "sphere: {radius_mm: &r -5}").replace("load_n: 20", "load_n: *r")
-    assert faults(text) == [
-        "s.yaml:2: sphere.radius_mm: got -5, allowed: a number > 0",
-        "s.yaml:15: rolling.load_n: got -5, allowed: a number > 0",
-    ]
-    assert loads(PLAIN.replace("load_n: 20", "<<: {load_n: 20}")).load == 20
-
-
-def test_aliases_cannot_grow_without_end() -> None:
-    assert faults("name: x\nsphere: &s\n  sphere: *s\n")  # an alias of itself
-    text = "a: &a [1, 1]\nb: &b [*a, *a]\nc: &c [*b, *b]\nd: &d [*c, *c]\ne: [*d, *d]\n"
-    assert faults(text) == ["s.yaml:1: d[0][0][0][0]: nested too deeply"]
-
-
 def test_errors_pass_between_processes() -> None:
     error = SceneError(["a", "b"])
     assert pickle.loads(pickle.dumps(error)).faults == ["a", "b"]
 
 
-# ---- Reading and writing ---------------------------------------------------------------------------------------------
-
-
-def test_numbers_of_yaml() -> None:
-    scene = loads(PLAIN.replace("gpa: 210", "gpa: 210e0").replace("step_nodes: 1", "step_nodes: 1, tolerance: 1e-3"))
-    assert scene.plate.youngs_modulus_gpa == 210.0
-    assert scene.numerics.tolerance == 1e-3
+# ---- Properties ------------------------------------------------------------------------------------------------------
 
 
 def test_si() -> None:
@@ -403,39 +298,6 @@ def test_si() -> None:
     assert rigid.hardness == math.inf
 
 
-@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
-def test_round_trip(path: Path) -> None:
-    scene = load(path)
-    again = loads(dump(scene))
-    assert again == scene
-    assert Scene.from_dict(scene.to_dict()) == scene
-    assert pickle.loads(pickle.dumps(scene)).folder == scene.folder == path.parent
-
-
-def test_dump_fills_in_defaults_and_no_folder(tmp_path: Path) -> None:
-    path = tmp_path / "s.yaml"
-    path.write_text(PLAIN)
-    text = dump(load(path))
-    for line in ("tolerance: 0.0001", "rule: mean", "events: false", "distance_m: 1.0", "autocorrelation: gaussian"):
-        assert line in text
-    assert str(tmp_path) not in text
-
-
-@settings(deadline=None, max_examples=100)
-@given(
-    st.floats(1e-12, 1e12),
-    st.sampled_from(STEP_NODES),
-    st.text(st.characters(codec="utf-8", exclude_categories=["Cs", "Cc"]), max_size=50),
-    st.from_regex(r"\A[A-Za-z0-9][A-Za-z0-9._-]{0,63}\Z"),
-)
-def test_round_trip_of_any_value(load_n: float, step_nodes: float, description: str, name: str) -> None:
-    data = loads(PLAIN).to_dict()
-    data["rolling"]["load_n"], data["numerics"]["step_nodes"] = load_n, step_nodes
-    data["name"], data["description"] = name, description
-    scene = Scene.from_dict(data)
-    assert loads(dump(scene)) == scene
-
-
 def test_step_of_a_third() -> None:
     assert loads(PLAIN, ["numerics.step_nodes=0.33333"]).numerics.step_nodes == 1 / 3
 
@@ -446,73 +308,6 @@ def test_scenes_are_frozen_and_folders_do_not_count() -> None:
         scene.name = "other"  # type: ignore[misc]
     assert scene == loads(PLAIN, folder=Path("b"))
     assert scene != loads(PLAIN, ["rolling.load_n=21"])
-
-
-# ---- Overrides -------------------------------------------------------------------------------------------------------
-
-
-def test_overrides() -> None:
-    scene = loads(
-        PLAIN, ["rolling.load_n = 50", "recovery.events=true", "sound={distance_m: 2}", "plate.hardness_gpa=null"]
-    )
-    assert scene.load == 50
-    assert scene.recovery.events
-    assert scene.sound.distance_m == 2
-    assert scene.plate.hardness_gpa is None
-    assert loads(PLAIN, ["rolling.speed_m_s=[[0, 0.1], [1, 0.2]]"]).rolling.speed_m_s == ((0, 0.1), (1, 0.2))
-
-
-def test_overrides_of_the_sweep() -> None:
-    assert loads(TEXT, ["sweep=null"]).sweep == {}
-    assert loads(TEXT, ["sweep.rolling.load_n=[1, 2]"]).sweep["rolling.load_n"] == (1, 2)
-    assert list(loads(TEXT, ["sweep.rolling.load_n="]).sweep) == ["sphere.radius_mm"]
-    assert loads(PLAIN, ["sweep.surface.seed=[1, 2]"]).sweep == {"surface.seed": (1, 2)}
-
-
-def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
-    scene = loads(TEXT, ["rolling.load_n=50"])
-    assert scene.load == 50
-    assert list(scene.sweep) == ["sphere.radius_mm"]
-
-
-@pytest.mark.parametrize(
-    ("override", "message"),
-    [
-        (
-            "rolling.lod_n=5",
-            "--set: rolling.lod_n: unknown key, nearest: rolling.load_n, allowed: load_n, speed_m_s, duration_s, start_um",
-        ),
-        (
-            "rolling.speed=5",
-            "--set: rolling.speed: unknown key, nearest: rolling.speed_m_s, allowed: load_n, speed_m_s, duration_s, start_um",
-        ),
-        ("load_n=5", "--set: load_n: unknown key, nearest: rolling.load_n"),
-        ("sond=null", "--set: sond: unknown key, nearest: sound"),
-        ("zzz=1", "--set: zzz: unknown key"),
-        ("rolling.load_n", '--set: got "rolling.load_n", allowed: key=value, as in rolling.load_n=50'),
-        ("=5", '--set: got "=5", allowed: key=value, as in rolling.load_n=50'),
-        ("rolling.load_n=-1", "--set: rolling.load_n: got -1, allowed: a number > 0"),
-        ("rolling.load_n=abc", '--set: rolling.load_n: got "abc", allowed: a number > 0'),
-        ("rolling.load_n=", "--set: rolling.load_n: missing, allowed: a number > 0"),
-        ("numerics.step_nodes=[1", "--set: numerics.step_nodes: not YAML: expected ',' or ']', but got 'the end'"),
-        ("sound={q: 2}", "--set: sound.q: got 2, allowed: a number > 0 and <= 1"),
-        ("recovery.rule=men", '--set: recovery.rule: got "men", allowed: mean or left_end, nearest: mean'),
-        ("sweep.rolling.load_n=5", "--set: sweep.rolling.load_n: got 5, allowed: a list of numbers, at least one"),
-        ("sweep.rolling.load_n=[5, -1]", "--set: sweep.rolling.load_n[1]: got -1, allowed: a number > 0"),
-        (
-            "sweep.rolling.lod_n=[5]",
-            "--set: sweep.rolling.lod_n: unknown key, nearest: sweep.rolling.load_n, allowed: load_n, speed_m_s,"
-            " duration_s, start_um",
-        ),
-        (
-            "sphere.poissons_ratio=0.3",
-            "s.yaml:2: sphere.youngs_modulus_gpa: missing beside poissons_ratio; an elastic sphere needs both, a rigid one"
-            " neither",
-        ),
-    ],
-)
-def test_message_of_override(override: str, message: str) -> None:
-    assert faults(PLAIN, override) == [message]
 
 
 # ---- The sweep -------------------------------------------------------------------------------------------------------
@@ -541,10 +336,11 @@ def test_no_sweep_is_one_run() -> None:
 def test_any_number_can_be_swept() -> None:
     scene = loads(PLAIN, ["sweep={surface.seed: [1, 2], numerics.step_nodes: [2, 0.5], plate.hardness_gpa: [1, 2]}"])
     last = expand(scene)[-1][1]
-    assert (last.surface.seed, last.numerics.step_nodes, last.plate.hardness_gpa) == (2, 0.5, 2)  # type: ignore[union-attr]
+    assert last.surface.seed == 2  # type: ignore[union-attr]
+    assert (last.numerics.step_nodes, last.plate.hardness_gpa) == (0.5, 2)
     assert len({run_name(values) for values, _ in expand(scene)}) == 8
     across = loads(PLAIN, ["sweep.surface.correlation_length_um=[5, 20]"])
-    assert [run.surface.correlation_length_across_um for _, run in expand(across)] == [None, None]  # type: ignore[union-attr]
+    assert all("correlation_length_across_um" not in run.to_dict()["surface"] for _, run in expand(across))
 
 
 def test_run_names() -> None:
@@ -553,40 +349,6 @@ def test_run_names() -> None:
     both = {"plate.youngs_modulus_gpa": 1, "sphere.youngs_modulus_gpa": 2}
     assert run_name(both) == "plate.youngs_modulus_gpa=1,sphere.youngs_modulus_gpa=2"
     assert run_name({}) == ""
-
-
-# ---- New sound -------------------------------------------------------------------------------------------------------
-
-
-def test_resound() -> None:
-    scene = loads(PLAIN)
-    new = resound(scene, ["rolling.speed_m_s=0.2", "sound.distance_m=3"])
-    assert (new.rolling.speed_m_s, new.rolling.duration_s, new.sound.distance_m) == (0.2, 0.005, 3)
-    assert track(new) == track(scene)
-    slow = resound(scene, ["rolling.speed_m_s=[[0, 0], [1, 0.002]]"])
-    assert track(slow) == track(scene)
-
-
-def test_resound_slower_than_the_shortest_track_would_take() -> None:
-    assert resound(loads(PLAIN), ["rolling.speed_m_s=1e-6"]).rolling.duration_s == pytest.approx(1000)
-
-
-def test_resound_refusals() -> None:
-    allowed = "rolling.speed_m_s, sound.distance_m, sound.q, sound.gain_pa_per_w_m2"
-    assert ", ".join(RESOUND_KEYS) == allowed
-    with pytest.raises(SceneError) as error:
-        resound(loads(PLAIN), ["rolling.load_n=5", "sound.q=0", "sound.z=1"])
-    assert error.value.faults == [
-        f"--set: rolling.load_n: needs a new run; without solving again allowed: {allowed}",
-        "--set: sound.z: unknown key, allowed: distance_m, q, gain_pa_per_w_m2",
-        "--set: sound.q: got 0, allowed: a number > 0 and <= 1",
-    ]
-    with pytest.raises(
-        SceneError, match=r"^--set: rolling.speed_m_s: the sphere comes to rest after 0.0005 m and never"
-    ):
-        resound(loads(PLAIN), ["rolling.speed_m_s=[[0, 0.1], [0.01, 0]]"])
-    with pytest.raises(SceneError, match=r"^--set: rolling.speed_m_s: got -1, allowed: a number > 0"):
-        resound(loads(PLAIN), ["rolling.speed_m_s=-1"])
 
 
 # ---- The track -------------------------------------------------------------------------------------------------------
@@ -700,8 +462,8 @@ def test_a_file_that_is_never_rounded(tmp_path: Path) -> None:
     with pytest.raises(SceneError) as error:
         track(scene)
     assert str(error.value) == (
-        "rolling.speed_m_s: the sphere comes to rest after 5e-05 m, once round the height file is 0.0002 m: give it more"
-        " speed or set rolling.duration_s"
+        "rolling.speed_m_s: the sphere comes to rest after 5e-05 m, once round the height file is 0.0002 m: give it"
+        " more speed or set rolling.duration_s"
     )
 
 
@@ -710,68 +472,7 @@ def test_an_absolute_path_stays(tmp_path: Path) -> None:
     assert loads(dump(scene), folder=Path("elsewhere")).height_path == tmp_path / "heights.npy"
 
 
-# ---- The schema and the scenes ---------------------------------------------------------------------------------------
-
-
-def resolved(node: dict[str, Any], root: dict[str, Any]) -> list[dict[str, Any]]:
-    """A schema node and its alternatives, references followed."""
-    if "$ref" in node:
-        return resolved(root["$defs"][node["$ref"].rpartition("/")[2]], root)
-    parts = node.get("anyOf") or node.get("oneOf")
-    return [leaf for part in parts for leaf in resolved(part, root)] if parts else [node]
-
-
-def accepts(node: dict[str, Any], value: Any, root: dict[str, Any]) -> bool:
-    """As much of JSON Schema as ours uses."""
-    for leaf in resolved(node, root):
-        if value != leaf.get("const", value) or value not in leaf.get("enum", [value]):
-            continue
-        kind = leaf.get("type")
-        if kind == "object":
-            if not isinstance(value, dict) or not set(leaf.get("required", [])) <= set(value):
-                continue
-            known = leaf.get("properties", {})
-            assert leaf["additionalProperties"] is False
-            if all(name in known and accepts(known[name], item, root) for name, item in value.items()):
-                return True
-        elif kind == "array":
-            if isinstance(value, list) and leaf["minItems"] <= len(value) <= leaf.get("maxItems", math.inf):
-                items = leaf.get("prefixItems") or [leaf["items"]] * len(value)
-                if all(accepts(item, part, root) for item, part in zip(items, value, strict=True)):
-                    return True
-        elif kind in ("number", "integer"):
-            if isinstance(value, int if kind == "integer" else int | float) and not isinstance(value, bool):
-                low, high = leaf.get("minimum", -math.inf), leaf.get("maximum", math.inf)
-                if low <= value <= high and value > leaf.get("exclusiveMinimum", -math.inf):
-                    return True
-        elif isinstance(value, {"string": str, "boolean": bool, "null": type(None)}[kind]):
-            return True
-    return False
-
-
-@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
-def test_schema_accepts_the_scenes(path: Path) -> None:
-    from ruamel.yaml import YAML
-
-    root = schema()
-    assert root["$schema"] == "https://json-schema.org/draft/2020-12/schema"
-    data = YAML(typ="safe").load(path.read_text())
-    assert accepts(root, data, root)
-    assert accepts(root, load(path).to_dict(), root)
-    assert not accepts(root, {**data, "nmae": 1}, root)
-    assert not accepts(root, {**data, "rolling": {**data["rolling"], "load_n": 0}}, root)
-    assert not accepts(root, {**data, "sweep": {"rolling.lod_n": [1]}}, root)
-    assert not accepts(root, {**data, "surface": {**data["surface"], "kind": "x"}}, root)
-
-
-def test_schema_describes_every_key() -> None:
-    root = schema()
-    for section in root["$defs"].values():
-        assert section["additionalProperties"] is False
-        for name, key in section["properties"].items():
-            assert key.get("description"), name
-    for name, unit in (("radius_mm", "[mm]"), ("youngs_modulus_gpa", "[GPa]")):
-        assert unit in root["$defs"]["Sphere"]["properties"][name]["description"]
+# ---- The scenes ------------------------------------------------------------------------------------------------------
 
 
 def test_the_laws_are_those_of_the_surface_module() -> None:

@@ -16,17 +16,16 @@ from rolling import cli, scene_file
 from rolling.scenario import HeightFile, expand
 
 SCENES = sorted((Path(__file__).parent.parent / "scenarios").glob("*.yaml"))
-STEPS = 60
+TRACK_M = 200e-6  # wider than any contact at half a newton
 
 
-def shortened(path: Path, tmp_path: Path) -> list[str]:
-    """Settings that make a scene about 60 steps long; a height file is made beside a copy of it."""
+def shortened(path: Path) -> list[str]:
+    """Settings that make a scene short and light; a file is its own track."""
     scene = scene_file.load(path)
     if isinstance(scene.surface, HeightFile):
         return []
-    speed = scene.rolling.speed_m_s
-    fastest = speed if isinstance(speed, float | int) else max(pair[1] for pair in speed)
-    return ["--set", f"rolling.duration_s={max(STEPS * scene.step, 9 * scene.spacing) / fastest:.9f}"]
+    duration = float(scene.motion.time(TRACK_M))
+    return ["--set", f"rolling.duration_s={duration:.9f}", "--set", "rolling.load_n=0.5"]
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
@@ -37,10 +36,7 @@ def test_scene_runs(path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[st
         source = tmp_path / path.name
         source.write_bytes(path.read_bytes())
         np.save(tmp_path / scene.surface.path, rough(60, 128, 1e-7))
-    settings = shortened(path, tmp_path)
-    # The shortest track must still be wider than the contact.
-    if scene.rolling.load_n > 5 or "rolling.load_n" in (scene.sweep or {}):
-        settings += ["--set", "rolling.load_n=0.5"]
+    settings = shortened(path)
     out = tmp_path / "out"
     code = cli.main(["run", str(source), *settings, "--out", str(out), "--workers", "1"])
     printed = capsys.readouterr()
