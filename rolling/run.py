@@ -21,7 +21,7 @@ import numpy as np
 from tqdm import tqdm
 
 from acoustics import wav
-from rolling import reference, scene_file, simulate, store, surface
+from rolling import check, reference, scene_file, simulate, store, surface
 from rolling.scenario import Scene, expand, run_name, track
 from rolling.sound import ContactSound, contact_sound, middle_speeds
 from rolling.store import Keeper, Result
@@ -165,9 +165,7 @@ def _work(folder: Path, runs: list[Run], results: list[Result], workers: int) ->
 
     total = sum(last - first for _, first, last in todo)
     with tqdm(total=total, unit="step", disable=None, desc=runs[0].scene.name) as bar:
-        outcome = simulate.simulate(
-            [one.scene for one in runs], todo, workers or simulate.default_workers(), finished, bar.update
-        )
+        outcome = simulate.simulate([one.scene for one in runs], todo, workers or check.cores(), finished, bar.update)
     for one, result in zip(runs, results, strict=True):
         _keep(one, result)
     failures = {runs[number].label: reason for number, reason in outcome.failures.items()}
@@ -252,6 +250,7 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
         "step_ms": float(np.median(solved_time) * 1e3),
         "seconds": float(solved_time.sum()),
         "sound_seconds": sound_seconds,
+        "warnings": [f"{found.what}: {found.warning}" for found in check.findings(scene) if found.warning],
         "surface": asdict(surface.statistics(simulate.heights(scene), scene.spacing)),
     }
 
@@ -271,7 +270,7 @@ def provenance(scene: Scene) -> dict[str, Any]:
         "source": state,
         "python": platform.python_version(),
         "packages": {name: metadata.version(name) for name in PACKAGES},
-        "machine": f"{platform.system()} {platform.machine()}, {simulate.default_workers()} processors",
+        "machine": f"{platform.system()} {platform.machine()}, {check.cores()} processors",
         "seed": getattr(scene.surface, "seed", None),
         "written": datetime.now(UTC).isoformat(timespec="seconds"),
     }
@@ -360,6 +359,19 @@ def table(report: Report) -> str:
             )
         )
     widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
-    return "\n".join(
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    return "\n".join(lines + _remarks([summary for _, summary in report.runs if summary is not None]))
+
+
+def _remarks(summaries: list[dict[str, Any]]) -> list[str]:
+    """The surfaces, and of each kind of warning the first."""
+    surfaces = dict.fromkeys(
+        f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, skewness {s['skewness']:.2f},"
+        f" kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
+        for s in (summary["surface"] for summary in summaries)
     )
+    warnings: dict[str, str] = {}
+    for summary in summaries:
+        for warning in summary["warnings"]:
+            warnings.setdefault(warning.partition(":")[0], f"warning: {warning}")
+    return ["", *surfaces, *warnings.values()]

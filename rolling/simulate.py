@@ -188,11 +188,6 @@ class Outcome:
     interrupted: bool = False
 
 
-def default_workers() -> int:
-    """Number of processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def simulate(
     scenes: Sequence[Scene],
     todo: Sequence[tuple[int, int, int]],

@@ -16,7 +16,7 @@ from rolling import cli, scene_file
 from rolling.scenario import HeightFile, expand
 
 SCENES = sorted((Path(__file__).parent.parent / "scenarios").glob("*.yaml"))
-TRACK_M = 200e-6  # wider than any contact at half a newton
+TRACK_M = 300e-6  # wider than any contact at half a newton
 
 
 def shortened(path: Path) -> list[str]:
