@@ -105,9 +105,10 @@ class Motion:
         k = np.maximum(np.searchsorted(distances, d, side="left") - 1, 0)
         ahead = d - distances[k]
         root = np.sqrt(np.maximum(speeds[k] ** 2 + 2 * accelerations[k] * ahead, 0.0))
-        # This form of the quadratic's root does not cancel when braking, and holds for no acceleration.
-        with np.errstate(invalid="ignore", divide="ignore"):
-            tau = np.where(ahead > 0, 2 * ahead / (speeds[k] + root), 0.0)
+        # This form of the quadratic's root does not cancel when braking, and holds for no acceleration. Both are zero only
+        # where no distance that can be told from zero is left.
+        both = speeds[k] + root
+        tau = np.divide(2 * ahead, both, out=np.zeros_like(both), where=both > 0)
         lasting = np.append(np.diff(times), np.inf)
         return times[k] + np.minimum(tau, lasting[k])
 

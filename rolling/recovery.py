@@ -108,7 +108,7 @@ def join_events(pieces: Iterable[dict[str, NDArray]]) -> dict[str, NDArray]:
     copies = [{name: column.copy() for name, column in piece.items()} for piece in pieces]
     tables = [piece for piece in copies if piece["energy"].size]
     if not tables:
-        return copies[0]
+        return copies[0] if copies else {}
     kept = [np.ones(table["energy"].size, dtype=bool) for table in tables]
     # Where each event that reaches the last position of its piece began: a long one may run through whole pieces.
     open_events: dict[tuple[int, ...], tuple[dict[str, NDArray], int]] = {}

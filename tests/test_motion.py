@@ -61,6 +61,7 @@ def test_final_stop() -> None:
         motion.time([0.001, 0.0051])
 
 
+@example(Motion((0.0, 1.0, 2.0), (0.0, 0.125, 0.0)), [1.018822925987424e-161])  # its distance squared is no number
 @settings(deadline=None, max_examples=200)
 @given(motions(), st.lists(st.floats(0, 8), min_size=1, max_size=20))
 def test_time_undoes_distance(motion: Motion, times: list[float]) -> None:
