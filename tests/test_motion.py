@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import example, assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from rolling.motion import Motion
