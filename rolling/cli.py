@@ -97,7 +97,7 @@ def _resound(arguments: argparse.Namespace) -> int:
 
 
 def _reported(act) -> int:
-    from rolling import run
+    from rolling import summary
     from rolling.scenario import SceneError
     from rolling.store import FolderError
 
@@ -106,7 +106,7 @@ def _reported(act) -> int:
     except (SceneError, FolderError) as error:
         _say(str(error))
         return BAD_INPUT
-    print(run.table(report))
+    print(summary.table([(one.label, str(one.folder), numbers) for one, numbers in report.runs]))
     for label, reason in report.failures.items():
         _say(f"failed: {label}: {reason}")
     if report.exit_code == OK:

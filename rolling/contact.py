@@ -114,7 +114,7 @@ def solve(
     z, direction = np.empty(size), np.empty(size)
     free, active = np.zeros(size, dtype=np.bool_), np.empty(size, dtype=np.int64)
     length, zr_before, t, fresh, stuck = 1.0, 0.0, 0.0, True, False
-    snap = 0.01 * tolerance * float(u.max()) * reach / size
+    snap, snapping = 0.01 * tolerance * float(u.max()) * reach / size, True
     restarts = plain_steps = 0
 
     for iteration in range(max_iterations):
@@ -137,15 +137,23 @@ def solve(
                     half_space.count - convolutions_before,
                 )
             # u was carried along; what is accepted must hold for the deflection of this very pressure, and carry the load.
-            direction[:n_free] = 0.0
-            _contact.project(p, e, approach, u, direction, 0.0, hardness, active, n_free, 0, total, trial, dp)
+            if n_free:
+                direction[:n_free] = 0.0
+            else:
+                # Put on a bound for good, a last free node took its share of the load along: let the nearest to moving have it.
+                snapping = False
+                n_free = size
+                active[:] = np.arange(size)
+                direction[:] = -reach * (e + u - approach)
+            _contact.project(p, e, approach, u, direction, 1.0, hardness, active, n_free, 0, total, trial, dp)
             p[:] = trial
             u = half_space.deflection(p.reshape(shape.shape)).ravel()
             residual, previous = previous, residual
             t, fresh = 0.0, True
+            snap = snap if snapping else 0.0
             continue
 
-        snap = 0.01 * tolerance * u_max * reach / max(n_bound, 1)
+        snap = 0.01 * tolerance * u_max * reach / max(n_bound, 1) if snapping else 0.0
         _contact.precondition(residual, free, active, n_free, columns, stencil, z)
         zr, change = _contact.conjugate(z, residual, previous, active, n_free)
         beta = max(0.0, change / zr_before) if zr_before > 0 else 0.0

@@ -6,27 +6,21 @@ folder, their plots and a table.
 
 from __future__ import annotations
 
-import platform
-import subprocess
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib import metadata
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from tqdm import tqdm
 
 from acoustics import wav
-from rolling import check, reference, scene_file, simulate, store, surface
+from rolling import check, scene_file, simulate, store, summary
 from rolling.scenario import Scene, expand, run_name, track
 from rolling.sound import ContactSound, contact_sound, middle_speeds
 from rolling.store import Keeper, Result
-
-PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5py", "pydantic")
 
 
 @dataclass(frozen=True)
@@ -40,7 +34,9 @@ class Run:
     @property
     def label(self) -> str:
         """What tells it from its neighbours in a plot: the swept values, or the load."""
-        return ", ".join(_worded(key, value) for key, value in (self.values or {"rolling.load_n": self.load}).items())
+        return ", ".join(
+            summary.worded(key, value) for key, value in (self.values or {"rolling.load_n": self.load}).items()
+        )
 
     @property
     def load(self) -> float:
@@ -192,19 +188,19 @@ def _finish(
         energy = result.whole("release_energy")[:steps]
         closed = result.complete and steps % result.solved_steps == 0 and track(one.scene).closed
         sound = contact_sound(one.scene, energy, result.step, closed)
-        summary = summarize(one.scene, result, sound, time.perf_counter() - began)
+        numbers = summary.summarize(one.scene, result, sound, time.perf_counter() - began)
         if not (one.folder / "result.h5").exists():  # new sound of a stored run
             _keep(one, result)
         _write_sound(one, sound)
-        store.write_json(one.folder / "summary.json", summary)
-        store.write_json(one.folder / "provenance.json", provenance(one.scene))
+        store.write_json(one.folder / "summary.json", numbers)
+        store.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
         heard.append((one, sound))
-        done.append((one, summary))
+        done.append((one, numbers))
     _write_plots(folder, runs, results, heard)
     if len(runs) > 1:
         store.write_json(
             folder / "sweep.json",
-            [{"values": one.values, "folder": one.folder.name, "summary": summary} for one, summary in done],
+            [{"values": one.values, "folder": one.folder.name, "summary": numbers} for one, numbers in done],
         )
     if not failures and not interrupted and all(result.complete for result in results):
         for finished in {one.folder for one in runs} | {folder}:
@@ -212,68 +208,6 @@ def _finish(
                 finished / store.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode()
             )
     return Report(folder, done, failures, interrupted)
-
-
-def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: float) -> dict[str, Any]:
-    """Plain numbers of a run, by name; what has no sound is None. Of a partial run: of what is solved."""
-    steps = result.done_steps
-    series = {name: result.whole(name)[:steps] for name in simulate.STEP_SERIES}
-    state = {name: result.whole(name)[: steps + 1] for name in simulate.STATE_SERIES}
-    hertz_area = np.pi * reference.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
-    plastic = float(state["plastic_area"].mean())
-    solved_time = series["step_time"][: result.solved_steps]
-    return {
-        "name": scene.name,
-        "load_n": scene.load,
-        "complete": result.complete,
-        "steps": steps,
-        "laeq_db": sound.levels.laeq_db,
-        "level_db": sound.levels.level_db,
-        "steady_level_db": sound.steady_level,
-        "third_octave_db": sound.levels.third_octave_db,
-        "third_octave_a_db": sound.levels.third_octave_a_db,
-        "duration_s": sound.duration,
-        "loops": sound.closed,
-        "highest_frequency_hz": sound.highest,
-        "factor_pa_per_w_m2": sound.factor,
-        "release_power_mean_w": float(sound.power.mean()),
-        "release_power_rms_w": float(sound.power.std()),
-        "hertz_area_m2": float(hertz_area),
-        "contact_area_mean_m2": float(state["contact_area"].mean()),
-        "plastic_area_mean_m2": plastic,
-        "plastic_ratio": plastic / float(hertz_area),
-        "max_pressure_pa": float(state["max_pressure"].max()),
-        "energy_balance_error": float(np.abs(series["energy_defect"]).max() / state["stored_energy"].max()),
-        "residual_max": float(state["residual"].max()),
-        "iterations_mean": float(state["iterations"].mean()),
-        "convolutions_mean": float(state["convolutions"].mean()),
-        "step_ms": float(np.median(solved_time) * 1e3),
-        "seconds": float(solved_time.sum()),
-        "sound_seconds": sound_seconds,
-        "warnings": [f"{found.what}: {found.warning}" for found in check.findings(scene) if found.warning],
-        "surface": asdict(surface.statistics(simulate.heights(scene), scene.spacing)),
-    }
-
-
-def provenance(scene: Scene) -> dict[str, Any]:
-    """What made the numbers: versions, the state of the source, machine, seed."""
-    source = Path(__file__).parent
-    state: str | None = None
-    if (source.parent / ".git").exists():
-        git = ["git", "-C", str(source), "describe", "--always", "--dirty", "--abbrev=12"]
-        try:
-            state = subprocess.run(git, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
-        except (OSError, subprocess.SubprocessError):
-            state = None
-    return {
-        "program": metadata.version("rolling-contact-noise"),
-        "source": state,
-        "python": platform.python_version(),
-        "packages": {name: metadata.version(name) for name in PACKAGES},
-        "machine": f"{platform.system()} {platform.machine()}, {check.cores()} processors",
-        "seed": getattr(scene.surface, "seed", None),
-        "written": datetime.now(UTC).isoformat(timespec="seconds"),
-    }
 
 
 def _write_sound(one: Run, sound: ContactSound) -> None:
@@ -306,72 +240,11 @@ def _write_level_plot(folder: Path, key: str, heard: list[tuple[Run, ContactSoun
     from rolling import figures
 
     def rest(item: tuple[Run, ContactSound]) -> str:
-        return ", ".join(_worded(k, v) for k, v in item[0].values.items() if k != key)
+        return ", ".join(summary.worded(k, v) for k, v in item[0].values.items() if k != key)
 
     curves = {}
     for others, group in groupby(sorted(heard, key=rest), key=rest):
         members = sorted(group, key=lambda item: item[0].values[key])
         curves[others] = [(one.values[key], sound.levels.laeq_db, sound.levels.level_db) for one, sound in members]
-    word, unit = _named(key)
+    word, unit = summary.named(key)
     figures.write_levels(folder, heard[0][0].scene.name, f"{word} [{unit}]" if unit else word, curves)
-
-
-_UNITS = {"m_s": "m/s", "um": "µm", "mm": "mm", "gpa": "GPa", "n": "N", "s": "s", "m": "m"}
-
-
-def _named(key: str) -> tuple[str, str]:
-    """Word and unit of a dotted key: rolling.load_n is load in N."""
-    name = key.rpartition(".")[2]
-    for suffix, unit in _UNITS.items():
-        if name.endswith("_" + suffix):
-            return name.removesuffix("_" + suffix).replace("_", " "), unit
-    return name.replace("_", " "), ""
-
-
-def _worded(key: str, value: float) -> str:
-    word, unit = _named(key)
-    return f"{word} {value:g} {unit}".rstrip()
-
-
-def table(report: Report) -> str:
-    """Levels and cost of every run, for the terminal."""
-    head = ("run", "LAeq dB(A)", "level dB", "steady dB", "plastic ratio", "steps", "ms/step", "files")
-    rows: list[tuple[str, ...]] = [head]
-    for one, summary in report.runs:
-        if summary is None:
-            rows.append((one.label, *["-"] * 6, str(one.folder)))
-            continue
-
-        def db(name: str, summary: dict[str, Any] = summary) -> str:
-            return "silent" if summary[name] is None else f"{summary[name]:.1f}"
-
-        steps = f"{summary['steps']}" + ("" if summary["complete"] else " (partial)")
-        rows.append(
-            (
-                one.label,
-                db("laeq_db"),
-                db("level_db"),
-                db("steady_level_db"),
-                f"{summary['plastic_ratio']:.3f}",
-                steps,
-                f"{summary['step_ms']:.1f}",
-                str(one.folder),
-            )
-        )
-    widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    return "\n".join(lines + _remarks([summary for _, summary in report.runs if summary is not None]))
-
-
-def _remarks(summaries: list[dict[str, Any]]) -> list[str]:
-    """The surfaces, and of each kind of warning the first."""
-    surfaces = dict.fromkeys(
-        f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, skewness {s['skewness']:.2f},"
-        f" kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
-        for s in (summary["surface"] for summary in summaries)
-    )
-    warnings: dict[str, str] = {}
-    for summary in summaries:
-        for warning in summary["warnings"]:
-            warnings.setdefault(warning.partition(":")[0], f"warning: {warning}")
-    return ["", *surfaces, *warnings.values()]

@@ -13,8 +13,10 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,7 +27,7 @@ from rolling.contact import ContactError
 from rolling.half_space import HalfSpace
 from rolling.march import ContactState, RollingContact, march
 from rolling.recovery import EventTable, step_energy
-from rolling.scenario import Gaussian, HeightFile, Scene, SceneError, track
+from rolling.scenario import Gaussian, Scene, SceneError, track
 
 Array = NDArray[np.float64]
 
@@ -70,40 +72,37 @@ class Piece:
     snapshot: Snapshot | None
 
 
+_kept: dict[tuple[str, Path, int, int], Array] = {}
+
+
 def heights(scene: Scene) -> Array:
-    """Surface heights of a scene [m], (along, across).
+    """Surface heights of a scene [m], (along, across); the last surface made is kept, most runs of a sweep share it.
 
     Raises
     ------
     SceneError : a surface that cannot be made or read.
     """
     made = track(scene)
-    try:
-        return _heights(scene.surface.model_dump_json(), scene, made.n_along, made.n_across)
-    except surface.SurfaceError as error:
-        raise SceneError([f"surface: {error}"]) from error
-
-
-_kept: dict[tuple[str, str, int, int], Array] = {}
-
-
-def _heights(text: str, scene: Scene, n_along: int, n_across: int) -> Array:
-    key = (text, str(scene.folder), n_along, n_across)
+    key = (scene.surface.model_dump_json(), scene.folder, made.n_along, made.n_across)
     if key not in _kept:
-        _kept.clear()  # one surface at a time: the runs of a sweep mostly share it
-        shape, s = (n_along, n_across), scene.surface
-        if isinstance(s, Gaussian):
-            across = s.correlation_length_across_um or s.correlation_length_um
-            lengths = (s.correlation_length_um * 1e-6, across * 1e-6)
-            _kept[key] = surface.gaussian(
-                shape, scene.spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed
-            )
-        elif isinstance(s, HeightFile):
-            assert scene.height_path is not None
-            _kept[key] = surface.read(scene.height_path)
-        else:
-            _kept[key] = surface.smooth(shape)
+        try:
+            z = _make_heights(scene, (made.n_along, made.n_across))
+        except surface.SurfaceError as error:
+            raise SceneError([f"surface: {error}"]) from error
+        _kept.clear()
+        _kept[key] = z
     return _kept[key]
+
+
+def _make_heights(scene: Scene, shape: tuple[int, int]) -> Array:
+    s = scene.surface
+    if isinstance(s, Gaussian):
+        across = s.correlation_length_across_um or s.correlation_length_um
+        lengths = (s.correlation_length_um * 1e-6, across * 1e-6)
+        return surface.gaussian(shape, scene.spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed)
+    if scene.height_path is not None:
+        return surface.read(scene.height_path)
+    return surface.smooth(shape)
 
 
 def rolling_contact(scene: Scene) -> RollingContact:
@@ -220,27 +219,18 @@ def simulate(
 def _simulate_parallel(scenes, todo, workers, finished, progress, asked, outcome) -> None:
     context = multiprocessing.get_context("spawn")
     stop = context.Event()
-    waiting = iter(todo)
+    waiting = list(reversed(todo))
     running: dict[Future[Piece], tuple[int, int, int]] = {}
-    # One thread each: workers must not fight over cores. Spawned processes read this when they import numpy.
-    pins = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-    before = {name: os.environ.get(name) for name in pins}
-    os.environ.update(pins)
-    try:
-        with ProcessPoolExecutor(min(workers, len(todo)), context, _begin_worker, (stop,)) as pool:
-            while True:
-                while len(running) < 2 * workers and not asked():
-                    job = next((j for j in waiting if j[0] not in outcome.failures), None)
-                    if job is None:
-                        break
-                    running[pool.submit(_piece_in_worker, scenes[job[0]], job[1], job[2])] = job
-                if asked():
-                    stop.set()
-                if not running:
-                    break
+    with _one_thread_each(), ProcessPoolExecutor(min(workers, len(todo)), context, _begin_worker, (stop,)) as pool:
+        try:
+            while waiting or running:
+                while waiting and len(running) < 2 * workers:
+                    run, first, last = waiting.pop()
+                    if run not in outcome.failures:
+                        running[pool.submit(_piece_in_worker, scenes[run], first, last)] = (run, first, last)
                 done, _ = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
                 for future in done:
-                    run, first, last = running.pop(future)
+                    run, first, last = running[future]
                     try:
                         finished(run, future.result())
                         progress(last - first)
@@ -248,15 +238,28 @@ def _simulate_parallel(scenes, todo, workers, finished, progress, asked, outcome
                         outcome.failures.setdefault(run, str(error))
                     except Interrupted:
                         pass
-                    except BrokenProcessPool:
-                        for number in {run, *(job[0] for job in running.values()), *(j[0] for j in waiting)}:
-                            outcome.failures.setdefault(
-                                number,
-                                "a worker process was killed (out of memory?); `rolling resume` goes on from here",
-                            )
-                        return
+                    del running[future]
+                if asked():
+                    waiting.clear()
+                    stop.set()
+        except BrokenProcessPool:
+            for run, _, _ in (*running.values(), *waiting):
+                outcome.failures.setdefault(
+                    run, "a worker process was killed; out of memory? Fewer --workers need less"
+                )
+        finally:
+            stop.set()  # before the pool waits for its workers, whatever happened
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """Workers must not fight over cores; spawned processes read this when they import numpy."""
+    pins = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+    before = {name: os.environ.get(name) for name in pins}
+    os.environ.update(pins)
+    try:
+        yield
     finally:
-        stop.set()
         for name, value in before.items():
             if value is None:
                 os.environ.pop(name, None)

@@ -329,3 +329,12 @@ def test_random_scenes_are_solved_or_refused() -> None:
     assert outcomes["solved"] > 90, outcomes
     assert max(iterations) <= 150
     assert np.median(iterations) <= 6
+
+
+@pytest.mark.parametrize("excess", [1e-6, 1e-10, -1e-10, 1e-12])
+def test_all_but_a_trace_of_the_load_on_capped_nodes(excess: float) -> None:
+    """Ten capped nodes carry the load but for a trace on one more: too small for any deflection to tell, yet the load's own."""
+    cap, cell = 1e6, 4e-12
+    track = make_track(rough(64, 64, 1e-6), radius=2e-4, hardness=cap, load=cap * cell * (10 + excess), tolerance=1e-4)
+    for state in solve_hard(track, budget=20):
+        assert state.plastic_area == pytest.approx(10 * cell, abs=cell)

@@ -171,6 +171,20 @@ def test_a_killed_run_is_resumed_to_the_same_numbers(scene: Path, tmp_path: Path
     assert (killed / "finished").is_file()
 
 
+def test_a_killed_worker_fails_the_run_and_keeps_what_is_solved(scene: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    process = start(scene, out, *LONG, "--workers", "2")
+    wait_for_steps(out, process)
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    workers = [int(pid) for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+    os.kill(workers[0], signal.SIGKILL)
+    _, complaint = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert "a worker process was killed" in complaint and "resume" in complaint
+    assert "step/s" not in complaint  # no progress bar where nobody looks
+    assert summary(out)["steps"] >= simulate.PIECE_STEPS and not (out / "finished").exists()
+
+
 def test_a_full_disk_keeps_what_was_written(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
     out = tmp_path / "out"
     inner, calls = h5py.File, []

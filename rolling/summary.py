@@ -1,0 +1,143 @@
+"""The numbers of a run by name, what made them, and the table of them; depends on simulate's results and the sound."""
+
+from __future__ import annotations
+
+import platform
+import subprocess
+from collections.abc import Sequence
+from dataclasses import asdict
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rolling import check, reference, simulate, surface
+from rolling.scenario import Scene
+from rolling.sound import ContactSound
+from rolling.store import Result
+
+PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5py", "pydantic")
+UNITS = {"m_s": "m/s", "um": "µm", "mm": "mm", "gpa": "GPa", "n": "N", "s": "s", "m": "m"}
+
+
+def named(key: str) -> tuple[str, str]:
+    """Word and unit of a dotted key: rolling.load_n is load in N."""
+    name = key.rpartition(".")[2]
+    for suffix, unit in UNITS.items():
+        if name.endswith("_" + suffix):
+            return name.removesuffix("_" + suffix).replace("_", " "), unit
+    return name.replace("_", " "), ""
+
+
+def worded(key: str, value: float) -> str:
+    """A value as people write it: load 5 N."""
+    word, unit = named(key)
+    return f"{word} {value:g} {unit}".rstrip()
+
+
+def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: float) -> dict[str, Any]:
+    """Plain numbers of a run, by name; what has no sound is None. Of a partial run: of what is solved."""
+    steps = result.done_steps
+    series = {name: result.whole(name)[:steps] for name in simulate.STEP_SERIES}
+    state = {name: result.whole(name)[: steps + 1] for name in simulate.STATE_SERIES}
+    hertz_area = np.pi * reference.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
+    plastic = float(state["plastic_area"].mean())
+    solved_time = series["step_time"][: result.solved_steps]
+    return {
+        "name": scene.name,
+        "load_n": scene.load,
+        "complete": result.complete,
+        "steps": steps,
+        "laeq_db": sound.levels.laeq_db,
+        "level_db": sound.levels.level_db,
+        "steady_level_db": sound.steady_level,
+        "third_octave_db": sound.levels.third_octave_db,
+        "third_octave_a_db": sound.levels.third_octave_a_db,
+        "duration_s": sound.duration,
+        "loops": sound.closed,
+        "highest_frequency_hz": sound.highest,
+        "factor_pa_per_w_m2": sound.factor,
+        "release_power_mean_w": float(sound.power.mean()),
+        "release_power_rms_w": float(sound.power.std()),
+        "hertz_area_m2": float(hertz_area),
+        "contact_area_mean_m2": float(state["contact_area"].mean()),
+        "plastic_area_mean_m2": plastic,
+        "plastic_ratio": plastic / float(hertz_area),
+        "max_pressure_pa": float(state["max_pressure"].max()),
+        "energy_balance_error": float(np.abs(series["energy_defect"]).max() / state["stored_energy"].max()),
+        "residual_max": float(state["residual"].max()),
+        "iterations_mean": float(state["iterations"].mean()),
+        "convolutions_mean": float(state["convolutions"].mean()),
+        "step_ms": float(np.median(solved_time) * 1e3),
+        "seconds": float(solved_time.sum()),
+        "sound_seconds": sound_seconds,
+        "warnings": [f"{found.what}: {found.warning}" for found in check.findings(scene) if found.warning],
+        "surface": asdict(surface.statistics(simulate.heights(scene), scene.spacing)),
+    }
+
+
+def provenance(scene: Scene) -> dict[str, Any]:
+    """What made the numbers: versions, the state of the source, machine, seed."""
+    source = Path(__file__).parent
+    state: str | None = None
+    if (source.parent / ".git").exists():
+        git = ["git", "-C", str(source), "describe", "--always", "--dirty", "--abbrev=12"]
+        try:
+            state = subprocess.run(git, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
+        except (OSError, subprocess.SubprocessError):
+            state = None
+    return {
+        "program": metadata.version("rolling-contact-noise"),
+        "source": state,
+        "python": platform.python_version(),
+        "packages": {name: metadata.version(name) for name in PACKAGES},
+        "machine": f"{platform.system()} {platform.machine()}, {check.cores()} processors",
+        "seed": getattr(scene.surface, "seed", None),
+        "written": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
+    """Levels and cost of runs given by label, folder and summary (None: not enough was solved), for the terminal."""
+    head = ("run", "LAeq dB(A)", "level dB", "steady dB", "plastic ratio", "steps", "ms/step", "files")
+    rows: list[tuple[str, ...]] = [head]
+    for label, folder, summary in runs:
+        if summary is None:
+            rows.append((label, *["-"] * 6, folder))
+            continue
+
+        def db(name: str, summary: dict[str, Any] = summary) -> str:
+            return "silent" if summary[name] is None else f"{summary[name]:.1f}"
+
+        steps = f"{summary['steps']}" + ("" if summary["complete"] else " (partial)")
+        rows.append(
+            (
+                label,
+                db("laeq_db"),
+                db("level_db"),
+                db("steady_level_db"),
+                f"{summary['plastic_ratio']:.3f}",
+                steps,
+                f"{summary['step_ms']:.1f}",
+                folder,
+            )
+        )
+    widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    return "\n".join(lines + _remarks([summary for _, _, summary in runs if summary is not None]))
+
+
+def _remarks(summaries: list[dict[str, Any]]) -> list[str]:
+    """The surfaces, and of each kind of warning the first."""
+    surfaces = dict.fromkeys(
+        f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, skewness {s['skewness']:.2f},"
+        f" kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
+        for s in (summary["surface"] for summary in summaries)
+    )
+    warnings: dict[str, str] = {}
+    for summary in summaries:
+        for warning in summary["warnings"]:
+            warnings.setdefault(warning.partition(":")[0], f"warning: {warning}")
+    return ["", *surfaces, *warnings.values()]
