@@ -6,6 +6,7 @@ folder, their plots and a table.
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -137,9 +138,18 @@ def _make_folders(folder: Path, scene: Scene) -> list[Run]:
         # A single run can be resumed and resounded on its own: it says what it was given, too.
         if one.folder != folder:
             store.write_bytes(one.folder / "scene.yaml", (folder / "scene.yaml").read_bytes())
-        store.write_bytes(one.folder / "resolved.yaml", scene_file.dump(one.scene).encode())
-    store.write_bytes(folder / "resolved.yaml", scene_file.dump(scene).encode())
+        store.write_bytes(one.folder / "resolved.yaml", scene_file.dump(_seen_from(one.folder, one.scene)).encode())
+    store.write_bytes(folder / "resolved.yaml", scene_file.dump(_seen_from(folder, scene)).encode())
     return runs
+
+
+def _seen_from(folder: Path, scene: Scene) -> Scene:
+    """The scene with its height file's path as it is from a run folder, from where it will be read again."""
+    data = scene.to_dict()
+    if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
+        return scene
+    data["surface"]["path"] = Path(os.path.relpath(scene.height_path, folder)).as_posix()
+    return Scene.from_dict(data, folder)
 
 
 def _work(folder: Path, runs: list[Run], results: list[Result], workers: int) -> Report:

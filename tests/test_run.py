@@ -238,6 +238,10 @@ def test_laps_of_a_file_are_solved_once(scene: Path, tmp_path: Path) -> None:
     assert len(approach) == 81 and summary(out)["loops"]
     with h5py.File(out / "result.h5") as file:
         assert file.attrs["solved_steps"] == 40
+    # The run folder finds the heights again, from wherever the command is given.
+    assert cli.main(["resound", str(out), "--set", "sound.distance_m=2", "--out", str(tmp_path / "a" / "b")]) == 0
+    assert cli.main(["resume", str(tmp_path / "a" / "b")]) == 0
+    assert "path: ../../z.npy" in (tmp_path / "a" / "b" / "resolved.yaml").read_text()
     # Back where it began, the contact is the same within the tolerance.
     assert approach[40] == pytest.approx(approach[0], rel=1e-3)
 
