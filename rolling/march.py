@@ -173,9 +173,9 @@ def _follow(track: RollingContact, k: int, half_space: HalfSpace, state: Contact
     if nodes * track.spacing == track.step:
         ahead = replace(state.window, row=state.window.row + nodes)
         towards = ahead.moved(state.pressure, window) - start
-        slope = np.vdot(track.gap(k, window) + state.window.moved(state.deflection, window), towards)
-        rise = ahead.moved(state.deflection, window) - state.window.moved(state.deflection, window)
-        curvature = np.vdot(towards, rise)
+        stayed = state.window.moved(state.deflection, window)
+        slope = np.vdot(track.gap(k, window) + stayed, towards)
+        curvature = np.vdot(towards, ahead.moved(state.deflection, window) - stayed)
         if slope < 0 < curvature and window.covers(replace(state.loaded, row=state.loaded.row + nodes)):
             start += min(float(-slope / curvature), 1.0) * towards
             np.clip(start, 0.0, track.hardness, out=start)
