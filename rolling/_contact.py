@@ -1,6 +1,8 @@
-"""Compiled passes of the contact solve; arrays are flat views of a window, `active` lists the nodes that may move.
+"""Compiled passes of the contact solve.
 
-The first `n_free` entries of `active` are free nodes, the next `n_bound` are nodes about to be put on a bound.
+`violation` and `candidates` look at a whole window; the others at its candidates, the nodes that may be in contact, as flat
+arrays in the order of `node`. The first `n_free` entries of `active` are free candidates, the next `n_bound` are about to be put
+on a bound.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -11,51 +13,102 @@ from numba import njit
 
 
 @njit(cache=True)
-def update_and_sort(p, u, trial, du, t, e, cap, reach, snap, residual, free, active):
-    """Go the share t of the way to `trial`, then find approach, violations and who may move.
-
-    `reach` [Pa/m] turns a gap into the pressure it would take on that node alone to close it. A loaded node that such a step
-    would carry past a bound goes straight there (two-metric projection, Bertsekas, SIAM J. Control Optim. 20(2), 1982): mixed
-    into the conjugate direction it would hold everything else back. Partial steps leave such nodes ever closer to their bound but
-    never on it; within `snap` [Pa] of it, which no deflection can tell, they are put there.
-
-    Returns approach [m], largest violation [m], largest deflection [m], number of free and of bound nodes.
-    """
+def violation(p, e, u, cap):
+    """Approach [m], largest violation of the contact conditions [m] and largest deflection [m] of flat arrays."""
     inside = 0
     gap_sum = 0.0
     lowest_open = np.inf
     highest_capped = -np.inf
     u_max = 0.0
     for k in range(p.size):
-        if t == 1.0:
-            p[k] = trial[k]
-            u[k] += du[k]
-        elif t > 0.0:
-            p[k] = min(max(p[k] + t * (trial[k] - p[k]), 0.0), cap)
-            u[k] += t * du[k]
         g = e[k] + u[k]
-        if u[k] > u_max:
-            u_max = u[k]
+        u_max = max(u_max, u[k])
         if p[k] <= 0.0:
-            if g < lowest_open:
-                lowest_open = g
+            lowest_open = min(lowest_open, g)
         elif p[k] >= cap:
-            if g > highest_capped:
-                highest_capped = g
+            highest_capped = max(highest_capped, g)
         else:
             gap_sum += g
             inside += 1
     # With nothing between the bounds the approach is free over an interval: its middle.
     approach = gap_sum / inside if inside else 0.5 * (lowest_open + highest_capped)
-    if not np.isfinite(approach):  # every node of the window is capped
+    if not np.isfinite(approach):  # every node is capped, or open nodes are not among those looked at
         approach = highest_capped
+    worst = 0.0
+    for k in range(p.size):
+        g = e[k] + u[k] - approach
+        if not ((p[k] <= 0.0 and g >= 0.0) or (p[k] >= cap and g <= 0.0)):
+            worst = max(worst, abs(g))
+    return approach, worst, u_max
+
+
+@njit(cache=True)
+def candidates(p, e, u, highest, node):
+    """Nodes of a window that are loaded or lie lower than `highest` [m] before the approach is taken off: flat index into `node`.
+
+    Returns their number and their block (first row, last row, first column, last column).
+    """
+    rows, columns = p.shape
+    count = 0
+    first_row, last_row, first_column, last_column = rows, -1, columns, -1
+    for i in range(rows):
+        before = count
+        for j in range(columns):
+            if p[i, j] > 0.0 or e[i, j] + u[i, j] < highest:
+                node[count] = i * columns + j
+                count += 1
+        if count > before:
+            first_row = min(first_row, i)
+            last_row = i
+            first_column = min(first_column, node[before] - i * columns)
+            last_column = max(last_column, node[count - 1] - i * columns)
+    return count, first_row, last_row, first_column, last_column
+
+
+@njit(cache=True)
+def places(node, columns, first_row, first_column, padded, bordered, in_padded, in_bordered):
+    """Where each candidate stands in the padded array of the transforms and in the residual's grid with its border of one."""
+    for a in range(node.size):
+        i, j = divmod(node[a], columns)
+        i -= first_row
+        j -= first_column
+        in_padded[a] = i * padded + j
+        in_bordered[a] = (i + 1) * bordered + j + 1
+
+
+@njit(cache=True)
+def advance(p, u, e, dp, deflection, in_padded, slope, greatest, cap, reach, snap, residual, grid, in_bordered, active):
+    """Go along dp as far as the energy falls and the bounds allow, then find approach, violations and who may move.
+
+    `deflection` is that of dp, in the array of the transforms; `slope` of the energy along dp, 0 for no step at all.
+    `reach` [Pa/m] turns a gap into the pressure it would take on that node alone to close it. A loaded node that such a step
+    would carry past a bound goes straight there (two-metric projection, Bertsekas, SIAM J. Control Optim. 20(2), 1982): mixed
+    into the conjugate direction it would hold everything else back. Partial steps leave such nodes ever closer to their bound but
+    never on it; within `snap` [Pa] of it, which no deflection can tell, they are put there.
+
+    Returns best step length, approach [m], largest violation [m], largest deflection [m], number of free and of bound nodes.
+    """
+    best = 0.0
+    if slope < 0.0:
+        curvature = 0.0
+        for k in range(p.size):
+            if dp[k] != 0.0:
+                curvature += dp[k] * deflection[in_padded[k]]
+        best = -slope / curvature if curvature > 0.0 else 1.0
+        t = min(best, greatest)
+        for k in range(p.size):
+            p[k] = max(p[k] + t * dp[k], 0.0)
+            if p[k] >= cap * (1.0 - 4e-16):  # a whole step to the cap may miss it by rounding
+                p[k] = cap
+            u[k] += t * deflection[in_padded[k]]
+    approach, _, u_max = violation(p, e, u, cap)
     worst = 0.0
     n_free = 0
     n_bound = 0
     for k in range(p.size):
         g = e[k] + u[k] - approach
-        free[k] = False
         residual[k] = 0.0
+        grid[in_bordered[k]] = 0.0
         if (p[k] <= 0.0 and g >= 0.0) or (p[k] >= cap and g <= 0.0):
             continue
         step = p[k] - reach * g
@@ -70,75 +123,139 @@ def update_and_sort(p, u, trial, du, t, e, cap, reach, snap, residual, free, act
             n_bound += 1
             active[p.size - n_bound] = k
         else:
-            free[k] = True
             residual[k] = g
+            grid[in_bordered[k]] = g
             active[n_free] = k
             n_free += 1
     for i in range(n_bound):
         active[n_free + i] = active[p.size - n_bound + i]  # in this order nothing is overwritten before it is read
-    return approach, worst, u_max, n_free, n_bound
+    return best, approach, worst, u_max, n_free, n_bound
 
 
 @njit(cache=True)
-def precondition(residual, free, active, n_free, columns, stencil, z):
-    """z = short stencil of the inverse half-space on the free nodes; z is by entry of `active`, residual and free by node."""
-    half = stencil.shape[0] // 2
-    rows = residual.size // columns
-    for a in range(n_free):
-        i, j = divmod(active[a], columns)
-        total = 0.0
-        for x in range(max(0, i - half), min(rows, i + half + 1)):
-            for y in range(max(0, j - half), min(columns, j + half + 1)):
-                if free[x * columns + y]:
-                    total += stencil[x - i + half, y - j + half] * residual[x * columns + y]
-        z[a] = total
+def aim(
+    p, u, e, approach, residual, previous, grid, in_bordered, bordered, stencil, zr_before, length, cap, reach, active,
+    n_free, n_bound, total, z, direction, dp, scale, in_padded, transformed,
+):  # fmt: skip
+    """The next feasible step dp: preconditioned conjugate gradient (Polak-Ribiere), projected; or, where that does not descend,
+    the gradient alone, or the plain gradient of all nodes. Leaves scale * dp in the array of the transforms.
 
+    `previous` is the residual of the iteration before, dp the step it took, `length` the factor that step should have had.
 
-@njit(cache=True)
-def conjugate(z, residual, previous_residual, active, n_free):
-    """Sums z.r and z.(r - previous r) over the free nodes, for the Polak-Ribiere factor."""
+    Returns slope of the energy along dp (not negative: stuck), greatest step length, z.r, the length left, restarts and plain
+    steps (0 or 1 each).
+    """
     zr = 0.0
     change = 0.0
     for a in range(n_free):
         k = active[a]
-        zr += z[a] * residual[k]
-        change += z[a] * (residual[k] - previous_residual[k])
-    return zr, change
+        at = in_bordered[k]
+        total_z = 0.0
+        for x in range(3):
+            row = at + (x - 1) * bordered
+            total_z += stencil[x, 0] * grid[row - 1] + stencil[x, 1] * grid[row] + stencil[x, 2] * grid[row + 1]
+        z[k] = total_z
+        zr += total_z * residual[k]
+        change += total_z * (residual[k] - previous[k])
+    beta = max(0.0, change / zr_before) if zr_before > 0.0 else 0.0
+    restarts = 0
+    plain = 0
+    if beta == 0.0:
+        length = 1.0
+    for a in range(n_free):
+        k = active[a]
+        direction[k] = beta / length * dp[k] - z[k]
+    slope, greatest = project(p, e, approach, u, direction, length, cap, active, n_free, n_bound, total, dp)
+    if not slope < 0.0 and beta > 0.0:
+        restarts = 1
+        length = 1.0
+        for a in range(n_free):
+            direction[active[a]] = -z[active[a]]
+        slope, greatest = project(p, e, approach, u, direction, length, cap, active, n_free, n_bound, total, dp)
+    if not slope < 0.0:
+        # The plain projected gradient, of all nodes, always descends, short of a solution.
+        plain = 1
+        length = 1.0
+        zr = 0.0
+        slope, greatest = descend_plainly(p, e, approach, u, direction, cap, reach, active, total, dp)
+    for k in range(p.size):
+        transformed[in_padded[k]] = scale * dp[k]
+    return slope, greatest, zr, length, restarts, plain
 
 
 @njit(cache=True)
-def project(p, gap, approach, u, direction, length, cap, active, n_free, n_bound, total, trial, dp):
-    """trial = feasible pressure nearest to p + length * direction: free nodes shifted and clipped, bound nodes on their bound.
+def extrapolate(p, trend, cap, total, e, u, active, direction, dp, q):
+    """q = p + trend, put within the bounds; what is then between them is shifted to carry the load. Whether it can."""
+    n_free = 0
+    for k in range(p.size):
+        q[k] = min(max(p[k] + trend[k], 0.0), cap)
+        direction[k] = 0.0
+        if 0.0 < q[k] < cap:
+            active[n_free] = k
+            n_free += 1
+    slope, _ = project(q, e, 0.0, u, direction, 1.0, cap, active, n_free, 0, total, dp)
+    for k in range(p.size):
+        q[k] += dp[k]
+    return slope < np.inf
 
-    `gap` is the undeformed gap. The sum of pressures is restored to `total` exactly by one shift of the free nodes, the root of
-    a monotone piecewise linear function. dp = trial - p.
+
+@njit(cache=True)
+def step_by_way_of(q, p, u, e, approach, cap, dp, scale, in_padded, transformed):
+    """The step dp from q made one from p: its slope there, its greatest share within the bounds; scale * dp to be transformed."""
+    slope = 0.0
+    greatest = np.inf
+    for k in range(p.size):
+        dp[k] = min(max(q[k] + dp[k], 0.0), cap) - p[k]
+        transformed[in_padded[k]] = scale * dp[k]
+        slope += (e[k] + u[k] - approach) * dp[k]
+        if dp[k] < 0.0:
+            greatest = min(greatest, -p[k] / dp[k])
+        elif dp[k] > 0.0:
+            greatest = min(greatest, (cap - p[k]) / dp[k])
+    return slope, max(greatest, 1.0)
+
+
+@njit(cache=True)
+def descend_plainly(p, e, approach, u, direction, cap, reach, active, total, dp):
+    """dp of the plain projected gradient of all nodes, each on its own."""
+    for k in range(p.size):
+        active[k] = k
+        direction[k] = -reach * (e[k] + u[k] - approach)
+    return project(p, e, approach, u, direction, 1.0, cap, active, p.size, 0, total, dp)
+
+
+@njit(cache=True)
+def project(p, e, approach, u, direction, length, cap, active, n_free, n_bound, total, dp):
+    """dp to the feasible pressure nearest to p + length * direction: free nodes shifted and clipped, bound nodes on their bound.
+
+    The sum of pressures is restored to `total` exactly by one shift of the free nodes, the root of a monotone piecewise linear
+    function.
 
     Returns (slope of the energy along dp [Pa m], greatest share t of dp that stays within the bounds), or (inf, 0) when the
     free nodes cannot take up the load.
     """
-    trial[:] = p
-    dp[:] = 0.0
     target = total
     for k in range(p.size):
         target -= p[k]
+        dp[k] = 0.0
     for a in range(n_free + n_bound):
-        k = active[a]
-        target += p[k]
+        target += p[active[a]]
+    # While the shift is sought dp holds trial pressures.
     for a in range(n_free, n_free + n_bound):
         k = active[a]
-        trial[k] = 0.0 if gap[k] + u[k] > approach else cap
-        target -= trial[k]
+        dp[k] = 0.0 if e[k] + u[k] > approach else cap
+        target -= dp[k]
     if n_free == 0:
         if abs(target) > 1e-13 * total:
             return np.inf, 0.0
-    elif target < 0.0 or target > n_free * cap:
+    elif target < 0.0 or target > n_free * cap * (1.0 + 1e-13):
         return np.inf, 0.0
     top = min(cap, target)
     low = np.inf
     high = -np.inf
     for a in range(n_free):
-        v = p[active[a]] + length * direction[a]
-        trial[active[a]] = v
+        v = p[active[a]] + length * direction[active[a]]
+        dp[active[a]] = v
         low = min(low, -v)
         high = max(high, top - v)
     shift = 0.0 if low < 0.0 < high else 0.5 * (low + high)
@@ -146,7 +263,7 @@ def project(p, gap, approach, u, direction, length, cap, active, n_free, n_bound
         got = 0.0
         moving = 0
         for a in range(n_free):
-            v = trial[active[a]] + shift
+            v = dp[active[a]] + shift
             if v >= cap:
                 got += cap
             elif v > 0.0:
@@ -167,13 +284,13 @@ def project(p, gap, approach, u, direction, length, cap, active, n_free, n_bound
         shift = following
     for a in range(n_free):
         k = active[a]
-        trial[k] = min(max(trial[k] + shift, 0.0), cap)
+        dp[k] = min(max(dp[k] + shift, 0.0), cap)
     # Where the direction dwarfs the pressures the shift is rounded coarsely; what is left is spread over those between bounds.
     for _ in range(4):
         error = target
         moving = 0
         for a in range(n_free):
-            v = trial[active[a]]
+            v = dp[active[a]]
             error -= v
             if 0.0 < v < cap:
                 moving += 1
@@ -181,24 +298,16 @@ def project(p, gap, approach, u, direction, length, cap, active, n_free, n_bound
             break
         for a in range(n_free):
             k = active[a]
-            if 0.0 < trial[k] < cap:
-                trial[k] = min(max(trial[k] + error / moving, 0.0), cap)
+            if 0.0 < dp[k] < cap:
+                dp[k] = min(max(dp[k] + error / moving, 0.0), cap)
     slope = 0.0
     greatest = np.inf
     for a in range(n_free + n_bound):
         k = active[a]
-        dp[k] = trial[k] - p[k]
-        slope += (gap[k] + u[k] - approach) * dp[k]
+        dp[k] -= p[k]
+        slope += (e[k] + u[k] - approach) * dp[k]
         if dp[k] < 0.0:
             greatest = min(greatest, -p[k] / dp[k])
         elif dp[k] > 0.0:
             greatest = min(greatest, (cap - p[k]) / dp[k])
     return slope, max(greatest, 1.0)
-
-
-@njit(cache=True)
-def dot(a, b):
-    total = 0.0
-    for k in range(a.size):
-        total += a[k] * b[k]
-    return total

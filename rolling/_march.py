@@ -14,9 +14,13 @@ def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
     for i in range(out.shape[0]):
         dx = (row + i) * spacing - x
         z = heights[(row + i) % along]
+        node = column % across
         for j in range(out.shape[1]):
             dy = (column + j) * spacing - y
-            out[i, j] = (dx * dx + dy * dy) / (2 * radius) - z[(column + j) % across]
+            out[i, j] = (dx * dx + dy * dy) / (2 * radius) - z[node]
+            node += 1
+            if node == across:
+                node = 0
 
 
 @njit(cache=True)
@@ -58,6 +62,26 @@ def overlap_block(heights, row_highest, spacing, radius, x, y, approach):
         first_column = min(first_column, j)
         last_column = max(last_column, k)
     return first_row, last_row, first_column, last_column
+
+
+@njit(cache=True)
+def towards_the_sphere(p, u, gap, row_offset, column_offset, nodes):
+    """Slope and curvature of the energy from pressures p that stay with the plate towards the same ones `nodes` rows on.
+
+    `gap` is the new undeformed gap on its window, in which that of p and u begins at the offsets.
+    """
+    slope = 0.0
+    curvature = 0.0
+    for i in range(nodes, p.shape[0]):
+        a = i + row_offset
+        if a < 0 or a >= gap.shape[0]:
+            continue
+        for j in range(max(0, -column_offset), min(p.shape[1], gap.shape[1] - column_offset)):
+            towards = p[i - nodes, j] - p[i, j]
+            if towards != 0.0:
+                slope += (gap[a, j + column_offset] + u[i, j]) * towards
+                curvature += towards * (u[i - nodes, j] - u[i, j])
+    return slope, curvature
 
 
 @njit(cache=True)

@@ -20,6 +20,9 @@ from rolling.half_space import HalfSpace, love
 Array = NDArray[np.float64]
 
 MAX_ITERATIONS = 1000
+NEAR = 0.03  # candidates for contact have a gap below this share of the largest deflection
+AIM = 0.98  # of the tolerance: what is left is for the difference between the deflection carried along and one computed afresh
+SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the largest deflection, serves no tighter one
 
 
 class ContactError(RuntimeError):
@@ -68,9 +71,8 @@ def foundation(shape: Array, load: float, spacing: float, stiffness: float, hard
             f" {shape.size * spacing**2:.4g} m2 is {hardness * shape.size * spacing**2:.4g} N"
         )
     e = np.ascontiguousarray(shape, dtype=float).ravel()
-    nothing, pressure, change = np.zeros_like(e), np.empty_like(e), np.empty_like(e)
-    everywhere = np.arange(e.size)
-    _contact.project(nothing, e, 0.0, nothing, e, -stiffness, hardness, everywhere, e.size, 0, total, pressure, change)
+    nothing, pressure, everywhere = np.zeros_like(e), np.empty_like(e), np.arange(e.size)
+    _contact.project(nothing, e, 0.0, nothing, e, -stiffness, hardness, everywhere, e.size, 0, total, pressure)
     return pressure.reshape(shape.shape)
 
 
@@ -81,6 +83,9 @@ def solve(
     start: Array,
     tolerance: float,
     hardness: float = np.inf,
+    deflection: Array | None = None,
+    trend: tuple[Array, Array] | None = None,
+    single: bool = True,
     max_iterations: int = MAX_ITERATIONS,
 ) -> Contact:
     """Solve one contact.
@@ -93,115 +98,156 @@ def solve(
     start : (m, n) pressures to start from [Pa], within 0 and the hardness, carrying the load to rounding.
     tolerance : largest allowed violation of the contact conditions over the largest deflection.
     hardness : pressure cap [Pa].
+    deflection : (m, n) deflection of `start` [m] where it is known and 0 elsewhere; without it every node of the window is iterated
+        on at first, with it only those that are near to contact, and the others are looked at in the end.
+    single : iterate on deflections of single precision, while the tolerance is far above their error. What is accepted is of
+        double precision all the same.
 
     Raises
     ------
     ContactError : not converged; the message has residual, iterations and what was tried.
     """
-    spacing = half_space.spacing
-    total = load / spacing**2
-    unit = np.pi * half_space.contact_modulus / spacing
-    stencil = _inverse_stencil() * unit
-    reach = unit / float(love(np.zeros(1), np.zeros(1))[0, 0])
+    total = load / half_space.spacing**2
     convolutions_before = half_space.count
-
-    e = np.ascontiguousarray(shape).ravel()
-    p = np.array(start, dtype=float).ravel()
-    size, columns = p.size, shape.shape[1]
-    u = half_space.deflection(p.reshape(shape.shape)).ravel()
-    residual, previous = np.zeros(size), np.zeros(size)
-    trial, dp, du = p.copy(), np.zeros(size), np.zeros(size)
-    z, direction = np.empty(size), np.empty(size)
-    free, active = np.zeros(size, dtype=np.bool_), np.empty(size, dtype=np.int64)
-    length, zr_before, t, fresh, stuck = 1.0, 0.0, 0.0, True, False
-    snap, snapping = 0.01 * tolerance * float(u.max()) * reach / size, True
-    restarts = plain_steps = 0
-
-    for iteration in range(max_iterations):
-        residual, previous = previous, residual
-        approach, worst, u_max, n_free, n_bound = _contact.update_and_sort(
-            p, u, trial, du, t, e, hardness, reach, snap, residual, free, active
-        )
+    p = np.array(start, dtype=float)
+    u = half_space.deflection(p) if deflection is None else deflection
+    near, fresh, looked_at = (np.inf if deflection is None else NEAR), deflection is None, 0
+    tried = _Tried()
+    while True:
+        approach, worst, u_max = _contact.violation(p.ravel(), shape.ravel(), u.ravel(), hardness)
         if not np.isfinite(worst) or not u_max > 0:
             raise ContactError(
                 "the contact solve met numbers that are not finite: check units of load, modulus and heights"
             )
-        if worst <= tolerance * u_max:
-            if fresh and abs(p.sum() / total - 1) <= 1e-12:
-                return Contact(
-                    p.reshape(shape.shape),
-                    u.reshape(shape.shape),
-                    float(approach),
-                    float(worst / u_max),
-                    iteration,
-                    half_space.count - convolutions_before,
+        if fresh and worst <= tolerance * u_max and abs(p.sum() / total - 1) <= 1e-12:
+            convolutions = half_space.count - convolutions_before
+            return Contact(p, u, float(approach), float(worst / u_max), tried.iterations, convolutions)
+        if tried.stuck > 1 or tried.iterations >= max_iterations or tried.rounds > max_iterations:
+            raise ContactError(
+                f"the contact solve stopped after {tried.iterations} iterations at a residual of {worst / u_max:.2g},"
+                f" {tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {tried.restarts} restarts,"
+                f" {tried.plain_steps} plain gradient steps)"
+            )
+        node = np.empty(p.size, dtype=np.int64)
+        count, *block = _contact.candidates(p, shape, u, approach + near * u_max, node)
+        # Not converged though nothing new came into sight: single precision is not enough.
+        precise = not single or tolerance < SINGLE_TOLERANCE or (fresh and count <= looked_at)
+        near, looked_at = NEAR, count
+        _iterate(half_space, shape, total, p, u, node[:count], block, tolerance, hardness, precise, max_iterations, tried,
+            trend if not fresh else None)
+        u, fresh = half_space.deflection(p), True
+
+
+@dataclass
+class _Tried:
+    """What a solve has done so far."""
+
+    iterations: int = 0
+    restarts: int = 0
+    plain_steps: int = 0
+    stuck: int = 0
+    rounds: int = 0
+    snapping: bool = True
+
+
+def _iterate(
+    half_space: HalfSpace,
+    shape: Array,
+    total: float,
+    pressure: Array,
+    deflection: Array,
+    node: NDArray[np.int64],
+    block: list[int],
+    tolerance: float,
+    cap: float,
+    precise: bool,
+    max_iterations: int,
+    tried: _Tried,
+    trend: tuple[Array, Array] | None,
+) -> None:
+    """Conjugate gradients on the candidates `node` within their block, until they hold the conditions; changes `pressure`."""
+    first_row, last_row, first_column, last_column = block
+    rows, columns = last_row - first_row + 1, last_column - first_column + 1
+    transforms = half_space.convolution(rows - 1, columns - 1, single=not precise)
+    transformed = transforms.real.ravel()
+    e, p, u = shape.ravel()[node], pressure.ravel()[node], deflection.ravel()[node]
+    size, bordered, padded = node.size, columns + 2, transforms.real.shape[1]
+    in_padded, in_bordered = np.empty(size, np.int64), np.empty(size, np.int64)
+    _contact.places(node, shape.shape[1], first_row, first_column, padded, bordered, in_padded, in_bordered)
+
+    unit = 1.0 / half_space.unit
+    stencil = _inverse_stencil() * unit
+    reach = unit / float(love(np.zeros(1), np.zeros(1))[0, 0])
+    grid = np.zeros((rows + 2) * bordered)
+    dp, z, direction, active = np.zeros(size), np.empty(size), np.empty(size), np.empty(size, np.int64)
+    residual, previous = np.zeros(size), np.zeros(size)
+    slope = greatest = zr = 0.0
+    length = 1.0
+    snap = 0.01 * tolerance * float(u.max()) * reach / size if tried.snapping else 0.0
+    tried.rounds += 1
+
+    if trend is not None:
+        # The first step goes by way of the extrapolation of the last solutions and of the gradient there, whose deflection is
+        # known but for what the bounds cut off; from the exact start, with its exact line search, that does no harm.
+        q, v = np.empty(size), u + trend[1].ravel()[node]
+        if _contact.extrapolate(p, trend[0].ravel()[node], cap, total, e, u, active, direction, dp, q):
+            _, _, _, _, n_free, n_bound = _contact.advance(
+                q, v, e, dp, transformed, in_padded, 0.0, 0.0, cap, reach, 0.0, residual, grid, in_bordered, active
+            )
+            approach, _, _ = _contact.violation(q, e, v, cap)
+            transforms.clear(rows)
+            slope, *_ = _contact.aim(
+                q, v, e, approach, residual, previous, grid, in_bordered, bordered, stencil, 0.0, 1.0, cap, reach, active,
+                n_free, n_bound, total, z, direction, dp, half_space.unit, in_padded, transformed,
+            )  # fmt: skip
+            if slope < 0:
+                approach, _, _ = _contact.violation(p, e, u, cap)
+                slope, greatest = _contact.step_by_way_of(
+                    q, p, u, e, approach, cap, dp, half_space.unit, in_padded, transformed
                 )
-            # u was carried along; what is accepted must hold for the deflection of this very pressure, and carry the load.
-            if n_free:
-                direction[:n_free] = 0.0
+            if slope < 0:
+                transforms.apply(rows)
+                half_space.count += 1
+                tried.iterations += 1
             else:
-                # Put on a bound for good, a last free node took its share of the load along: let the nearest to moving have it.
-                snapping = False
-                n_free = size
-                active[:] = np.arange(size)
-                direction[:] = -reach * (e + u - approach)
-            _contact.project(p, e, approach, u, direction, 1.0, hardness, active, n_free, 0, total, trial, dp)
-            p[:] = trial
-            u = half_space.deflection(p.reshape(shape.shape)).ravel()
-            residual, previous = previous, residual
-            t, fresh = 0.0, True
-            snap = snap if snapping else 0.0
-            continue
-
-        snap = 0.01 * tolerance * u_max * reach / max(n_bound, 1) if snapping else 0.0
-        _contact.precondition(residual, free, active, n_free, columns, stencil, z)
-        zr, change = _contact.conjugate(z, residual, previous, active, n_free)
-        beta = max(0.0, change / zr_before) if zr_before > 0 else 0.0
-        zr_before = zr
-        nodes = active[:n_free]
-        direction[:n_free] = -z[:n_free]
-        if beta:
-            direction[:n_free] += beta / length * dp[nodes]
-        else:
-            length = 1.0
-        slope, greatest = _contact.project(
-            p, e, approach, u, direction, length, hardness, active, n_free, n_bound, total, trial, dp
+                slope = 0.0
+                dp[:] = 0.0
+    while True:
+        residual, previous = previous, residual
+        best, approach, worst, u_max, n_free, n_bound = _contact.advance(
+            p, u, e, dp, transformed, in_padded, slope, greatest, cap, reach, snap, residual, grid, in_bordered, active
         )
-        if not slope < 0 and beta:
-            restarts += 1
-            direction[:n_free] = -z[:n_free]
-            length = 1.0
-            slope, greatest = _contact.project(
-                p, e, approach, u, direction, length, hardness, active, n_free, n_bound, total, trial, dp
-            )
+        if not worst > AIM * tolerance * u_max or tried.iterations >= max_iterations:
+            break
+        snap = 0.01 * tolerance * u_max * reach / max(n_bound, 1) if tried.snapping else 0.0
+        length *= min(max(best, 0.5), 2.0) if best > 0 else 1.0
+        transforms.clear(rows)
+        slope, greatest, zr, length, restarts, plain = _contact.aim(
+            p, u, e, approach, residual, previous, grid, in_bordered, bordered, stencil, zr, length, cap, reach, active,
+            n_free, n_bound, total, z, direction, dp, half_space.unit, in_padded, transformed,
+        )  # fmt: skip
+        tried.restarts += restarts
+        tried.plain_steps += plain
+        tried.iterations += 1
         if not slope < 0:
-            # The plain projected gradient, of all nodes, always descends, short of a solution.
-            plain_steps += 1
-            active[:] = np.arange(size)
-            direction[:] = -reach * (e + u - approach)
-            length, zr_before = 1.0, 0.0
-            slope, greatest = _contact.project(
-                p, e, approach, u, direction, length, hardness, active, size, 0, total, trial, dp
-            )
-        if not slope < 0:
-            if stuck:
-                break
-            # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
-            stuck = True
-            p[:] = trial
-            u = half_space.deflection(p.reshape(shape.shape)).ravel()
-            t, fresh = 0.0, True
-            continue
-        stuck = False
-        half_space.deflection(dp.reshape(shape.shape), out=du.reshape(shape.shape))
-        curvature = _contact.dot(dp, du)
-        best = -slope / curvature if curvature > 0 else 1.0
-        t = min(best, greatest)
-        length *= min(max(best, 0.5), 2.0)
-        fresh = False
+            break
+        tried.stuck = 0
+        transforms.apply(rows)
+        half_space.count += 1
 
-    raise ContactError(
-        f"the contact solve stopped after {iteration + 1} iterations at a residual of {worst / u_max:.2g},"
-        f" {tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {restarts} restarts,"
-        f" {plain_steps} plain gradient steps)"
-    )
+    if not worst > AIM * tolerance * u_max:
+        # What was put on a bound for good took its share of the load along: the free nodes have it, or the nearest to moving.
+        if n_free:
+            direction[active[:n_free]] = 0.0
+            _contact.project(p, e, approach, u, direction, 1.0, cap, active, n_free, 0, total, dp)
+            p += dp
+        elif abs(p.sum() / total - 1) > 1e-13:
+            tried.snapping = False
+            _contact.descend_plainly(p, e, approach, u, direction, cap, reach, active, total, dp)
+            p += dp
+    elif not slope < 0 and tried.iterations:
+        # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
+        tried.stuck += 1
+        p += dp
+    np.clip(p, 0.0, cap, out=p)
+    pressure.ravel()[node] = p

@@ -6,29 +6,29 @@ from functools import lru_cache
 
 import numpy as np
 import pyfftw
-from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Padded lengths for which the transforms are quick; a window has half as many nodes. Steps of about 10 % keep the waste of
-# rounding up low and the number of kept transforms small.
-_LENGTHS = sorted(
-    n for n in {2**a * 3**b * 5**c for a in range(3, 15) for b in range(3) for c in range(2)} if 16 <= n <= 16384
-)
+# Padded lengths that are quick for their size, by a trial of all products of 2, 3, 5 and 7: those between cost more than the next.
+_LENGTHS = (16, 20, 24, 32, 40, 48, 64, 80, 100, 128, 160, 192, 240, 256, 320, 384, 400, 512, 640, 768, 800, 1024, 1280, 1536)
+_LENGTHS += (2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
+MOST_NODES = _LENGTHS[-1] // 2  # across a window
 
 
-def window_size(nodes: int) -> int:
-    """Smallest window length >= `nodes` whose padded transform is quick.
+def padded_length(reach: int) -> int:
+    """Smallest quick length whose transform keeps nodes apart that are up to `reach` spacings from one another.
+
+    The coefficients are even, so a distance of just half the length is still right.
 
     Raises
     ------
-    ValueError : more than 8192 nodes.
+    ValueError : more than there is room for.
     """
     for length in _LENGTHS:
-        if length >= 2 * nodes:
-            return length // 2
-    raise ValueError(f"a window of {nodes} nodes is more than the {_LENGTHS[-1] // 2} there is room for")
+        if length >= 2 * reach:
+            return length
+    raise ValueError(f"a window of {reach + 1} nodes is more than the {MOST_NODES} there is room for")
 
 
 def love(rows: Array, columns: Array) -> Array:
@@ -54,13 +54,13 @@ def love(rows: Array, columns: Array) -> Array:
 
 @lru_cache(maxsize=32)
 def _love_spectrum(m: int, n: int) -> Array:
-    """Transform (2m, n + 1) of the wrapped coefficients; real, because they are even in both directions."""
-    distances = [np.minimum(np.arange(2 * k), 2 * k - np.arange(2 * k)) for k in (m, n)]
+    """Transform (m, n // 2 + 1) of the wrapped coefficients; real, because they are even in both directions."""
+    distances = [np.minimum(np.arange(k), k - np.arange(k)) for k in (m, n)]
     return np.ascontiguousarray(np.fft.rfft2(love(*distances)).real)
 
 
 class HalfSpace:
-    """Deflection by pressure on windows of square cells, each window size with transforms of its own, kept.
+    """Deflection by pressure on windows of square cells; transforms of every padded size met are kept.
 
     Parameters
     ----------
@@ -71,59 +71,85 @@ class HalfSpace:
     def __init__(self, spacing: float, contact_modulus: float) -> None:
         self.spacing = spacing
         self.contact_modulus = contact_modulus
-        self._convolutions: dict[tuple[int, int], _Convolution] = {}
+        self.unit = spacing / (np.pi * contact_modulus)  # deflection [m] per pressure [Pa] and coefficient
+        self._convolutions: dict[tuple[int, int, bool], Convolution] = {}
         self.count = 0  # convolutions done: a cost that does not depend on the machine
 
     def deflection(self, pressure: Array, out: Array | None = None) -> Array:
-        """Deflection [m] at the nodes of a window by the pressure [Pa] on them, shape (m, n) both; nothing is loaded outside."""
+        """Deflection [m] at the nodes of a window by the pressure [Pa] on them, shape (m, n) both; nothing is loaded outside.
+
+        Padded only for what lies between a loaded node and the farthest node of the window.
+        """
         m, n = pressure.shape
-        size = (window_size(m), window_size(n))
-        if size not in self._convolutions:
-            self._convolutions[size] = _Convolution(*size)
-        if out is None:
-            out = np.empty((m, n))
-        self._convolutions[size].apply(pressure, self.spacing / (np.pi * self.contact_modulus), out)
+        convolution = self.convolution(_reach(pressure.any(axis=1)), _reach(pressure.any(axis=0)))
+        convolution.clear(m)
+        convolution.real[:m, :n] = pressure
+        convolution.apply(m)
         self.count += 1
-        return out
+        return np.multiply(convolution.real[:m, :n], self.unit, out=out)
+
+    def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
+        """The transforms for nodes at most so many rows and columns apart. Who applies them adds to `count`."""
+        key = (padded_length(row_reach), padded_length(column_reach), single)
+        if key not in self._convolutions:
+            self._convolutions[key] = Convolution(*key)
+        return self._convolutions[key]
 
 
-class _Convolution:
-    """The four transforms of one window size and their work arrays."""
+def _reach(loaded: NDArray[np.bool_]) -> int:
+    """Greatest distance between a loaded line and any of a window, and never less than half the window, which must fit."""
+    at = np.flatnonzero(loaded)
+    lines = loaded.size
+    return max(int(at[-1]), lines - 1 - int(at[0]), (lines + 1) // 2) if at.size else lines
 
-    def __init__(self, m: int, n: int) -> None:
-        self.spectrum = _love_spectrum(m, n)
-        self.real = pyfftw.zeros_aligned((m, 2 * n), "float64")
-        self.complex = pyfftw.zeros_aligned((2 * m, n + 1), "complex128")
-        # Row transforms of the padding are zero and its inverse is not needed: only m rows go through. FFTW_ESTIMATE, because
-        # plans chosen by timing differ from run to run, and with them the last digits.
-        head = self.complex[:m]
+
+class Convolution:
+    """The transforms of one padded size and their work arrays: pressure into `real`, `apply`, deflection out of `real`.
+
+    Parameters
+    ----------
+    m, n : padded lengths along and across.
+    single : transforms of single precision, about 1e-7 of the largest deflection off and up to twice as fast.
+
+    Attributes
+    ----------
+    real : (m, n) pressure in its first rows and columns before, deflection after, in units of spacing / (pi E*).
+    """
+
+    def __init__(self, m: int, n: int, single: bool) -> None:
+        real, both = ("float32", "complex64") if single else ("float64", "complex128")
+        self.single = single
+        self.real = pyfftw.zeros_aligned((m, n), real)
+        self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
+        self._as_pairs = self._lines.view(real)
+        # Each coefficient twice, for the real and the imaginary part of its line: one plain product of real arrays.
+        self._coefficients = np.repeat(_love_spectrum(m, n) / (m * n), 2, axis=1).astype(real)
+        # FFTW_ESTIMATE, because plans chosen by timing differ from run to run, and with them the last digits.
         flags = ("FFTW_ESTIMATE",)
-        self.row_forward = pyfftw.FFTW(self.real, head, axes=(1,), flags=flags)
-        self.column_forward = pyfftw.FFTW(self.complex, self.complex, axes=(0,), flags=flags)
-        self.column_backward = pyfftw.FFTW(
-            self.complex, self.complex, axes=(0,), direction="FFTW_BACKWARD", flags=flags
+        self._column_forward = pyfftw.FFTW(self._lines, self._lines, axes=(0,), flags=flags)
+        self._column_backward = pyfftw.FFTW(
+            self._lines, self._lines, axes=(0,), direction="FFTW_BACKWARD", flags=flags
         )
-        self.row_backward = pyfftw.FFTW(
-            head, self.real, axes=(1,), direction="FFTW_BACKWARD", flags=(*flags, "FFTW_DESTROY_INPUT")
-        )
-        self.scale = 1.0 / (4 * m * n)
+        self._row_plans: dict[int, tuple[pyfftw.FFTW, pyfftw.FFTW]] = {}
 
-    def apply(self, pressure: Array, factor: float, out: Array) -> None:
-        m, n = pressure.shape
-        self.real[:m, :n] = pressure
-        self.real[m:] = 0.0
-        self.real[:m, n:] = 0.0
-        self.complex[self.real.shape[0] :] = 0.0
-        self.row_forward.execute()
-        self.column_forward.execute()
-        _multiply(self.complex, self.spectrum)
-        self.column_backward.execute()
-        self.row_backward.execute()
-        np.multiply(self.real[:m, :n], factor * self.scale, out=out)
+    def clear(self, rows: int) -> None:
+        """Nothing on the first `rows` rows, nor on what `apply` takes along with them."""
+        self.real[: rows + 8] = 0.0
 
-
-@njit(cache=True)
-def _multiply(spectrum, coefficients):
-    for i in range(spectrum.shape[0]):
-        for j in range(spectrum.shape[1]):
-            spectrum[i, j] *= coefficients[i, j]
+    def apply(self, rows: int) -> None:
+        """Deflection on the first `rows` rows by the pressure on them; `real` holds nothing of use below."""
+        rows = min(-8 * (-rows // 8), self.real.shape[0])
+        if rows not in self._row_plans:
+            head, lines = self.real[:rows], self._lines[:rows]
+            backward = {"direction": "FFTW_BACKWARD", "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
+            self._row_plans[rows] = (
+                pyfftw.FFTW(head, lines, axes=(1,), flags=("FFTW_ESTIMATE",)),
+                pyfftw.FFTW(lines, head, axes=(1,), **backward),
+            )
+        row_forward, row_backward = self._row_plans[rows]
+        row_forward.execute()
+        self._lines[rows:] = 0.0
+        self._column_forward.execute()
+        np.multiply(self._as_pairs, self._coefficients, out=self._as_pairs)
+        self._column_backward.execute()
+        row_backward.execute()

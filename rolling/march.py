@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 
 from rolling import _march, contact, reference
 from rolling.contact import ContactError
-from rolling.half_space import HalfSpace, window_size
+from rolling.half_space import MOST_NODES, HalfSpace
 
 Array = NDArray[np.float64]
 
+LOOK_AHEAD = 4  # nodes: up to such a step a window reaches over the next position, whose deflection is then known in advance
+LEAST_SHARE = 0.2  # of pressures that move with the sphere: below, those of the plate alone are as good a start, for nothing
 COLD_TIGHTENING = 0.1  # a cold start is solved this much tighter, so that its error does not stand out among warm ones
 
 
@@ -45,18 +47,24 @@ class Window:
             and self.column + self.columns >= other.column + other.columns
         )
 
-    def padded(self) -> Window:
-        """Grown to sizes whose transforms are quick, the slack on all sides alike."""
-        try:
-            rows, columns = window_size(self.rows), window_size(self.columns)
-        except ValueError as error:
-            raise ContactError(f"{error}; take a larger spacing") from error
-        return Window(self.row - (rows - self.rows) // 2, self.column - (columns - self.columns) // 2, rows, columns)
+    def bordered(self) -> Window:
+        """With one more node on every side, open in any contact that this window cannot cut off."""
+        return Window(self.row - 1, self.column - 1, self.rows + 2, self.columns + 2)
 
     def moved(self, values: Array, target: Window) -> Array:
         """Values (rows, columns) of this window as they stand in the target window; zero where this one does not reach."""
         out = np.empty((target.rows, target.columns))
         _march.copy_block(values, out, self.row - target.row, self.column - target.column)
+        return out
+
+    def change(self, values: Array, later: Array, target: Window) -> Array:
+        """Later values, given on the target window, minus those of this one; zero where this one does not reach."""
+        out = np.zeros((target.rows, target.columns))
+        row, column = self.row - target.row, self.column - target.column
+        a, b = slice(max(row, 0), max(row + self.rows, 0)), slice(max(column, 0), max(column + self.columns, 0))
+        inner = out[a, b]
+        i, j = max(-row, 0), max(-column, 0)
+        inner[:] = later[a, b] - values[i : i + inner.shape[0], j : j + inner.shape[1]]
         return out
 
 
@@ -73,6 +81,7 @@ class RollingContact:
     step: float
     start: float
     tolerance: float
+    single: bool = True  # iterate on deflections of single precision (contact.solve)
 
     @cached_property
     def row_highest(self) -> Array:
@@ -132,14 +141,13 @@ def march(track: RollingContact, first: int, last: int, half_space: HalfSpace) -
     """
     _refuse_the_impossible(track)
     state: ContactState | None = None
-    change = np.inf
+    before: ContactState | None = None
     for k in range(first, last + 1):
         try:
-            following = _start(track, k, half_space) if state is None else _follow(track, k, half_space, state, change)
+            following = _start(track, k, half_space) if state is None else _follow(track, k, half_space, state, before)
         except ContactError as error:
             raise ContactError(f"step {k} (sphere at {track.position(k) * 1e3:.4f} mm): {error}") from error
-        change = abs(following.approach - state.approach) if state else np.inf
-        state = following
+        state, before = following, state
         yield state
 
 
@@ -149,53 +157,80 @@ def _start(track: RollingContact, k: int, half_space: HalfSpace) -> ContactState
     stiffness = 4 * track.contact_modulus / (np.pi * hertz)
     nodes = int(np.ceil(max(hertz, np.sqrt(track.load / (np.pi * track.hardness))) * 1.5 / track.spacing)) + 2
     centre, middle = round(track.position(k) / track.spacing), round(track.mid_width / track.spacing)
-    window = Window(centre - nodes, middle - nodes, 2 * nodes + 1, 2 * nodes + 1)
-    blocks = [window]
-    overlap = track.overlap(k, hertz**2 / track.radius)
-    if overlap is not None:
-        blocks.append(overlap)
-    window = _span(blocks).padded()
-    pressure = contact.foundation(track.gap(k, window), track.load, track.spacing, stiffness, track.hardness)
-    return _solve(track, k, half_space, window, pressure, COLD_TIGHTENING * track.tolerance)
+    approach = hertz**2 / track.radius
+    window = _room(
+        [Window(centre - nodes, middle - nodes, 2 * nodes + 1, 2 * nodes + 1), *_overlaps(track, k, approach)]
+    )
+    gap = track.gap(k, window)
+    pressure = contact.foundation(gap, track.load, track.spacing, stiffness, track.hardness)
+    return _solve(track, k, half_space, window, gap, pressure, None, COLD_TIGHTENING * track.tolerance, -np.inf)
 
 
-def _follow(track: RollingContact, k: int, half_space: HalfSpace, state: ContactState, change: float) -> ContactState:
+def _follow(
+    track: RollingContact, k: int, half_space: HalfSpace, state: ContactState, before: ContactState | None
+) -> ContactState:
     """The next position, from pressures that stayed with the plate, on a window of all that was loaded and all that can be.
 
     On a smooth plate pressures move with the sphere instead: the start is the mixture of both of least energy. Both deflections
     are known, so finding it takes no convolution.
     """
-    margin = min(4 * change, 0.1 * float(state.deflection.max()))
-    overlap = track.overlap(k, state.approach + margin)
-    window = _span([state.loaded] if overlap is None else [state.loaded, overlap]).padded()
+    change = abs(state.approach - before.approach) if before else np.inf
+    approach = state.approach + min(4 * change, 0.1 * float(state.deflection.max()))
+    needed = _span([state.loaded, *_overlaps(track, k, approach)])
+    ahead = _overlaps(track, k + 1, approach) if track.step <= LOOK_AHEAD * track.spacing else []
+    window = _room([needed, *ahead])
+    gap = track.gap(k, window)
     start = state.window.moved(state.pressure, window)
+    known = state.window.covers(needed)
     nodes = round(track.step / track.spacing)
     if nodes * track.spacing == track.step:
-        ahead = replace(state.window, row=state.window.row + nodes)
-        towards = ahead.moved(state.pressure, window) - start
-        stayed = state.window.moved(state.deflection, window)
-        slope = np.vdot(track.gap(k, window) + stayed, towards)
-        curvature = np.vdot(towards, ahead.moved(state.deflection, window) - stayed)
-        if slope < 0 < curvature and window.covers(replace(state.loaded, row=state.loaded.row + nodes)):
-            start += min(float(-slope / curvature), 1.0) * towards
+        offset = (state.window.row - window.row, state.window.column - window.column)
+        slope, curvature = _march.towards_the_sphere(state.pressure, state.deflection, gap, *offset, nodes)
+        share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0
+        moved_on = replace(state.window, row=state.window.row + nodes)
+        if share > LEAST_SHARE and window.covers(replace(state.loaded, row=state.loaded.row + nodes)):
+            start += share * (moved_on.moved(state.pressure, window) - start)
             np.clip(start, 0.0, track.hardness, out=start)
-    return _solve(track, k, half_space, window, start, track.tolerance)
+            known = False
+    deflection = state.window.moved(state.deflection, window) if known else half_space.deflection(start)
+    trend = None
+    if before is not None and known:
+        trend = (start - before.window.moved(before.pressure, window), before.window.change(before.deflection, deflection, window))
+    return _solve(track, k, half_space, window, gap, start, deflection, track.tolerance, approach, trend)
+
+
+def _overlaps(track: RollingContact, k: int, approach: float) -> list[Window]:
+    overlap = track.overlap(k, approach)
+    return [] if overlap is None else [overlap]
 
 
 def _solve(
-    track: RollingContact, k: int, half_space: HalfSpace, window: Window, pressure: Array, tolerance: float
+    track: RollingContact,
+    k: int,
+    half_space: HalfSpace,
+    window: Window,
+    gap: Array,
+    pressure: Array,
+    deflection: Array | None,
+    tolerance: float,
+    approach: float,
+    trend: tuple[Array, Array] | None = None,
 ) -> ContactState:
-    """Solve on the window; where the overlap of the answer reaches outside, again on a larger one."""
-    iterations = convolutions = 0
+    """Solve on the window, which holds the overlap up to `approach`; where the overlap of the answer is larger, on that."""
+    iterations, convolutions = 0, half_space.count
     while True:
-        solved = contact.solve(half_space, track.gap(k, window), track.load, pressure, tolerance, track.hardness)
+        solved = contact.solve(
+            half_space, gap, track.load, pressure, tolerance, track.hardness, deflection, trend, track.single
+        )
         iterations += solved.iterations
-        convolutions += solved.convolutions
+        if solved.approach <= approach:
+            break
         overlap = track.overlap(k, solved.approach)
         if overlap is None or window.covers(overlap):
             break
-        larger = _span([window, overlap]).padded()
+        larger = _room([window, overlap])
         pressure, window = window.moved(solved.pressure, larger), larger
+        gap, deflection, trend = track.gap(k, window), half_space.deflection(pressure), None
 
     count, capped, greatest, work, *block = _march.loaded(solved.pressure, solved.deflection, track.hardness)
     cell = track.spacing**2
@@ -214,8 +249,19 @@ def _solve(
         stored_energy=0.5 * float(work) * cell,
         residual=solved.residual,
         iterations=iterations,
-        convolutions=convolutions,
+        convolutions=half_space.count - convolutions,
     )
+
+
+def _room(windows: list[Window]) -> Window:
+    """The window to solve on, over what it must hold."""
+    window = _span(windows).bordered()
+    if max(window.rows, window.columns) > MOST_NODES:
+        raise ContactError(
+            f"the contact needs a window of {window.rows} by {window.columns} nodes, more than the {MOST_NODES} there is room"
+            " for; take a larger spacing"
+        )
+    return window
 
 
 def _span(windows: list[Window]) -> Window:

@@ -7,7 +7,7 @@ import pytest
 from conftest import STEEL
 
 from rolling import reference
-from rolling.half_space import HalfSpace, love, window_size
+from rolling.half_space import HalfSpace, love, padded_length
 
 SPACING = 2e-6
 
@@ -52,7 +52,8 @@ def test_a_window_size_used_before_leaves_nothing_behind() -> None:
     space = HalfSpace(SPACING, STEEL)
     small = np.random.default_rng(3).random((13, 29)) * 1e9
     before = space.deflection(small)
-    space.deflection(np.full((window_size(13), window_size(29)), 1e12))
+    space.deflection(np.full((17, 33), 1e12))  # padded alike
+    assert padded_length(16) == padded_length(12) or padded_length(32) == padded_length(28)
     assert np.array_equal(space.deflection(small), before)
 
 
@@ -74,12 +75,37 @@ def test_deflection_is_linear_and_symmetric() -> None:
     assert np.vdot(p1, u2) == pytest.approx(np.vdot(p2, u1), rel=3e-15)
 
 
-@pytest.mark.parametrize("count", [1, 8, 9, 127, 1000, 8192])
-def test_window_size_reaches_over_the_nodes_at_little_waste(count: int) -> None:
-    size = window_size(count)
-    assert count <= size <= max(8, 1.34 * count)
+@pytest.mark.parametrize("reach", [1, 8, 9, 127, 1000, 8192])
+def test_padding_keeps_nodes_apart_at_little_waste(reach: int) -> None:
+    length = padded_length(reach)
+    assert 2 * reach <= length <= max(16, 1.34 * 2 * reach)
 
 
 def test_a_window_beyond_all_room_is_refused_with_its_size() -> None:
-    with pytest.raises(ValueError, match=r"8193 nodes.*8192"):
-        window_size(8193)
+    with pytest.raises(ValueError, match=r"8194 nodes.*8192"):
+        padded_length(8193)
+
+
+@pytest.mark.parametrize(("rows", "columns"), [((0, 4), (20, 33)), ((13, 29), (0, 3)), ((29, 29), (7, 7))])
+def test_padding_follows_the_loaded_block(rows: tuple[int, int], columns: tuple[int, int]) -> None:
+    """A small loaded block anywhere in a window: the same deflection everywhere as with padding for a full window."""
+    pressure = np.zeros((30, 34))
+    block = np.s_[rows[0] : rows[1] + 1, columns[0] : columns[1] + 1]
+    pressure[block] = np.random.default_rng(6).random(pressure[block].shape) * 1e9
+    alone = HalfSpace(SPACING, STEEL).deflection(pressure)
+    corners = np.zeros_like(pressure)
+    corners[0, 0] = corners[-1, -1] = 1e9
+    space = HalfSpace(SPACING, STEEL)
+    assert np.abs(space.deflection(pressure + corners) - space.deflection(corners) - alone).max() < 2e-14 * alone.max()
+
+
+def test_single_precision_is_told_from_double_by_1e_7() -> None:
+    rng = np.random.default_rng(7)
+    space = HalfSpace(SPACING, STEEL)
+    pressure = rng.random((40, 30)) * 1e9
+    single = space.convolution(39, 29, single=True)
+    single.clear(40)
+    single.real[:40, :30] = pressure * space.unit
+    single.apply(40)
+    error = np.abs(single.real[:40, :30] - space.deflection(pressure)).max() / space.deflection(pressure).max()
+    assert 1e-9 < error < 1e-6
