@@ -13,13 +13,19 @@ from numba import njit
 
 
 @njit(cache=True)
+def find_approach(inside, gap_sum, lowest_open, highest_capped):
+    """Approach [m] that closes the gaps between the bounds in the mean; with none there it is free over an interval: its middle."""
+    if inside:
+        return gap_sum / inside
+    middle = 0.5 * (lowest_open + highest_capped)
+    # Every node is capped, or open ones are not among those looked at.
+    return middle if np.isfinite(middle) else highest_capped
+
+
+@njit(cache=True)
 def violation(p, e, u, cap):
     """Approach [m], largest violation of the contact conditions [m] and largest deflection [m] of flat arrays."""
-    inside = 0
-    gap_sum = 0.0
-    lowest_open = np.inf
-    highest_capped = -np.inf
-    u_max = 0.0
+    inside, gap_sum, lowest_open, highest_capped, u_max = 0, 0.0, np.inf, -np.inf, 0.0
     for k in range(p.size):
         g = e[k] + u[k]
         u_max = max(u_max, u[k])
@@ -30,10 +36,7 @@ def violation(p, e, u, cap):
         else:
             gap_sum += g
             inside += 1
-    # With nothing between the bounds the approach is free over an interval: its middle.
-    approach = gap_sum / inside if inside else 0.5 * (lowest_open + highest_capped)
-    if not np.isfinite(approach):  # every node is capped, or open nodes are not among those looked at
-        approach = highest_capped
+    approach = find_approach(inside, gap_sum, lowest_open, highest_capped)
     worst = 0.0
     for k in range(p.size):
         g = e[k] + u[k] - approach
@@ -77,7 +80,9 @@ def places(node, columns, first_row, first_column, padded, bordered, in_padded, 
 
 
 @njit(cache=True)
-def advance(p, u, e, dp, deflection, in_padded, slope, greatest, cap, reach, snap, residual, grid, in_bordered, active):
+def advance(
+    p, u, e, dp, deflection, in_padded, slope, greatest, cap, reach, snap, residual, grid, in_bordered, active
+):  # fmt: skip
     """Go along dp as far as the energy falls and the bounds allow, then find approach, violations and who may move.
 
     `deflection` is that of dp, in the array of the transforms; `slope` of the energy along dp, 0 for no step at all.
@@ -88,20 +93,34 @@ def advance(p, u, e, dp, deflection, in_padded, slope, greatest, cap, reach, sna
 
     Returns best step length, approach [m], largest violation [m], largest deflection [m], number of free and of bound nodes.
     """
-    best = 0.0
+    best = 1.0
+    t = 0.0
     if slope < 0.0:
         curvature = 0.0
         for k in range(p.size):
             if dp[k] != 0.0:
                 curvature += dp[k] * deflection[in_padded[k]]
         best = -slope / curvature if curvature > 0.0 else 1.0
-        t = min(best, greatest)
-        for k in range(p.size):
-            p[k] = max(p[k] + t * dp[k], 0.0)
-            if p[k] >= cap * (1.0 - 4e-16):  # a whole step to the cap may miss it by rounding
-                p[k] = cap
+        # A long step multiplies the rounding of the load.
+        t = min(best, greatest, 100.0)
+    inside, gap_sum, lowest_open, highest_capped, u_max = 0, 0.0, np.inf, -np.inf, 0.0
+    for k in range(p.size):
+        if t > 0.0:
             u[k] += t * deflection[in_padded[k]]
-    approach, _, u_max = violation(p, e, u, cap)
+            if dp[k] != 0.0:
+                p[k] = max(p[k] + t * dp[k], 0.0)
+                if p[k] >= cap * (1.0 - 4e-16):  # a whole step to the cap may miss it by rounding
+                    p[k] = cap
+        g = e[k] + u[k]
+        u_max = max(u_max, u[k])
+        if p[k] <= 0.0:
+            lowest_open = min(lowest_open, g)
+        elif p[k] >= cap:
+            highest_capped = max(highest_capped, g)
+        else:
+            gap_sum += g
+            inside += 1
+    approach = find_approach(inside, gap_sum, lowest_open, highest_capped)
     worst = 0.0
     n_free = 0
     n_bound = 0
@@ -135,10 +154,10 @@ def advance(p, u, e, dp, deflection, in_padded, slope, greatest, cap, reach, sna
 @njit(cache=True)
 def aim(
     p, u, e, approach, residual, previous, grid, in_bordered, bordered, stencil, zr_before, length, cap, reach, active,
-    n_free, n_bound, total, z, direction, dp, scale, in_padded, transformed,
+    n_free, n_bound, total, plainly, z, direction, dp, scale, in_padded, transformed,
 ):  # fmt: skip
     """The next feasible step dp: preconditioned conjugate gradient (Polak-Ribiere), projected; or, where that does not descend,
-    the gradient alone, or the plain gradient of all nodes. Leaves scale * dp in the array of the transforms.
+    the gradient alone, or (at once if `plainly`) the plain gradient of all nodes. Leaves scale * dp in the array of the transforms.
 
     `previous` is the residual of the iteration before, dp the step it took, `length` the factor that step should have had.
 
@@ -172,7 +191,7 @@ def aim(
         for a in range(n_free):
             direction[active[a]] = -z[active[a]]
         slope, greatest = project(p, e, approach, u, direction, length, cap, active, n_free, n_bound, total, dp)
-    if not slope < 0.0:
+    if plainly or not slope < 0.0:
         # The plain projected gradient, of all nodes, always descends, short of a solution.
         plain = 1
         length = 1.0
@@ -213,6 +232,27 @@ def step_by_way_of(q, p, u, e, approach, cap, dp, scale, in_padded, transformed)
         elif dp[k] > 0.0:
             greatest = min(greatest, (cap - p[k]) / dp[k])
     return slope, max(greatest, 1.0)
+
+
+@njit(cache=True)
+def settle_load(p, e, u, cap, total):
+    """Give what is missing of the load to the lowest open nodes, or take what is too much from the highest capped ones."""
+    missing = total
+    for k in range(p.size):
+        missing -= p[k]
+    for _ in range(p.size):
+        if abs(missing) <= 1e-16 * total:
+            return
+        best = -1
+        for k in range(p.size):
+            may = p[k] < cap if missing > 0.0 else p[k] > 0.0
+            if may and (best < 0 or (e[k] + u[k] < e[best] + u[best]) == (missing > 0.0)):
+                best = k
+        if best < 0:
+            return
+        change = min(max(p[best] + missing, 0.0), cap) - p[best]
+        p[best] += change
+        missing -= change
 
 
 @njit(cache=True)
@@ -294,7 +334,11 @@ def project(p, e, approach, u, direction, length, cap, active, n_free, n_bound, 
             error -= v
             if 0.0 < v < cap:
                 moving += 1
-        if moving == 0 or abs(error) <= 1e-15 * total:
+        if abs(error) <= 1e-15 * total:
+            break
+        if moving == 0:  # a direction so long that it rounds the load away
+            if abs(error) > 1e-13 * total:
+                return np.inf, 0.0
             break
         for a in range(n_free):
             k = active[a]

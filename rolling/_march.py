@@ -36,14 +36,16 @@ def overlap_block(heights, row_highest, spacing, radius, x, y, approach):
     if reach2 <= 0.0:
         return first_row, last_row, first_column, last_column
     reach = np.sqrt(reach2)
-    low = int(np.ceil(max(x - reach, x - along * spacing) / spacing))
-    high = int(np.floor(min(x + reach, x + along * spacing) / spacing))
+    # Half a node more than a period, so that rounding does not hide the image of a node right below the sphere.
+    reach = min(reach, (along + 0.5) * spacing)
+    low = int(np.ceil((x - reach) / spacing))
+    high = int(np.floor((x + reach) / spacing))
     for i in range(low, high + 1):
         dx = i * spacing - x
         width2 = 2 * radius * (approach + row_highest[i % along]) - dx * dx
         if width2 <= 0.0:
             continue
-        width = min(np.sqrt(width2), across * spacing)
+        width = min(np.sqrt(width2), (across + 0.5) * spacing)
         left = int(np.ceil((y - width) / spacing))
         right = int(np.floor((y + width) / spacing))
         z = heights[i % along]

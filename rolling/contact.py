@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 MAX_ITERATIONS = 1000
 NEAR = 0.03  # candidates for contact have a gap below this share of the largest deflection
 AIM = 0.98  # of the tolerance: what is left is for the difference between the deflection carried along and one computed afresh
+LEAST_STEP = 1e-3  # a step this much shorter than it was meant to be: nodes being put on a bound point the wrong way
 SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the largest deflection, serves no tighter one
 
 
@@ -181,8 +182,7 @@ def _iterate(
     grid = np.zeros((rows + 2) * bordered)
     dp, z, direction, active = np.zeros(size), np.empty(size), np.empty(size), np.empty(size, np.int64)
     residual, previous = np.zeros(size), np.zeros(size)
-    slope = greatest = zr = 0.0
-    length = 1.0
+    slope, greatest, zr, length = 0.0, 0.0, 0.0, 1.0
     snap = 0.01 * tolerance * float(u.max()) * reach / size if tried.snapping else 0.0
     tried.rounds += 1
 
@@ -198,7 +198,7 @@ def _iterate(
             transforms.clear(rows)
             slope, *_ = _contact.aim(
                 q, v, e, approach, residual, previous, grid, in_bordered, bordered, stencil, 0.0, 1.0, cap, reach, active,
-                n_free, n_bound, total, z, direction, dp, half_space.unit, in_padded, transformed,
+                n_free, n_bound, total, False, z, direction, dp, half_space.unit, in_padded, transformed,
             )  # fmt: skip
             if slope < 0:
                 approach, _, _ = _contact.violation(p, e, u, cap)
@@ -220,11 +220,11 @@ def _iterate(
         if not worst > AIM * tolerance * u_max or tried.iterations >= max_iterations:
             break
         snap = 0.01 * tolerance * u_max * reach / max(n_bound, 1) if tried.snapping else 0.0
-        length *= min(max(best, 0.5), 2.0) if best > 0 else 1.0
+        length *= min(max(best, 0.5), 2.0)
         transforms.clear(rows)
         slope, greatest, zr, length, restarts, plain = _contact.aim(
             p, u, e, approach, residual, previous, grid, in_bordered, bordered, stencil, zr, length, cap, reach, active,
-            n_free, n_bound, total, z, direction, dp, half_space.unit, in_padded, transformed,
+            n_free, n_bound, total, best < LEAST_STEP, z, direction, dp, half_space.unit, in_padded, transformed,
         )  # fmt: skip
         tried.restarts += restarts
         tried.plain_steps += plain
@@ -243,8 +243,7 @@ def _iterate(
             p += dp
         elif abs(p.sum() / total - 1) > 1e-13:
             tried.snapping = False
-            _contact.descend_plainly(p, e, approach, u, direction, cap, reach, active, total, dp)
-            p += dp
+            _contact.settle_load(p, e, u, cap, total)
     elif not slope < 0 and tried.iterations:
         # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
         tried.stuck += 1

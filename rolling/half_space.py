@@ -6,17 +6,20 @@ from functools import lru_cache
 
 import numpy as np
 import pyfftw
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Padded lengths that are quick for their size, by a trial of all products of 2, 3, 5 and 7: those between cost more than the next.
-_LENGTHS = (16, 20, 24, 32, 40, 48, 64, 80, 100, 128, 160, 192, 240, 256, 320, 384, 400, 512, 640, 768, 800, 1024, 1280, 1536)
-_LENGTHS += (2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
-MOST_NODES = _LENGTHS[-1] // 2  # across a window
+# Padded lengths that are quick for their size, by a trial of the products of 2, 3, 5 and 7: those between cost more than the next.
+_SHORT = (16, 20, 24, 32, 40, 48, 64, 80, 100, 128)
+_LONG = (512, 640, 768, 800, 1024, 1280, 1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
+_SINGLE_LENGTHS = (*_SHORT, 144, 160, 192, 240, 256, 320, 384, 400, *_LONG)
+_DOUBLE_LENGTHS = (*_SHORT, 160, 200, 256, 320, 384, 400, *_LONG)
+MOST_NODES = _LONG[-1] // 2  # across a window
 
 
-def padded_length(reach: int) -> int:
+def padded_length(reach: int, single: bool = False) -> int:
     """Smallest quick length whose transform keeps nodes apart that are up to `reach` spacings from one another.
 
     The coefficients are even, so a distance of just half the length is still right.
@@ -25,7 +28,7 @@ def padded_length(reach: int) -> int:
     ------
     ValueError : more than there is room for.
     """
-    for length in _LENGTHS:
+    for length in _SINGLE_LENGTHS if single else _DOUBLE_LENGTHS:
         if length >= 2 * reach:
             return length
     raise ValueError(f"a window of {reach + 1} nodes is more than the {MOST_NODES} there is room for")
@@ -81,7 +84,7 @@ class HalfSpace:
         Padded only for what lies between a loaded node and the farthest node of the window.
         """
         m, n = pressure.shape
-        convolution = self.convolution(_reach(pressure.any(axis=1)), _reach(pressure.any(axis=0)))
+        convolution = self.convolution(*_reach(pressure))
         convolution.clear(m)
         convolution.real[:m, :n] = pressure
         convolution.apply(m)
@@ -90,17 +93,28 @@ class HalfSpace:
 
     def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
         """The transforms for nodes at most so many rows and columns apart. Who applies them adds to `count`."""
-        key = (padded_length(row_reach), padded_length(column_reach), single)
+        key = (padded_length(row_reach, single), padded_length(column_reach, single), single)
         if key not in self._convolutions:
             self._convolutions[key] = Convolution(*key)
         return self._convolutions[key]
 
 
-def _reach(loaded: NDArray[np.bool_]) -> int:
-    """Greatest distance between a loaded line and any of a window, and never less than half the window, which must fit."""
-    at = np.flatnonzero(loaded)
-    lines = loaded.size
-    return max(int(at[-1]), lines - 1 - int(at[0]), (lines + 1) // 2) if at.size else lines
+@njit(cache=True)
+def _reach(pressure):
+    """Greatest distance of any row from a loaded one, and never less than half the window, which must fit; so for columns."""
+    rows, columns = pressure.shape
+    first_row, last_row, first_column, last_column = rows, 0, columns, 0
+    for i in range(rows):
+        for j in range(columns):
+            if pressure[i, j] != 0.0:
+                first_row = min(first_row, i)
+                last_row = i
+                first_column = min(first_column, j)
+                last_column = max(last_column, j)
+    return (
+        max(last_row, rows - 1 - first_row, (rows + 1) // 2),
+        max(last_column, columns - 1 - first_column, (columns + 1) // 2),
+    )
 
 
 class Convolution:
