@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -110,7 +112,7 @@ def _odd_surface(rng: np.random.Generator, shape: tuple[int, int], size: float, 
     feature = str(rng.choice(["quantised", "checkerboard", "ridge", "stairs", "towers", "noise", "sawtooth"]))
     i, j = np.indices(shape)
     noise = np.random.default_rng(seed).standard_normal(shape)
-    steps: Array
+    steps: NDArray[Any]
     if feature == "quantised":  # plateaus: many gaps differ by whole steps
         steps = np.round(noise * rng.choice([0.4, 1, 3]))
     elif feature == "checkerboard":
