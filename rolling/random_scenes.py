@@ -127,7 +127,7 @@ def _odd_surface(rng: np.random.Generator, shape: tuple[int, int], size: float, 
         steps = (i + 2 * j) % rng.integers(3, 12)
     else:
         steps = noise
-    return feature, size * steps
+    return feature, np.asarray(size * steps, dtype=np.float64)
 
 
 GENERATORS = {"random": random_scene, "odd": odd_scene}
