@@ -1,6 +1,6 @@
 """Scenes that break contact solvers: each must solve within its iteration budget and hold the contact conditions, or be refused.
 
-What any case must hold is in rolling.hard_cases and checked by its judge; here it is asked for, with what single cases know besides.
+What any case must hold is in rolling.hard_cases and checked by its judge; here it is asked for, with what single cases know.
 """
 
 from __future__ import annotations
