@@ -23,7 +23,7 @@ from rolling.contact import ContactError
 from rolling.half_space import HalfSpace
 from rolling.hard_scenes import CAPACITY, CASES, ROOM, SOLVED, WIDTH, HardCase
 from rolling.march import ContactState, RollingContact, march
-from rolling.random_scenes import random_case
+from rolling.random_scenes import found_cases, random_case
 from rolling.recovery import step_energy
 
 TIME_LIMIT = 60.0  # [s] of solving per scene: a hundred times what the slowest needs; the long march is given more
@@ -206,7 +206,7 @@ def report(
 
 
 def _order(group: str, feature: str, plate: str) -> tuple[int, str, str]:
-    return ("named", "random", "odd").index(group), feature, plate
+    return ("named", "found", "random", "odd").index(group), feature, plate
 
 
 def _judged(tasks: list[Task], workers: int) -> Iterable[Outcome]:
@@ -272,7 +272,7 @@ def main_report(out: Path | None, random: int, workers: int = 1, long: bool = Fa
 
     from rolling import store
 
-    cases = [*CASES, hard_scenes.LONG] if long else CASES
+    cases = [*CASES, *found_cases(), *([hard_scenes.LONG] if long else [])]
     odd = random // 4
     with tqdm(total=len(cases) + random + odd, unit="scene", file=sys.stderr, disable=None) as bar:
         data = report(cases, random, odd, workers, bar.update)

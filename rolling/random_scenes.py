@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,18 @@ Array = NDArray[np.float64]
 
 # Seeds of random_scene that an earlier solver failed on.
 FAILED_ONCE = (8, 115, 136, 214, 232, 677, 715, 723, 805, 1290, 1548)
+# Seeds that a solver failed on in a search of 59,000 odd scenes and 19,000 random ones; a report always holds them.
+FOUND = {
+    "random": (10102,),
+    "odd": (
+        # one capped node and 1e-12 of the load beside it
+        *(1983, 2402, 5644, 8163, 8589, 15056, 21833, 29761, 32776, 37577, 45308, 52843, 58026),
+        # load is lost on the way and hardly comes back, or late
+        *(3061, 6521, 13108, 18715, 20420, 25259, 26125, 35679, 46530, 54189, 6973, 24157, 34974, 35714, 49962),
+        17370,  # steps shrink to nothing
+        19687,  # contact exactly one period away is overlooked
+    ),
+}
 BUDGET = 150
 
 
@@ -144,16 +157,25 @@ def _odd_surface(rng: np.random.Generator, shape: tuple[int, int], size: float, 
 GENERATORS = {"random": random_scene, "odd": odd_scene}
 
 
-def random_case(group: str, seed: int) -> HardCase:
-    """The scene of a seed as a case: to be solved, or refused for load or width. `group` is a key of GENERATORS."""
-    track, feature = GENERATORS[group](seed)
-    why = "load over 10 decades, hardness over 6" if group == "random" else "ties, equal gaps, long thin plates"
+def random_case(generator: str, seed: int, group: str = "") -> HardCase:
+    """The scene of a seed as a case: to be solved, or refused for load or width. `generator` is a key of GENERATORS."""
+    _, feature = GENERATORS[generator](seed)
+    why = "load over 10 decades, hardness over 6" if generator == "random" else "ties, equal gaps, long thin plates"
     return HardCase(
-        f"{group} {seed}",
+        f"{generator} {seed}",
         why,
-        lambda: track,
+        partial(_track, generator, seed),
         BUDGET,
         right=(SOLVED, CAPACITY, WIDTH),
-        group=group,
+        group=group or generator,
         feature=feature,
     )
+
+
+def _track(generator: str, seed: int) -> RollingContact:
+    return GENERATORS[generator](seed)[0]
+
+
+def found_cases() -> list[HardCase]:
+    """What searches of far more scenes than a report holds have met: always in the report, whatever its number of scenes."""
+    return [random_case(generator, seed, "found") for generator, seeds in FOUND.items() for seed in seeds]
