@@ -12,7 +12,6 @@ import os
 import platform
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
@@ -21,37 +20,47 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-PINS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-os.environ.update(PINS)  # read when numpy is imported: every solver here has one thread
+# Read when numpy is imported, here and in the peers' interpreters: every solver has one thread.
+if __name__ == "__main__":
+    pinned = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+    os.environ.update(dict.fromkeys(pinned, "1"))
 
 import numpy as np
+from against_peers import loosest, ours, quickest, theirs
+from whole_run import scene_20_n
 
-HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE / "peers"))
-import sequences
-from sequences import SEQUENCES, SPACING, N
-
-from rolling import scene_file
 from rolling.half_space import HalfSpace
 from rolling.march import ContactState, RollingContact, Window, march
 from rolling.recovery import step_energy
-from rolling.scenario import Scene, expand
-from rolling.simulate import STATE_SERIES, STEP_SERIES, Piece, heights, pieces, rolling_contact, simulate
+from rolling.simulate import STATE_SERIES, STEP_SERIES, rolling_contact
 
-Array = np.ndarray
-QUICKSTART = HERE.parent.parent / "scenarios" / "quickstart.yaml"
+HERE = Path(__file__).parent
 REFERENCE_TOLERANCE = 1e-8
-TOLERANCES = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7)
-PEERS = {  # sequence: peer, its tolerance, gap error [m] we must keep (None: what the peer reaches), least ratio, aim
-    "A": ("aspher", 1e-6, 7e-12, 15.0, 40.0),
-    "B": ("slippy", 1e-5, 5e-12, 60.0, 150.0),
-    "C": ("slippy", 1e-5, None, 10.0, 30.0),
-}
+STEPS_PER_SECOND = 50_000  # of sound: 0.1 m/s over steps of 2 um
+
+
+@dataclass(frozen=True)
+class Rival:
+    """What a peer sets us on a sequence; gap_error [m] is the most we may have (None: as much as the peer has in this run)."""
+
+    sequence: str
+    peer: str
+    tolerance: float
+    gap_error: float | None
+    target: float
+    aim: float
+
+
+RIVALS = (
+    Rival("A", "aspher", 1e-6, 7e-12, 15, 40),
+    Rival("B", "slippy", 1e-5, 5e-12, 60, 150),
+    Rival("C", "slippy", 1e-5, None, 10, 30),
+)
 
 
 @dataclass
 class Row:
-    """One measured target: `met` is None where there is no target or nothing was run; numbers go to the JSON only."""
+    """One line of the table; `met` is None where there is no target or nothing was run; numbers go to the JSON only."""
 
     measure: str
     value: str
@@ -63,31 +72,26 @@ class Row:
     numbers: dict[str, Any] = field(default_factory=dict)
 
 
-# ---- the scene -------------------------------------------------------------------------------------------------------
-
-
-def scene_20_n(*overrides: str) -> Scene:
-    """The quickstart's run under 20 N."""
-    runs = expand(scene_file.load(QUICKSTART, overrides))
-    return next(scene for values, scene in runs if values["rolling.load_n"] == 20)
+# ---- one step --------------------------------------------------------------------------------------------------------
 
 
 def clocked(half_space: HalfSpace) -> HalfSpace:
-    """The same half-space, adding up the CPU time spent in its public methods, all of them convolutions, in `.seconds`."""
+    """The same half-space, adding up in `.seconds` the CPU time within its public methods: all of them are convolutions."""
 
     def timed(method: Callable) -> Callable:
         def call(*args: Any, **kwargs: Any) -> Any:
-            outer, began = half_space.inside, time.process_time()
-            half_space.inside = True
+            outermost, began = not half_space.busy, time.process_time()
+            half_space.busy = True
             try:
                 return method(*args, **kwargs)
             finally:
-                half_space.inside = outer
-                half_space.seconds += 0.0 if outer else time.process_time() - began
+                if outermost:
+                    half_space.busy = False
+                    half_space.seconds += time.process_time() - began
 
         return call
 
-    half_space.seconds, half_space.inside = 0.0, False
+    half_space.seconds, half_space.busy = 0.0, False
     for name in dir(half_space):
         if not name.startswith("_") and callable(getattr(half_space, name)):
             setattr(half_space, name, timed(getattr(half_space, name)))
@@ -96,16 +100,16 @@ def clocked(half_space: HalfSpace) -> HalfSpace:
 
 @dataclass
 class Timed:
-    """A march: its states, the release [J], CPU seconds and those within convolutions, of each step."""
+    """A march: its states, and of each step the release [J], CPU seconds and how many of them went into convolutions."""
 
     states: list[ContactState]
-    release: Array
-    seconds: Array
-    within: Array
+    release: np.ndarray
+    seconds: np.ndarray
+    convolving: np.ndarray
 
 
 def timed_march(track: RollingContact, steps: int) -> Timed:
-    """March and release, as a run does them, step by step; the cold start has no place in seconds."""
+    """March and release as a run does them; the cold start counts for nothing."""
     half_space = clocked(HalfSpace(track.spacing, track.contact_modulus))
     states, release, clock = [], [], []
     for state in march(track, 0, steps, half_space):
@@ -113,222 +117,126 @@ def timed_march(track: RollingContact, steps: int) -> Timed:
             release.append(step_energy(states[-1], state, half_space).release)
         states.append(state)
         clock.append((time.process_time(), half_space.seconds))
-    seconds, within = np.diff(clock, axis=0).T
-    return Timed(states, np.array(release), seconds, within)
+    return Timed(states, np.array(release), *np.diff(clock, axis=0).T)
 
 
 def bare_convolution(window: Window, track: RollingContact, repeats: int = 5, calls: int = 15) -> float:
     """CPU seconds of one convolution of a full random pressure on a window: the best of several medians."""
-    half_space, clock = HalfSpace(track.spacing, track.contact_modulus), time.process_time
+    half_space = HalfSpace(track.spacing, track.contact_modulus)
     pressure = np.random.default_rng(0).uniform(0, 1e9, (window.rows, window.columns))
     deflection = half_space.deflection(pressure)
     medians = []
     for _ in range(repeats):
-        ticks = [clock()]
+        clock = [time.process_time()]
         for _ in range(calls):
             half_space.deflection(pressure, out=deflection)
-            ticks.append(clock())
-        medians.append(np.median(np.diff(ticks)))
+            clock.append(time.process_time())
+        medians.append(np.median(np.diff(clock)))
     return float(min(medians))
 
 
-def means(states: list[ContactState]) -> dict[str, float]:
-    """Iterations and convolutions per step, of warm steps only."""
+def counts(states: list[ContactState]) -> dict[str, float]:
+    """Iterations and convolutions per step, without the cold start."""
     return {name: float(np.mean([getattr(s, name) for s in states[1:]])) for name in ("iterations", "convolutions")}
 
 
 def measure_steps(steps: int) -> list[Row]:
-    """Time per step in bare convolutions, share of time outside them, release-signal error at this tolerance."""
+    """Time per step in bare convolutions, release-signal error at this tolerance, share of time outside the convolutions."""
     track = rolling_contact(scene_20_n())
     timed_march(track, 5)  # compiles
-    run = timed_march(track, steps)
-    windows = {(s.window.rows, s.window.columns): s.window for s in run.states[1:]}
+    march_20_n = timed_march(track, steps)
+    windows = {(s.window.rows, s.window.columns): s.window for s in march_20_n.states[1:]}
     bare = {size: bare_convolution(window, track) for size, window in windows.items()}
-    yardstick = np.array([bare[s.window.rows, s.window.columns] for s in run.states[1:]])
-    ratio = float(np.median(run.seconds / yardstick))
-    outside = 1 - run.within.sum() / run.seconds.sum()
+    yardstick = np.array([bare[s.window.rows, s.window.columns] for s in march_20_n.states[1:]])
+    ratio = float(np.median(march_20_n.seconds / yardstick))
+    outside = float(1 - march_20_n.convolving.sum() / march_20_n.seconds.sum())
     exact = timed_march(replace(track, tolerance=REFERENCE_TOLERANCE), steps).release
-    error = float(20 * np.log10(np.sqrt(np.mean((run.release - exact) ** 2)) / np.std(exact)))
-    step, one = 1e3 * np.median(run.seconds), 1e3 * np.median(yardstick)
-    numbers = {
-        "steps": steps, "tolerance": track.tolerance, "cpu_ms_per_step": step, "cpu_ms_bare_convolution": one,
-        "mean_ratio": run.seconds.sum() / yardstick.sum(), "share_outside": outside, "release_error_db": error,
-        "windows": sorted(windows),
-    }  # fmt: skip
-    scene, per_step = f"20 N, tolerance {track.tolerance:g}, {steps} steps", means(run.states)
+    error = float(20 * np.log10(np.sqrt(np.mean((march_20_n.release - exact) ** 2)) / np.std(exact)))
+    step_ms, bare_ms = 1e3 * np.median(march_20_n.seconds), 1e3 * np.median(yardstick)
+    scene, per_step = f"20 N, tolerance {track.tolerance:g}, {steps} steps", counts(march_20_n.states)
+    detail = f"{scene}; {step_ms:.2f} ms / {bare_ms:.3f} ms"
+    numbers = {"ratio": ratio, "step_cpu_ms": step_ms, "bare_convolution_cpu_ms": bare_ms, "windows": sorted(windows)}
+    numbers["mean_ratio"] = march_20_n.seconds.sum() / yardstick.sum()
+    against = f"{scene}; against tolerance {REFERENCE_TOLERANCE:g}"
     return [
-        Row("time per step / bare convolution", f"{ratio:.1f}", "<= 12", ratio <= 12,
-            f"{scene}; {step:.2f} ms / {one:.3f} ms", **per_step, numbers={"ratio": ratio, **numbers}),
-        Row("release-signal error", f"{error:.1f} dB", "<= -40 dB", error <= -40,
-            f"same march, against tolerance {REFERENCE_TOLERANCE:g}", **per_step, numbers=numbers),
-        Row("share of time outside convolutions", f"{outside:.0%}", "<= 30 %", bool(outside <= 0.3),
-            "same march", **per_step, numbers=numbers),
+        Row("time per step / bare convolution", f"{ratio:.1f}", "<= 12", ratio <= 12, detail, **per_step, numbers=numbers),
+        Row("release-signal error", f"{error:.1f} dB", "<= -40 dB", error <= -40, against, numbers={"db": error}),
+        Row("time outside convolutions", f"{outside:.0%}", "<= 30 %", outside <= 0.3, scene, numbers={"share": outside}),
     ]  # fmt: skip
 
 
 # ---- the peers -------------------------------------------------------------------------------------------------------
 
 
-@dataclass
-class Solved:
-    """A solver over a sequence, without the first position: CPU seconds, gap errors [m], convolutions; last load error."""
-
-    tolerance: float
-    seconds: Array
-    gap_errors: Array
-    convolutions: Array
-    load_error: float
-    iterations: float | None = None
-
-    @classmethod
-    def checked(cls, name: str, tolerance: float, seconds, convolutions, pressures, iterations=None) -> Solved:
-        errors = [sequences.violation(name, k, p) for k, p in enumerate(pressures)]
-        load_error = sequences.load_error(name, pressures[-1])
-        return cls(tolerance, seconds[1:], np.array(errors[1:]), convolutions[1:], load_error, iterations)
-
-    def numbers(self) -> dict[str, Any]:
-        return {
-            "tolerance": self.tolerance, "cpu_ms_per_step": self.ms, "gap_error_m": self.gap_error,
-            "last_gap_error_m": float(self.gap_errors[-1]), "last_load_error": self.load_error,
-            "convolutions_per_step": float(np.mean(self.convolutions)), "iterations_per_step": self.iterations,
-        }  # fmt: skip
-
-    @property
-    def ms(self) -> float:
-        return float(1e3 * np.median(self.seconds))
-
-    @property
-    def gap_error(self) -> float:
-        return float(np.median(self.gap_errors))
-
-
-def sequence_track(name: str, tolerance: float) -> RollingContact:
-    """Our march over a sequence: the same gaps, seen from the plate."""
-    s, start = SEQUENCES[name], N // 2 * SPACING
-    return RollingContact(
-        sequences.heights(name), SPACING, sequences.RADIUS, sequences.CONTACT_MODULUS, s.hardness, s.load, SPACING, start,
-        tolerance,
-    )  # fmt: skip
-
-
-def on_full_grid(state: ContactState) -> Array:
-    """Pressure of a state on the N x N grid of the sequences, which moves with the sphere."""
-    return state.window.moved(state.pressure, Window(state.position, 0, N, N))
-
-
-def ours(name: str, tolerance: float, steps: int) -> Solved:
-    track = sequence_track(name, tolerance)
-    states, clock = [], [time.process_time()]
-    for state in march(track, 0, steps, HalfSpace(track.spacing, track.contact_modulus)):
-        clock.append(time.process_time())
-        states.append(state)
-    counts, pressures = np.array([s.convolutions for s in states]), [on_full_grid(s) for s in states]
-    return Solved.checked(name, tolerance, np.diff(clock), counts, pressures, means(states)["iterations"])
-
-
-def theirs(name: str, peer: str, python: str, tolerance: float, steps: int) -> Solved:
-    """A peer's answers, from its own interpreter."""
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "answers.npz"
-        program = HERE / "peers" / f"{peer}_sequence.py"
-        command = [python, str(program), name, str(tolerance), str(steps), str(out)]
-        subprocess.run(command, check=True, env=_environment(), stdout=sys.stderr)
-        answers = np.load(out)
-        return Solved.checked(name, tolerance, answers["seconds"], answers["convolutions"], answers["pressures"])
-
-
-def _environment() -> dict[str, str]:
-    """This environment without what leads Python to our packages."""
-    return {key: value for key, value in os.environ.items() if key != "PYTHONPATH"} | PINS
-
-
-def measure_sequence(name: str, python: str | None, steps: int) -> Row:
-    """Peer and ours over one sequence; ours at the loosest tolerance whose median gap error is small enough."""
-    peer, peer_tolerance, limit, least, aim = PEERS[name]
-    measure, target = f"sequence {name}: {peer} / ours", f">= {least:g} (aim {aim:g})"
-    other = theirs(name, peer, python, peer_tolerance, steps) if python else None
-    most = limit or (other.gap_error if other else 5e-12)
-    for tolerance in TOLERANCES:
-        own = ours(name, tolerance, steps)
-        if own.gap_error <= most:
-            break
-    own = ours(name, tolerance, steps)  # again: transforms of every window size are there now
-    counts = (own.iterations, float(np.mean(own.convolutions)))
-    numbers = {"steps": steps, "gap_error_limit_m": most, "ours": own.numbers()}
-    detail = f"ours {own.ms:.1f} ms at {own.tolerance:g}, gap error {own.gap_error:.1e} m (limit {most:.1e})"
+def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) -> Row:
+    """Peer and ours over one sequence, ours at the loosest tolerance whose median gap error is small enough."""
+    name, peer = rival.sequence, rival.peer
+    other = None
+    if python:
+        other = quickest(theirs(name, peer, python, rival.tolerance, steps) for _ in range(repeats))
+    most = rival.gap_error or (other.gap_error if other else 5e-12)
+    tolerance = loosest(name, most, steps)
+    own = quickest(ours(name, tolerance, steps) for _ in range(repeats + 1))  # one more, to plan its transforms
+    detail = f"ours {own.ms:.1f} ms at tolerance {tolerance:g}, gap error {own.gap_error:.1e} m (limit {most:.1e} m)"
+    row = Row(f"sequence {name}: {peer} / ours", "", f">= {rival.target:g} (aim {rival.aim:g})", None, detail)
+    row.iterations, row.convolutions = own.iterations, own.convolutions
+    row.numbers = {"steps": steps, "gap_error_limit_m": most, "ours": asdict(own)}
     if other is None:
-        return Row(measure, f"not run: give --{peer} PYTHON", target, None, detail, *counts, numbers)
+        row.value = f"not run: give --{peer} PYTHON"
+        return row
     ratio = other.ms / own.ms
-    met = ratio >= least and own.gap_error <= most
-    detail += f"; {peer} {other.ms:.0f} ms at {peer_tolerance:g}, {other.gap_error:.1e} m,"
-    detail += f" {np.mean(other.convolutions):.1f} convolutions"
-    numbers |= {"ratio": ratio, peer: other.numbers()}
-    return Row(measure, f"{ratio:.1f}", target, met, detail, *counts, numbers)
+    row.value, row.met = f"{ratio:.1f}", ratio >= rival.target and own.gap_error <= most
+    row.detail += f"; {peer} {other.ms:.0f} ms at {other.tolerance:g}, gap error {other.gap_error:.1e} m"
+    row.detail += f", {other.convolutions:.1f} convolutions"
+    row.numbers |= {"ratio": ratio, peer: asdict(other)}
+    return row
 
 
-# ---- whole runs, each in a fresh process -----------------------------------------------------------------------------
+# ---- whole runs ------------------------------------------------------------------------------------------------------
 
 
-def peak_memory(reset: bool = False) -> int:
-    """Peak resident bytes of this process; getrusage's would include the parent's before the program was loaded."""
-    if reset:
-        Path("/proc/self/clear_refs").write_text("5")
-    status = Path("/proc/self/status").read_text().split()
-    return 1024 * int(status[status.index("VmHWM:") + 1])
+def in_fresh_process(*arguments: object) -> subprocess.Popen:
+    command = [sys.executable, HERE / "whole_run.py", *map(str, arguments)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
 
 
-def whole_run(steps: int, workers: int) -> None:
-    """Simulate and keep every piece; one JSON line of wall seconds, start-up of the workers and peak bytes."""
-    scene = scene_20_n(f"rolling.duration_s={steps * 2e-6 / 0.1:.10g}")
-    heights(scene)
-    surface_peak = peak_memory()
-
-    def seconds(todo: list[tuple[int, int]]) -> tuple[float, list[Piece]]:
-        kept: list[Piece] = []
-        began = time.perf_counter()
-        outcome = simulate([scene], [(0, *piece) for piece in todo], workers, lambda _, piece: kept.append(piece))
-        if outcome.failures or outcome.interrupted:
-            raise SystemExit(f"the run of {steps} steps failed: {outcome}")
-        return time.perf_counter() - began, kept
-
-    single = [(0, 1)] * workers
-    seconds(single)  # loads what is compiled
-    start_up, _ = seconds(single)
-    peak_memory(reset=True)
-    took, kept = seconds(pieces(steps))
-    numbers = {
-        "steps": sum(piece.last - piece.first for piece in kept), "seconds": took, "start_up_s": start_up,
-        "peak_bytes_march": peak_memory(), "peak_bytes_surface": surface_peak,
-        "iterations": float(np.concatenate([p.states["iterations"] for p in kept]).mean()),
-        "convolutions": float(np.concatenate([p.states["convolutions"] for p in kept]).mean()),
-    }  # fmt: skip
-    print(json.dumps(numbers))
+def answer(process: subprocess.Popen) -> Any:
+    out, _ = process.communicate()
+    if process.returncode:
+        raise SystemExit(f"{' '.join(map(str, process.args))} failed")
+    return json.loads(out)
 
 
-def fresh(steps: int, workers: int) -> dict[str, Any]:
-    command = [sys.executable, __file__, "--whole-run", str(steps), str(workers)]
-    return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout)
+def attainable(seconds: float) -> float:
+    """What two processes that share nothing gain over one on this machine just now: bare convolutions per second."""
+    alone = answer(in_fresh_process("convolutions", seconds))
+    return sum(map(answer, [in_fresh_process("convolutions", seconds) for _ in range(2)])) / alone
 
 
 def measure_whole_runs(steps: int) -> list[Row]:
     """Two workers against one, memory of a run ten times as long, computing per second of sound."""
-    short, one, two = fresh(max(steps // 10, 200), 1), fresh(steps, 1), fresh(steps, 2)
-    speedup = (one["seconds"] - one["start_up_s"]) / (two["seconds"] - two["start_up_s"])
-    growth = (one["peak_bytes_march"] - short["peak_bytes_march"]) / (one["steps"] - short["steps"])
-    scalars, surface = 8 * len(STEP_SERIES + STATE_SERIES), 8 * 256
-    sound = (two["seconds"] - two["start_up_s"]) / steps * 50_000 + two["start_up_s"]
-    numbers = {"short": short, "one_worker": one, "two_workers": two, "load_average": os.getloadavg()}
-    counts = (two["iterations"], two["convolutions"])
+    fewer = max(steps // 10, 200)
+    short, one, two = (answer(in_fresh_process("run", *pair)) for pair in ((fewer, 1), (steps, 1), (steps, 2)))
+    gain = attainable(2.0)
+    # One worker is the process itself, warm by then; two are started for the run, at a cost that does not grow with it.
+    speedup = one["seconds"] / (two["seconds"] - two["start_up_s"])
+    growth, of_march = ((one[b] - short[b]) / (steps - fewer) for b in ("peak_bytes", "march_bytes"))
+    scalars, surface = 8 * len(STEP_SERIES + STATE_SERIES), 8 * scene_20_n().surface.n_across
+    sound = (two["seconds"] - two["start_up_s"]) / steps * STEPS_PER_SECOND + two["start_up_s"]
+    per_step = {name: two[name] for name in ("iterations", "convolutions")}
+    split = f"{steps} steps of 20 N: {one['seconds']:.1f} s / ({two['seconds']:.1f} s less start-up {two['start_up_s']:.1f} s)"
+    peaks = " and ".join(f"{r['peak_bytes'] / 1e6:.0f} MB at {r['steps']} steps" for r in (short, one))
+    memory = {"bytes_per_step": growth, "march_bytes_per_step": of_march}
+    memory |= {"surface_bytes_per_step": surface, "scalar_bytes_per_step": scalars}
+    numbers = {"short": short, "one_worker": one, "two_workers": two, "attainable": gain, "speedup": speedup}
     return [
         Row("two workers / one", f"{speedup:.2f}", ">= 1.8", speedup >= 1.8,
-            f"{steps} steps of the 20 N scene, {one['seconds']:.1f} s / {two['seconds']:.1f} s, less start-up"
-            f" ({one['start_up_s']:.1f} s, {two['start_up_s']:.1f} s)", *counts, {"speedup": speedup, **numbers}),
-        Row(f"memory of a run {steps / short['steps']:g}x as long", f"{growth:.0f} B per step", "", None,
-            f"peak {short['peak_bytes_march'] / 1e6:.0f} MB at {short['steps']} steps, {one['peak_bytes_march'] / 1e6:.0f} MB"
-            f" at {steps}; the surface is {surface} B per step, the scalars {scalars} B", *counts,
-            {"bytes_per_step": growth, "bytes_scalars": scalars, "bytes_surface": surface, **numbers}),
+            f"{split}; two processes of bare convolutions: {gain:.2f}", **per_step, numbers=numbers),
+        Row(f"memory of a run {steps / fewer:g}x as long", f"{of_march:.0f} B per step", "", None,
+            f"of the march, scalars are {scalars} B; peak of all {growth:.0f} B per step, heights are {surface} B; {peaks}",
+            numbers=memory),
         Row("computing per second of sound", f"{sound:.0f} s", "", None,
-            "2 workers, 50,000 steps of the 20 N scene", *counts, {"seconds": sound, **numbers}),
+            f"2 workers, {STEPS_PER_SECOND:,} steps of 20 N", **per_step, numbers={"seconds": sound}),
     ]  # fmt: skip
 
 
@@ -340,48 +248,45 @@ def table(rows: list[Row]) -> str:
     lines = ["| measure | value | target | met | iterations | convolutions | detail |", "|---|---|---|---|---|---|---|"]
     for row in rows:
         met = "" if row.met is None else "yes" if row.met else "**no**"
-        counts = " | ".join("" if count is None else f"{count:.1f}" for count in (row.iterations, row.convolutions))
-        lines.append(f"| {row.measure} | {row.value} | {row.target} | {met} | {counts} | {row.detail} |")
+        per_step = " | ".join("" if n is None else f"{n:.1f}" for n in (row.iterations, row.convolutions))
+        lines.append(f"| {row.measure} | {row.value} | {row.target} | {met} | {per_step} | {row.detail} |")
     return "\n".join(lines) + "\n"
 
 
 def machine() -> dict[str, Any]:
-    info = Path("/proc/cpuinfo")
-    models = [line.partition(":")[2].strip() for line in info.read_text().splitlines() if line.startswith("model name")]
+    info = Path("/proc/cpuinfo").read_text().splitlines() if platform.system() == "Linux" else []
+    models = [line.partition(":")[2].strip() for line in info if line.startswith("model name")]
     return {
-        "cpu": models[0] if models else platform.processor(), "cores": os.cpu_count(), "load_average": os.getloadavg(),
-        "python": platform.python_version(), "system": platform.system(),
+        "cpu": models[0] if models else platform.processor(),
+        "cores": os.cpu_count(),
+        "load_average": os.getloadavg(),
+        "python": platform.python_version(),
         "versions": {name: version(name) for name in ("numpy", "scipy", "numba", "pyfftw")},
-    }  # fmt: skip
+    }
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="fewer steps, under a minute: numbers are rougher")
-    parser.add_argument("--aspher", metavar="PYTHON", help="interpreter of the virtual environment that holds aspher")
-    parser.add_argument("--slippy", metavar="PYTHON", help="interpreter of the virtual environment that holds slippy")
+    parser.add_argument("--quick", action="store_true", help="fewer steps, half a minute: the numbers are rougher")
+    for peer in ("aspher", "slippy"):
+        parser.add_argument(f"--{peer}", metavar="PYTHON", help=f"interpreter of the environment that holds {peer}")
     parser.add_argument("--out", metavar="FOLDER", type=Path, default=HERE.parent.parent / "outputs" / "benchmarks")
-    parser.add_argument("--whole-run", nargs=2, type=int, help=argparse.SUPPRESS)
     given = parser.parse_args()
-    if given.whole_run:
-        return whole_run(*given.whole_run)
-
-    report = {"date": datetime.now(UTC).isoformat(timespec="seconds"), "quick": given.quick, "machine": machine()}
+    quick = given.quick
+    report = {"date": datetime.now(UTC).isoformat(timespec="seconds"), "quick": quick, "machine": machine()}
     rows: list[Row] = []
-    parts: list[tuple[str, Callable[[], list[Row]]]] = [("steps", lambda: measure_steps(40 if given.quick else 200))]
-    for name, (peer, *_) in PEERS.items():
-        steps, python = 5 if given.quick else 20, getattr(given, peer)
-        parts.append((f"sequence {name}", lambda n=name, p=python, s=steps: [measure_sequence(n, p, s)]))
-    parts.append(("whole runs", lambda: measure_whole_runs(800 if given.quick else 4000)))
-    for i, (name, part) in enumerate(parts, 1):
-        print(f"[{i}/{len(parts)}] {name} ...", file=sys.stderr, flush=True)
-        rows += part()
+    print("one step ...", file=sys.stderr, flush=True)
+    rows += measure_steps(40 if quick else 200)
+    for rival in RIVALS:
+        print(f"sequence {rival.sequence} ...", file=sys.stderr, flush=True)
+        rows.append(measure_rival(rival, getattr(given, rival.peer), *((5, 1) if quick else (20, 2))))
+    print("whole runs ...", file=sys.stderr, flush=True)
+    rows += measure_whole_runs(400 if quick else 4000)
+    report["rows"] = [asdict(row) for row in rows]
     given.out.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(report | {"rows": [asdict(row) for row in rows]}, indent=1, default=float)
-    (given.out / "speed.json").write_text(text)
+    (given.out / "speed.json").write_text(json.dumps(report, indent=1, default=float) + "\n")
     (given.out / "speed.md").write_text(table(rows))
-    print(table(rows))
-    return None
+    print(table(rows), end="")
 
 
 if __name__ == "__main__":
