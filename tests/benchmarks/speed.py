@@ -2,7 +2,6 @@
 
 python tests/benchmarks/speed.py [--quick] [--aspher PYTHON] [--slippy PYTHON] [--out FOLDER]    (two minutes; see README.md here)
 """
-# ruff: noqa: E402
 
 from __future__ import annotations
 
@@ -220,6 +219,9 @@ def measure_whole_runs(steps: int) -> list[Row]:
     gain = attainable(2.0)
     # One worker is the process itself, warm by then; two are started for the run, at a cost that does not grow with it.
     speedup = one["seconds"] / (two["seconds"] - two["start_up_s"])
+    by_cpu = 2 * one["cpu_s"] / (two["cpu_s"] - two["start_up_cpu_s"])
+    met = speedup >= 1.8 if gain >= 1.8 else None
+    busy = "" if gain >= 1.8 else ", the machine was too busy"
     growth, of_march = ((one[b] - short[b]) / (steps - fewer) for b in ("peak_bytes", "march_bytes"))
     scalars, surface = 8 * len(STEP_SERIES + STATE_SERIES), 8 * scene_20_n().surface.n_across
     sound = (two["seconds"] - two["start_up_s"]) / steps * STEPS_PER_SECOND + two["start_up_s"]
@@ -229,9 +231,10 @@ def measure_whole_runs(steps: int) -> list[Row]:
     memory = {"bytes_per_step": growth, "march_bytes_per_step": of_march}
     memory |= {"surface_bytes_per_step": surface, "scalar_bytes_per_step": scalars}
     numbers = {"short": short, "one_worker": one, "two_workers": two, "attainable": gain, "speedup": speedup}
+    numbers["speedup_by_cpu_time"] = by_cpu
     return [
-        Row("two workers / one", f"{speedup:.2f}", ">= 1.8", speedup >= 1.8,
-            f"{split}; two processes of bare convolutions: {gain:.2f}", **per_step, numbers=numbers),
+        Row("two workers / one", f"{speedup:.2f}", ">= 1.8", met,
+            f"{split}; by CPU time {by_cpu:.2f}; two processes of bare convolutions {gain:.2f}{busy}", **per_step, numbers=numbers),
         Row(f"memory of a run {steps / fewer:g}x as long", f"{of_march:.0f} B per step", "", None,
             f"of the march, scalars are {scalars} B; peak of all {growth:.0f} B per step, heights are {surface} B; {peaks}",
             numbers=memory),

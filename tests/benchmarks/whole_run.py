@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import json
+import os
 import sys
 import time
 from pathlib import Path
@@ -38,14 +39,19 @@ def peak_memory(afresh: bool = False) -> int:
     return 1024 * int(status[status.index("VmHWM:") + 1])
 
 
-def simulated(scene: Scene, todo: list[tuple[int, int]], workers: int) -> tuple[float, list[Piece]]:
-    """Wall seconds and the pieces."""
+def simulated(scene: Scene, todo: list[tuple[int, int]], workers: int) -> tuple[np.ndarray, list[Piece]]:
+    """Wall and CPU seconds, workers included, and the pieces."""
     kept: list[Piece] = []
-    began = time.perf_counter()
+    began = clocks()
     outcome = simulate([scene], [(0, *piece) for piece in todo], workers, lambda _, piece: kept.append(piece))
     if outcome.failures or outcome.interrupted:
         raise SystemExit(f"the run was not finished: {outcome}")
-    return time.perf_counter() - began, kept
+    return clocks() - began, kept
+
+
+def clocks() -> np.ndarray:
+    """Wall seconds and CPU seconds of this process and those that it has waited for."""
+    return np.array([time.perf_counter(), sum(os.times()[:4])])
 
 
 def run(steps: int, workers: int) -> dict[str, float]:
@@ -61,8 +67,10 @@ def run(steps: int, workers: int) -> dict[str, float]:
     return {
         "steps": sum(piece.last - piece.first for piece in kept),
         "workers": workers,
-        "seconds": seconds,
-        "start_up_s": start_up,
+        "seconds": seconds[0],
+        "cpu_s": seconds[1],
+        "start_up_s": start_up[0],
+        "start_up_cpu_s": start_up[1],
         "peak_bytes": max(surface_peak, peak_memory()),
         "march_bytes": peak_memory() - resident,
         **means,
