@@ -1,0 +1,106 @@
+"""Our march and the public solvers over the sequences of peers/sequences.py, judged by the same check; for speed.py."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent / "peers"))
+import sequences
+from sequences import SEQUENCES, SPACING, N
+
+from rolling.half_space import HalfSpace
+from rolling.march import ContactState, RollingContact, Window, march
+
+PEERS = Path(__file__).parent / "peers"
+TOLERANCES = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7)
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A solver over a sequence: medians and means of all positions but the first, gap errors [m] of all, the last load error."""
+
+    tolerance: float
+    ms: float
+    gap_error: float
+    largest_gap_error: float
+    last_gap_error: float
+    last_load_error: float
+    convolutions: float
+    iterations: float | None = None
+
+
+def judged(name: str, tolerance: float, answers: dict[str, Any]) -> Solved:
+    """Answers of every position, `seconds` (CPU), `convolutions`, `pressures` (N, N) and perhaps `iterations`, checked."""
+    errors = [sequences.violation(name, k, pressure) for k, pressure in enumerate(answers["pressures"])]
+    return Solved(
+        tolerance,
+        ms=float(1e3 * np.median(answers["seconds"][1:])),
+        gap_error=float(np.median(errors[1:])),
+        largest_gap_error=max(errors),
+        last_gap_error=errors[-1],
+        last_load_error=sequences.load_error(name, answers["pressures"][-1]),
+        convolutions=float(np.mean(answers["convolutions"][1:])),
+        iterations=float(np.mean(answers["iterations"][1:])) if "iterations" in answers else None,
+    )
+
+
+def sequence_track(name: str, tolerance: float) -> RollingContact:
+    """A sequence as we roll it: the same gaps, seen from the plate."""
+    return RollingContact(
+        heights=sequences.heights(name),
+        spacing=SPACING,
+        radius=sequences.RADIUS,
+        contact_modulus=sequences.CONTACT_MODULUS,
+        hardness=SEQUENCES[name].hardness,
+        load=SEQUENCES[name].load,
+        step=SPACING,
+        start=N // 2 * SPACING,
+        tolerance=tolerance,
+    )
+
+
+def on_full_grid(state: ContactState) -> np.ndarray:
+    """Pressure of a state on the N x N grid of the sequences, which moves with the sphere."""
+    return state.window.moved(state.pressure, Window(state.position, 0, N, N))
+
+
+def ours(name: str, tolerance: float, steps: int) -> Solved:
+    track = sequence_track(name, tolerance)
+    states, clock = [], [time.process_time()]
+    for state in march(track, 0, steps, HalfSpace(track.spacing, track.contact_modulus)):
+        clock.append(time.process_time())
+        states.append(state)
+    answers = {name: [getattr(state, name) for state in states] for name in ("iterations", "convolutions")}
+    answers |= {"seconds": np.diff(clock), "pressures": [on_full_grid(state) for state in states]}
+    return judged(name, tolerance, answers)
+
+
+def loosest(name: str, gap_error: float, steps: int) -> float:
+    """The loosest of our tolerances whose median gap error is at most this."""
+    return next((t for t in TOLERANCES if ours(name, t, steps).gap_error <= gap_error), TOLERANCES[-1])
+
+
+def theirs(name: str, peer: str, python: str, tolerance: float, steps: int) -> Solved:
+    """A peer's answers, from the interpreter of its own virtual environment, with one thread as long as ours has one."""
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}  # it leads to our packages
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "answers.npz"
+        command = [python, PEERS / f"{peer}_sequence.py", name, str(tolerance), str(steps), out]
+        subprocess.run(command, check=True, env=environment, stdout=sys.stderr)
+        with np.load(out) as answers:
+            return judged(name, tolerance, dict(answers))
+
+
+def quickest(runs: Iterable[Solved]) -> Solved:
+    """The run least disturbed by what else the machine does."""
+    return min(runs, key=lambda run: run.ms)

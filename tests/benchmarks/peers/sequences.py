@@ -1,0 +1,105 @@
+"""Rolling sequences that we and the public solvers solve on identical gaps, and a check of the answers. Needs numpy only.
+
+SI; arrays are (along the track, across), N x N nodes. The sphere's apex is on node N / 2 along and half way across, between two
+nodes; at position k it has rolled on by k nodes, seen from the sphere: the plate has moved back under it.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+N, SPACING, RADIUS = 256, 2e-6, 5e-3
+YOUNGS_MODULUS, POISSONS_RATIO = 210e9, 0.3
+CONTACT_MODULUS = YOUNGS_MODULUS / (1 - POISSONS_RATIO**2)
+CORRELATION_LENGTH = 10e-6
+NEGLIGIBLE = 1e-9  # pressure over the highest (or off the hardness, over the hardness) that counts as none
+
+
+@dataclass(frozen=True)
+class Sequence:
+    """A plate of this Ra [m], made from this seed, that bears at most the hardness [Pa], under a load [N]."""
+
+    ra: float
+    seed: int
+    load: float
+    hardness: float
+
+
+SEQUENCES = {
+    "A": Sequence(0.1e-6, 1, 20.0, np.inf),
+    "B": Sequence(0.1e-6, 1, 20.0, 2.1e9),
+    "C": Sequence(1e-6, 2, 100.0, 2.1e9),
+}
+
+
+@lru_cache(maxsize=4)
+def heights(name: str) -> np.ndarray:
+    """Periodic Gaussian heights [m] with autocorrelation exp(-(r / 10 um)^2) and exact Ra."""
+    sequence = SEQUENCES[name]
+    distance = np.minimum(np.arange(N), N - np.arange(N)) * SPACING
+    law = np.exp(-((distance / CORRELATION_LENGTH) ** 2))
+    density = np.fft.rfft2(np.outer(law, law)).real.clip(min=0)
+    noise = np.random.default_rng(sequence.seed).standard_normal((N, N))
+    rough = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=(N, N))
+    rough -= rough.mean()
+    return rough * (sequence.ra / np.abs(rough).mean())
+
+
+def gap(name: str, k: int) -> np.ndarray:
+    """Undeformed gap [m] at position k."""
+    along, across = (np.arange(N) - N // 2) * SPACING, (np.arange(N) - (N - 1) / 2) * SPACING
+    return (along[:, None] ** 2 + across**2) / (2 * RADIUS) - np.roll(heights(name), -k, axis=0)
+
+
+def moved_on(pressure: np.ndarray) -> np.ndarray:
+    """A warm start for the next position: pressures (N, N) that stay with the plate."""
+    return np.roll(pressure, -1, axis=0)
+
+
+@lru_cache(maxsize=1)
+def _influence() -> np.ndarray:
+    """Transform of Love's coefficients [m/Pa] on the doubled grid: the mixed difference of a corner function."""
+    corner = np.arange(-N, N + 1) - 0.5  # of squares around nodes -N ... N - 1
+    s, t = corner[:, None], corner[None, :]
+    potential = s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))
+    love = np.diff(np.diff(potential, axis=0), axis=1) * SPACING / (np.pi * CONTACT_MODULUS)
+    return np.fft.rfft2(np.fft.ifftshift(love))
+
+
+def deflection(pressure: np.ndarray) -> np.ndarray:
+    """Deflection [m] of the half-space by pressures (N, N)."""
+    double = (2 * N, 2 * N)
+    return np.fft.irfft2(np.fft.rfft2(pressure, s=double) * _influence(), s=double)[:N, :N]
+
+
+def violation(name: str, k: int, pressure: np.ndarray) -> float:
+    """Gap error [m] of pressures (N, N): the worst violation of the contact conditions.
+
+    The approach is the mean over the nodes that are neither unloaded nor capped: there the gap must be closed. Unloaded nodes
+    must not interpenetrate, capped ones must not stand apart.
+    """
+    hardness = SEQUENCES[name].hardness
+    unloaded, capped = pressure <= NEGLIGIBLE * pressure.max(), pressure >= hardness * (1 - NEGLIGIBLE)
+    between = ~unloaded & ~capped
+    open_by = gap(name, k) + deflection(pressure)
+    approach = open_by[between].mean() if between.any() else (open_by[unloaded].min() + open_by[capped].max()) / 2
+    open_by -= approach
+    wrong = np.where(unloaded, -open_by, np.where(capped, open_by, np.abs(open_by)))
+    beyond = max(-pressure.min(), pressure.max() - hardness)
+    return np.inf if beyond > NEGLIGIBLE * pressure.max() else float(wrong.max())
+
+
+def load_error(name: str, pressure: np.ndarray) -> float:
+    """Relative error of the load that pressures carry."""
+    return float(pressure.sum() * SPACING**2 / SEQUENCES[name].load - 1)
+
+
+def arguments() -> tuple[str, float, int, Path]:
+    """Sequence, tolerance, number of steps and file to write, from a peer program's command line."""
+    name, tolerance, steps, out = sys.argv[1:]
+    return name, float(tolerance), int(steps), Path(out)

@@ -1,0 +1,93 @@
+"""A run of the 20 N scene in a fresh process, for speed.py: wall seconds, start-up of the workers, peak memory.
+
+python tests/benchmarks/whole_run.py run STEPS WORKERS      (prints one JSON line)
+python tests/benchmarks/whole_run.py convolutions SECONDS   (prints how many bare convolutions one process does in a second)
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from rolling import scene_file
+from rolling.half_space import HalfSpace
+from rolling.scenario import Scene, expand
+from rolling.simulate import Piece, heights, pieces, simulate
+
+QUICKSTART = Path(__file__).parent.parent.parent / "scenarios" / "quickstart.yaml"
+SPEED, SPACING = 0.1, 2e-6  # of that scene
+
+
+def scene_20_n(*overrides: str) -> Scene:
+    """The quickstart's run under 20 N."""
+    runs = expand(scene_file.load(QUICKSTART, overrides))
+    return next(scene for values, scene in runs if values["rolling.load_n"] == 20)
+
+
+def peak_memory(afresh: bool = False) -> int:
+    """Peak resident bytes of this process (Linux); getrusage's would begin with those of the process that started it."""
+    if afresh:
+        ctypes.CDLL(None).malloc_trim(0)  # what the surface's making left free would hide what the march takes
+        Path("/proc/self/clear_refs").write_text("5")
+    status = Path("/proc/self/status").read_text().split()
+    return 1024 * int(status[status.index("VmHWM:") + 1])
+
+
+def simulated(scene: Scene, todo: list[tuple[int, int]], workers: int) -> tuple[np.ndarray, list[Piece]]:
+    """Wall and CPU seconds, workers included, and the pieces."""
+    kept: list[Piece] = []
+    began = clocks()
+    outcome = simulate([scene], [(0, *piece) for piece in todo], workers, lambda _, piece: kept.append(piece))
+    if outcome.failures or outcome.interrupted:
+        raise SystemExit(f"the run was not finished: {outcome}")
+    return clocks() - began, kept
+
+
+def clocks() -> np.ndarray:
+    """Wall seconds and CPU seconds of this process and those that it has waited for."""
+    return np.array([time.perf_counter(), sum(os.times()[:4])])
+
+
+def run(steps: int, workers: int) -> dict[str, float]:
+    """The first piece loads what is compiled; then one step for each worker is its start-up; then the run, every piece kept."""
+    scene = scene_20_n(f"rolling.duration_s={steps * SPACING / SPEED:.10g}")
+    heights(scene)
+    surface_peak = peak_memory()
+    simulated(scene, [(0, 1)], 1)
+    start_up, _ = simulated(scene, [(0, 1)] * workers, workers)
+    resident = peak_memory(afresh=True)
+    seconds, kept = simulated(scene, pieces(steps), workers)
+    means = {name: np.concatenate([p.states[name] for p in kept]).mean() for name in ("iterations", "convolutions")}
+    return {
+        "steps": sum(piece.last - piece.first for piece in kept),
+        "workers": workers,
+        "seconds": seconds[0],
+        "cpu_s": seconds[1],
+        "start_up_s": start_up[0],
+        "start_up_cpu_s": start_up[1],
+        "peak_bytes": max(surface_peak, peak_memory()),
+        "march_bytes": peak_memory() - resident,
+        **means,
+    }
+
+
+def convolutions_per_second(seconds: float) -> float:
+    """Of windows about as large as the scene's."""
+    scene, pressure = scene_20_n(), np.random.default_rng(0).uniform(0, 1e9, (96, 96))
+    half_space = HalfSpace(scene.spacing, scene.contact_modulus)
+    deflection = half_space.deflection(pressure)
+    began, before = time.perf_counter(), half_space.count
+    while (took := time.perf_counter() - began) < seconds:
+        half_space.deflection(pressure, out=deflection)
+    return (half_space.count - before) / took
+
+
+if __name__ == "__main__":
+    what, *numbers = sys.argv[1:]
+    print(json.dumps(run(*map(int, numbers)) if what == "run" else convolutions_per_second(float(numbers[0]))))
