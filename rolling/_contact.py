@@ -235,9 +235,17 @@ def step_by_way_of(q, p, u, e, approach, cap, dp, scale, in_padded, transformed)
 
 
 @njit(cache=True)
-def settle_load(p, e, u, cap, total):
-    """Give what is missing of the load to the lowest open nodes, or take what is too much from the highest capped ones."""
+def settle_load(p, e, u, cap, total, trace):
+    """Give what is missing of the load to the lowest open nodes, or take what is too much from the highest loaded ones.
+
+    Nodes within `trace` [Pa] of a bound are put on it first: they may stand on the wrong node.
+    """
     missing = total
+    for k in range(p.size):
+        if p[k] <= trace:
+            p[k] = 0.0
+        elif p[k] >= cap - trace:
+            p[k] = cap
     for k in range(p.size):
         missing -= p[k]
     for _ in range(p.size):

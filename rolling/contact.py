@@ -243,10 +243,11 @@ def _iterate(
             p += dp
         elif abs(p.sum() / total - 1) > 1e-13:
             tried.snapping = False
-            _contact.settle_load(p, e, u, cap, total)
+            _contact.settle_load(p, e, u, cap, total, 0.0)
     elif not slope < 0 and tried.iterations:
         # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
         tried.stuck += 1
         p += dp
+        _contact.settle_load(p, e, u, cap, total, 1e-9 * p.max())
     np.clip(p, 0.0, cap, out=p)
     pressure.ravel()[node] = p
