@@ -23,8 +23,8 @@ def find_approach(inside, gap_sum, lowest_open, highest_capped):
 
 
 @njit(cache=True)
-def violation(p, e, u, cap):
-    """Approach [m], largest violation of the contact conditions [m] and largest deflection [m] of flat arrays."""
+def state_of(p, e, u, cap):
+    """Approach [m] and largest deflection [m] of pressures p and deflections u over undeformed gaps e, flat arrays."""
     inside, gap_sum, lowest_open, highest_capped, u_max = 0, 0.0, np.inf, -np.inf, 0.0
     for k in range(p.size):
         g = e[k] + u[k]
@@ -36,13 +36,21 @@ def violation(p, e, u, cap):
         else:
             gap_sum += g
             inside += 1
-    approach = find_approach(inside, gap_sum, lowest_open, highest_capped)
+    return find_approach(inside, gap_sum, lowest_open, highest_capped), u_max
+
+
+@njit(cache=True)
+def violation(p, e, u, cap, approach):
+    """Largest violation of the contact conditions [m]."""
     worst = 0.0
     for k in range(p.size):
         g = e[k] + u[k] - approach
-        if not ((p[k] <= 0.0 and g >= 0.0) or (p[k] >= cap and g <= 0.0)):
-            worst = max(worst, abs(g))
-    return approach, worst, u_max
+        if p[k] <= 0.0:
+            g = -g
+        elif p[k] < cap:
+            g = abs(g)
+        worst = max(worst, g) if g == g else np.inf
+    return worst
 
 
 @njit(cache=True)
@@ -80,81 +88,88 @@ def places(node, columns, first_row, first_column, padded, bordered, in_padded, 
 
 
 @njit(cache=True)
-def advance(
-    p, u, e, dp, deflection, in_padded, slope, greatest, cap, reach, snap, residual, grid, in_bordered, active
-):  # fmt: skip
+def advance(p, g, dp, deflection, in_padded, slope, greatest, cap, reach, snap, residual, grid, in_bordered, active):
     """Go along dp as far as the energy falls and the bounds allow, then find approach, violations and who may move.
 
-    `deflection` is that of dp, in the array of the transforms; `slope` of the energy along dp, 0 for no step at all.
-    `reach` [Pa/m] turns a gap into the pressure it would take on that node alone to close it. A loaded node that such a step
-    would carry past a bound goes straight there (two-metric projection, Bertsekas, SIAM J. Control Optim. 20(2), 1982): mixed
-    into the conjugate direction it would hold everything else back. Partial steps leave such nodes ever closer to their bound but
-    never on it; within `snap` [Pa] of it, which no deflection can tell, they are put there.
+    g is the gap before the approach is taken off; `deflection` that of dp, in the array of the transforms; `slope` of the energy
+    along dp, 0 for no step at all. `reach` [Pa/m] turns a gap into the pressure it would take on that node alone to close it.
+    A loaded node that such a step would carry past a bound goes straight there (two-metric projection, Bertsekas, SIAM J.
+    Control Optim. 20(2), 1982): mixed into the conjugate direction it would hold everything else back. Partial steps leave such
+    nodes ever closer to their bound but never on it; within `snap` [Pa] of it, which no deflection can tell, they are put there.
 
-    Returns best step length, approach [m], largest violation [m], largest deflection [m], number of free and of bound nodes.
+    Returns best step length, approach [m], largest violation [m], number of free and of bound nodes.
     """
     best = 1.0
     t = 0.0
     if slope < 0.0:
         curvature = 0.0
         for k in range(p.size):
-            if dp[k] != 0.0:
-                curvature += dp[k] * deflection[in_padded[k]]
+            curvature += dp[k] * deflection[in_padded[k]]
         best = -slope / curvature if curvature > 0.0 else 1.0
         # A long step multiplies the rounding of the load.
         t = min(best, greatest, 100.0)
-    inside, gap_sum, lowest_open, highest_capped, u_max = 0, 0.0, np.inf, -np.inf, 0.0
+    nearly = cap * (1.0 - 4e-16)  # a whole step to the cap may miss it by rounding
+    inside, gap_sum, lowest_open, highest_capped = 0, 0.0, np.inf, -np.inf
     for k in range(p.size):
         if t > 0.0:
-            u[k] += t * deflection[in_padded[k]]
-            if dp[k] != 0.0:
-                p[k] = max(p[k] + t * dp[k], 0.0)
-                if p[k] >= cap * (1.0 - 4e-16):  # a whole step to the cap may miss it by rounding
-                    p[k] = cap
-        g = e[k] + u[k]
-        u_max = max(u_max, u[k])
+            g[k] += t * deflection[in_padded[k]]
+            v = max(p[k] + t * dp[k], 0.0)
+            p[k] = v if v < nearly else cap
         if p[k] <= 0.0:
-            lowest_open = min(lowest_open, g)
+            lowest_open = min(lowest_open, g[k])
         elif p[k] >= cap:
-            highest_capped = max(highest_capped, g)
+            highest_capped = max(highest_capped, g[k])
         else:
-            gap_sum += g
+            gap_sum += g[k]
             inside += 1
     approach = find_approach(inside, gap_sum, lowest_open, highest_capped)
     worst = 0.0
     n_free = 0
     n_bound = 0
     for k in range(p.size):
-        g = e[k] + u[k] - approach
+        gap = g[k] - approach
         residual[k] = 0.0
         grid[in_bordered[k]] = 0.0
-        if (p[k] <= 0.0 and g >= 0.0) or (p[k] >= cap and g <= 0.0):
+        if (p[k] <= 0.0 and gap >= 0.0) or (p[k] >= cap and gap <= 0.0):
             continue
-        step = p[k] - reach * g
+        step = p[k] - reach * gap
         if step <= 0.0 and 0.0 < p[k] <= snap:
             p[k] = 0.0
             continue
         if step >= cap and cap - snap <= p[k] < cap:
             p[k] = cap
             continue
-        worst = max(worst, abs(g))
+        worst = max(worst, abs(gap))
         if (p[k] > 0.0 and step <= 0.0) or (p[k] < cap and step >= cap):
             n_bound += 1
             active[p.size - n_bound] = k
         else:
-            residual[k] = g
-            grid[in_bordered[k]] = g
+            residual[k] = gap
+            grid[in_bordered[k]] = gap
             active[n_free] = k
             n_free += 1
     for i in range(n_bound):
         active[n_free + i] = active[p.size - n_bound + i]  # in this order nothing is overwritten before it is read
-    return best, approach, worst, u_max, n_free, n_bound
+    return best, approach, worst, n_free, n_bound
+
+
+@njit(cache=True)
+def precondition(grid, in_bordered, bordered, stencil, active, n_free, z):
+    """z = short stencil of the inverse half-space times the residual, on the free nodes."""
+    for a in range(n_free):
+        k = active[a]
+        at = in_bordered[k]
+        total = 0.0
+        for x in range(3):
+            row = at + (x - 1) * bordered
+            total += stencil[x, 0] * grid[row - 1] + stencil[x, 1] * grid[row] + stencil[x, 2] * grid[row + 1]
+        z[k] = total
 
 
 @njit(cache=True)
 def aim(
-    p, u, e, approach, residual, previous, grid, in_bordered, bordered, stencil, zr_before, length, cap, reach, active,
-    n_free, n_bound, total, plainly, z, direction, dp, scale, in_padded, transformed,
+    p, g, approach, residual, previous, grid, in_bordered, bordered, stencil, zr_before, length, cap, reach, active,
+    n_free, n_bound, total, plainly, z, dp, scale, in_padded, transformed,
 ):  # fmt: skip
     """The next feasible step dp: preconditioned conjugate gradient (Polak-Ribiere), projected; or, where that does not descend,
     the gradient alone, or (at once if `plainly`) the plain gradient of all nodes. Leaves scale * dp in the array of the transforms.
@@ -164,18 +179,13 @@ def aim(
     Returns slope of the energy along dp (not negative: stuck), greatest step length, z.r, the length left, restarts and plain
     steps (0 or 1 each).
     """
+    precondition(grid, in_bordered, bordered, stencil, active, n_free, z)
     zr = 0.0
     change = 0.0
     for a in range(n_free):
         k = active[a]
-        at = in_bordered[k]
-        total_z = 0.0
-        for x in range(3):
-            row = at + (x - 1) * bordered
-            total_z += stencil[x, 0] * grid[row - 1] + stencil[x, 1] * grid[row] + stencil[x, 2] * grid[row + 1]
-        z[k] = total_z
-        zr += total_z * residual[k]
-        change += total_z * (residual[k] - previous[k])
+        zr += z[k] * residual[k]
+        change += z[k] * (residual[k] - previous[k])
     beta = max(0.0, change / zr_before) if zr_before > 0.0 else 0.0
     restarts = 0
     plain = 0
@@ -183,50 +193,52 @@ def aim(
         length = 1.0
     for a in range(n_free):
         k = active[a]
-        direction[k] = beta / length * dp[k] - z[k]
-    slope, greatest = project(p, e, approach, u, direction, length, cap, active, n_free, n_bound, total, dp)
+        z[k] = beta / length * dp[k] - z[k]
+    slope, greatest = project(p, g, approach, z, length, cap, active, n_free, n_bound, total, dp)
     if not slope < 0.0 and beta > 0.0:
         restarts = 1
         length = 1.0
-        for a in range(n_free):
-            direction[active[a]] = -z[active[a]]
-        slope, greatest = project(p, e, approach, u, direction, length, cap, active, n_free, n_bound, total, dp)
+        precondition(grid, in_bordered, bordered, stencil, active, n_free, z)
+        slope, greatest = project(p, g, approach, z, -1.0, cap, active, n_free, n_bound, total, dp)
     if plainly or not slope < 0.0:
         # The plain projected gradient, of all nodes, always descends, short of a solution.
         plain = 1
         length = 1.0
         zr = 0.0
-        slope, greatest = descend_plainly(p, e, approach, u, direction, cap, reach, active, total, dp)
+        for k in range(p.size):
+            active[k] = k
+            z[k] = -reach * (g[k] - approach)
+        slope, greatest = project(p, g, approach, z, 1.0, cap, active, p.size, 0, total, dp)
     for k in range(p.size):
         transformed[in_padded[k]] = scale * dp[k]
     return slope, greatest, zr, length, restarts, plain
 
 
 @njit(cache=True)
-def extrapolate(p, trend, cap, total, e, u, active, direction, dp, q):
+def extrapolate(p, trend, g, cap, total, active, z, dp, q):
     """q = p + trend, put within the bounds; what is then between them is shifted to carry the load. Whether it can."""
     n_free = 0
     for k in range(p.size):
         q[k] = min(max(p[k] + trend[k], 0.0), cap)
-        direction[k] = 0.0
+        z[k] = 0.0
         if 0.0 < q[k] < cap:
             active[n_free] = k
             n_free += 1
-    slope, _ = project(q, e, 0.0, u, direction, 1.0, cap, active, n_free, 0, total, dp)
+    slope, _ = project(q, g, 0.0, z, 0.0, cap, active, n_free, 0, total, dp)
     for k in range(p.size):
         q[k] += dp[k]
     return slope < np.inf
 
 
 @njit(cache=True)
-def step_by_way_of(q, p, u, e, approach, cap, dp, scale, in_padded, transformed):
+def step_by_way_of(q, p, g, cap, dp, scale, in_padded, transformed):
     """The step dp from q made one from p: its slope there, its greatest share within the bounds; scale * dp to be transformed."""
     slope = 0.0
     greatest = np.inf
     for k in range(p.size):
         dp[k] = min(max(q[k] + dp[k], 0.0), cap) - p[k]
         transformed[in_padded[k]] = scale * dp[k]
-        slope += (e[k] + u[k] - approach) * dp[k]
+        slope += g[k] * dp[k]  # the approach has no part in it: dp carries no load
         if dp[k] < 0.0:
             greatest = min(greatest, -p[k] / dp[k])
         elif dp[k] > 0.0:
@@ -235,7 +247,7 @@ def step_by_way_of(q, p, u, e, approach, cap, dp, scale, in_padded, transformed)
 
 
 @njit(cache=True)
-def settle_load(p, e, u, cap, total, trace):
+def settle_load(p, g, cap, total, trace):
     """Give what is missing of the load to the lowest open nodes, or take what is too much from the highest loaded ones.
 
     Nodes within `trace` [Pa] of a bound are put on it first: they may stand on the wrong node.
@@ -246,7 +258,6 @@ def settle_load(p, e, u, cap, total, trace):
             p[k] = 0.0
         elif p[k] >= cap - trace:
             p[k] = cap
-    for k in range(p.size):
         missing -= p[k]
     for _ in range(p.size):
         if abs(missing) <= 1e-16 * total:
@@ -254,7 +265,7 @@ def settle_load(p, e, u, cap, total, trace):
         best = -1
         for k in range(p.size):
             may = p[k] < cap if missing > 0.0 else p[k] > 0.0
-            if may and (best < 0 or (e[k] + u[k] < e[best] + u[best]) == (missing > 0.0)):
+            if may and (best < 0 or (g[k] < g[best]) == (missing > 0.0)):
                 best = k
         if best < 0:
             return
@@ -264,35 +275,26 @@ def settle_load(p, e, u, cap, total, trace):
 
 
 @njit(cache=True)
-def descend_plainly(p, e, approach, u, direction, cap, reach, active, total, dp):
-    """dp of the plain projected gradient of all nodes, each on its own."""
-    for k in range(p.size):
-        active[k] = k
-        direction[k] = -reach * (e[k] + u[k] - approach)
-    return project(p, e, approach, u, direction, 1.0, cap, active, p.size, 0, total, dp)
-
-
-@njit(cache=True)
-def project(p, e, approach, u, direction, length, cap, active, n_free, n_bound, total, dp):
+def project(p, g, approach, direction, length, cap, active, n_free, n_bound, total, dp):
     """dp to the feasible pressure nearest to p + length * direction: free nodes shifted and clipped, bound nodes on their bound.
 
     The sum of pressures is restored to `total` exactly by one shift of the free nodes, the root of a monotone piecewise linear
-    function.
+    function. `direction` becomes the trial pressure, on the free nodes.
 
     Returns (slope of the energy along dp [Pa m], greatest share t of dp that stays within the bounds), or (inf, 0) when the
     free nodes cannot take up the load.
     """
+    trial = direction
     target = total
     for k in range(p.size):
         target -= p[k]
         dp[k] = 0.0
     for a in range(n_free + n_bound):
         target += p[active[a]]
-    # While the shift is sought dp holds trial pressures.
     for a in range(n_free, n_free + n_bound):
         k = active[a]
-        dp[k] = 0.0 if e[k] + u[k] > approach else cap
-        target -= dp[k]
+        dp[k] = (0.0 if g[k] > approach else cap) - p[k]
+        target -= dp[k] + p[k]
     if n_free == 0:
         if abs(target) > 1e-13 * total:
             return np.inf, 0.0
@@ -302,8 +304,9 @@ def project(p, e, approach, u, direction, length, cap, active, n_free, n_bound, 
     low = np.inf
     high = -np.inf
     for a in range(n_free):
-        v = p[active[a]] + length * direction[active[a]]
-        dp[active[a]] = v
+        k = active[a]
+        v = p[k] + length * direction[k]
+        trial[k] = v
         low = min(low, -v)
         high = max(high, top - v)
     shift = 0.0 if low < 0.0 < high else 0.5 * (low + high)
@@ -311,7 +314,7 @@ def project(p, e, approach, u, direction, length, cap, active, n_free, n_bound, 
         got = 0.0
         moving = 0
         for a in range(n_free):
-            v = dp[active[a]] + shift
+            v = trial[active[a]] + shift
             if v >= cap:
                 got += cap
             elif v > 0.0:
@@ -332,32 +335,36 @@ def project(p, e, approach, u, direction, length, cap, active, n_free, n_bound, 
         shift = following
     for a in range(n_free):
         k = active[a]
-        dp[k] = min(max(dp[k] + shift, 0.0), cap)
-    # Where the direction dwarfs the pressures the shift is rounded coarsely; what is left is spread over those between bounds.
-    for _ in range(4):
+        trial[k] = min(max(trial[k] + shift, 0.0), cap)
+    # Where the direction dwarfs the pressures the shift is rounded coarsely; what is left is spread over those between bounds, or,
+    # where there are none, goes to the lowest open node or from the highest loaded one.
+    for turn in range(64):
         error = target
         moving = 0
+        nearest = -1
         for a in range(n_free):
-            v = dp[active[a]]
-            error -= v
-            if 0.0 < v < cap:
+            k = active[a]
+            error -= trial[k]
+            if 0.0 < trial[k] < cap:
                 moving += 1
-        if abs(error) <= 1e-15 * total:
-            break
-        if moving == 0:  # a direction so long that it rounds the load away
-            if abs(error) > 1e-13 * total:
-                return np.inf, 0.0
+        if abs(error) <= (1e-15 if turn < 4 else 1e-13) * total:
             break
         for a in range(n_free):
             k = active[a]
-            if 0.0 < dp[k] < cap:
-                dp[k] = min(max(dp[k] + error / moving, 0.0), cap)
+            if 0.0 < trial[k] < cap:
+                trial[k] = min(max(trial[k] + error / moving, 0.0), cap)
+            elif moving == 0 and (nearest < 0 or (g[k] < g[nearest]) == (error > 0.0)):
+                nearest = k if (trial[k] < cap if error > 0.0 else trial[k] > 0.0) else nearest
+        if nearest >= 0:
+            trial[nearest] = min(max(trial[nearest] + error, 0.0), cap)
+    for a in range(n_free):
+        k = active[a]
+        dp[k] = trial[k] - p[k]
     slope = 0.0
     greatest = np.inf
     for a in range(n_free + n_bound):
         k = active[a]
-        dp[k] -= p[k]
-        slope += (e[k] + u[k] - approach) * dp[k]
+        slope += (g[k] - approach) * dp[k]
         if dp[k] < 0.0:
             greatest = min(greatest, -p[k] / dp[k])
         elif dp[k] > 0.0:

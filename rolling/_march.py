@@ -11,16 +11,20 @@ from numba import njit
 def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
     """out = ((x_i - x)^2 + (y_j - y)^2) / (2 R) - z on the window that begins at node (row, column)."""
     along, across = heights.shape
+    curvature = 0.5 / radius
     for i in range(out.shape[0]):
         dx = (row + i) * spacing - x
+        rise = dx * dx * curvature
         z = heights[(row + i) % along]
         node = column % across
-        for j in range(out.shape[1]):
-            dy = (column + j) * spacing - y
-            out[i, j] = (dx * dx + dy * dy) / (2 * radius) - z[node]
-            node += 1
-            if node == across:
-                node = 0
+        j = 0
+        while j < out.shape[1]:  # a stretch within one period at a time
+            stretch = min(out.shape[1] - j, across - node)
+            for k in range(stretch):
+                dy = (column + j + k) * spacing - y
+                out[i, j + k] = rise + dy * dy * curvature - z[node + k]
+            j += stretch
+            node = 0
 
 
 @njit(cache=True)
@@ -84,6 +88,21 @@ def towards_the_sphere(p, u, gap, row_offset, column_offset, nodes):
                 slope += (gap[a, j + column_offset] + u[i, j]) * towards
                 curvature += towards * (u[i - nodes, j] - u[i, j])
     return slope, curvature
+
+
+@njit(cache=True)
+def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend):
+    """Changes of p and u since the position before, whose window begins at the offsets in that of p and u.
+
+    Outside that window nothing was loaded, and of the deflection nothing is known: no change.
+    """
+    p_trend[:] = p
+    u_trend[:] = 0.0
+    for i in range(max(0, -row_offset), min(p_before.shape[0], p.shape[0] - row_offset)):
+        for j in range(max(0, -column_offset), min(p_before.shape[1], p.shape[1] - column_offset)):
+            a, b = i + row_offset, j + column_offset
+            p_trend[a, b] -= p_before[i, j]
+            u_trend[a, b] = u[a, b] - u_before[i, j]
 
 
 @njit(cache=True)

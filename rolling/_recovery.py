@@ -7,19 +7,22 @@ from numba import njit
 
 
 @njit(cache=True)
-def node_work(p_old, u_old, p_new, u_new, left_end, cell, work):
-    """work = pressure times fall of the deflection [J] per node: positive is release, negative is loading. Returns both sums."""
+def node_work(p_old, u_old, row_offset, column_offset, p_new, u_new, left_end, cell, work):
+    """work = pressure times fall of the deflection [J] per node: positive is release, negative is loading. Returns both sums.
+
+    The old window begins at the offsets in the new one; outside it nothing was loaded, nor is, where its deflection counts.
+    """
     release = 0.0
     loading = 0.0
-    for i in range(work.shape[0]):
-        for j in range(work.shape[1]):
-            p = p_old[i, j] if left_end else 0.5 * (p_old[i, j] + p_new[i, j])
-            w = p * (u_old[i, j] - u_new[i, j]) * cell
-            work[i, j] = w
-            if w > 0.0:
-                release += w
-            else:
-                loading -= w
+    work[:] = 0.0
+    for i in range(max(0, -row_offset), min(p_old.shape[0], work.shape[0] - row_offset)):
+        for j in range(max(0, -column_offset), min(p_old.shape[1], work.shape[1] - column_offset)):
+            a, b = i + row_offset, j + column_offset
+            p = p_old[i, j] if left_end else 0.5 * (p_old[i, j] + p_new[a, b])
+            w = p * (u_old[i, j] - u_new[a, b]) * cell
+            work[a, b] = w
+            release += max(w, 0.0)
+            loading -= min(w, 0.0)
     return release, loading
 
 

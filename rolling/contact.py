@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling import _contact
-from rolling.half_space import HalfSpace, love
+from rolling.half_space import OWN_COEFFICIENT, HalfSpace, love
 
 Array = NDArray[np.float64]
 
 MAX_ITERATIONS = 1000
-NEAR = 0.03  # candidates for contact have a gap below this share of the largest deflection
+NEAR = 0.01  # candidates for contact have a gap below this share of the largest deflection
 AIM = 0.98  # of the tolerance: what is left is for the difference between the deflection carried along and one computed afresh
 LEAST_STEP = 1e-3  # a step this much shorter than it was meant to be: nodes being put on a bound point the wrong way
 SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the largest deflection, serves no tighter one
@@ -73,7 +73,10 @@ def foundation(shape: Array, load: float, spacing: float, stiffness: float, hard
         )
     e = np.ascontiguousarray(shape, dtype=float).ravel()
     nothing, pressure, everywhere = np.zeros_like(e), np.empty_like(e), np.arange(e.size)
-    _contact.project(nothing, e, 0.0, nothing, e, -stiffness, hardness, everywhere, e.size, 0, total, pressure)
+    slope, _ = _contact.project(nothing, e, 0.0, e.copy(), -stiffness, hardness, everywhere, e.size, 0, total, pressure)
+    if slope == np.inf:  # heights so large that springs round the load away: the lowest nodes carry it
+        pressure[:] = 0.0
+        _contact.settle_load(pressure, e, hardness, total, 0.0)
     return pressure.reshape(shape.shape)
 
 
@@ -84,6 +87,7 @@ def solve(
     start: Array,
     tolerance: float,
     hardness: float = np.inf,
+    nearby: bool = False,
     deflection: Array | None = None,
     trend: tuple[Array, Array] | None = None,
     single: bool = True,
@@ -99,8 +103,9 @@ def solve(
     start : (m, n) pressures to start from [Pa], within 0 and the hardness, carrying the load to rounding.
     tolerance : largest allowed violation of the contact conditions over the largest deflection.
     hardness : pressure cap [Pa].
-    deflection : (m, n) deflection of `start` [m] where it is known and 0 elsewhere; without it every node of the window is iterated
-        on at first, with it only those that are near to contact, and the others are looked at in the end.
+    nearby : iterate on nodes that are loaded or near to contact only, and look at the others in the end: for a start that is close.
+    deflection : (m, n) deflection of `start` [m] where it is known and 0 elsewhere.
+    trend : changes of pressure and deflection since the position before, both (m, n), as a guess at their next ones.
     single : iterate on deflections of single precision, while the tolerance is far above their error. What is accepted is of
         double precision all the same.
 
@@ -112,11 +117,13 @@ def solve(
     convolutions_before = half_space.count
     p = np.array(start, dtype=float)
     u = half_space.deflection(p) if deflection is None else deflection
-    near, fresh, looked_at = (np.inf if deflection is None else NEAR), deflection is None, 0
+    near, fresh, looked_at = NEAR if nearby else np.inf, deflection is None, 0
     tried = _Tried()
     while True:
-        approach, worst, u_max = _contact.violation(p.ravel(), shape.ravel(), u.ravel(), hardness)
-        if not np.isfinite(worst) or not u_max > 0:
+        flat = p.ravel(), shape.ravel(), u.ravel(), hardness
+        approach, u_max = _contact.state_of(*flat)
+        worst = _contact.violation(*flat, approach) if fresh else np.nan
+        if not np.isfinite(approach) or not 0 < u_max < np.inf or worst == np.inf:
             raise ContactError(
                 "the contact solve met numbers that are not finite: check units of load, modulus and heights"
             )
@@ -134,8 +141,22 @@ def solve(
         # Not converged though nothing new came into sight: single precision is not enough.
         precise = not single or tolerance < SINGLE_TOLERANCE or (fresh and count <= looked_at)
         near, looked_at = NEAR, count
-        _iterate(half_space, shape, total, p, u, node[:count], block, tolerance, hardness, precise, max_iterations, tried,
-            trend if not fresh else None)
+        _iterate(
+            half_space,
+            shape,
+            total,
+            p,
+            u,
+            node[:count],
+            block,
+            u_max,
+            tolerance,
+            hardness,
+            precise,
+            max_iterations,
+            tried,
+            trend if not fresh else None,
+        )
         u, fresh = half_space.deflection(p), True
 
 
@@ -159,6 +180,7 @@ def _iterate(
     deflection: Array,
     node: NDArray[np.int64],
     block: list[int],
+    u_max: float,
     tolerance: float,
     cap: float,
     precise: bool,
@@ -171,40 +193,37 @@ def _iterate(
     rows, columns = last_row - first_row + 1, last_column - first_column + 1
     transforms = half_space.convolution(rows - 1, columns - 1, single=not precise)
     transformed = transforms.real.ravel()
-    e, p, u = shape.ravel()[node], pressure.ravel()[node], deflection.ravel()[node]
-    size, bordered, padded = node.size, columns + 2, transforms.real.shape[1]
-    in_padded, in_bordered = np.empty(size, np.int64), np.empty(size, np.int64)
-    _contact.places(node, shape.shape[1], first_row, first_column, padded, bordered, in_padded, in_bordered)
+    p, g = pressure.ravel()[node], shape.ravel()[node] + deflection.ravel()[node]
+    size, bordered = node.size, columns + 2
+    in_padded, in_bordered = np.empty(size, np.uint32), np.empty(size, np.uint32)
+    _contact.places(
+        node, shape.shape[1], first_row, first_column, transforms.real.shape[1], bordered, in_padded, in_bordered
+    )
 
     unit = 1.0 / half_space.unit
-    stencil = _inverse_stencil() * unit
-    reach = unit / float(love(np.zeros(1), np.zeros(1))[0, 0])
+    stencil, reach = _inverse_stencil() * unit, unit / OWN_COEFFICIENT
+    enough = AIM * tolerance * u_max
     grid = np.zeros((rows + 2) * bordered)
-    dp, z, direction, active = np.zeros(size), np.empty(size), np.empty(size), np.empty(size, np.int64)
+    dp, z, active = np.zeros(size), np.empty(size), np.empty(size, np.uint32)
     residual, previous = np.zeros(size), np.zeros(size)
     slope, greatest, zr, length = 0.0, 0.0, 0.0, 1.0
-    snap = 0.01 * tolerance * float(u.max()) * reach / size if tried.snapping else 0.0
+    snap = 0.01 * tolerance * u_max * reach / size if tried.snapping else 0.0
     tried.rounds += 1
-
     if trend is not None:
         # The first step goes by way of the extrapolation of the last solutions and of the gradient there, whose deflection is
         # known but for what the bounds cut off; from the exact start, with its exact line search, that does no harm.
-        q, v = np.empty(size), u + trend[1].ravel()[node]
-        if _contact.extrapolate(p, trend[0].ravel()[node], cap, total, e, u, active, direction, dp, q):
-            _, _, _, _, n_free, n_bound = _contact.advance(
-                q, v, e, dp, transformed, in_padded, 0.0, 0.0, cap, reach, 0.0, residual, grid, in_bordered, active
+        q, h = np.empty(size), g + trend[1].ravel()[node]
+        if _contact.extrapolate(p, trend[0].ravel()[node], g, cap, total, active, z, dp, q):
+            _, approach, _, n_free, n_bound = _contact.advance(
+                q, h, dp, transformed, in_padded, 0.0, 0.0, cap, reach, 0.0, residual, grid, in_bordered, active
             )
-            approach, _, _ = _contact.violation(q, e, v, cap)
             transforms.clear(rows)
             slope, *_ = _contact.aim(
-                q, v, e, approach, residual, previous, grid, in_bordered, bordered, stencil, 0.0, 1.0, cap, reach, active,
-                n_free, n_bound, total, False, z, direction, dp, half_space.unit, in_padded, transformed,
+                q, h, approach, residual, previous, grid, in_bordered, bordered, stencil, 0.0, 1.0, cap, reach, active,
+                n_free, n_bound, total, False, z, dp, half_space.unit, in_padded, transformed,
             )  # fmt: skip
             if slope < 0:
-                approach, _, _ = _contact.violation(p, e, u, cap)
-                slope, greatest = _contact.step_by_way_of(
-                    q, p, u, e, approach, cap, dp, half_space.unit, in_padded, transformed
-                )
+                slope, greatest = _contact.step_by_way_of(q, p, g, cap, dp, half_space.unit, in_padded, transformed)
             if slope < 0:
                 transforms.apply(rows)
                 half_space.count += 1
@@ -212,19 +231,20 @@ def _iterate(
             else:
                 slope = 0.0
                 dp[:] = 0.0
+
     while True:
         residual, previous = previous, residual
-        best, approach, worst, u_max, n_free, n_bound = _contact.advance(
-            p, u, e, dp, transformed, in_padded, slope, greatest, cap, reach, snap, residual, grid, in_bordered, active
+        best, approach, worst, n_free, n_bound = _contact.advance(
+            p, g, dp, transformed, in_padded, slope, greatest, cap, reach, snap, residual, grid, in_bordered, active
         )
-        if not worst > AIM * tolerance * u_max or tried.iterations >= max_iterations:
+        if not worst > enough or tried.iterations >= max_iterations:
             break
         snap = 0.01 * tolerance * u_max * reach / max(n_bound, 1) if tried.snapping else 0.0
         length *= min(max(best, 0.5), 2.0)
         transforms.clear(rows)
         slope, greatest, zr, length, restarts, plain = _contact.aim(
-            p, u, e, approach, residual, previous, grid, in_bordered, bordered, stencil, zr, length, cap, reach, active,
-            n_free, n_bound, total, best < LEAST_STEP, z, direction, dp, half_space.unit, in_padded, transformed,
+            p, g, approach, residual, previous, grid, in_bordered, bordered, stencil, zr, length, cap, reach, active,
+            n_free, n_bound, total, best < LEAST_STEP, z, dp, half_space.unit, in_padded, transformed,
         )  # fmt: skip
         tried.restarts += restarts
         tried.plain_steps += plain
@@ -235,19 +255,18 @@ def _iterate(
         transforms.apply(rows)
         half_space.count += 1
 
-    if not worst > AIM * tolerance * u_max:
+    if not worst > enough:
         # What was put on a bound for good took its share of the load along: the free nodes have it, or the nearest to moving.
         if n_free:
-            direction[active[:n_free]] = 0.0
-            _contact.project(p, e, approach, u, direction, 1.0, cap, active, n_free, 0, total, dp)
+            _contact.project(p, g, approach, z, 0.0, cap, active, n_free, 0, total, dp)
             p += dp
         elif abs(p.sum() / total - 1) > 1e-13:
             tried.snapping = False
-            _contact.settle_load(p, e, u, cap, total, 0.0)
+            _contact.settle_load(p, g, cap, total, 0.0)
     elif not slope < 0 and tried.iterations:
         # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
         tried.stuck += 1
         p += dp
-        _contact.settle_load(p, e, u, cap, total, 1e-9 * p.max())
+        _contact.settle_load(p, g, cap, total, 1e-9 * p.max())
     np.clip(p, 0.0, cap, out=p)
     pressure.ravel()[node] = p

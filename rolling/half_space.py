@@ -18,6 +18,8 @@ _SINGLE_LENGTHS = (*_SHORT, 144, 160, 192, 240, 256, 320, 384, 400, *_LONG)
 _DOUBLE_LENGTHS = (*_SHORT, 160, 200, 256, 320, 384, 400, *_LONG)
 MOST_NODES = _LONG[-1] // 2  # across a window
 
+OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # of a unit square at its own centre
+
 
 def padded_length(reach: int, single: bool = False) -> int:
     """Smallest quick length whose transform keeps nodes apart that are up to `reach` spacings from one another.
@@ -117,6 +119,16 @@ def _reach(pressure):
     )
 
 
+@njit(cache=True)
+def _multiply(lines, coefficients):
+    """lines *= coefficients, of which the second half of the rows mirrors the first."""
+    rows = lines.shape[0]
+    for i in range(rows):
+        line, row = lines[i], coefficients[min(i, rows - i)]
+        for j in range(row.size):
+            line[j] *= row[j]
+
+
 class Convolution:
     """The transforms of one padded size and their work arrays: pressure into `real`, `apply`, deflection out of `real`.
 
@@ -136,14 +148,13 @@ class Convolution:
         self.real = pyfftw.zeros_aligned((m, n), real)
         self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
         self._as_pairs = self._lines.view(real)
-        # Each coefficient twice, for the real and the imaginary part of its line: one plain product of real arrays.
-        self._coefficients = np.repeat(_love_spectrum(m, n) / (m * n), 2, axis=1).astype(real)
+        # Each coefficient twice, for the real and the imaginary part of its line. Even along the columns, half of the rows says
+        # all and leaves the cache to the lines.
+        self._coefficients = np.repeat(_love_spectrum(m, n)[: m // 2 + 1] / (m * n), 2, axis=1).astype(real)
         # FFTW_ESTIMATE, because plans chosen by timing differ from run to run, and with them the last digits.
         flags = ("FFTW_ESTIMATE",)
         self._column_forward = pyfftw.FFTW(self._lines, self._lines, axes=(0,), flags=flags)
-        self._column_backward = pyfftw.FFTW(
-            self._lines, self._lines, axes=(0,), direction="FFTW_BACKWARD", flags=flags
-        )
+        self._column_backward = pyfftw.FFTW(self._lines, self._lines, axes=(0,), direction="FFTW_BACKWARD", flags=flags)
         self._row_plans: dict[int, tuple[pyfftw.FFTW, pyfftw.FFTW]] = {}
 
     def clear(self, rows: int) -> None:
@@ -164,6 +175,6 @@ class Convolution:
         row_forward.execute()
         self._lines[rows:] = 0.0
         self._column_forward.execute()
-        np.multiply(self._as_pairs, self._coefficients, out=self._as_pairs)
+        _multiply(self._as_pairs, self._coefficients)
         self._column_backward.execute()
         row_backward.execute()

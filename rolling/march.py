@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,12 @@ from rolling.half_space import MOST_NODES, HalfSpace
 
 Array = NDArray[np.float64]
 
-LOOK_AHEAD = 4  # nodes: up to such a step a window reaches over the next position, whose deflection is then known in advance
-LEAST_SHARE = 0.2  # of pressures that move with the sphere: below, those of the plate alone are as good a start, for nothing
+LOOK_AHEAD = (
+    4  # nodes: up to such a step a window reaches over the next position, whose deflection is then known in advance
+)
+LEAST_SHARE = (
+    0.2  # of pressures that move with the sphere: below, those of the plate alone are as good a start, for nothing
+)
 COLD_TIGHTENING = 0.1  # a cold start is solved this much tighter, so that its error does not stand out among warm ones
 
 
@@ -55,16 +60,6 @@ class Window:
         """Values (rows, columns) of this window as they stand in the target window; zero where this one does not reach."""
         out = np.empty((target.rows, target.columns))
         _march.copy_block(values, out, self.row - target.row, self.column - target.column)
-        return out
-
-    def change(self, values: Array, later: Array, target: Window) -> Array:
-        """Later values, given on the target window, minus those of this one; zero where this one does not reach."""
-        out = np.zeros((target.rows, target.columns))
-        row, column = self.row - target.row, self.column - target.column
-        a, b = slice(max(row, 0), max(row + self.rows, 0)), slice(max(column, 0), max(column + self.columns, 0))
-        inner = out[a, b]
-        i, j = max(-row, 0), max(-column, 0)
-        inner[:] = later[a, b] - values[i : i + inner.shape[0], j : j + inner.shape[1]]
         return out
 
 
@@ -128,6 +123,9 @@ class ContactState:
     residual: float
     iterations: int
     convolutions: int
+    sphere_share: float = (
+        0.0  # of the pressures the solve began with: moved with the sphere, the rest stayed with the plate
+    )
 
 
 def march(track: RollingContact, first: int, last: int, half_space: HalfSpace) -> Iterator[ContactState]:
@@ -163,7 +161,7 @@ def _start(track: RollingContact, k: int, half_space: HalfSpace) -> ContactState
     )
     gap = track.gap(k, window)
     pressure = contact.foundation(gap, track.load, track.spacing, stiffness, track.hardness)
-    return _solve(track, k, half_space, window, gap, pressure, None, COLD_TIGHTENING * track.tolerance, -np.inf)
+    return _solve(track, k, half_space, window, gap, pressure, COLD_TIGHTENING * track.tolerance, -np.inf)
 
 
 def _follow(
@@ -171,8 +169,8 @@ def _follow(
 ) -> ContactState:
     """The next position, from pressures that stayed with the plate, on a window of all that was loaded and all that can be.
 
-    On a smooth plate pressures move with the sphere instead: the start is the mixture of both of least energy. Both deflections
-    are known, so finding it takes no convolution.
+    On a smooth plate pressures move with the sphere instead: the start is the mixture of both of least energy, as long as that is
+    worth its while. Both deflections are known, so finding it takes no convolution.
     """
     change = abs(state.approach - before.approach) if before else np.inf
     approach = state.approach + min(4 * change, 0.1 * float(state.deflection.max()))
@@ -182,21 +180,47 @@ def _follow(
     gap = track.gap(k, window)
     start = state.window.moved(state.pressure, window)
     known = state.window.covers(needed)
-    nodes = round(track.step / track.spacing)
-    if nodes * track.spacing == track.step:
-        offset = (state.window.row - window.row, state.window.column - window.column)
-        slope, curvature = _march.towards_the_sphere(state.pressure, state.deflection, gap, *offset, nodes)
-        share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0
-        moved_on = replace(state.window, row=state.window.row + nodes)
-        if share > LEAST_SHARE and window.covers(replace(state.loaded, row=state.loaded.row + nodes)):
-            start += share * (moved_on.moved(state.pressure, window) - start)
-            np.clip(start, 0.0, track.hardness, out=start)
-            known = False
-    deflection = state.window.moved(state.deflection, window) if known else half_space.deflection(start)
+    sphere_share = 0.0
+    if before is None or state.sphere_share > 0:
+        sphere_share, start = _towards_the_sphere(track, state, window, gap, start)
+        known = known and sphere_share == 0
+    deflection = state.window.moved(state.deflection, window) if known else None
     trend = None
-    if before is not None and known:
-        trend = (start - before.window.moved(before.pressure, window), before.window.change(before.deflection, deflection, window))
-    return _solve(track, k, half_space, window, gap, start, deflection, track.tolerance, approach, trend)
+    if before is not None and deflection is not None:
+        trend = np.empty_like(start), np.empty_like(start)
+        offset = before.window.row - window.row, before.window.column - window.column
+        _march.trends(start, deflection, before.pressure, before.deflection, *offset, *trend)
+    following = _solve(
+        track,
+        k,
+        half_space,
+        window,
+        gap,
+        start,
+        track.tolerance,
+        approach,
+        nearby=True,
+        deflection=deflection,
+        trend=trend,
+    )
+    return replace(following, sphere_share=sphere_share)
+
+
+def _towards_the_sphere(
+    track: RollingContact, state: ContactState, window: Window, gap: Array, start: Array
+) -> tuple[float, Array]:
+    """Share of the pressures that best goes with the sphere, the rest staying with the plate, and the pressures so mixed."""
+    nodes = round(track.step / track.spacing)
+    moved_on = replace(state.window, row=state.window.row + nodes)
+    if nodes * track.spacing != track.step or not window.covers(replace(state.loaded, row=state.loaded.row + nodes)):
+        return 0.0, start
+    offset = state.window.row - window.row, state.window.column - window.column
+    slope, curvature = _march.towards_the_sphere(state.pressure, state.deflection, gap, *offset, nodes)
+    share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0
+    if share < LEAST_SHARE:
+        return 0.0, start
+    mixed = start + share * (moved_on.moved(state.pressure, window) - start)
+    return share, np.clip(mixed, 0.0, track.hardness, out=mixed)
 
 
 def _overlaps(track: RollingContact, k: int, approach: float) -> list[Window]:
@@ -211,16 +235,18 @@ def _solve(
     window: Window,
     gap: Array,
     pressure: Array,
-    deflection: Array | None,
     tolerance: float,
     approach: float,
-    trend: tuple[Array, Array] | None = None,
+    **known: Any,
 ) -> ContactState:
-    """Solve on the window, which holds the overlap up to `approach`; where the overlap of the answer is larger, on that."""
+    """Solve on the window, which holds the overlap up to `approach`; where the overlap of the answer is larger, on that.
+
+    `known` goes to the solver: what is known of the start.
+    """
     iterations, convolutions = 0, half_space.count
     while True:
         solved = contact.solve(
-            half_space, gap, track.load, pressure, tolerance, track.hardness, deflection, trend, track.single
+            half_space, gap, track.load, pressure, tolerance, track.hardness, single=track.single, **known
         )
         iterations += solved.iterations
         if solved.approach <= approach:
@@ -230,7 +256,7 @@ def _solve(
             break
         larger = _room([window, overlap])
         pressure, window = window.moved(solved.pressure, larger), larger
-        gap, deflection, trend = track.gap(k, window), half_space.deflection(pressure), None
+        gap, known = track.gap(k, window), {"nearby": True}
 
     count, capped, greatest, work, *block = _march.loaded(solved.pressure, solved.deflection, track.hardness)
     cell = track.spacing**2

@@ -39,16 +39,14 @@ def step_energy(old: ContactState, new: ContactState, half_space: HalfSpace, lef
     Every node loaded at either position counts, so both deflections must be known on all of them: the new window reaches over
     the nodes that were loaded; where the old one does not reach over the new ones, its deflection is computed there.
     """
-    window, u_old = new.window, None
-    if old.window.covers(new.loaded):
-        # Nodes of the new window outside the old one are unloaded at both ends: what is filled in there meets zero pressure.
-        u_old = old.window.moved(old.deflection, window)
-    p_old = old.window.moved(old.pressure, window)
-    if u_old is None:
+    window, p_old, u_old = new.window, old.pressure, old.deflection
+    offset = old.window.row - window.row, old.window.column - window.column
+    if not old.window.covers(new.loaded):
+        p_old, offset = old.window.moved(old.pressure, window), (0, 0)
         u_old = half_space.deflection(p_old)
     work = np.empty((window.rows, window.columns))
     cell = half_space.spacing**2
-    release, loading = _recovery.node_work(p_old, u_old, new.pressure, new.deflection, left_end, cell, work)
+    release, loading = _recovery.node_work(p_old, u_old, *offset, new.pressure, new.deflection, left_end, cell, work)
     defect = loading - release - (new.stored_energy - old.stored_energy)
     return StepEnergy(float(release), float(loading), float(defect), window, work)
 

@@ -80,14 +80,15 @@ def contact_sound(scene: Scene, release_energy: Array, step: float, closed: bool
     else:
         # The mean goes off in distance: multiplied by a changing speed it would sound as loud as the roughness.
         signal = per_metre - per_metre.mean()
-        if np.ptp(per_metre) <= 1e-13 * abs(per_metre.mean()):
+        # Pieces of a smooth track differ by rounding, which single precision makes 1e-13 of.
+        if np.ptp(per_metre) <= 1e-11 * abs(per_metre.mean()):
             signal = np.zeros(steps)
         if not closed:
             signal = resampling.fade(signal, _fade_length(steps, duration))
         signal = resampling.undo_step_mean(signal)
         # Dense enough in time for what the greatest speed makes of the shortest wave on the track.
         oversampling = max(1, int(np.ceil(motion.fastest / step / rate)))
-        fine = (np.arange(samples * oversampling) + 0.0) * duration / (samples * oversampling)
+        fine = np.arange(samples * oversampling) * duration / (samples * oversampling)
         index = np.asarray(motion.distance(fine)) / step
         in_time = resampling.interpolate_closed(signal, index) * np.asarray(motion.speed(fine))
         in_time = resampling.fade(in_time, _fade_length(len(in_time), duration))
