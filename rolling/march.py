@@ -77,6 +77,7 @@ class RollingContact:
     start: float
     tolerance: float
     single: bool = True  # iterate on deflections of single precision (contact.solve)
+    blended: bool = False  # nodes at the edge of yielding patches are loaded by the share of their cell in contact
 
     @cached_property
     def row_highest(self) -> Array:

@@ -251,6 +251,14 @@ class Numerics(_Section):
         le=1e-1,
         description="Largest violation of the contact conditions over the largest deflection [-]",
     )
+    edges: Literal["sharp", "blended"] = Field(
+        default="sharp",
+        description="Nodes at the edge of yielding patches: all or nothing, or loaded by the share of their cell in contact",
+    )
+    precision: Literal["single", "double"] = Field(
+        default="single",
+        description="Of the transforms while iterating; what is accepted is checked and kept in double precision",
+    )
 
 
 class Recovery(_Section):

@@ -117,6 +117,8 @@ def rolling_contact(scene: Scene) -> RollingContact:
         step=scene.step,
         start=scene.start,
         tolerance=scene.numerics.tolerance,
+        single=scene.numerics.precision == "single",
+        blended=scene.numerics.edges == "blended" and np.isfinite(scene.hardness),
     )
 
 
