@@ -88,11 +88,14 @@ def places(node, columns, first_row, first_column, padded, bordered, in_padded, 
 
 
 @njit(cache=True)
-def advance(p, g, dp, deflection, in_padded, slope, greatest, cap, reach, snap, residual, grid, in_bordered, active):
+def advance(
+    p, g, soft, give, dp, deflection, in_padded, slope, greatest, cap, reach, snap, residual, grid, in_bordered, active
+):  # fmt: skip
     """Go along dp as far as the energy falls and the bounds allow, then find approach, violations and who may move.
 
-    g is the gap before the approach is taken off; `deflection` that of dp, in the array of the transforms; `slope` of the energy
-    along dp, 0 for no step at all. `reach` [Pa/m] turns a gap into the pressure it would take on that node alone to close it.
+    g is the gap before the approach is taken off, with soft * p [m] of nodes that give by themselves (empty: none does);
+    `deflection` that of dp, in the array of the transforms; `slope` of the energy along dp, 0 for no step at all. `reach` [Pa/m]
+    turns a gap into the pressure it would take on that node alone to close it, `give` is what is left of that on a soft one.
     A loaded node that such a step would carry past a bound goes straight there (two-metric projection, Bertsekas, SIAM J.
     Control Optim. 20(2), 1982): mixed into the conjugate direction it would hold everything else back. Partial steps leave such
     nodes ever closer to their bound but never on it; within `snap` [Pa] of it, which no deflection can tell, they are put there.
@@ -105,6 +108,8 @@ def advance(p, g, dp, deflection, in_padded, slope, greatest, cap, reach, snap, 
         curvature = 0.0
         for k in range(p.size):
             curvature += dp[k] * deflection[in_padded[k]]
+        for k in range(soft.size):
+            curvature += soft[k] * dp[k] * dp[k]
         best = -slope / curvature if curvature > 0.0 else 1.0
         # A long step multiplies the rounding of the load.
         t = min(best, greatest, 100.0)
@@ -112,9 +117,12 @@ def advance(p, g, dp, deflection, in_padded, slope, greatest, cap, reach, snap, 
     inside, gap_sum, lowest_open, highest_capped = 0, 0.0, np.inf, -np.inf
     for k in range(p.size):
         if t > 0.0:
-            g[k] += t * deflection[in_padded[k]]
             v = max(p[k] + t * dp[k], 0.0)
-            p[k] = v if v < nearly else cap
+            v = v if v < nearly else cap
+            g[k] += t * deflection[in_padded[k]]
+            if soft.size:
+                g[k] += soft[k] * (v - p[k])
+            p[k] = v
         if p[k] <= 0.0:
             lowest_open = min(lowest_open, g[k])
         elif p[k] >= cap:
@@ -132,7 +140,8 @@ def advance(p, g, dp, deflection, in_padded, slope, greatest, cap, reach, snap, 
         grid[in_bordered[k]] = 0.0
         if (p[k] <= 0.0 and gap >= 0.0) or (p[k] >= cap and gap <= 0.0):
             continue
-        step = p[k] - reach * gap
+        own = give[k] if soft.size else 1.0
+        step = p[k] - own * reach * gap
         if step <= 0.0 and 0.0 < p[k] <= snap:
             p[k] = 0.0
             continue
@@ -145,7 +154,7 @@ def advance(p, g, dp, deflection, in_padded, slope, greatest, cap, reach, snap, 
             active[p.size - n_bound] = k
         else:
             residual[k] = gap
-            grid[in_bordered[k]] = gap
+            grid[in_bordered[k]] = gap * np.sqrt(own) if soft.size else gap
             active[n_free] = k
             n_free += 1
     for i in range(n_bound):
@@ -154,8 +163,8 @@ def advance(p, g, dp, deflection, in_padded, slope, greatest, cap, reach, snap, 
 
 
 @njit(cache=True)
-def precondition(grid, in_bordered, bordered, stencil, active, n_free, z):
-    """z = short stencil of the inverse half-space times the residual, on the free nodes."""
+def precondition(grid, in_bordered, bordered, stencil, give, active, n_free, z):
+    """z = short stencil of the inverse half-space times the residual, on the free nodes, less where they give by themselves."""
     for a in range(n_free):
         k = active[a]
         at = in_bordered[k]
@@ -163,12 +172,12 @@ def precondition(grid, in_bordered, bordered, stencil, active, n_free, z):
         for x in range(3):
             row = at + (x - 1) * bordered
             total += stencil[x, 0] * grid[row - 1] + stencil[x, 1] * grid[row] + stencil[x, 2] * grid[row + 1]
-        z[k] = total
+        z[k] = total * np.sqrt(give[k]) if give.size else total
 
 
 @njit(cache=True)
 def aim(
-    p, g, approach, residual, previous, grid, in_bordered, bordered, stencil, zr_before, length, cap, reach, active,
+    p, g, give, approach, residual, previous, grid, in_bordered, bordered, stencil, zr_before, length, cap, reach, active,
     n_free, n_bound, total, plainly, z, dp, scale, in_padded, transformed,
 ):  # fmt: skip
     """The next feasible step dp: preconditioned conjugate gradient (Polak-Ribiere), projected; or, where that does not descend,
@@ -179,7 +188,7 @@ def aim(
     Returns slope of the energy along dp (not negative: stuck), greatest step length, z.r, the length left, restarts and plain
     steps (0 or 1 each).
     """
-    precondition(grid, in_bordered, bordered, stencil, active, n_free, z)
+    precondition(grid, in_bordered, bordered, stencil, give, active, n_free, z)
     zr = 0.0
     change = 0.0
     for a in range(n_free):
@@ -198,7 +207,7 @@ def aim(
     if not slope < 0.0 and beta > 0.0:
         restarts = 1
         length = 1.0
-        precondition(grid, in_bordered, bordered, stencil, active, n_free, z)
+        precondition(grid, in_bordered, bordered, stencil, give, active, n_free, z)
         slope, greatest = project(p, g, approach, z, -1.0, cap, active, n_free, n_bound, total, dp)
     if plainly or not slope < 0.0:
         # The plain projected gradient, of all nodes, always descends, short of a solution.
@@ -207,7 +216,7 @@ def aim(
         zr = 0.0
         for k in range(p.size):
             active[k] = k
-            z[k] = -reach * (g[k] - approach)
+            z[k] = -reach * (g[k] - approach)  # the same factor for all: only so does the projection descend
         slope, greatest = project(p, g, approach, z, 1.0, cap, active, p.size, 0, total, dp)
     for k in range(p.size):
         transformed[in_padded[k]] = scale * dp[k]

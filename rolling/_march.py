@@ -106,10 +106,33 @@ def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend
 
 
 @njit(cache=True)
-def loaded(pressure, deflection, hardness):
-    """Number of loaded and of capped nodes, greatest pressure, sum of p u, bounding block of the loaded nodes in the window."""
-    count = 0
-    capped = 0
+def cell_ranges(gap, p, share, most, out):
+    """out = share of half the range [m] that the gap has over the cells of loaded nodes and their neighbours, at most `most`."""
+    out[:] = 0.0
+    for i in range(1, p.shape[0] - 1):
+        for j in range(1, p.shape[1] - 1):
+            if p[i, j] > 0.0 or p[i - 1, j] > 0.0 or p[i + 1, j] > 0.0 or p[i, j - 1] > 0.0 or p[i, j + 1] > 0.0:
+                difference = abs(gap[i + 1, j] - gap[i - 1, j]) + abs(gap[i, j + 1] - gap[i, j - 1])
+                out[i, j] = min(0.25 * share * difference, most)
+
+
+@njit(cache=True)
+def beside_open(pressure, i, j):
+    """Whether one of the four neighbours of a node is open, as all is outside."""
+    rows, columns = pressure.shape
+    if i == 0 or j == 0 or i == rows - 1 or j == columns - 1:
+        return True
+    return not (pressure[i - 1, j] > 0 and pressure[i + 1, j] > 0 and pressure[i, j - 1] > 0 and pressure[i, j + 1] > 0)
+
+
+@njit(cache=True)
+def loaded(pressure, deflection, hardness, blended):
+    """Nodes in contact and at the hardness, greatest pressure, sum of p u, bounding block of the loaded nodes in the window.
+
+    Where edges are blended, a node between open ones and the bound counts with the share of its cell that bears the hardness.
+    """
+    count = 0.0
+    capped = 0.0
     greatest = 0.0
     work = 0.0
     first_row, last_row, first_column, last_column = pressure.shape[0], -1, pressure.shape[1], -1
@@ -117,9 +140,14 @@ def loaded(pressure, deflection, hardness):
         for j in range(pressure.shape[1]):
             p = pressure[i, j]
             if p > 0.0:
-                count += 1
                 if p >= hardness:
-                    capped += 1
+                    count += 1.0
+                    capped += 1.0
+                elif blended and beside_open(pressure, i, j):
+                    count += p / hardness
+                    capped += p / hardness
+                else:
+                    count += 1.0
                 greatest = max(greatest, p)
                 work += p * deflection[i, j]
                 first_row = min(first_row, i)

@@ -90,6 +90,7 @@ def solve(
     nearby: bool = False,
     deflection: Array | None = None,
     trend: tuple[Array, Array] | None = None,
+    edge: Array | None = None,
     single: bool = True,
     max_iterations: int = MAX_ITERATIONS,
 ) -> Contact:
@@ -106,6 +107,8 @@ def solve(
     nearby : iterate on nodes that are loaded or near to contact only, and look at the others in the end: for a start that is close.
     deflection : (m, n) deflection of `start` [m] where it is known and 0 elsewhere.
     trend : changes of pressure and deflection since the position before, both (m, n), as a guess at their next ones.
+    edge : (m, n) half of the range of gaps over the cell of a node [m], where a patch at the hardness may end within the cell:
+        a node with the share s of its cell in contact bears s * hardness at a gap of edge * (1 - 2 s). 0: all or nothing.
     single : iterate on deflections of single precision, while the tolerance is far above their error. What is accepted is of
         double precision all the same.
 
@@ -117,11 +120,15 @@ def solve(
     convolutions_before = half_space.count
     p = np.array(start, dtype=float)
     u = half_space.deflection(p) if deflection is None else deflection
+    if edge is not None:
+        shape, soft = shape - edge, 2 * edge / hardness
     near, fresh, looked_at = NEAR if nearby else np.inf, deflection is None, 0
     tried = _Tried()
     while True:
-        flat = p.ravel(), shape.ravel(), u.ravel(), hardness
+        yielding = u if edge is None else u + soft * p
+        flat = p.ravel(), shape.ravel(), yielding.ravel(), hardness
         approach, u_max = _contact.state_of(*flat)
+        u_max = u_max if edge is None else float(u.max())
         worst = _contact.violation(*flat, approach) if fresh else np.nan
         if not np.isfinite(approach) or not 0 < u_max < np.inf or worst == np.inf:
             raise ContactError(
@@ -137,7 +144,7 @@ def solve(
                 f" {tried.plain_steps} plain gradient steps)"
             )
         node = np.empty(p.size, dtype=np.int64)
-        count, *block = _contact.candidates(p, shape, u, approach + near * u_max, node)
+        count, *block = _contact.candidates(p, shape, yielding, approach + near * u_max, node)
         # Not converged though nothing new came into sight: single precision is not enough.
         precise = not single or tolerance < SINGLE_TOLERANCE or (fresh and count <= looked_at)
         near, looked_at = NEAR, count
@@ -146,7 +153,7 @@ def solve(
             shape,
             total,
             p,
-            u,
+            yielding,
             node[:count],
             block,
             u_max,
@@ -156,6 +163,7 @@ def solve(
             max_iterations,
             tried,
             trend if not fresh else None,
+            np.empty(0) if edge is None else soft.ravel()[node[:count]],
         )
         u, fresh = half_space.deflection(p), True
 
@@ -187,6 +195,7 @@ def _iterate(
     max_iterations: int,
     tried: _Tried,
     trend: tuple[Array, Array] | None,
+    soft: Array,
 ) -> None:
     """Conjugate gradients on the candidates `node` within their block, until they hold the conditions; changes `pressure`."""
     first_row, last_row, first_column, last_column = block
@@ -203,6 +212,7 @@ def _iterate(
     unit = 1.0 / half_space.unit
     stencil, reach = _inverse_stencil() * unit, unit / OWN_COEFFICIENT
     enough = AIM * tolerance * u_max
+    give = 1 / (1 + soft * reach)
     grid = np.zeros((rows + 2) * bordered)
     dp, z, active = np.zeros(size), np.empty(size), np.empty(size, np.uint32)
     residual, previous = np.zeros(size), np.zeros(size)
@@ -213,13 +223,30 @@ def _iterate(
         # The first step goes by way of the extrapolation of the last solutions and of the gradient there, whose deflection is
         # known but for what the bounds cut off; from the exact start, with its exact line search, that does no harm.
         q, h = np.empty(size), g + trend[1].ravel()[node]
+        if soft.size:
+            h += soft * trend[0].ravel()[node]
         if _contact.extrapolate(p, trend[0].ravel()[node], g, cap, total, active, z, dp, q):
             _, approach, _, n_free, n_bound = _contact.advance(
-                q, h, dp, transformed, in_padded, 0.0, 0.0, cap, reach, 0.0, residual, grid, in_bordered, active
+                q,
+                h,
+                soft,
+                give,
+                dp,
+                transformed,
+                in_padded,
+                0.0,
+                0.0,
+                cap,
+                reach,
+                0.0,
+                residual,
+                grid,
+                in_bordered,
+                active,
             )
             transforms.clear(rows)
             slope, *_ = _contact.aim(
-                q, h, approach, residual, previous, grid, in_bordered, bordered, stencil, 0.0, 1.0, cap, reach, active,
+                q, h, give, approach, residual, previous, grid, in_bordered, bordered, stencil, 0.0, 1.0, cap, reach, active,
                 n_free, n_bound, total, False, z, dp, half_space.unit, in_padded, transformed,
             )  # fmt: skip
             if slope < 0:
@@ -235,7 +262,22 @@ def _iterate(
     while True:
         residual, previous = previous, residual
         best, approach, worst, n_free, n_bound = _contact.advance(
-            p, g, dp, transformed, in_padded, slope, greatest, cap, reach, snap, residual, grid, in_bordered, active
+            p,
+            g,
+            soft,
+            give,
+            dp,
+            transformed,
+            in_padded,
+            slope,
+            greatest,
+            cap,
+            reach,
+            snap,
+            residual,
+            grid,
+            in_bordered,
+            active,
         )
         if not worst > enough or tried.iterations >= max_iterations:
             break
@@ -243,7 +285,7 @@ def _iterate(
         length *= min(max(best, 0.5), 2.0)
         transforms.clear(rows)
         slope, greatest, zr, length, restarts, plain = _contact.aim(
-            p, g, approach, residual, previous, grid, in_bordered, bordered, stencil, zr, length, cap, reach, active,
+            p, g, give, approach, residual, previous, grid, in_bordered, bordered, stencil, zr, length, cap, reach, active,
             n_free, n_bound, total, best < LEAST_STEP, z, dp, half_space.unit, in_padded, transformed,
         )  # fmt: skip
         tried.restarts += restarts

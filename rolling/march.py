@@ -25,6 +25,9 @@ LOOK_AHEAD = (
 LEAST_SHARE = (
     0.2  # of pressures that move with the sphere: below, those of the plate alone are as good a start, for nothing
 )
+EDGE_SHARE = 0.7  # of half the range of gaps over a cell, by trial (README)
+MOST_EDGE = 0.2  # of the largest deflection: slopes that are no part of a patch's edge do not make it soft
+COLD_BLENDS = 2  # at a cold start the edges are known only after a solve, and better after another
 COLD_TIGHTENING = 0.1  # a cold start is solved this much tighter, so that its error does not stand out among warm ones
 
 
@@ -124,6 +127,7 @@ class ContactState:
     residual: float
     iterations: int
     convolutions: int
+    edge: Array | None = None  # half of the range of gaps over cells where a patch may end [m], of a blended march
     sphere_share: float = (
         0.0  # of the pressures the solve began with: moved with the sphere, the rest stayed with the plate
     )
@@ -162,7 +166,35 @@ def _start(track: RollingContact, k: int, half_space: HalfSpace) -> ContactState
     )
     gap = track.gap(k, window)
     pressure = contact.foundation(gap, track.load, track.spacing, stiffness, track.hardness)
-    return _solve(track, k, half_space, window, gap, pressure, COLD_TIGHTENING * track.tolerance, -np.inf)
+    state = _solve(track, k, half_space, window, gap, pressure, COLD_TIGHTENING * track.tolerance, -np.inf)
+    for _ in range(COLD_BLENDS if track.blended else 0):
+        state = _blend(track, half_space, state)
+    return state
+
+
+def _blend(track: RollingContact, half_space: HalfSpace, state: ContactState) -> ContactState:
+    """The same position once more, with its patches ending where its own gaps say."""
+    gap = track.gap(state.position, state.window)
+    edge = _edges(track, gap + state.deflection, state.pressure, state.deflection)
+    return _solve(
+        track,
+        state.position,
+        half_space,
+        state.window,
+        gap,
+        state.pressure,
+        COLD_TIGHTENING * track.tolerance,
+        state.approach,
+        nearby=True,
+        edge=edge,
+    )
+
+
+def _edges(track: RollingContact, gap: Array, pressure: Array, deflection: Array) -> Array:
+    """Half of the range of gaps [m] over cells that the edge of a patch at the hardness may cross (contact.solve's `edge`)."""
+    out = np.empty_like(gap)
+    _march.cell_ranges(gap, pressure, EDGE_SHARE, MOST_EDGE * float(deflection.max()), out)
+    return out
 
 
 def _follow(
@@ -191,6 +223,11 @@ def _follow(
         trend = np.empty_like(start), np.empty_like(start)
         offset = before.window.row - window.row, before.window.column - window.column
         _march.trends(start, deflection, before.pressure, before.deflection, *offset, *trend)
+    edge = None
+    if track.blended:
+        deflection = half_space.deflection(start) if deflection is None else deflection
+        guess = gap + deflection if trend is None else gap + deflection + trend[1]
+        edge = _edges(track, guess, start, deflection)
     following = _solve(
         track,
         k,
@@ -203,6 +240,7 @@ def _follow(
         nearby=True,
         deflection=deflection,
         trend=trend,
+        edge=edge,
     )
     return replace(following, sphere_share=sphere_share)
 
@@ -256,10 +294,14 @@ def _solve(
         if overlap is None or window.covers(overlap):
             break
         larger = _room([window, overlap])
-        pressure, window = window.moved(solved.pressure, larger), larger
-        gap, known = track.gap(k, window), {"nearby": True}
+        edge = known.get("edge")
+        known = {"nearby": True, "edge": None if edge is None else window.moved(edge, larger)}
+        pressure, window, gap = window.moved(solved.pressure, larger), larger, track.gap(k, larger)
 
-    count, capped, greatest, work, *block = _march.loaded(solved.pressure, solved.deflection, track.hardness)
+    edge = known.get("edge")
+    count, capped, greatest, work, *block = _march.loaded(
+        solved.pressure, solved.deflection, track.hardness, edge is not None
+    )
     cell = track.spacing**2
     loaded = Window(window.row + block[0], window.column + block[2], block[1] - block[0] + 1, block[3] - block[2] + 1)
     _refuse_wide(track, loaded.rows * track.spacing, loaded.columns * track.spacing)
@@ -273,6 +315,7 @@ def _solve(
         contact_area=count * cell,
         plastic_area=capped * cell,
         max_pressure=float(greatest),
+        edge=edge,
         stored_energy=0.5 * float(work) * cell,
         residual=solved.residual,
         iterations=iterations,
