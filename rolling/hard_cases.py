@@ -171,11 +171,13 @@ def report(
     cases: Sequence[HardCase],
     random: int = 2000,
     odd: int = 500,
+    blended: int = 500,
     workers: int = 1,
     progress: Callable[[int], object] = lambda scenes: None,
 ) -> dict[str, Any]:
     """Judge the cases and so many random and odd scenes; plain data for JSON: groups, failures, refusals, what must hold."""
     tasks: list[Task] = [*cases, *(("random", k) for k in range(random)), *(("odd", k) for k in range(odd))]
+    tasks += [("blended", k) for k in range(blended)]
     outcomes = []
     began = time.perf_counter()
     for outcome in _judged(tasks, workers):
@@ -207,7 +209,7 @@ def report(
 
 
 def _order(group: str, feature: str, plate: str) -> tuple[int, str, str]:
-    return ("named", "found", "random", "odd").index(group), feature, plate
+    return ("named", "found", "random", "odd", "blended").index(group), feature, plate
 
 
 def _judged(tasks: list[Task], workers: int) -> Iterable[Outcome]:
@@ -267,16 +269,16 @@ def _row(group: dict[str, Any]) -> list[str]:
 def main_report(out: Path | None, random: int, workers: int = 1, long: bool = False) -> int:
     """Judge all, print the table, write hard.json and hard.md to the folder `out`; returns 0 when nothing failed, else 1.
 
-    random : scenes of random_scene, and a quarter as many odd ones. long : adds the march of 1e5 steps, some minutes.
+    random : scenes of random_scene, and a quarter as many odd and blended ones. long : adds the march of 1e5 steps, some minutes.
     """
     from tqdm import tqdm
 
     from rolling import store
 
     cases = [*CASES, *found_cases(), *([hard_scenes.LONG] if long else [])]
-    odd = random // 4
-    with tqdm(total=len(cases) + random + odd, unit="scene", file=sys.stderr, disable=None) as bar:
-        data = report(cases, random, odd, workers, bar.update)
+    others = random // 4
+    with tqdm(total=len(cases) + random + 2 * others, unit="scene", file=sys.stderr, disable=None) as bar:
+        data = report(cases, random, others, others, workers, bar.update)
     text = table(data)
     print(text)
     if out is not None:

@@ -27,7 +27,9 @@ LEAST_SHARE = (
 )
 EDGE_SHARE = 0.7  # of half the range of gaps over a cell, by trial (README)
 MOST_EDGE = 0.2  # of the largest deflection: slopes that are no part of a patch's edge do not make it soft
-COLD_BLENDS = 2  # at a cold start the edges are known only after a solve, and better after another
+RUN_IN = (
+    3  # positions before the first: by then blended edges have forgotten the cold start to -60 dB of the release signal
+)
 COLD_TIGHTENING = 0.1  # a cold start is solved this much tighter, so that its error does not stand out among warm ones
 
 
@@ -87,6 +89,11 @@ class RollingContact:
         return self.heights.max(axis=1)
 
     @property
+    def has_blended_edges(self) -> bool:
+        """An elastic contact has no patch at the hardness whose edge could be blended."""
+        return self.blended and bool(np.isfinite(self.hardness))
+
+    @property
     def mid_width(self) -> float:
         return (self.heights.shape[1] - 1) / 2 * self.spacing
 
@@ -134,7 +141,7 @@ class ContactState:
 
 
 def march(track: RollingContact, first: int, last: int, half_space: HalfSpace) -> Iterator[ContactState]:
-    """Contact states at positions first, first + 1, ..., last; the first one from a cold start.
+    """Contact states at positions first, first + 1, ..., last; the first one from a cold start, a few positions earlier if blended.
 
     What comes out depends on `first`, not on what was marched before: pieces of a track may be marched anywhere.
 
@@ -145,13 +152,14 @@ def march(track: RollingContact, first: int, last: int, half_space: HalfSpace) -
     _refuse_the_impossible(track)
     state: ContactState | None = None
     before: ContactState | None = None
-    for k in range(first, last + 1):
+    for k in range(first - (RUN_IN if track.has_blended_edges else 0), last + 1):
         try:
             following = _start(track, k, half_space) if state is None else _follow(track, k, half_space, state, before)
         except ContactError as error:
             raise ContactError(f"step {k} (sphere at {track.position(k) * 1e3:.4f} mm): {error}") from error
         state, before = following, state
-        yield state
+        if k >= first:
+            yield state
 
 
 def _start(track: RollingContact, k: int, half_space: HalfSpace) -> ContactState:
@@ -167,9 +175,7 @@ def _start(track: RollingContact, k: int, half_space: HalfSpace) -> ContactState
     gap = track.gap(k, window)
     pressure = contact.foundation(gap, track.load, track.spacing, stiffness, track.hardness)
     state = _solve(track, k, half_space, window, gap, pressure, COLD_TIGHTENING * track.tolerance, -np.inf)
-    for _ in range(COLD_BLENDS if track.blended else 0):
-        state = _blend(track, half_space, state)
-    return state
+    return _blend(track, half_space, state) if track.has_blended_edges else state
 
 
 def _blend(track: RollingContact, half_space: HalfSpace, state: ContactState) -> ContactState:
@@ -224,7 +230,7 @@ def _follow(
         offset = before.window.row - window.row, before.window.column - window.column
         _march.trends(start, deflection, before.pressure, before.deflection, *offset, *trend)
     edge = None
-    if track.blended:
+    if track.has_blended_edges:
         deflection = half_space.deflection(start) if deflection is None else deflection
         guess = gap + deflection if trend is None else gap + deflection + trend[1]
         edge = _edges(track, guess, start, deflection)

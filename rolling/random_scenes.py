@@ -154,16 +154,27 @@ def _odd_surface(rng: np.random.Generator, shape: tuple[int, int], size: float, 
     return feature, np.asarray(size * steps, dtype=np.float64)
 
 
-GENERATORS = {"random": random_scene, "odd": odd_scene}
+def blended_scene(seed: int) -> tuple[RollingContact, str]:
+    """A random or an odd scene whose plate yields, with blended edges, and what is special about its surface."""
+    track, feature = (odd_scene if seed % 2 else random_scene)(seed // 2)
+    peak = reference.hertz_pressure(track.load, track.radius, track.contact_modulus)
+    return replace(track, hardness=min(track.hardness, 0.7 * peak), blended=True), feature
+
+
+GENERATORS = {"random": random_scene, "odd": odd_scene, "blended": blended_scene}
+WHY = {
+    "random": "load over 10 decades, hardness over 6",
+    "odd": "ties, equal gaps, long thin plates",
+    "blended": "those of both kinds, with edges that are soft by themselves",
+}
 
 
 def random_case(generator: str, seed: int, group: str = "") -> HardCase:
     """The scene of a seed as a case: to be solved, or refused for load or width. `generator` is a key of GENERATORS."""
     _, feature = GENERATORS[generator](seed)
-    why = "load over 10 decades, hardness over 6" if generator == "random" else "ties, equal gaps, long thin plates"
     return HardCase(
         f"{generator} {seed}",
-        why,
+        WHY[generator],
         partial(_track, generator, seed),
         BUDGET,
         right=(SOLVED, CAPACITY, WIDTH),

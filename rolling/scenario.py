@@ -252,7 +252,7 @@ class Numerics(_Section):
         description="Largest violation of the contact conditions over the largest deflection [-]",
     )
     edges: Literal["sharp", "blended"] = Field(
-        default="sharp",
+        default="blended",
         description="Nodes at the edge of yielding patches: all or nothing, or loaded by the share of their cell in contact",
     )
     precision: Literal["single", "double"] = Field(

@@ -118,7 +118,7 @@ def rolling_contact(scene: Scene) -> RollingContact:
         start=scene.start,
         tolerance=scene.numerics.tolerance,
         single=scene.numerics.precision == "single",
-        blended=scene.numerics.edges == "blended" and np.isfinite(scene.hardness),
+        blended=scene.numerics.edges == "blended",
     )
 
 
