@@ -41,13 +41,12 @@ class Finding:
 
 
 def expected_step_ms(window_nodes: float) -> float:
-    """Expected time of a step [ms] on one core, on a square window of that many nodes a side: 2.5 (n/70)^2.3.
+    """Expected time of a step [ms] on one core, on a square window of that many nodes a side: 1.1 (n/70)^1.95.
 
-    Measured at tolerance 1e-4, the whole solve: 2.5 ms at 72 x 68 nodes, 8 ms at 120 x 120, 22 ms at 180 x 180; the law
-    is within 10 % of these. Rough surfaces need fewer iterations and half of it: at Ra 1 um 5 ms at 144 x 120 (the law
-    says 11), 18 ms at 240 x 240 (43).
+    Measured at tolerance 1e-4, the whole step: 1.1 ms at 70 x 70 nodes, 2.4 ms at 106 x 106, 6.9 ms at 180 x 180. Rough
+    surfaces need fewer iterations: at Ra 1 um 9 ms at 230 x 230 (the law says 11).
     """
-    return 2.5 * (window_nodes / 70) ** 2.3
+    return 1.1 * (window_nodes / 70) ** 1.95
 
 
 def cores() -> int:
