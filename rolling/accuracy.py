@@ -190,10 +190,10 @@ def recommend(candidates: Sequence[Candidate]) -> Recommendation:
     def cheapest(those: list[Candidate]) -> Candidate | None:
         return min(those, key=lambda one: one.seconds_per_second, default=None)
 
-    told = [one for one in candidates if math.isfinite(one.excess)]
+    told = [one for one in candidates if math.isfinite(one.excess)]  # not those that lose a third octave
     return Recommendation(
         both=cheapest([one for one in told if one.excess <= 1]),
-        laeq_only=cheapest([one for one in candidates if one.laeq_db <= LAEQ_LIMIT]),
+        laeq_only=cheapest([one for one in told if one.laeq_db <= LAEQ_LIMIT]),
         nearest=min(told, key=lambda one: one.excess, default=None),
     )
 
@@ -206,6 +206,91 @@ def loosest_tolerance(signal_errors: Mapping[float, float], grid_error: float) -
 def default_tolerance() -> float:
     """Of scenes that do not say."""
     return float(Numerics().tolerance)
+
+
+# ---- all together ----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What came of a study, whole or not.
+
+    failures : why a variant has no numbers. reference : what `errors` are of; None: it is missing.
+    solver_errors : against the scene's own grid and step, solved to 1e-8. by_edges, by_refining : what may be wrong with the
+    reference, from the other edges on its grid and extrapolated from the ladder; uncertainty : the larger of both.
+    tolerance : the loosest that serves the scene's grid.
+    """
+
+    study: Study
+    measured: dict[Variant, Measured]
+    failures: dict[Variant, str]
+    reference: Variant | None
+    errors: dict[Variant, Errors]
+    solver_errors: dict[Variant, Errors]
+    by_edges: Errors
+    by_refining: Errors
+    uncertainty: Errors
+    orders: dict[str, Errors]
+    recommendation: Recommendation
+    tolerance: float | None
+
+
+def judge(what: Study, done: dict[Variant, Measured], failures: dict[Variant, str]) -> Findings:
+    """Errors, orders and advice, from the variants that are there."""
+    found: dict[Variant, Errors] = {}
+    by_edges = by_refining = dict.fromkeys((*ERRORS, *BANDS), math.nan)
+    best = next((v for e in what.all_edges[::-1] if (v := what.reference(e)) in done), None)
+    if best:
+        found = {v: errors(one, done[best]) for v, one in done.items()}
+        other = [v for e in what.all_edges if (v := what.reference(e)) != best and v in done]
+        by_edges = found[other[0]] if other else by_edges
+        by_refining = _by_refining(what, done, best) or by_refining
+    uncertainty = either([by_edges, by_refining])
+    solved = done.get(what.solver_reference)
+    own_grid = {v: one for v, one in done.items() if _same_grid(v, what.own)}
+    solver_errors = {v: errors(one, solved) for v, one in own_grid.items()} if solved else {}
+    by_tolerance = {v.tolerance: e["signal"] for v, e in solver_errors.items() if v.precision == what.own.precision}
+    return Findings(
+        study=what,
+        measured=done,
+        failures=failures,
+        reference=best,
+        errors=found,
+        solver_errors=solver_errors,
+        by_edges=by_edges,
+        by_refining=by_refining,
+        uncertainty=uncertainty,
+        orders=_orders(what, done, solver_errors),
+        recommendation=recommend([candidate(done[v], e, uncertainty) for v, e in found.items()]),
+        tolerance=loosest_tolerance(by_tolerance, found[what.own]["signal"]) if what.own in found else None,
+    )
+
+
+def _same_grid(one: Variant, other: Variant) -> bool:
+    return (one.times, one.step_nodes, one.edges) == (other.times, other.step_nodes, other.edges)
+
+
+def _by_refining(what: Study, done: dict[Variant, Measured], best: Variant) -> Errors | None:
+    grids = [done.get(what.on_grid(times, best.edges)) for times in what.ladder[-2:]]
+    if grids[-1] is None:
+        return None
+    coarse = errors(grids[0], grids[1]) if len(grids) > 1 and grids[0] and grids[1] else None
+    return extrapolated(coarse, errors(grids[-1], done[best]))
+
+
+def _orders(what: Study, done: dict[Variant, Measured], solver_errors: dict[Variant, Errors]) -> dict[str, Errors]:
+    families = what.families()
+    found = {}
+    for name, variants in families.items():
+        if name.startswith("spacing"):
+            found[name] = orders_of_differences([(1 / v.times, done[v]) for v in variants if v in done])
+    found["step"] = orders_of_differences([(v.step_nodes, done[v]) for v in families["step"] if v in done])
+    judged = [v for v in families["tolerance"] if v in solver_errors]
+    found["tolerance"] = {
+        name: observed_order([v.tolerance for v in judged], [solver_errors[v][name] for v in judged])
+        for name in ORDERED
+    }
+    return found
 
 
 def plain(found: Mapping[str, Any]) -> dict[str, Any]:
