@@ -104,6 +104,11 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
+def decibel(ratio: float) -> float:
+    """Of an rms over another; -inf for none."""
+    return 20 * math.log10(ratio) if ratio > 0 else -math.inf
+
+
 def worst_band(found: Errors) -> tuple[str, float]:
     """The third octave that is off the most and by how much [dB]; of bands whose error can be told."""
     known = {band: abs(found[band]) for band in BANDS if not math.isnan(found[band])}

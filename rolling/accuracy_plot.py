@@ -12,11 +12,13 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, NullFormatter
 from matplotlib.transforms import Bbox
 
 from acoustics.plots import COLOURS, LINE_STYLES, MARKERS
-from rolling.accuracy import BAND_LIMIT, BANDS, LAEQ_LIMIT, Errors, Findings, worst_band
+from rolling.accuracy import BAND_LIMIT, BANDS, LAEQ_LIMIT, Errors, Findings, decibel, worst_band
 from rolling.store import write_bytes
 from rolling.variants import Study, Variant, tolerance_text
 
@@ -25,32 +27,17 @@ Labels = dict[tuple[float, float], str]  # by point
 OFFSETS = ((8, 0), (0, 8), (0, -8), (-8, 0), (7, 7), (7, -7), (-7, 7), (-7, -7), (0, 18), (0, -18), (18, 12), (18, -12),
            (-18, 12), (-18, -12), (0, 30), (0, -30))  # pixels from a point to its label  # fmt: skip
 
-__all__ = ["decibel", "spacing_um", "step_um", "tolerance_text", "write"]
-
 SOLVE_ALONE = "tolerance, error of the solve alone"
 OTHERS = "others"
-LEAST_DB = 1e-4  # an error of a level below this is drawn there
-
-
-def decibel(ratio: float) -> float:
-    """Of an rms over another; -inf for none."""
-    return 20 * math.log10(ratio) if ratio > 0 else -math.inf
-
-
-def spacing_um(what: Study, variant: Variant) -> float:
-    return what.scene.spacing * 1e6 / variant.times
-
-
-def step_um(what: Study, variant: Variant) -> float:
-    return what.scene.spacing * 1e6 * variant.step_nodes
+LEAST_DB = 1e-3  # an error of a level below this is drawn there
 
 
 def write(folder: Path, label: str, found: Findings) -> None:
     """accuracy.png and accuracy.svg: release signal, LAeq and the worst third octave."""
     figure = Figure(figsize=(10, 14.5), layout="constrained")
     FigureCanvasAgg(figure)
-    panels = figure.subplots(3, 1, sharex=True)
-    worst = max((found.uncertainty[band] for band in BANDS), default=math.inf)
+    panels = figure.subplots(3, 1, sharex=True, height_ratios=(1.4, 1, 1))
+    worst = max((u for band in BANDS if math.isfinite(u := found.uncertainty[band])), default=math.inf)
     labels = [
         _signal(panels[0], found),
         _level(panels[1], found, "|LAeq error| [dB]", LAEQ_LIMIT, lambda e: e["laeq_db"], found.uncertainty["laeq_db"]),
@@ -82,8 +69,8 @@ def _title(label: str, found: Findings) -> str:
     length = what.nodes * what.scene.spacing * 1e3
     return (
         f"{what.scene.name}, {label}: speed against error over {length:.3g} mm of track\n"
-        f"errors against spacing {spacing_um(what, best):g} µm, {best.edges} edges, tolerance"
-        f" {tolerance_text(best.tolerance)}, step {step_um(what, best):g} µm"
+        f"errors against spacing {what.spacing_um(best):g} µm, {best.edges} edges, tolerance"
+        f" {tolerance_text(best.tolerance)}, step {what.step_um(best):g} µm"
     )
 
 
@@ -152,10 +139,10 @@ def _draw(ax: Axes, what: Study, curves: dict[str, Curve]) -> Labels:
 
 def _label(what: Study, name: str, variant: Variant) -> str:
     if name.startswith("spacing"):
-        return f"{spacing_um(what, variant):g} µm"
+        return f"{what.spacing_um(variant):g} µm"
     if name.startswith("tolerance"):
         return tolerance_text(variant.tolerance)
-    return f"step {step_um(what, variant):g} µm" if name == "step" else variant.precision
+    return f"step {what.step_um(variant):g} µm" if name == "step" else variant.precision
 
 
 def _place_labels(ax: Axes, labels: Labels) -> None:
@@ -164,8 +151,12 @@ def _place_labels(ax: Axes, labels: Labels) -> None:
     taken = [Bbox.from_bounds(x - 5, y - 5, 10, 10) for x, y in points]
     inside = ax.get_window_extent()
     for (at, text), point in zip(labels.items(), points, strict=True):
-        drawn = ax.annotate(text, at, xytext=(0, 0), textcoords="offset points", fontsize=7.5)
-        box = drawn.get_window_extent()
+        leader = {"arrowstyle": "-", "color": "0.4", "linewidth": 0.6, "shrinkA": 0, "shrinkB": 0}
+        drawn = ax.annotate(
+            text, at, xytext=(0, 0), textcoords="offset points", fontsize=7.5, arrowprops=leader, zorder=5
+        )
+        drawn.set_path_effects([withStroke(linewidth=2.5, foreground="white")])  # legible over curves
+        box = Text.get_window_extent(drawn)
         best = None
         for dx, dy in OFFSETS:
             # The offset is from the point to the nearest edge or the middle of the text.

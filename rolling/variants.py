@@ -120,6 +120,12 @@ class Study:
         every = [*(v for variants in self.families().values() for v in variants), self.solver_reference]
         return sorted(dict.fromkeys(every), key=lambda v: (-v.times, v != self.solver_reference))
 
+    def spacing_um(self, variant: Variant) -> float:
+        return self.scene.spacing * 1e6 / variant.times
+
+    def step_um(self, variant: Variant) -> float:
+        return self.scene.spacing * 1e6 * variant.step_nodes
+
     def highest(self, variant: Variant) -> float:
         """Nyquist frequency of the steps [Hz]."""
         return self.scene.motion.fastest / (2 * variant.step_nodes * self.scene.spacing)
