@@ -188,6 +188,12 @@ def _advice(found: Findings) -> list[str]:
     else:
         nearest = f"; nearest: {_offer(found, advice.nearest)}" if advice.nearest else ""
         lines.append(f"none keeps {limits}, the reference's own uncertainty counted in{nearest}")
+    band, off = accuracy.worst_band({name: u for name, u in found.uncertainty.items() if math.isfinite(u)})
+    if off > accuracy.BAND_LIMIT:
+        finer = 2 * found.study.finest
+        lines.append(
+            f"the reference itself may be off by {off:.2f} dB at {band} Hz; --finest {finer} makes a finer one"
+        )
     if advice.laeq_only:
         lines.append(f"cheapest with LAeq within {accuracy.LAEQ_LIMIT} dB: {_offer(found, advice.laeq_only)}")
     default = accuracy.default_tolerance()

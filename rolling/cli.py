@@ -56,8 +56,8 @@ def _parser() -> argparse.ArgumentParser:
             "--set", action="append", default=[], metavar="KEY=VALUE", help="override, such as rolling.load_n=50"
         )
 
-    def target(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("--out", type=Path, metavar="FOLDER", help="run folder to make (default: outputs/NAME/TIME)")
+    def target(sub: argparse.ArgumentParser, default: str = "outputs/NAME/TIME") -> None:
+        sub.add_argument("--out", type=Path, metavar="FOLDER", help=f"run folder to make (default: {default})")
         sub.add_argument("--force", action="store_true", help="replace the run in --out")
 
     def workers(sub: argparse.ArgumentParser) -> None:
@@ -87,7 +87,7 @@ def _parser() -> argparse.ArgumentParser:
         _accuracy,
         "speed against error: a scene on finer grids, with other edges, tolerances, steps; or the solver on hard cases",
         settings,
-        target,
+        lambda sub: target(sub, "outputs/NAME-accuracy/TIME"),
         workers,
         trial,
     )
@@ -174,9 +174,10 @@ def _accuracy(arguments: argparse.Namespace) -> int:
         _say(f"rolling accuracy: {', '.join(misplaced)} {'cannot' if arguments.hard else 'can only'} go with --hard")
         return BAD_INPUT
     if arguments.hard:
-        from rolling import hard_cases
+        from rolling import check, hard_cases
 
-        return hard_cases.main_report(arguments.out, arguments.random or 0, arguments.workers or 1, arguments.long)
+        workers = arguments.workers or check.cores()
+        return hard_cases.main_report(arguments.out, arguments.random or 0, workers, arguments.long)
     if arguments.scene is None:
         _say("rolling accuracy: give a SCENE, or --hard")
         return BAD_INPUT
