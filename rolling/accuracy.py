@@ -246,6 +246,11 @@ class Findings:
     recommendation: Recommendation
     tolerance: float | None
 
+    @property
+    def silent(self) -> bool:
+        """The reference has no sound that could be off."""
+        return self.reference is not None and math.isnan(self.errors[self.reference]["signal"])
+
 
 def judge(what: Study, done: dict[Variant, Measured], failures: dict[Variant, str]) -> Findings:
     """Errors, orders and advice, from the variants that are there."""
@@ -273,9 +278,14 @@ def judge(what: Study, done: dict[Variant, Measured], failures: dict[Variant, st
         by_refining=by_refining,
         uncertainty=uncertainty,
         orders=_orders(what, done, solver_errors),
-        recommendation=recommend([candidate(done[v], e, uncertainty) for v, e in found.items()]),
+        recommendation=recommend([candidate(done[v], e, uncertainty) for v, e in found.items() if _hears(what, v)]),
         tolerance=loosest_tolerance(by_tolerance, found[what.own]["signal"]) if what.own in found else None,
     )
+
+
+def _hears(what: Study, variant: Variant) -> bool:
+    """Its step is not too long for hearing, or no longer than the scene's own."""
+    return what.highest(variant) >= LEAST_NYQUIST or variant.step_nodes <= what.own.step_nodes
 
 
 def _same_grid(one: Variant, other: Variant) -> bool:

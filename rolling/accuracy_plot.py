@@ -29,6 +29,7 @@ OFFSETS = ((8, 0), (0, 8), (0, -8), (-8, 0), (7, 7), (7, -7), (-7, 7), (-7, -7),
 
 SOLVE_ALONE = "tolerance, error of the solve alone"
 OTHERS = "others"
+MOST_HIDDEN = 0.3  # of a label
 LEAST_DB = 1e-3  # an error of a level below this is drawn there
 
 
@@ -146,7 +147,7 @@ def _label(what: Study, name: str, variant: Variant) -> str:
 
 
 def _place_labels(ax: Axes, labels: Labels) -> None:
-    """Beside each point, where it hides the least of the points and of the labels placed before."""
+    """Beside each point, where it hides the least of the points and of the labels placed before; left out where it hides much."""
     points = [ax.transData.transform(point) for point in labels]
     taken = [Bbox.from_bounds(x - 5, y - 5, 10, 10) for x, y in points]
     inside = ax.get_window_extent()
@@ -170,6 +171,9 @@ def _place_labels(ax: Axes, labels: Labels) -> None:
             if best is None or hidden < best[0] - 1e-9:
                 best = hidden, tried, (left, low)
         assert best is not None
+        if best[0] > MOST_HIDDEN * box.width * box.height:
+            drawn.remove()
+            continue
         scale = 72 / ax.figure.dpi
         drawn.set_position(((best[2][0] - point[0]) * scale, (best[2][1] - point[1]) * scale))
         taken.append(best[1])

@@ -181,6 +181,8 @@ def _raw(found: Findings) -> str:
 def _advice(found: Findings) -> list[str]:
     if found.reference is None:
         return ["no reference, no recommendation"]
+    if found.silent:
+        return ["the reference is silent: release, areas and pressure can be compared, levels cannot"]
     advice, lines = found.recommendation, []
     limits = f"LAeq within {accuracy.LAEQ_LIMIT} dB and third octaves within {accuracy.BAND_LIMIT} dB"
     if advice.both:
