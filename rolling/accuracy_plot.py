@@ -158,25 +158,25 @@ def _place_labels(ax: Axes, labels: Labels) -> None:
         )
         drawn.set_path_effects([withStroke(linewidth=2.5, foreground="white")])  # legible over curves
         box = Text.get_window_extent(drawn)
-        best = None
-        for dx, dy in OFFSETS:
-            # The offset is from the point to the nearest edge or the middle of the text.
-            left = point[0] + dx - (box.width if dx < 0 else box.width / 2 if dx == 0 else 0)
-            low = point[1] + dy - (box.height if dy < 0 else box.height / 2 if dy == 0 else 0)
-            tried = Bbox.from_bounds(left, low, box.width, box.height)
-            outside = not (
-                inside.x0 < left and left + box.width < inside.x1 and inside.y0 < low < inside.y1 - box.height
-            )
-            hidden = sum(_shared(tried, other) for other in taken) + 1e4 * outside
-            if best is None or hidden < best[0] - 1e-9:
-                best = hidden, tried, (left, low)
-        assert best is not None
-        if best[0] > MOST_HIDDEN * box.width * box.height:
+        hidden, best = min(
+            (_tried(point, offset, box, inside, taken) for offset in OFFSETS), key=lambda tried: tried[0]
+        )
+        if hidden > MOST_HIDDEN * box.width * box.height:
             drawn.remove()
             continue
         scale = 72 / ax.figure.dpi
-        drawn.set_position(((best[2][0] - point[0]) * scale, (best[2][1] - point[1]) * scale))
-        taken.append(best[1])
+        drawn.set_position(((best.x0 - point[0]) * scale, (best.y0 - point[1]) * scale))
+        taken.append(best)
+
+
+def _tried(point, offset: tuple[float, float], text: Bbox, inside: Bbox, taken: list[Bbox]) -> tuple[float, Bbox]:
+    """What a label would hide [pixels], and where it would be: the offset reaches to its nearest edge, or to its middle."""
+    (x, y), (dx, dy) = point, offset
+    left = x + dx - (text.width if dx < 0 else text.width / 2 if dx == 0 else 0)
+    low = y + dy - (text.height if dy < 0 else text.height / 2 if dy == 0 else 0)
+    tried = Bbox.from_bounds(left, low, text.width, text.height)
+    outside = not (inside.x0 < tried.x0 and tried.x1 < inside.x1 and inside.y0 < tried.y0 and tried.y1 < inside.y1)
+    return sum(_shared(tried, other) for other in taken) + 1e4 * outside, tried
 
 
 def _shared(one: Bbox, other: Bbox) -> float:

@@ -136,5 +136,5 @@ def _numbers(label: str, found: Findings) -> dict[str, Any]:
 def _write(folder: Path, label: str, found: Findings) -> None:
     store.write_json(folder / "accuracy.json", _numbers(label, found))
     store.write_bytes(folder / "accuracy.md", accuracy_text.text(label, found).encode())
-    if found.errors and not found.silent:
+    if any(e["signal"] > 0 for e in found.errors.values()):  # neither silent nor only the reference
         accuracy_plot.write(folder, label, found)

@@ -173,7 +173,7 @@ def _raw(found: Findings) -> str:
             rows.append([f"{found.study.step_um(v):g}", f"{one.raw_rms:.4g}", laeq])
     return (
         "Rms of the release power of each step about its mean. Steps shorter than a node show how nodes are released one by one,"
-        " above hearing: where the plate yields this grows as the step shrinks and converges to nothing. The levels within hearing"
+        " above hearing: where the plate yields this grows as the step shrinks and has no limit. The levels within hearing"
         " converge.\n\n" + _columns(rows)
     )
 
@@ -198,14 +198,21 @@ def _advice(found: Findings) -> list[str]:
         )
     if advice.laeq_only:
         lines.append(f"cheapest with LAeq within {accuracy.LAEQ_LIMIT} dB: {_offer(found, advice.laeq_only)}")
+    return [*lines, _tolerance_advice(found)]
+
+
+def _tolerance_advice(found: Findings) -> str:
+    wanted = "error of the solve 20 dB below that of the grid and at -40 dB at most"
     default = accuracy.default_tolerance()
-    word = "no tolerance tried" if found.tolerance is None else f"tolerance {tolerance_text(found.tolerance)}"
-    same = found.tolerance is not None and math.isclose(found.tolerance, default)
-    lines.append(
-        f"{word} is the loosest whose error lies 20 dB below that of the grid and at most at -40 dB;"
-        f" the program's default {tolerance_text(default)} {'is the same' if same else 'is another'}"
+    if found.tolerance is None:
+        return f"no tolerance that was tried keeps the {wanted}"
+    same = (
+        "the same" if math.isclose(found.tolerance, default) else "tighter" if default < found.tolerance else "looser"
     )
-    return lines
+    told = tolerance_text(found.tolerance)
+    return (
+        f"the loosest tolerance with an {wanted} is {told}; the program's default {tolerance_text(default)} is {same}"
+    )
 
 
 def _offer(found: Findings, one: Candidate) -> str:

@@ -195,19 +195,24 @@ def test_a_failed_variant_says_why_and_the_others_go_on(
     assert len(found["failures"]) == 1 and len(found["variants"]) > 10
 
 
-def test_interrupted_keeps_what_is_there(scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("whole", [1, 3])
+def test_interrupted_keeps_what_is_there(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, whole: int
+) -> None:
     measured, done = accuracy.measured, []
 
     def interrupted(*arguments):
         done.append(measured(*arguments))
-        if len(done) == 3:
+        if len(done) == whole:
             os.kill(os.getpid(), signal.SIGINT)
         return done[-1]
 
     monkeypatch.setattr(accuracy, "measured", interrupted)
     out = tmp_path / "out"
     assert cli.main(["accuracy", str(scene), *QUICK, "--out", str(out)]) == 130
-    assert len(json.loads((out / "accuracy.json").read_text())["variants"]) == 3 == len([*(out / "variants").iterdir()])
+    kept = json.loads((out / "accuracy.json").read_text())["variants"]
+    assert len(kept) == whole == len([*(out / "variants").iterdir()])
+    assert (out / "accuracy.png").exists() == (whole > 1)  # of the reference alone there is nothing to draw
     assert not (out / "finished").exists()
 
 
@@ -237,6 +242,15 @@ def test_bad_usage(
     assert cli.main(["accuracy", *arguments, "--out", "out"]) == 2
     assert words in capsys.readouterr().err
     assert [f.name for f in tmp_path.iterdir()] == ["small.yaml"]
+
+
+def test_a_silent_scene_is_compared_without_levels(scene: Path, tmp_path: Path, capsys) -> None:
+    """A smooth sphere on whole-node steps is silent to the last digit."""
+    smooth = ["surface={kind: smooth, spacing_um: 2, width_um: 128}", "rolling.duration_s=0.001"]
+    out, settings = tmp_path / "out", [part for key in smooth for part in ("--set", key)]
+    assert cli.main(["accuracy", str(scene), *QUICK, *settings, "--out", str(out)]) == 0
+    assert "the reference is silent" in capsys.readouterr().out
+    assert not (out / "accuracy.png").exists()
 
 
 def test_refined_by_powers_of_two_only(capsys: pytest.CaptureFixture[str]) -> None:
