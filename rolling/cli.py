@@ -56,17 +56,41 @@ def _parser() -> argparse.ArgumentParser:
             "--set", action="append", default=[], metavar="KEY=VALUE", help="override, such as rolling.load_n=50"
         )
 
-    def target(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("--out", type=Path, metavar="FOLDER", help="run folder to make (default: outputs/NAME/TIME)")
+    def target(sub: argparse.ArgumentParser, default: str = "outputs/NAME/TIME") -> None:
+        sub.add_argument("--out", type=Path, metavar="FOLDER", help=f"run folder to make (default: {default})")
         sub.add_argument("--force", action="store_true", help="replace the run in --out")
 
     def workers(sub: argparse.ArgumentParser) -> None:
         sub.add_argument("--workers", type=_count, default=0, metavar="N", help="processes (default: one per core)")
 
+    def trial(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument("scene", type=Path, nargs="?", metavar="SCENE", help="scene file (YAML), not with --hard")
+        sub.add_argument(
+            "--finest", type=_power_of_two, metavar="N", help="divide the spacing by 2, 4, ... up to N (default 4)"
+        )
+        sub.add_argument(
+            "--duration",
+            type=_seconds,
+            metavar="S",
+            help="seconds of rolling at most (default 0.045: no third octave from 100 Hz is empty)",
+        )
+        sub.add_argument("--hard", action="store_true", help="judge the solver on hard cases instead")
+        sub.add_argument("--random", type=_count, metavar="N", help="with --hard: random scenes as well")
+        sub.add_argument("--long", action="store_true", help="with --hard: the march of 1e5 steps as well")
+
     command("run", _run, "run a scene: release, sound, levels and plots", scene, settings, target, workers)
     command("check", _check, "validate a scene and say what it will cost and where it is doubtful", scene, settings)
     command("resume", _resume, "go on with a run that was interrupted", folder, workers)
     command("resound", _resound, "new sound from a stored run, without solving again", folder, settings, target)
+    command(
+        "accuracy",
+        _accuracy,
+        "speed against error: a scene on finer grids, with other edges, tolerances, steps; or the solver on hard cases",
+        settings,
+        lambda sub: target(sub, "outputs/NAME-accuracy/TIME"),
+        workers,
+        trial,
+    )
     command("schema", _schema, "print the JSON Schema of scene files, for editors")
     return parser
 
@@ -75,6 +99,20 @@ def _count(text: str) -> int:
     value = int(text)
     if value < 1:
         raise argparse.ArgumentTypeError("at least 1")
+    return value
+
+
+def _power_of_two(text: str) -> int:
+    value = _count(text)
+    if value < 2 or value & (value - 1):
+        raise argparse.ArgumentTypeError("2, 4, 8, ...")
+    return value
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError("more than 0")
     return value
 
 
@@ -126,6 +164,36 @@ def _check(arguments: argparse.Namespace) -> int:
         _say(str(error))
         return BAD_INPUT
     return OK
+
+
+def _accuracy(arguments: argparse.Namespace) -> int:
+    of_scene = {"SCENE": arguments.scene, "--set": arguments.set, "--finest": arguments.finest}
+    of_scene |= {"--duration": arguments.duration, "--force": arguments.force}
+    of_hard = {"--random": arguments.random, "--long": arguments.long}
+    if misplaced := [name for name, given in (of_scene if arguments.hard else of_hard).items() if given]:
+        _say(f"rolling accuracy: {', '.join(misplaced)} {'cannot' if arguments.hard else 'can only'} go with --hard")
+        return BAD_INPUT
+    if arguments.hard:
+        from rolling import check, hard_cases
+
+        workers = arguments.workers or check.cores()
+        return hard_cases.main_report(arguments.out, arguments.random or 0, workers, arguments.long)
+    if arguments.scene is None:
+        _say("rolling accuracy: give a SCENE, or --hard")
+        return BAD_INPUT
+
+    from rolling import accuracy_report
+    from rolling.scenario import SceneError
+    from rolling.store import FolderError
+
+    given = {name: value for name in ("finest", "duration") if (value := getattr(arguments, name)) is not None}
+    try:
+        return accuracy_report.report(
+            arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers, **given
+        )
+    except (SceneError, FolderError) as error:
+        _say(str(error))
+        return BAD_INPUT
 
 
 def _schema(arguments: argparse.Namespace) -> int:

@@ -1,20 +1,14 @@
 """Scenes to release series: a track is cut into pieces that depend on nothing but the scene, marched by any number of processes.
 
-Depends on march, recovery and surface. Each piece starts cold, so the numbers are the same however many workers there are, and
-what is done when a run stops is kept and never done again.
+Depends on march, recovery, surface and pool. Each piece starts cold, so the numbers are the same however many workers there
+are, and what is done when a run stops is kept and never done again.
 """
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -22,8 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling import surface
-from rolling.contact import ContactError
+from rolling import pool, surface
 from rolling.half_space import HalfSpace
 from rolling.march import ContactState, RollingContact, march
 from rolling.recovery import EventTable, step_energy
@@ -43,10 +36,6 @@ STATE_SERIES = (
     "iterations",
     "convolutions",
 )
-
-
-class Interrupted(Exception):
-    """The march was asked to stop before its end."""
 
 
 @dataclass(frozen=True)
@@ -137,16 +126,17 @@ def simulate_piece(
     first: int,
     last: int,
     stopped: Callable[[], bool] = lambda: False,
-    progress: Callable[[int], object] = lambda steps: None,
+    progress: Callable[[float], object] = lambda steps: None,
+    contact: RollingContact | None = None,
 ) -> Piece:
-    """March one piece of a scene.
+    """March one piece of a scene, or of the same scene made otherwise, as `contact` says.
 
     Raises
     ------
     ContactError : as march does.
     Interrupted : `stopped` said so.
     """
-    contact = rolling_contact(scene)
+    contact = contact or rolling_contact(scene)
     half_space = _half_space(contact.spacing, contact.contact_modulus)
     left_end = scene.recovery is not None and scene.recovery.rule == "left_end"
     table = EventTable(contact.heights.shape) if scene.recovery is not None and scene.recovery.events else None
@@ -157,7 +147,7 @@ def simulate_piece(
     began = time.perf_counter()
     for state in march(contact, first, last, half_space):
         if stopped():
-            raise Interrupted
+            raise pool.Interrupted
         k = state.position
         if old is not None:
             energy = step_energy(old, state, half_space, left_end)
@@ -181,128 +171,19 @@ def simulate_piece(
     return Piece(first, last, steps, states, table.columns() if table else None, snapshot)
 
 
-@dataclass
-class Outcome:
-    """How a simulation ended: runs that failed with their reason, and whether it was interrupted."""
-
-    failures: dict[int, str] = field(default_factory=dict)
-    interrupted: bool = False
-
-
 def simulate(
     scenes: Sequence[Scene],
     todo: Sequence[tuple[int, int, int]],
     workers: int,
     finished: Callable[[int, Piece], None],
-    progress: Callable[[int], object] = lambda steps: None,
-) -> Outcome:
+    progress: Callable[[float], object] = lambda steps: None,
+) -> pool.Outcome:
     """March pieces (number of the scene, first, last) on `workers` processes; `finished` gets each piece as it is done.
 
     A scene that fails does not stop the others. The first Ctrl-C or SIGTERM stops all after the step at hand.
     """
-    outcome = Outcome()
-    with _asked_to_stop() as asked:
-        if min(workers, len(todo)) <= 1:
-            for run, first, last in todo:
-                if run in outcome.failures:
-                    continue
-                try:
-                    finished(run, simulate_piece(scenes[run], first, last, asked, progress))
-                except ContactError as error:
-                    outcome.failures[run] = str(error)
-                except Interrupted:
-                    break
-        else:
-            _simulate_parallel(scenes, todo, workers, finished, progress, asked, outcome)
-        outcome.interrupted = asked()
-    return outcome
-
-
-def _simulate_parallel(scenes, todo, workers, finished, progress, asked, outcome) -> None:
-    context = multiprocessing.get_context("spawn")
-    stop = context.Event()
-    waiting = list(reversed(todo))
-    running: dict[Future[Piece], tuple[int, int, int]] = {}
-    with _one_thread_each(), ProcessPoolExecutor(min(workers, len(todo)), context, _begin_worker, (stop,)) as pool:
-        try:
-            while waiting or running:
-                while waiting and len(running) < 2 * workers:
-                    run, first, last = waiting.pop()
-                    if run not in outcome.failures:
-                        running[pool.submit(_piece_in_worker, scenes[run], first, last)] = (run, first, last)
-                done, _ = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
-                for future in done:
-                    run, first, last = running[future]
-                    try:
-                        finished(run, future.result())
-                        progress(last - first)
-                    except ContactError as error:
-                        outcome.failures.setdefault(run, str(error))
-                    except Interrupted:
-                        pass
-                    del running[future]
-                if asked():
-                    waiting.clear()
-                    stop.set()
-        except BrokenProcessPool:
-            for run, _, _ in (*running.values(), *waiting):
-                outcome.failures.setdefault(
-                    run, "a worker process was killed; out of memory? Fewer --workers need less"
-                )
-        finally:
-            stop.set()  # before the pool waits for its workers, whatever happened
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Workers must not fight over cores; spawned processes read this when they import numpy."""
-    pins = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-    before = {name: os.environ.get(name) for name in pins}
-    os.environ.update(pins)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
-
-
-_worker_stop: Any = None
-
-
-def _begin_worker(stop: Any) -> None:
-    global _worker_stop
-    _worker_stop = stop
-    # Ctrl-C reaches the whole process group; the parent decides and tells through the event.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _piece_in_worker(scene: Scene, first: int, last: int) -> Piece:
-    return simulate_piece(scene, first, last, _worker_stop.is_set)
-
-
-class _asked_to_stop:
-    """While open, the first SIGINT or SIGTERM only sets a flag; a second one acts as usual."""
-
-    def __enter__(self) -> Callable[[], bool]:
-        self.asked = False
-        self.before: dict[int, Any] = {}
-        try:
-            for number in (signal.SIGINT, signal.SIGTERM):
-                self.before[number] = signal.signal(number, self._ask)
-        except ValueError:  # not the main thread: signals are somebody else's
-            pass
-        return lambda: self.asked
-
-    def _ask(self, number: int, frame: Any) -> None:
-        self.asked = True
-        signal.signal(number, self.before[number])
-
-    def __exit__(self, *error: object) -> None:
-        for number, handler in self.before.items():
-            signal.signal(number, handler)
+    tasks = [pool.Task(run, simulate_piece, (scenes[run], first, last), last - first) for run, first, last in todo]
+    return pool.work(tasks, workers, finished, progress)
 
 
 def missing(steps: int, release: Array) -> Iterator[tuple[int, int]]:

@@ -1,0 +1,140 @@
+"""The command `rolling accuracy SCENE`: has the variants of a scene marched, and writes what they cost and how far they are off.
+
+Depends on variants, accuracy, accuracy_text and accuracy_plot, and on pool and store for the work and its files.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from rolling import accuracy, accuracy_plot, accuracy_text, check, pool, scene_file, simulate, store, summary
+from rolling.accuracy import Findings, Measured
+from rolling.scenario import expand
+from rolling.variants import Study, Variant, study, tasks
+
+
+def report(
+    scene_path: Path,
+    overrides: Sequence[str] = (),
+    out: Path | None = None,
+    force: bool = False,
+    workers: int = 0,
+    finest: int = 4,
+    duration: float = 0.045,
+) -> int:
+    """March all variants of the first run of a scene file, print the table and write the folder; returns the exit code.
+
+    Raises
+    ------
+    SceneError, FolderError : before anything is computed or written.
+    """
+    scene = scene_file.load(scene_path, overrides)
+    runs = expand(scene)
+    values, single = runs[0]
+    what = study(single, duration, finest)
+    simulate.rolling_contact(what.scene)  # a surface that cannot be had shows before anything is written
+    folder = store.new_folder(Path("outputs") / f"{scene.name}-accuracy", out, force)
+    store.write_bytes(folder / "scene.yaml", scene_path.read_bytes())
+    label = ", ".join(summary.worded(k, v) for k, v in (values or {"rolling.load_n": scene.load}).items())
+    if len(runs) > 1:
+        print(
+            f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set {next(iter(values))}=..."
+        )
+    found, interrupted = _marched(what, folder, workers or check.cores())
+    _write(folder, label, found)
+    print(accuracy_text.compact(found))
+    print(f"\ntables, picture, numbers: {folder}")
+    if interrupted:
+        print("interrupted: the tables hold the variants that were finished", file=sys.stderr)
+        return 130
+    if found.reference is None:
+        print("the reference failed: there are no errors to show", file=sys.stderr)
+        return 1
+    store.write_bytes(folder / store.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode())
+    return 0
+
+
+def _marched(what: Study, folder: Path, workers: int) -> tuple[Findings, bool]:
+    """Each variant is written as soon as its last piece is done."""
+    variants = what.variants()
+    todo = tasks(what, variants)
+    missing = Counter(task.run for task in todo)
+    pieces: dict[int, list[simulate.Piece]] = {number: [] for number in missing}
+    done: dict[Variant, Measured] = {}
+    (folder / "variants").mkdir()
+
+    def finished(number: int, piece: simulate.Piece) -> None:
+        pieces[number].append(piece)
+        if len(pieces[number]) == missing[number]:
+            one = accuracy.measured(what, variants[number], pieces.pop(number))
+            done[one.variant] = one
+            store.write_json(folder / "variants" / f"{one.variant.name}.json", _row(one))
+
+    total = sum(task.cost for task in todo)
+    layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
+    with tqdm(total=total, disable=None, desc=f"{what.scene.name}: {len(variants)} variants", bar_format=layout) as bar:
+        outcome = pool.work(todo, workers, finished, bar.update)
+    failures = {variants[number]: reason for number, reason in outcome.failures.items()}
+    return accuracy.judge(what, {v: done[v] for v in sorted(done, key=_in_table)}, failures), outcome.interrupted
+
+
+def _in_table(v: Variant) -> tuple:
+    return v.times, v.edges != "sharp", v.step_nodes, v.precision, -v.tolerance
+
+
+# ---- numbers ---------------------------------------------------------------------------------------------------------
+
+
+def _row(one: Measured) -> dict[str, Any]:
+    facts = {k: v for k, v in vars(one).items() if k not in ("variant", "intensity")}
+    return {"name": one.variant.name, **asdict(one.variant), **accuracy.plain(facts)}
+
+
+def _numbers(label: str, found: Findings) -> dict[str, Any]:
+    what, plain = found.study, accuracy.plain
+    rows = []
+    for variant, one in found.measured.items():
+        row = _row(one) | {"keys": accuracy_text.keys(what, variant), "highest_hz": what.highest(variant)}
+        row["errors"] = plain(found.errors[variant]) if variant in found.errors else None
+        row["solver_errors"] = plain(found.solver_errors[variant]) if variant in found.solver_errors else None
+        rows.append(row)
+    advice = found.recommendation
+    return {
+        "name": what.scene.name,
+        "run": label,
+        "scene": what.scene.to_dict(),
+        "track": {"nodes": what.nodes, "closed": what.closed, "length_m": what.nodes * what.scene.spacing},
+        "own": what.own.name,
+        "reference": found.reference.name if found.reference else None,
+        "solver_reference": what.solver_reference.name,
+        "variants": rows,
+        "failures": {variant.name: reason for variant, reason in found.failures.items()},
+        "reference_uncertainty": {
+            "by_edges": plain(found.by_edges),
+            "by_refining": plain(found.by_refining),
+            "larger": plain(found.uncertainty),
+        },
+        "orders": {name: plain(orders) for name, orders in found.orders.items()},
+        "limits_db": {"laeq": accuracy.LAEQ_LIMIT, "third_octave": accuracy.BAND_LIMIT},
+        "recommendation": {
+            name: plain(asdict(one)) if (one := getattr(advice, name)) else None
+            for name in ("both", "laeq_only", "nearest")
+        },
+        "tolerance": {"recommended": found.tolerance, "default": accuracy.default_tolerance()},
+        "provenance": summary.provenance(what.scene),
+    }
+
+
+def _write(folder: Path, label: str, found: Findings) -> None:
+    store.write_json(folder / "accuracy.json", _numbers(label, found))
+    store.write_bytes(folder / "accuracy.md", accuracy_text.text(label, found).encode())
+    if any(e["signal"] > 0 for e in found.errors.values()):  # neither silent nor only the reference
+        accuracy_plot.write(folder, label, found)
