@@ -180,7 +180,7 @@ def test_window_is_about_what_a_solved_contact_needs() -> None:
 
 
 def test_expected_time_follows_the_measured_solves() -> None:
-    for nodes, ms in ((70, 2.5), (120, 8), (180, 22)):
+    for nodes, ms in ((70, 1.1), (106, 2.4), (180, 6.9)):
         assert expected_step_ms(nodes) == pytest.approx(ms, rel=0.1)
 
 
