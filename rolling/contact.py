@@ -121,12 +121,13 @@ def solve(
     p = np.array(start, dtype=float)
     u = half_space.deflection(p) if deflection is None else deflection
     if edge is not None:
+        # gap = edge (1 - 2 p / H) where a cell is shared: a gap lower by the edge on a node that gives 2 edge / H by itself.
         shape, soft = shape - edge, 2 * edge / hardness
     near, fresh, looked_at = NEAR if nearby else np.inf, deflection is None, 0
     tried = _Tried()
     while True:
-        yielding = u if edge is None else u + soft * p
-        flat = p.ravel(), shape.ravel(), yielding.ravel(), hardness
+        v = u if edge is None else u + soft * p
+        flat = p.ravel(), shape.ravel(), v.ravel(), hardness
         approach, u_max = _contact.state_of(*flat)
         u_max = u_max if edge is None else float(u.max())
         worst = _contact.violation(*flat, approach) if fresh else np.nan
@@ -143,29 +144,20 @@ def solve(
                 f" {tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {tried.restarts} restarts,"
                 f" {tried.plain_steps} plain gradient steps)"
             )
-        node = np.empty(p.size, dtype=np.int64)
-        count, *block = _contact.candidates(p, shape, yielding, approach + near * u_max, node)
+        listed = np.empty(p.size, dtype=np.int64)
+        count, *block = _contact.candidates(p, shape, v, approach + near * u_max, listed)
+        node = listed[:count]
         # Not converged though nothing new came into sight: single precision is not enough.
         precise = not single or tolerance < SINGLE_TOLERANCE or (fresh and count <= looked_at)
-        near, looked_at = NEAR, count
-        _iterate(
-            half_space,
-            shape,
-            total,
-            p,
-            yielding,
-            node[:count],
-            block,
-            u_max,
-            tolerance,
-            hardness,
-            precise,
-            max_iterations,
-            tried,
-            trend if not fresh else None,
-            np.empty(0) if edge is None else soft.ravel()[node[:count]],
-        )
+        descent = _Descent(half_space, node, block, p.shape, total, hardness, tolerance * u_max, precise)
+        descent.begin(p, shape + v, None if edge is None else soft)
+        if trend is not None and not fresh:
+            descent.lead(*trend)
+        descent.iterate(max_iterations, tried)
+        descent.settle(tried)
+        p.ravel()[node] = descent.p
         u, fresh = half_space.deflection(p), True
+        near, looked_at = NEAR, count
 
 
 @dataclass
@@ -180,135 +172,132 @@ class _Tried:
     snapping: bool = True
 
 
-def _iterate(
-    half_space: HalfSpace,
-    shape: Array,
-    total: float,
-    pressure: Array,
-    deflection: Array,
-    node: NDArray[np.int64],
-    block: list[int],
-    u_max: float,
-    tolerance: float,
-    cap: float,
-    precise: bool,
-    max_iterations: int,
-    tried: _Tried,
-    trend: tuple[Array, Array] | None,
-    soft: Array,
-) -> None:
-    """Conjugate gradients on the candidates `node` within their block, until they hold the conditions; changes `pressure`."""
-    first_row, last_row, first_column, last_column = block
-    rows, columns = last_row - first_row + 1, last_column - first_column + 1
-    transforms = half_space.convolution(rows - 1, columns - 1, single=not precise)
-    transformed = transforms.real.ravel()
-    p, g = pressure.ravel()[node], shape.ravel()[node] + deflection.ravel()[node]
-    size, bordered = node.size, columns + 2
-    in_padded, in_bordered = np.empty(size, np.uint32), np.empty(size, np.uint32)
-    _contact.places(
-        node, shape.shape[1], first_row, first_column, transforms.real.shape[1], bordered, in_padded, in_bordered
-    )
+class _Descent:
+    """Conjugate gradients on the candidates for contact, until they hold the conditions to `allowed` [m].
 
-    unit = 1.0 / half_space.unit
-    stencil, reach = _inverse_stencil() * unit, unit / OWN_COEFFICIENT
-    enough = AIM * tolerance * u_max
-    give = 1 / (1 + soft * reach)
-    grid = np.zeros((rows + 2) * bordered)
-    dp, z, active = np.zeros(size), np.empty(size), np.empty(size, np.uint32)
-    residual, previous = np.zeros(size), np.zeros(size)
-    slope, greatest, zr, length = 0.0, 0.0, 0.0, 1.0
-    snap = 0.01 * tolerance * u_max * reach / size if tried.snapping else 0.0
-    tried.rounds += 1
-    if trend is not None:
-        # The first step goes by way of the extrapolation of the last solutions and of the gradient there, whose deflection is
-        # known but for what the bounds cut off; from the exact start, with its exact line search, that does no harm.
-        q, h = np.empty(size), g + trend[1].ravel()[node]
-        if soft.size:
-            h += soft * trend[0].ravel()[node]
-        if _contact.extrapolate(p, trend[0].ravel()[node], g, cap, total, active, z, dp, q):
-            _, approach, _, n_free, n_bound = _contact.advance(
-                q,
-                h,
-                soft,
-                give,
-                dp,
-                transformed,
-                in_padded,
-                0.0,
-                0.0,
-                cap,
-                reach,
-                0.0,
-                residual,
-                grid,
-                in_bordered,
-                active,
-            )
-            transforms.clear(rows)
-            slope, *_ = _contact.aim(
-                q, h, give, approach, residual, previous, grid, in_bordered, bordered, stencil, 0.0, 1.0, cap, reach, active,
-                n_free, n_bound, total, False, z, dp, half_space.unit, in_padded, transformed,
-            )  # fmt: skip
-            if slope < 0:
-                slope, greatest = _contact.step_by_way_of(q, p, g, cap, dp, half_space.unit, in_padded, transformed)
-            if slope < 0:
-                transforms.apply(rows)
-                half_space.count += 1
-                tried.iterations += 1
-            else:
-                slope = 0.0
-                dp[:] = 0.0
+    node : flat indices of the candidates in a window of the given shape. block : first row, last row, first column, last column
+    of them. total : sum of pressures [Pa]. cap : hardness [Pa]. precise : transforms of double precision.
 
-    while True:
-        residual, previous = previous, residual
-        best, approach, worst, n_free, n_bound = _contact.advance(
-            p,
-            g,
-            soft,
-            give,
-            dp,
-            transformed,
-            in_padded,
-            slope,
-            greatest,
-            cap,
-            reach,
-            snap,
-            residual,
-            grid,
-            in_bordered,
-            active,
+    p, g : pressure [Pa] and gap before the approach is taken off [m] of the candidates; dp the step at hand, `slope` of the
+    energy along it, `length` the factor that the step before should have had.
+    """
+
+    def __init__(
+        self,
+        half_space: HalfSpace,
+        node: NDArray[np.int64],
+        block: list[int],
+        shape: tuple[int, ...],
+        total: float,
+        cap: float,
+        allowed: float,
+        precise: bool,
+    ) -> None:
+        first_row, last_row, first_column, last_column = block
+        size, columns = node.size, last_column - first_column + 1
+        self.half_space, self.node, self.total, self.cap, self.allowed = half_space, node, total, cap, allowed
+        self.rows, self.bordered = last_row - first_row + 1, columns + 2
+        self.transforms = half_space.convolution(self.rows - 1, columns - 1, single=not precise)
+        self.transformed = self.transforms.real.ravel()
+        self.in_padded, self.in_bordered = np.empty(size, np.uint32), np.empty(size, np.uint32)
+        padded = self.transforms.real.shape[1]
+        _contact.places(
+            node, shape[1], first_row, first_column, padded, self.bordered, self.in_padded, self.in_bordered
         )
-        if not worst > enough or tried.iterations >= max_iterations:
-            break
-        snap = 0.01 * tolerance * u_max * reach / max(n_bound, 1) if tried.snapping else 0.0
-        length *= min(max(best, 0.5), 2.0)
-        transforms.clear(rows)
-        slope, greatest, zr, length, restarts, plain = _contact.aim(
-            p, g, give, approach, residual, previous, grid, in_bordered, bordered, stencil, zr, length, cap, reach, active,
-            n_free, n_bound, total, best < LEAST_STEP, z, dp, half_space.unit, in_padded, transformed,
-        )  # fmt: skip
-        tried.restarts += restarts
-        tried.plain_steps += plain
-        tried.iterations += 1
-        if not slope < 0:
-            break
-        tried.stuck = 0
-        transforms.apply(rows)
-        half_space.count += 1
+        unit = 1.0 / half_space.unit
+        self.stencil, self.reach = _inverse_stencil() * unit, unit / OWN_COEFFICIENT
+        self.grid = np.zeros((self.rows + 2) * self.bordered)
+        self.residual, self.previous, self.dp, self.z = (np.zeros(size) for _ in range(4))
+        self.active, self.n_free, self.n_bound = np.empty(size, np.uint32), 0, 0
+        self.slope, self.greatest, self.best, self.zr, self.length = 0.0, 0.0, 1.0, 0.0, 1.0
+        self.approach = self.worst = np.nan
 
-    if not worst > enough:
-        # What was put on a bound for good took its share of the load along: the free nodes have it, or the nearest to moving.
-        if n_free:
-            _contact.project(p, g, approach, z, 0.0, cap, active, n_free, 0, total, dp)
-            p += dp
-        elif abs(p.sum() / total - 1) > 1e-13:
-            tried.snapping = False
-            _contact.settle_load(p, g, cap, total, 0.0)
-    elif not slope < 0 and tried.iterations:
-        # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
-        tried.stuck += 1
-        p += dp
-        _contact.settle_load(p, g, cap, total, 1e-9 * p.max())
-    np.clip(p, 0.0, cap, out=p)
-    pressure.ravel()[node] = p
+    def begin(self, pressure: Array, gap: Array, soft: Array | None) -> None:
+        """From these pressures, gaps before the approach is taken off, and [m/Pa] by which nodes give, all on the window."""
+        self.p, self.g = pressure.ravel()[self.node], gap.ravel()[self.node]
+        self.soft = np.empty(0) if soft is None else soft.ravel()[self.node]
+        self.give = 1 / (1 + self.soft * self.reach)
+
+    def lead(self, p_trend: Array, u_trend: Array) -> None:
+        """A first step by way of the extrapolation of the last solutions and of the gradient there.
+
+        The deflection there is known but for what the bounds cut off; as the step is made from the exact start, with its exact
+        line search, that does no harm.
+        """
+        ahead, q = p_trend.ravel()[self.node], np.empty_like(self.p)
+        h = self.g + u_trend.ravel()[self.node]
+        if self.soft.size:
+            h += self.soft * ahead
+        if _contact.extrapolate(self.p, ahead, self.g, self.cap, self.total, self.active, self.z, self.dp, q):
+            self._advance(q, h, snap=0.0)
+            self._aim(q, h, plainly=False)
+            self.zr, self.length = 0.0, 1.0
+            if self.slope < 0:
+                self.slope, self.greatest = _contact.step_by_way_of(
+                    q, self.p, self.g, self.cap, self.dp, self.half_space.unit, self.in_padded, self.transformed
+                )
+        if not self.slope < 0:
+            self.slope = 0.0
+            self.dp[:] = 0.0
+
+    def iterate(self, max_iterations: int, tried: _Tried) -> None:
+        """Step after step, at one convolution each, until converged, stuck (no negative slope left) or out of iterations."""
+        tried.rounds += 1
+        snap = 0.01 * self.allowed * self.reach if tried.snapping else 0.0
+        share = self.p.size  # of the snap that a node may take, for the sum of them to make no difference
+        if self.slope < 0:  # the step of `lead`
+            self._convolve(tried)
+        while True:
+            self._advance(self.p, self.g, snap / share)
+            if not self.worst > AIM * self.allowed or tried.iterations >= max_iterations:
+                break
+            share = max(self.n_bound, 1)
+            self.length *= min(max(self.best, 0.5), 2.0)
+            restarts, plain = self._aim(self.p, self.g, plainly=self.best < LEAST_STEP)
+            tried.restarts += restarts
+            tried.plain_steps += plain
+            if not self.slope < 0:
+                tried.iterations += 1
+                break
+            tried.stuck = 0
+            self._convolve(tried)
+
+    def settle(self, tried: _Tried) -> None:
+        """Pressures that carry the load exactly, or, where no step descends, others to go on from."""
+        if not self.worst > AIM * self.allowed:
+            # What was put on a bound for good took its share of the load along: the free nodes have it, or the nearest to moving.
+            if self.n_free:
+                _contact.project(
+                    self.p, self.g, self.approach, self.z, 0.0, self.cap, self.active, self.n_free, 0, self.total, self.dp
+                )  # fmt: skip
+                self.p += self.dp
+            elif abs(self.p.sum() / self.total - 1) > 1e-13:
+                tried.snapping = False
+                _contact.settle_load(self.p, self.g, self.cap, self.total, 0.0)
+        elif not self.slope < 0:
+            # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
+            tried.stuck += 1
+            self.p += self.dp
+            _contact.settle_load(self.p, self.g, self.cap, self.total, 1e-9 * self.p.max())
+        np.clip(self.p, 0.0, self.cap, out=self.p)
+
+    def _convolve(self, tried: _Tried) -> None:
+        self.transforms.apply(self.rows)
+        self.half_space.count += 1
+        tried.iterations += 1
+
+    def _advance(self, p: Array, g: Array, snap: float) -> None:
+        self.residual, self.previous = self.previous, self.residual
+        self.best, self.approach, self.worst, self.n_free, self.n_bound = _contact.advance(
+            p, g, self.soft, self.give, self.dp, self.transformed, self.in_padded, self.slope, self.greatest, self.cap,
+            self.reach, snap, self.residual, self.grid, self.in_bordered, self.active,
+        )  # fmt: skip
+
+    def _aim(self, p: Array, g: Array, plainly: bool) -> tuple[int, int]:
+        self.transforms.clear(self.rows)
+        self.slope, self.greatest, self.zr, self.length, restarts, plain = _contact.aim(
+            p, g, self.give, self.approach, self.residual, self.previous, self.grid, self.in_bordered, self.bordered,
+            self.stencil, self.zr, self.length, self.cap, self.reach, self.active, self.n_free, self.n_bound, self.total,
+            plainly, self.z, self.dp, self.half_space.unit, self.in_padded, self.transformed,
+        )  # fmt: skip
+        return restarts, plain
