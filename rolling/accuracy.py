@@ -136,23 +136,6 @@ def extrapolated(coarse: Errors | None, fine: Errors) -> Errors:
     return left
 
 
-def limit(errors_of_grids: Sequence[Errors]) -> Errors:
-    """Where errors of the last two or three of ever finer grids (each half the spacing) tend: the last extrapolated likewise.
-
-    A signal's error has no sign and is left as it is.
-    """
-    *before, coarse, fine = errors_of_grids
-    found = {}
-    for name, value in fine.items():
-        change = value - coarse[name]
-        earlier = coarse[name] - before[-1][name] if before else math.nan
-        told = change and math.isfinite(change) and math.isfinite(earlier)
-        order = math.log2(abs(earlier / change)) if told and earlier else 1.0
-        left = change / (2 ** min(max(order, LEAST_ORDER), MOST_ORDER) - 1)
-        found[name] = value if name == "signal" or not math.isfinite(left) else value + left
-    return found
-
-
 def either(estimates: Sequence[Errors]) -> Errors:
     """The largest of several estimates of each error; inf where there is none."""
     found = {}
@@ -246,7 +229,7 @@ class Findings:
 
     failures : why a variant has no numbers. reference : what `errors` are of; None: it is missing.
     solver_errors : against the scene's own grid and step, solved to 1e-8. by_edges, by_refining : what may be wrong with the
-    reference, from the limit of grids with the other edges and extrapolated from its own; uncertainty : the larger of both.
+    reference, from the other edges on its grid and extrapolated from the ladder; uncertainty : the larger of both.
     tolerance : the loosest that serves the scene's grid.
     """
 
@@ -276,7 +259,8 @@ def judge(what: Study, done: dict[Variant, Measured], failures: dict[Variant, st
     best = next((v for e in what.all_edges[::-1] if (v := what.reference(e)) in done), None)
     if best:
         found = {v: errors(one, done[best]) for v, one in done.items()}
-        by_edges = _by_edges(what, found, best) or by_edges
+        other = [v for e in what.all_edges if (v := what.reference(e)) != best and v in done]
+        by_edges = found[other[0]] if other else by_edges
         by_refining = _by_refining(what, done, best) or by_refining
     uncertainty = either([by_edges, by_refining])
     solved = done.get(what.solver_reference)
@@ -314,17 +298,6 @@ def _by_refining(what: Study, done: dict[Variant, Measured], best: Variant) -> E
         return None
     coarse = errors(grids[0], grids[1]) if len(grids) > 1 and grids[0] and grids[1] else None
     return extrapolated(coarse, errors(grids[-1], done[best]))
-
-
-def _by_edges(what: Study, found: dict[Variant, Errors], best: Variant) -> Errors | None:
-    """How far the limit that grids with the other edges tend to lies from the reference; the signal's is not told by it."""
-    other = next((e for e in what.all_edges if e != best.edges), None)
-    if other is None:
-        return None
-    grids = [*(what.on_grid(times, other) for times in what.ladder[-2:]), what.reference(other)]
-    if not all(v in found for v in grids):
-        return None
-    return limit([found[v] for v in grids]) | {"signal": math.nan}
 
 
 def _orders(what: Study, done: dict[Variant, Measured], solver_errors: dict[Variant, Errors]) -> dict[str, Errors]:

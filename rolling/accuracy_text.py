@@ -107,8 +107,8 @@ def text(label: str, found: Findings) -> str:
         "Against the same grid and step solved to 1e-8 in double precision.",
         _solver_table(found),
         "## The reference's own error",
-        "By edges: the limit that grids with the other edges tend to. By refining: extrapolated from its own ladder of spacings"
-        " (Richardson, both with the observed order, from 0.5 to 2). The larger counts.",
+        "By edges: the other edges on its grid. By refining: extrapolated from the ladder of spacings (Richardson, observed order"
+        " from 0.5 to 2). The larger counts.",
         _uncertainty_table(found),
         "## Third octaves",
         _bands_table(found),

@@ -136,14 +136,6 @@ def test_extrapolation_finds_the_error_of_the_finest_grid(order: float) -> None:
     assert left["x"] == pytest.approx(value[4] - 7)
 
 
-@pytest.mark.parametrize("order", [0.7, 1.5])
-def test_limit_of_ever_finer_grids(order: float) -> None:
-    """Errors against a reference that is itself 0.2 off tend to 0.2; a signal's has no sign to extrapolate by."""
-    grids = [{"125": 0.2 + 3 * times**-order, "signal": 0.3 / times} for times in (1, 2, 4)]
-    assert accuracy.limit(grids) == pytest.approx({"125": 0.2, "signal": 0.3 / 4})
-    assert accuracy.limit([{"125": 0.5}, {"125": 0.4}])["125"] == pytest.approx(0.3)
-
-
 def test_order_is_the_slope() -> None:
     assert accuracy.observed_order([1, 2, 4], [-0.3, 1.2, 4.8]) == pytest.approx(2)
     assert math.isnan(accuracy.observed_order([1, 2], [0.1, 0.0]))
