@@ -95,7 +95,7 @@ def advance(
 
     g is the gap before the approach is taken off, with soft * p [m] of nodes that give by themselves (empty: none does);
     `deflection` that of dp, in the array of the transforms; `slope` of the energy along dp, 0 for no step at all. `reach` [Pa/m]
-    turns a gap into the pressure it would take on that node alone to close it, `give` is what is left of that on a soft one.
+    turns a gap into the pressure that closes it on that node alone, `give` is the root of what is left of that on a soft one.
     A loaded node that such a step would carry past a bound goes straight there (two-metric projection, Bertsekas, SIAM J.
     Control Optim. 20(2), 1982): mixed into the conjugate direction it would hold everything else back. Partial steps leave such
     nodes ever closer to their bound but never on it; within `snap` [Pa] of it, which no deflection can tell, they are put there.
@@ -140,7 +140,7 @@ def advance(
         grid[in_bordered[k]] = 0.0
         if (p[k] <= 0.0 and gap >= 0.0) or (p[k] >= cap and gap <= 0.0):
             continue
-        own = give[k] if soft.size else 1.0
+        own = give[k] * give[k] if soft.size else 1.0
         step = p[k] - own * reach * gap
         if step <= 0.0 and 0.0 < p[k] <= snap:
             p[k] = 0.0
@@ -154,7 +154,7 @@ def advance(
             active[p.size - n_bound] = k
         else:
             residual[k] = gap
-            grid[in_bordered[k]] = gap * np.sqrt(own) if soft.size else gap
+            grid[in_bordered[k]] = gap * give[k] if soft.size else gap
             active[n_free] = k
             n_free += 1
     for i in range(n_bound):
@@ -172,7 +172,7 @@ def precondition(grid, in_bordered, bordered, stencil, give, active, n_free, z):
         for x in range(3):
             row = at + (x - 1) * bordered
             total += stencil[x, 0] * grid[row - 1] + stencil[x, 1] * grid[row] + stencil[x, 2] * grid[row + 1]
-        z[k] = total * np.sqrt(give[k]) if give.size else total
+        z[k] = total * give[k] if give.size else total
 
 
 @njit(cache=True)

@@ -106,14 +106,25 @@ def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend
 
 
 @njit(cache=True)
-def cell_ranges(gap, p, share, most, out):
-    """out = share of half the range [m] that the gap has over the cells of loaded nodes and their neighbours, at most `most`."""
-    out[:] = 0.0
-    for i in range(1, p.shape[0] - 1):
-        for j in range(1, p.shape[1] - 1):
+def cell_ranges(gap, u, u_trend, p, share, most, out):
+    """out = share of half the range [m] of the deflected gap over the cells of loaded nodes and their neighbours, at most `most`.
+
+    u_trend : what the deflection is expected to change by (empty: nothing).
+    """
+    rows, columns = p.shape
+    for j in range(columns):
+        out[0, j] = out[rows - 1, j] = 0.0
+    for i in range(1, rows - 1):
+        out[i, 0] = out[i, columns - 1] = 0.0
+        for j in range(1, columns - 1):
+            out[i, j] = 0.0
             if p[i, j] > 0.0 or p[i - 1, j] > 0.0 or p[i + 1, j] > 0.0 or p[i, j - 1] > 0.0 or p[i, j + 1] > 0.0:
-                difference = abs(gap[i + 1, j] - gap[i - 1, j]) + abs(gap[i, j + 1] - gap[i, j - 1])
-                out[i, j] = min(0.25 * share * difference, most)
+                along = gap[i + 1, j] + u[i + 1, j] - gap[i - 1, j] - u[i - 1, j]
+                across = gap[i, j + 1] + u[i, j + 1] - gap[i, j - 1] - u[i, j - 1]
+                if u_trend.size:
+                    along += u_trend[i + 1, j] - u_trend[i - 1, j]
+                    across += u_trend[i, j + 1] - u_trend[i, j - 1]
+                out[i, j] = min(0.25 * share * (abs(along) + abs(across)), most)
 
 
 @njit(cache=True)

@@ -216,7 +216,7 @@ class _Descent:
         """From these pressures, gaps before the approach is taken off, and [m/Pa] by which nodes give, all on the window."""
         self.p, self.g = pressure.ravel()[self.node], gap.ravel()[self.node]
         self.soft = np.empty(0) if soft is None else soft.ravel()[self.node]
-        self.give = 1 / (1 + self.soft * self.reach)
+        self.give = 1 / np.sqrt(1 + self.soft * self.reach)
 
     def lead(self, p_trend: Array, u_trend: Array) -> None:
         """A first step by way of the extrapolation of the last solutions and of the gradient there.

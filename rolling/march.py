@@ -181,7 +181,7 @@ def _start(track: RollingContact, k: int, half_space: HalfSpace) -> ContactState
 def _blend(track: RollingContact, half_space: HalfSpace, state: ContactState) -> ContactState:
     """The same position once more, with its patches ending where its own gaps say."""
     gap = track.gap(state.position, state.window)
-    edge = _edges(track, gap + state.deflection, state.pressure, state.deflection)
+    edge = _edges(gap, state.pressure, state.deflection)
     return _solve(
         track,
         state.position,
@@ -196,10 +196,11 @@ def _blend(track: RollingContact, half_space: HalfSpace, state: ContactState) ->
     )
 
 
-def _edges(track: RollingContact, gap: Array, pressure: Array, deflection: Array) -> Array:
+def _edges(gap: Array, pressure: Array, deflection: Array, trend: Array | None = None) -> Array:
     """Half of the range of gaps [m] over cells that the edge of a patch at the hardness may cross (contact.solve's `edge`)."""
     out = np.empty_like(gap)
-    _march.cell_ranges(gap, pressure, EDGE_SHARE, MOST_EDGE * float(deflection.max()), out)
+    most = MOST_EDGE * float(deflection.max())
+    _march.cell_ranges(gap, deflection, np.empty((0, 0)) if trend is None else trend, pressure, EDGE_SHARE, most, out)
     return out
 
 
@@ -232,8 +233,7 @@ def _follow(
     edge = None
     if track.has_blended_edges:
         deflection = half_space.deflection(start) if deflection is None else deflection
-        guess = gap + deflection if trend is None else gap + deflection + trend[1]
-        edge = _edges(track, guess, start, deflection)
+        edge = _edges(gap, start, deflection, trend[1] if trend else None)
     following = _solve(
         track,
         k,
