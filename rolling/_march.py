@@ -28,7 +28,7 @@ def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
 
 
 @njit(cache=True)
-def overlap_block(heights, row_highest, spacing, radius, x, y, approach):
+def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach):
     """Bounding block (first row, last row, first column, last column) of the nodes whose gap is below the approach.
 
     Looked for on the whole disc the highest node allows, one period to each side at most: an island may lie outside any earlier
@@ -36,7 +36,7 @@ def overlap_block(heights, row_highest, spacing, radius, x, y, approach):
     """
     along, across = heights.shape
     first_row, last_row, first_column, last_column = 1, 0, 1, 0
-    reach2 = 2 * radius * (approach + row_highest.max())
+    reach2 = 2 * radius * (approach + highest)
     if reach2 <= 0.0:
         return first_row, last_row, first_column, last_column
     reach = np.sqrt(reach2)

@@ -88,6 +88,10 @@ class RollingContact:
     def row_highest(self) -> Array:
         return self.heights.max(axis=1)
 
+    @cached_property
+    def highest(self) -> float:
+        return float(self.row_highest.max())
+
     @property
     def has_blended_edges(self) -> bool:
         """An elastic contact has no patch at the hardness whose edge could be blended."""
@@ -104,7 +108,14 @@ class RollingContact:
     def overlap(self, k: int, approach: float) -> Window | None:
         """Where the undeformed gap is below the approach at position k: contact lies inside. None: nowhere."""
         block = _march.overlap_block(
-            self.heights, self.row_highest, self.spacing, self.radius, self.position(k), self.mid_width, approach
+            self.heights,
+            self.row_highest,
+            self.highest,
+            self.spacing,
+            self.radius,
+            self.position(k),
+            self.mid_width,
+            approach,
         )
         return Window.spanning([block]) if block[1] >= block[0] else None
 
