@@ -75,7 +75,7 @@ def _parser() -> argparse.ArgumentParser:
             help="seconds of rolling at most (default 0.045: no third octave from 100 Hz is empty)",
         )
         sub.add_argument("--hard", action="store_true", help="judge the solver on hard cases instead")
-        sub.add_argument("--random", type=_count, metavar="N", help="with --hard: random scenes as well")
+        sub.add_argument("--random", type=_count, metavar="N", help="with --hard: random scenes (default 2000)")
         sub.add_argument("--long", action="store_true", help="with --hard: the march of 1e5 steps as well")
 
     command("run", _run, "run a scene: release, sound, levels and plots", scene, settings, target, workers)
@@ -174,10 +174,7 @@ def _accuracy(arguments: argparse.Namespace) -> int:
         _say(f"rolling accuracy: {', '.join(misplaced)} {'cannot' if arguments.hard else 'can only'} go with --hard")
         return BAD_INPUT
     if arguments.hard:
-        from rolling import check, hard_cases
-
-        workers = arguments.workers or check.cores()
-        return hard_cases.main_report(arguments.out, arguments.random or 0, workers, arguments.long)
+        return _hard_cases(arguments)
     if arguments.scene is None:
         _say("rolling accuracy: give a SCENE, or --hard")
         return BAD_INPUT
@@ -194,6 +191,20 @@ def _accuracy(arguments: argparse.Namespace) -> int:
     except (SceneError, FolderError) as error:
         _say(str(error))
         return BAD_INPUT
+
+
+def _hard_cases(arguments: argparse.Namespace) -> int:
+    from rolling import check, hard_cases, store
+
+    try:
+        folder = store.new_folder(Path("outputs") / "hard-cases", arguments.out, force=False)
+    except store.FolderError as error:
+        _say(str(error))
+        return BAD_INPUT
+    workers = arguments.workers or check.cores()
+    code = hard_cases.main_report(folder, arguments.random or 2000, workers, arguments.long)
+    print(f"\ntable, numbers: {folder}")
+    return code
 
 
 def _schema(arguments: argparse.Namespace) -> int:

@@ -266,7 +266,7 @@ def _row(group: dict[str, Any]) -> list[str]:
     return [group["group"], group["surface"], group["plate"], *map(str, numbers), rate, *map(str, iterations.values())]
 
 
-def main_report(out: Path | None, random: int, workers: int = 1, long: bool = False) -> int:
+def main_report(out: Path, random: int, workers: int = 1, long: bool = False) -> int:
     """Judge all, print the table, write hard.json and hard.md to the folder `out`; returns 0 when nothing failed, else 1.
 
     random : scenes of random_scene, and a quarter as many odd and blended ones. long : adds the march of 1e5 steps, some minutes.
@@ -281,8 +281,7 @@ def main_report(out: Path | None, random: int, workers: int = 1, long: bool = Fa
         data = report(cases, random, others, others, workers, bar.update)
     text = table(data)
     print(text)
-    if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
-        store.write_json(out / "hard.json", data)
-        store.write_bytes(out / "hard.md", text.encode())
+    out.mkdir(parents=True, exist_ok=True)
+    store.write_json(out / "hard.json", data)
+    store.write_bytes(out / "hard.md", text.encode())
     return 1 if data["failures"] else 0

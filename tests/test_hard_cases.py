@@ -320,4 +320,4 @@ def test_report_files_and_exit_code(
     assert json.loads((tmp_path / "new" / "hard.json").read_text())["total"]["success_rate"] == 1
     assert (tmp_path / "new" / "hard.md").read_text() == capsys.readouterr().out[:-1]
     monkeypatch.setattr(hard_cases, "CASES", [replace(NAMED["seam"], budget=0)])
-    assert hard_cases.main_report(None, random=0) == 1
+    assert hard_cases.main_report(tmp_path / "failed", random=0) == 1
