@@ -211,8 +211,11 @@ def recommend(candidates: Sequence[Candidate]) -> Recommendation:
 
 
 def loosest_tolerance(signal_errors: Mapping[float, float], grid_error: float) -> float | None:
-    """The loosest tolerance whose signal error lies 20 dB below that of the grid, and at -40 dB or below; None: none does."""
-    return max((t for t, off in signal_errors.items() if off <= min(0.1 * grid_error, 0.01)), default=None)
+    """The loosest tolerance whose signal error is a fifth of the grid's or less, and at -40 dB or below; None: none is.
+
+    A fifth adds 0.2 dB to the error in all.
+    """
+    return max((t for t, off in signal_errors.items() if off <= min(0.2 * grid_error, 0.01)), default=None)
 
 
 def default_tolerance() -> float:

@@ -202,7 +202,7 @@ def _advice(found: Findings) -> list[str]:
 
 
 def _tolerance_advice(found: Findings) -> str:
-    wanted = "error of the solve 20 dB below that of the grid and at -40 dB at most"
+    wanted = "error of the solve of at most a fifth of the grid's and -40 dB"
     default = accuracy.default_tolerance()
     if found.tolerance is None:
         return f"no tolerance that was tried keeps the {wanted}"
