@@ -173,8 +173,9 @@ def _raw(found: Findings) -> str:
             rows.append([f"{found.study.step_um(v):g}", f"{one.raw_rms:.4g}", laeq])
     return (
         "Rms of the release power of each step about its mean. Steps shorter than a node show how nodes are released one by one,"
-        " above hearing: where the plate yields this grows as the step shrinks and has no limit. The levels within hearing"
-        " converge.\n\n" + _columns(rows)
+        " above hearing: where the plate yields this need not converge as the step shrinks, least with sharp edges. The levels"
+        " within hearing do."
+        "\n\n" + _columns(rows)
     )
 
 
