@@ -1,6 +1,6 @@
 """The speed targets, each measured beside a yardstick of the same run: writes speed.json and speed.md, prints the table.
 
-python tests/benchmarks/speed.py [--quick] [--aspher PYTHON] [--slippy PYTHON] [--out FOLDER]    (two minutes; see README.md here)
+python tests/benchmarks/speed.py [--quick] [--aspher PYTHON] [--slippy PYTHON] [--out FOLDER]    (a minute; see README.md here)
 """
 
 from __future__ import annotations
