@@ -80,7 +80,7 @@ class HalfSpace:
         self._convolutions: dict[tuple[int, int, bool], Convolution] = {}
         self.count = 0  # convolutions done: a cost that does not depend on the machine
 
-    def deflection(self, pressure: Array, out: Array | None = None) -> Array:
+    def deflection(self, pressure: Array) -> Array:
         """Deflection [m] at the nodes of a window by the pressure [Pa] on them, shape (m, n) both; nothing is loaded outside.
 
         Padded only for what lies between a loaded node and the farthest node of the window.
@@ -91,7 +91,7 @@ class HalfSpace:
         convolution.real[:m, :n] = pressure
         convolution.apply(m)
         self.count += 1
-        return np.multiply(convolution.real[:m, :n], self.unit, out=out)
+        return convolution.real[:m, :n] * self.unit
 
     def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
         """The transforms for nodes at most so many rows and columns apart. Who applies them adds to `count`."""

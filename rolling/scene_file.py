@@ -124,7 +124,7 @@ def _read(text: str, where: str) -> tuple[Any, dict[Key, int]]:
         place = f"{where}:{mark.line + 1}" if mark else where
         problem = getattr(error, "problem", None) or getattr(error, "reason", None) or first_line(error)
         raise SceneError([f"{place}: not YAML: {problem.replace('<stream end>', 'the end')}"]) from error
-    except (ValueError, RecursionError, NotImplementedError) as error:
+    except (ValueError, RecursionError, NotImplementedError) as error:  # how ruamel.yaml refuses some constructs
         raise SceneError([f"{where}: not YAML: {first_line(error)}"]) from error
 
 
