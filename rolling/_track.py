@@ -34,6 +34,11 @@ class Track:
     lap_steps: int
 
     @property
+    def solved_steps(self) -> int:
+        """Steps that are different, all there is to solve."""
+        return min(self.steps, self.lap_steps)
+
+    @property
     def distance(self) -> float:
         """Distance rolled [m]."""
         return self.steps * self.step

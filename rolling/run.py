@@ -13,15 +13,19 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
 from acoustics import wav
 from rolling import check, scene_file, simulate, store, summary
+from rolling.heard import Heard, hear
 from rolling.scenario import Scene, expand, run_name, track
-from rolling.sound import ContactSound, contact_sound, middle_speeds
+from rolling.sound import middle_speeds
 from rolling.store import Keeper, Result
+
+if TYPE_CHECKING:  # matplotlib is slow to import, and a run that fails needs none
+    from rolling.picture import Picture
 
 
 @dataclass(frozen=True)
@@ -187,26 +191,20 @@ def _finish(
     folder: Path, runs: list[Run], results: list[Result], failures: dict[str, str], interrupted: bool
 ) -> Report:
     """Sound, numbers and plots of every run that has enough steps; of all together when there are several."""
-    heard: list[tuple[Run, ContactSound]] = []
+    heard: list[Heard] = []
     done: list[tuple[Run, dict[str, Any] | None]] = []
     for one, result in zip(runs, results, strict=True):
-        if result.done_steps < 2:
-            done.append((one, None))
+        sounding = hear(one.label, one.values, one.folder, one.scene, result)
+        done.append((one, sounding.numbers if sounding else None))
+        if sounding is None:
             continue
-        began = time.perf_counter()
-        steps = result.done_steps
-        energy = result.whole("release_energy")[:steps]
-        closed = result.complete and steps % result.solved_steps == 0 and track(one.scene).closed
-        sound = contact_sound(one.scene, energy, result.step, closed)
-        numbers = summary.summarize(one.scene, result, sound, time.perf_counter() - began)
         if not (one.folder / "result.h5").exists():  # new sound of a stored run
             _keep(one, result)
-        _write_sound(one, sound)
-        store.write_json(one.folder / "summary.json", numbers)
+        _write_sound(sounding)
+        store.write_json(one.folder / "summary.json", sounding.numbers)
         store.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
-        heard.append((one, sound))
-        done.append((one, numbers))
-    _write_plots(folder, runs, results, heard)
+        heard.append(sounding)
+    _write_pictures(folder, heard)
     if len(runs) > 1:
         store.write_json(
             folder / "sweep.json",
@@ -220,8 +218,8 @@ def _finish(
     return Report(folder, done, failures, interrupted)
 
 
-def _write_sound(one: Run, sound: ContactSound) -> None:
-    s = one.scene.sound
+def _write_sound(one: Heard) -> None:
+    s, sound = one.scene.sound, one.sound
     facts = (
         f"{one.scene.name}, {one.label}; distance {s.distance_m:g} m, q {s.q:g},"
         f" {sound.factor:.6g} Pa per W/m2 of fluctuation; {'loops' if sound.closed else 'faded at both ends'}"
@@ -233,28 +231,29 @@ def _write_sound(one: Run, sound: ContactSound) -> None:
     )
 
 
-def _write_plots(folder: Path, runs: list[Run], results: list[Result], heard: list[tuple[Run, ContactSound]]) -> None:
+def _write_pictures(folder: Path, heard: list[Heard]) -> None:
     from rolling import figures
 
-    for one, sound in heard:
-        result = results[runs.index(one)]
-        figures.write_run(one.folder, one.scene, one.label, sound, result.snapshot)
+    for one in heard:
+        for picture in figures.of_run(one):
+            picture.write(one.folder)
     if len(heard) > 1:
-        figures.write_comparison(folder, [(one.label, one.scene, sound) for one, sound in heard])
-        swept = [key for key in runs[0].values if len({one.values[key] for one in runs}) > 1]
+        for picture in figures.of_runs(heard):
+            picture.write(folder)
+        swept = [key for key in heard[0].values if len({one.values[key] for one in heard}) > 1]
         if swept:
-            _write_level_plot(folder, swept[0], heard)
+            _level_picture(swept[0], heard).write(folder)
 
 
-def _write_level_plot(folder: Path, key: str, heard: list[tuple[Run, ContactSound]]) -> None:
+def _level_picture(key: str, heard: list[Heard]) -> Picture:
     from rolling import figures
 
-    def rest(item: tuple[Run, ContactSound]) -> str:
-        return ", ".join(summary.worded(k, v) for k, v in item[0].values.items() if k != key)
+    def rest(one: Heard) -> str:
+        return ", ".join(summary.worded(k, v) for k, v in one.values.items() if k != key)
 
     curves = {}
     for others, group in groupby(sorted(heard, key=rest), key=rest):
-        members = sorted(group, key=lambda item: item[0].values[key])
-        curves[others] = [(one.values[key], sound.levels.laeq_db, sound.levels.level_db) for one, sound in members]
+        members = sorted(group, key=lambda one: one.values[key])
+        curves[others] = [(one.values[key], one.sound.levels.laeq_db, one.sound.levels.level_db) for one in members]
     word, unit = summary.named(key)
-    figures.write_levels(folder, heard[0][0].scene.name, f"{word} [{unit}]" if unit else word, curves)
+    return figures.levels(heard[0].scene.name, f"{word} [{unit}]" if unit else word, curves)

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 PIECE_STEPS = (
     200  # a cold start costs about three steps, seven with blended edges and their run-in: 1.5 and 3.5 % of a piece
 )
+MAPS = 120  # of a run: about what the eye follows in ten seconds
+MAP_CELLS = 96  # a side, at most
 STEP_SERIES = ("release_energy", "loading_energy", "energy_defect", "step_time")
 STATE_SERIES = (
     "approach",
@@ -52,6 +54,23 @@ class Snapshot:
 
 
 @dataclass(frozen=True)
+class PressureMap:
+    """Pressure [Pa] on the loaded part of the plate at one position, to be looked at.
+
+    distance : of the sphere along the track [m].
+    along, across : plate coordinates of the first cell's corner [m].
+    cell : side of a square cell [m], over which the pressure is the mean: a node, or several where contact is wide.
+    """
+
+    position: int
+    distance: float
+    along: float
+    across: float
+    cell: float
+    pressure: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
 class Piece:
     """Series of the steps first .. last - 1 and of the states first + 1 .. last (and of state 0, in the first piece)."""
 
@@ -61,6 +80,7 @@ class Piece:
     states: dict[str, Array]
     events: dict[str, NDArray[Any]] | None
     snapshot: Snapshot | None
+    maps: list[PressureMap]
 
 
 _kept: dict[tuple[str, Path, int, int], Array] = {}
@@ -123,6 +143,25 @@ def pieces(steps: int) -> list[tuple[int, int]]:
     return [(first, min(first + PIECE_STEPS, steps)) for first in range(0, steps, PIECE_STEPS)]
 
 
+def mapped_positions(steps: int) -> NDArray[np.int64]:
+    """Positions whose pressure is kept, evenly along a track of that many steps: all of them on a short one."""
+    return np.unique(np.arange(MAPS) * steps // MAPS)
+
+
+def pressure_map(state: ContactState, distance: float, spacing: float) -> PressureMap:
+    """The loaded part of a state, on cells of as many nodes as keep it small."""
+    loaded, window = state.loaded, state.window
+    across = max(loaded.rows, loaded.columns)
+    nodes = -(-across // MAP_CELLS)
+    # Whole cells: the last ones reach over nodes that bear nothing.
+    rows, columns = (-(-count // nodes) for count in (loaded.rows, loaded.columns))
+    pressure = np.zeros((rows * nodes, columns * nodes))
+    pressure[: loaded.rows, : loaded.columns] = window.moved(state.pressure, loaded)
+    means = pressure.reshape(rows, nodes, columns, nodes).mean(axis=(1, 3))
+    corner = (loaded.row - 0.5) * spacing, (loaded.column - 0.5) * spacing
+    return PressureMap(state.position, distance, *corner, nodes * spacing, means.astype(np.float32))
+
+
 def simulate_piece(
     scene: Scene,
     first: int,
@@ -145,6 +184,7 @@ def simulate_piece(
     steps = {name: np.empty(last - first) for name in STEP_SERIES}
     states = {name: np.empty(last - first + (first == 0)) for name in STATE_SERIES}
     snapshot = None
+    mapped, maps = set(mapped_positions(track(scene).solved_steps).tolist()), []
     old: ContactState | None = None
     began = time.perf_counter()
     for state in march(contact, first, last, half_space):
@@ -164,13 +204,15 @@ def simulate_piece(
         if k > first or first == 0:
             for name in STATE_SERIES:
                 states[name][k - first - (first > 0)] = getattr(state, name)
+            if k in mapped:
+                maps.append(pressure_map(state, contact.position(k), contact.spacing))
         if k == last and first == 0:
             window, spacing = state.window, contact.spacing
             snapshot = Snapshot(
                 contact.position(k), window.row * spacing, window.column * spacing, state.pressure, state.deflection
             )
         old = state
-    return Piece(first, last, steps, states, table.columns() if table else None, snapshot)
+    return Piece(first, last, steps, states, table.columns() if table else None, snapshot, maps)
 
 
 def simulate(

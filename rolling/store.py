@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from rolling.recovery import join_events
 from rolling.scenario import Track
-from rolling.simulate import STATE_SERIES, STEP_SERIES, Piece, Snapshot
+from rolling.simulate import STATE_SERIES, STEP_SERIES, Piece, PressureMap, Snapshot
 
 Array = NDArray[np.float64]
 
@@ -55,6 +55,7 @@ class Result:
     """Series of a run: of one lap of the track or less, which is all that is ever solved; NaN where not solved yet.
 
     steps : steps of the whole run; `solved_steps` of them are different, the rest go round again.
+    maps : pressure maps along the track, by position.
     """
 
     steps: int
@@ -63,11 +64,12 @@ class Result:
     start: float
     series: dict[str, Array]
     snapshot: Snapshot | None = None
+    maps: dict[int, PressureMap] = field(default_factory=dict)
     event_pieces: dict[int, dict[str, NDArray[Any]]] = field(default_factory=dict)
 
     @classmethod
     def empty(cls, track: Track, start: float) -> Result:
-        solved = min(track.steps, track.lap_steps)
+        solved = track.solved_steps
         series = {name: np.full(solved, np.nan) for name in STEP_SERIES}
         series |= {name: np.full(solved + 1, np.nan) for name in STATE_SERIES}
         return cls(track.steps, solved, track.step, start, series)
@@ -78,6 +80,7 @@ class Result:
         for name, values in piece.states.items():
             self.series[name][piece.last + 1 - len(values) : piece.last + 1] = values
         self.snapshot = piece.snapshot or self.snapshot
+        self.maps |= {one.position: one for one in piece.maps}
         if piece.events is not None:
             self.event_pieces[piece.first] = piece.events
 
@@ -183,11 +186,39 @@ def save(path: Path, result: Result, speed: Array, name: str) -> None:
                 )
                 group["pressure"], group["deflection"] = result.snapshot.pressure, result.snapshot.deflection
                 group["pressure"].attrs["units"], group["deflection"].attrs["units"] = "Pa", "m"
+            _save_maps(file, [result.maps[position] for position in sorted(result.maps)])
             _save_events(file, result)
         partial.replace(path)
     except (OSError, RuntimeError) as error:  # h5py reports a full disk as either
         partial.unlink(missing_ok=True)
         raise OSError(f"{path}: could not be written ({error})") from error
+
+
+def _save_maps(file: h5py.File, maps: list[PressureMap]) -> None:
+    if not maps:
+        return
+    group = file.create_group("pressure_maps")
+    for name, values, unit in (
+        ("position", [one.position for one in maps], "1"),
+        ("distance", [one.distance for one in maps], "m"),
+        ("along", [one.along for one in maps], "m"),
+        ("across", [one.across for one in maps], "m"),
+        ("cell", [one.cell for one in maps], "m"),
+        ("shape", [one.pressure.shape for one in maps], "1"),
+    ):
+        group[name] = values
+        group[name].attrs["units"] = unit
+    # One after the other: each is as large as its contact.
+    flat = np.concatenate([one.pressure.ravel() for one in maps])
+    group.create_dataset("pressure", data=flat, compression="gzip", shuffle=True).attrs["units"] = "Pa"
+
+
+def _load_maps(group: h5py.Group) -> dict[int, PressureMap]:
+    shapes, flat = group["shape"][:], group["pressure"][:]
+    ends = np.cumsum(shapes.prod(axis=1))
+    columns = (group[name][:].tolist() for name in ("position", "distance", "along", "across", "cell"))
+    pressures = [flat[end - np.prod(shape) : end].reshape(shape) for shape, end in zip(shapes, ends, strict=True)]
+    return {row[0]: PressureMap(*row) for row in zip(*columns, pressures, strict=True)}
 
 
 def _save_events(file: h5py.File, result: Result) -> None:
@@ -227,6 +258,8 @@ def load(path: Path) -> Result:
                 group = file["snapshot"]
                 distance, along, across = (float(group.attrs[name]) for name in ("distance_m", "along_m", "across_m"))
                 result.snapshot = Snapshot(distance, along, across, group["pressure"][:], group["deflection"][:])
+            if "pressure_maps" in file:
+                result.maps = _load_maps(file["pressure_maps"])
             for first, group in file.get("event_pieces", {}).items():
                 result.event_pieces[int(first)] = {column: values[:] for column, values in group.items()}
             if "events" in file:

@@ -283,3 +283,27 @@ def test_workers_pin_their_threads_and_leave_the_environment(scene: Path, tmp_pa
     report = run.run(scene, ["rolling.duration_s=0.01"], tmp_path / "out", workers=2)
     assert report.exit_code == 0
     assert os.environ["OMP_NUM_THREADS"] == "7"
+
+
+def test_pressure_maps_carry_the_load_whatever_the_pieces(scene: Path, tmp_path: Path) -> None:
+    """Along the track and resumed from a file: each map's pressures add up to the load, single precision apart."""
+    assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
+    result = store.load(tmp_path / "out" / "result.h5")
+    assert list(result.maps) == simulate.mapped_positions(STEPS).tolist()
+    assert len(result.maps) == simulate.MAPS
+    for position, one in result.maps.items():
+        assert one.distance == pytest.approx(position * 2e-6)
+        assert one.pressure.sum() * one.cell**2 == pytest.approx(1.0, rel=1e-6)
+        rows, columns = one.pressure.shape
+        # The contact lies about the sphere, which runs at mid-width.
+        assert one.along < one.distance < one.along + rows * one.cell
+        assert one.across < 49.5 * 2e-6 < one.across + columns * one.cell
+
+
+def test_maps_of_wide_contacts_are_averaged_over_whole_cells(scene: Path, monkeypatch) -> None:
+    monkeypatch.setattr(simulate, "MAP_CELLS", 10)
+    one = scene_file.load(scene)
+    piece = simulate.simulate_piece(one, 0, 4)
+    first = piece.maps[0]
+    assert max(first.pressure.shape) <= 10 and first.cell > 2e-6
+    assert first.pressure.sum() * first.cell**2 == pytest.approx(1.0, rel=1e-6)

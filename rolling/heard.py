@@ -1,0 +1,43 @@
+"""A run that has a sound: what pictures and report are made of. Depends on sound, summary and store."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rolling import summary
+from rolling.scenario import Scene, track
+from rolling.sound import ContactSound, contact_sound
+from rolling.store import Result
+
+
+@dataclass(frozen=True)
+class Heard:
+    """A run with its sound.
+
+    label : what tells it from its neighbours, such as `load 5 N`.
+    values : what its sweep gave it, by dotted key.
+    numbers : what summary.json says of it.
+    """
+
+    label: str
+    values: dict[str, float]
+    folder: Path
+    scene: Scene
+    result: Result
+    sound: ContactSound
+    numbers: dict[str, Any]
+
+
+def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, result: Result) -> Heard | None:
+    """The sound of what is solved of a run, None when that is less than two steps."""
+    steps = result.done_steps
+    if steps < 2:
+        return None
+    began = time.perf_counter()
+    closed = result.complete and steps % result.solved_steps == 0 and track(scene).closed
+    sound = contact_sound(scene, result.whole("release_energy")[:steps], result.step, closed)
+    numbers = summary.summarize(scene, result, sound, time.perf_counter() - began)
+    return Heard(label, values, folder, scene, result, sound, numbers)
