@@ -27,6 +27,8 @@ from rolling.store import Keeper, Result
 if TYPE_CHECKING:  # matplotlib is slow to import, and a run that fails needs none
     from rolling.picture import Picture
 
+PAGE = "report.html"
+
 
 @dataclass(frozen=True)
 class Run:
@@ -63,9 +65,14 @@ class Report:
 
 
 def run(
-    scene_path: Path, overrides: Sequence[str] = (), out: Path | None = None, force: bool = False, workers: int = 0
+    scene_path: Path,
+    overrides: Sequence[str] = (),
+    out: Path | None = None,
+    force: bool = False,
+    workers: int = 0,
+    page: bool = True,
 ) -> Report:
-    """Run a scene file: every combination of its sweep, each into a run folder.
+    """Run a scene file: every combination of its sweep, each into a run folder, and a report page unless `page` is not wanted.
 
     Raises
     ------
@@ -78,10 +85,10 @@ def run(
     store.write_bytes(folder / "scene.yaml", scene_path.read_bytes())
     runs = _make_folders(folder, scene)
     results = [Result.empty(track(one.scene), one.scene.start) for one in runs]
-    return _work(folder, runs, results, workers)
+    return _work(folder, runs, results, workers, page)
 
 
-def resume(folder: Path, workers: int = 0) -> Report:
+def resume(folder: Path, workers: int = 0, page: bool = True) -> Report:
     """Go on with a run folder that was interrupted or killed; what is solved is not solved again.
 
     Raises
@@ -98,10 +105,12 @@ def resume(folder: Path, workers: int = 0) -> Report:
                 raise store.FolderError(f"{one.folder}: result.h5 has {kept.steps} steps, its scene {result.steps}")
             result = kept
         results.append(result)
-    return _work(folder, runs, results, workers)
+    return _work(folder, runs, results, workers, page)
 
 
-def resound(folder: Path, overrides: Sequence[str], out: Path | None = None, force: bool = False) -> Report:
+def resound(
+    folder: Path, overrides: Sequence[str], out: Path | None = None, force: bool = False, page: bool = True
+) -> Report:
     """New sound from stored runs, without solving: other speed, distance, q or gain.
 
     Raises
@@ -118,8 +127,41 @@ def resound(folder: Path, overrides: Sequence[str], out: Path | None = None, for
     target = store.new_folder(Path("outputs") / scene.name, out, force)
     store.write_bytes(target / "scene.yaml", (folder / "scene.yaml").read_bytes())
     runs = _make_folders(target, scene)
-    return _finish(target, runs, results, {}, False)
+    return _finish(target, runs, results, {}, False, page)
 
+
+def report(folders: Sequence[Path], out: Path | None = None, force: bool = False) -> Path:
+    """One page of all the runs in run folders; returns its file.
+
+    Parameters
+    ----------
+    out : file to write, an existing one with `force` only. None: report.html in the run folder, which it is derived from, so
+        an older one is replaced; of several folders in a new folder.
+
+    Raises
+    ------
+    FolderError, SceneError : no run folder, nothing solved in it, or `out` exists; nothing is written.
+    """
+    if out is not None and out.exists() and not (force and out.is_file()):
+        raise store.FolderError(f"{out}: {'exists; take another --out, or --force' if out.is_file() else 'is a folder'}")
+    runs = list({one.folder.resolve(): one for folder in folders for one in read_runs(folder)}.values())
+    heard: list[Heard] = []
+    unheard: list[str] = []
+    for one in runs:
+        solved = (one.folder / "result.h5").is_file()
+        sounding = _heard(one, store.load(one.folder / "result.h5")) if solved else None
+        if sounding is None:
+            unheard.append(f"{one.scene.name}, {one.label}")
+        else:
+            heard.append(sounding)
+    if not heard:
+        raise store.FolderError(f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report")
+    content = _page(heard, unheard)
+    if out is None:
+        out = (folders[0] if len(folders) == 1 else store.new_folder(Path("outputs") / "report", None, False)) / PAGE
+    out.parent.mkdir(parents=True, exist_ok=True)
+    store.write_bytes(out, content)
+    return out
 
 def read_runs(folder: Path) -> list[Run]:
     """The runs of a run folder.
@@ -156,7 +198,7 @@ def _seen_from(folder: Path, scene: Scene) -> Scene:
     return Scene.from_dict(data, folder)
 
 
-def _work(folder: Path, runs: list[Run], results: list[Result], workers: int) -> Report:
+def _work(folder: Path, runs: list[Run], results: list[Result], workers: int, page: bool) -> Report:
     todo = [
         (number, first, last)
         for number, result in enumerate(results)
@@ -179,7 +221,7 @@ def _work(folder: Path, runs: list[Run], results: list[Result], workers: int) ->
     for one, result in zip(runs, results, strict=True):
         _keep(one, result)
     failures = {runs[number].label: reason for number, reason in outcome.failures.items()}
-    return _finish(folder, runs, results, failures, outcome.interrupted)
+    return _finish(folder, runs, results, failures, outcome.interrupted, page)
 
 
 def _keep(one: Run, result: Result) -> None:
@@ -188,13 +230,13 @@ def _keep(one: Run, result: Result) -> None:
 
 
 def _finish(
-    folder: Path, runs: list[Run], results: list[Result], failures: dict[str, str], interrupted: bool
+    folder: Path, runs: list[Run], results: list[Result], failures: dict[str, str], interrupted: bool, page: bool
 ) -> Report:
-    """Sound, numbers and plots of every run that has enough steps; of all together when there are several."""
+    """Sound, numbers and plots of every run that has enough steps; of all together when there are several; the page last."""
     heard: list[Heard] = []
     done: list[tuple[Run, dict[str, Any] | None]] = []
     for one, result in zip(runs, results, strict=True):
-        sounding = hear(one.label, one.values, one.folder, one.scene, result)
+        sounding = _heard(one, result)
         done.append((one, sounding.numbers if sounding else None))
         if sounding is None:
             continue
@@ -210,12 +252,24 @@ def _finish(
             folder / "sweep.json",
             [{"values": one.values, "folder": one.folder.name, "summary": numbers} for one, numbers in done],
         )
+    if page and heard:
+        store.write_bytes(folder / PAGE, _page(heard, [one.label for one, numbers in done if numbers is None]))
     if not failures and not interrupted and all(result.complete for result in results):
         for finished in {one.folder for one in runs} | {folder}:
             store.write_bytes(
                 finished / store.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode()
             )
     return Report(folder, done, failures, interrupted)
+
+
+def _heard(one: Run, result: Result) -> Heard | None:
+    return hear(one.label, one.values, one.folder, one.scene, result)
+
+
+def _page(heard: list[Heard], unheard: list[str]) -> bytes:
+    from rolling import report as pages
+
+    return pages.page(heard, unheard)
 
 
 def _write_sound(one: Heard) -> None:
