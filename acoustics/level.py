@@ -56,7 +56,7 @@ def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None
     """
     if not math.isfinite(mean_square):
         raise ValueError(f"the mean square is not a finite number ({mean_square})")
-    return 10.0 * math.log10(mean_square / reference) if mean_square > 0.0 else None
+    return 10.0 * (math.log10(mean_square) - math.log10(reference)) if mean_square > 0.0 else None
 
 
 def laeq_db(pressure_pa: np.ndarray, sample_rate_hz: float) -> float | None:
