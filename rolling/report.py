@@ -94,22 +94,26 @@ def page(runs: Sequence[Heard], unheard: Sequence[str] = ()) -> bytes:
         "view": maps["view"],
         "tsv": report_text.tsv(runs),
     }
-    html = _environment().get_template("report.html").render(
-        title=", ".join(dict.fromkeys(one.scene.name for one in runs)),
-        descriptions=list(dict.fromkeys(one.scene.description for one in runs if one.scene.description)),
-        text=report_text,
-        citation=citation,
-        heard=runs,
-        runs=shown,
-        unheard=list(unheard),
-        partial=[one.label for one in runs if not one.result.complete],
-        lengths=sorted({round(one.sound.duration, 4) for one in runs}),
-        view=maps["view"],
-        shared=[_exhibit(picture) for picture in figures.of_runs(runs)],
-        surfaces=_surfaces(runs, pictures),
-        data=data,
-        css=_own("report.css"),
-        js=_own("report.js"),
+    html = (
+        _environment()
+        .get_template("report.html")
+        .render(
+            title=", ".join(dict.fromkeys(one.scene.name for one in runs)),
+            descriptions=list(dict.fromkeys(one.scene.description for one in runs if one.scene.description)),
+            text=report_text,
+            citation=citation,
+            heard=runs,
+            runs=shown,
+            unheard=list(unheard),
+            partial=[one.label for one in runs if not one.result.complete],
+            lengths=sorted({round(one.sound.duration, 4) for one in runs}),
+            view=maps["view"],
+            shared=[_exhibit(picture) for picture in figures.of_runs(runs)],
+            surfaces=_surfaces(runs, pictures),
+            data=data,
+            css=_own("report.css"),
+            js=_own("report.js"),
+        )
     )
     return html.encode()
 
@@ -126,7 +130,7 @@ def distinct(runs: Sequence[Heard]) -> list[Heard]:
 
     labels = told_apart(lambda k: (runs[k].folder.parent if runs[k].values else runs[k].folder).resolve().name)
     labels = told_apart(lambda k: str(k + 1))
-    return [replace(one, label=label) for one, label in zip(runs, labels, strict=True)]
+    return [one if label == one.label else replace(one, label=label) for one, label in zip(runs, labels, strict=True)]
 
 
 def _shown(one: Heard, player: Playback, pictures: dict[str, Picture]) -> Shown:
@@ -137,7 +141,7 @@ def _shown(one: Heard, player: Playback, pictures: dict[str, Picture]) -> Shown:
         label=one.label,
         heard=one,
         playback=player,
-        wav=_uri("audio/wav", _pcm(one.sound.pressure / player.full_scale_pa)),
+        wav=_uri("audio/wav", wav.listening(one.sound.pressure, 1 / player.full_scale_pa, comment, one.label, bits=16)),
         timelines=timelines,
         events=_exhibit(events) if events else None,
     )
@@ -170,7 +174,10 @@ def _maps(runs: Sequence[Heard]) -> dict[str, Any]:
         "hardness": bool(np.isfinite(hardest)),
         "colours": [f"rgb({r},{g},{b})" for r, g, b in sprites.palette()[1::2]],
     }
-    return {"runs": [_placed(runs[k], sheets[k], radii[k]) if k in having else None for k in range(len(runs))], "view": view}
+    return {
+        "runs": [_placed(runs[k], sheets[k], radii[k]) if k in having else None for k in range(len(runs))],
+        "view": view,
+    }
 
 
 def _seen(one: Heard) -> list[PressureMap]:
@@ -274,13 +281,3 @@ def _slug(label: str) -> str:
 def _own(name: str) -> Markup:
     """A file of the page, which is the program's own text."""
     return Markup(files("rolling").joinpath("page", name).read_text(encoding="utf-8"))
-
-
-def _pcm(x):
-    import io
-
-    import soundfile
-
-    memory = io.BytesIO()
-    soundfile.write(memory, x, 48000, "PCM_16", format="WAV")
-    return memory.getvalue()

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
 from acoustics.radiation import RHO_C
-from rolling import scene_file, simulate
 from rolling.heard import Heard
 from rolling.scenario import Gaussian, HeightFile, Scene
 
@@ -164,35 +163,46 @@ LEVELS_NOTE = (
 def assumptions(runs: Sequence[Heard]) -> list[Fact]:
     """What the numbers rest on, each once where it is the same for all."""
     facts = [_assumed(one) for one in runs]
-    return [_grouped(what, [(one.label, fact[what]) for one, fact in zip(runs, facts, strict=True)]) for what in facts[0]]
+    return [
+        _grouped(what, [(one.label, fact[what]) for one, fact in zip(runs, facts, strict=True)]) for what in facts[0]
+    ]
 
 
 def _assumed(one: Heard) -> dict[str, str]:
     scene, sound = one.scene, one.sound
     fixed = scene.sound.gain_pa_per_w_m2 is not None
     plate, sphere = scene.plate, scene.sphere
-    elastic = f", {sphere.youngs_modulus_gpa:g} GPa, ν {sphere.poissons_ratio:g}" if sphere.youngs_modulus_gpa else ""
+    elastic = (
+        f", {sphere.youngs_modulus_gpa:g} GPa, Poisson's ratio {sphere.poissons_ratio:g}"
+        if sphere.youngs_modulus_gpa
+        else ""
+    )
     hardness = f"hardness {plate.hardness_gpa:g} GPa" if plate.hardness_gpa else "no hardness: purely elastic"
     motion = scene.motion
     speed = f"{motion.fastest:g} m/s" if motion.is_constant else f"{min(motion.speeds):g} to {motion.fastest:g} m/s"
     return {
         "radiated share q": f"{scene.sound.q:g}" + (", an upper bound: nothing is lost" if scene.sound.q == 1 else ""),
         "distance": f"{scene.sound.distance_m:g} m, spherical spreading",
-        "ρc of air": f"{RHO_C:g} Pa s/m (20 °C)",
+        "impedance of air": f"{RHO_C:g} Pa s/m (20 °C)",
         "sound pressure per intensity": f"{sound.factor:.4g} Pa per W/m²"
-        + (", fixed by the scene" if fixed else ", such that mean p²/(ρc) is the rms of the intensity's fluctuation"),
+        + (
+            ", fixed by the scene"
+            if fixed
+            else ", such that mean p² over the impedance is the rms of the intensity's fluctuation"
+        ),
         "record": f"{sound.duration:.4g} s" + (", closes on itself" if sound.closed else ", faded at both ends"),
         "resolved up to": f"{min(sound.highest, sound.sample_rate / 2) / 1e3:.4g} kHz",
         "load": f"{scene.load:g} N, constant",
         "speed": speed,
         "sphere": f"R {sphere.radius_mm:g} mm" + (elastic or ", rigid"),
-        "plate": f"{plate.youngs_modulus_gpa:g} GPa, ν {plate.poissons_ratio:g}, {hardness}, without memory",
+        "plate": f"{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio {plate.poissons_ratio:g}, {hardness}, without memory",
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
         "solver": f"tolerance {scene.numerics.tolerance:g}, {scene.numerics.edges} edges, {scene.numerics.precision} precision",
-        "release of a node": {"mean": "mean pressure of a step's ends", "left_end": "pressure at a step's beginning (the article's)"}[
-            scene.recovery.rule
-        ],
+        "release of a node": {
+            "mean": "mean pressure of a step's ends",
+            "left_end": "pressure at a step's beginning (the article's)",
+        }[scene.recovery.rule],
     }
 
 
@@ -253,6 +263,6 @@ def _story(one: Heard) -> dict[str, str]:
     told: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     packages = told.pop("packages", {})
     told.pop("written", None)
-    return {
-        what: NOTHING if value is None else str(value) for what, value in told.items()
-    } | {"packages": ", ".join(f"{name} {version}" for name, version in packages.items())}
+    return {what: NOTHING if value is None else str(value) for what, value in told.items()} | {
+        "packages": ", ".join(f"{name} {version}" for name, version in packages.items())
+    }

@@ -17,11 +17,10 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from acoustics import wav
-from rolling import check, scene_file, simulate, store, summary
+from rolling import check, scene_file, simulate, sound_files, store, summary
 from rolling.heard import Heard, hear
 from rolling.scenario import Scene, expand, run_name, track
-from rolling.sound import middle_speeds
+from rolling.sound import middle_speeds, refuse_unavailable
 from rolling.store import Keeper, Result
 
 if TYPE_CHECKING:  # matplotlib is slow to import, and a run that fails needs none
@@ -79,6 +78,7 @@ def run(
     SceneError, FolderError : before anything is computed or written.
     """
     scene = scene_file.load(scene_path, overrides)
+    refuse_unavailable(scene)
     for _, single in expand(scene):
         simulate.rolling_contact(single)  # a surface that cannot be had shows before anything is written
     folder = store.new_folder(Path("outputs") / scene.name, out, force)
@@ -93,9 +93,11 @@ def resume(folder: Path, workers: int = 0, page: bool = True) -> Report:
 
     Raises
     ------
-    FolderError : no run folder, or results that do not fit its scene.
+    FolderError : no run folder, or results that do not fit its scene. SceneError : what it asks for cannot be had.
     """
     runs = read_runs(folder)
+    for one in runs:
+        refuse_unavailable(one.scene)
     results = []
     for one in runs:
         result = Result.empty(track(one.scene), one.scene.start)
@@ -115,11 +117,12 @@ def resound(
 
     Raises
     ------
-    FolderError : no run folder. SceneError : overrides that need a new solve or are not allowed.
+    FolderError : no run folder. SceneError : overrides that need a new solve, are not allowed or cannot be had.
     """
     stored = read_runs(folder)
     # All is read and checked before the new folder is made.
     scene = scene_file.resound(scene_file.load(folder / "resolved.yaml"), overrides)
+    refuse_unavailable(scene)
     singles = expand(scene)
     if [values for values, _ in singles] != [one.values for one in stored]:
         raise store.FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
@@ -143,11 +146,14 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     FolderError, SceneError : no run folder, nothing solved in it, or `out` exists; nothing is written.
     """
     if out is not None and out.exists() and not (force and out.is_file()):
-        raise store.FolderError(f"{out}: {'exists; take another --out, or --force' if out.is_file() else 'is a folder'}")
+        raise store.FolderError(
+            f"{out}: {'exists; take another --out, or --force' if out.is_file() else 'is a folder'}"
+        )
     runs = list({one.folder.resolve(): one for folder in folders for one in read_runs(folder)}.values())
     heard: list[Heard] = []
     unheard: list[str] = []
     for one in runs:
+        refuse_unavailable(one.scene)
         solved = (one.folder / "result.h5").is_file()
         sounding = _heard(one, store.load(one.folder / "result.h5")) if solved else None
         if sounding is None:
@@ -162,6 +168,7 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     out.parent.mkdir(parents=True, exist_ok=True)
     store.write_bytes(out, content)
     return out
+
 
 def read_runs(folder: Path) -> list[Run]:
     """The runs of a run folder.
@@ -242,7 +249,7 @@ def _finish(
             continue
         if not (one.folder / "result.h5").exists():  # new sound of a stored run
             _keep(one, result)
-        _write_sound(sounding)
+        sound_files.write(one.folder, one.scene, one.label, sounding.sound)
         store.write_json(one.folder / "summary.json", sounding.numbers)
         store.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
         heard.append(sounding)
@@ -270,19 +277,6 @@ def _page(heard: list[Heard], unheard: list[str]) -> bytes:
     from rolling import report as pages
 
     return pages.page(heard, unheard)
-
-
-def _write_sound(one: Heard) -> None:
-    s, sound = one.scene.sound, one.sound
-    facts = (
-        f"{one.scene.name}, {one.label}; distance {s.distance_m:g} m, q {s.q:g},"
-        f" {sound.factor:.6g} Pa per W/m2 of fluctuation; {'loops' if sound.closed else 'faded at both ends'}"
-    )
-    wav.write_calibrated(one.folder / "signal.wav", sound.pressure, f"1.0 = 1 Pa; {facts}")
-    gain = wav.listening_gain(sound.pressure)
-    wav.write_listening(
-        one.folder / "listen.wav", sound.pressure, gain, f"{gain:.6g} full scale per Pa, equal loudness; {facts}"
-    )
 
 
 def _write_pictures(folder: Path, heard: list[Heard]) -> None:
