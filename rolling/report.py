@@ -86,7 +86,7 @@ def page(runs: Sequence[Heard], unheard: Sequence[str] = ()) -> bytes:
     runs = distinct(runs)
     peaks = [float(np.abs(one.sound.pressure).max()) for one in runs]
     players = playback.playbacks(peaks, [one.sound.levels.laeq_db for one in runs])
-    pictures = [{picture.name: picture for picture in figures.of_run(one)} for one in runs]
+    pictures = [{picture.name: picture for picture in figures.of_run(one, runs)} for one in runs]
     shown = [_shown(*each) for each in zip(runs, players, pictures, strict=True)]
     maps = _maps(runs)
     data = {

@@ -7,9 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
 from acoustics.radiation import RHO_C
 from rolling.heard import Heard
+from rolling.recovery_statistics import event_statistics
 from rolling.scenario import Gaussian, HeightFile, Scene
 
 NOTHING = "-"
@@ -17,7 +20,10 @@ NOTHING = "-"
 
 @dataclass(frozen=True)
 class Column:
-    """A number of summary.json as a column: its name there and that of its uncertainty, heading, unit, factor, decimals."""
+    """A number of summary.json as a column: its name there and that of its uncertainty, heading, unit, factor, format.
+
+    Without a format it has four digits.
+    """
 
     key: str
     uncertainty: str | None
@@ -38,9 +44,9 @@ COLUMNS = (
     Column("sharpness_acum", None, "sharpness", "acum", 1.0, ".3g"),
     Column("plastic_ratio", None, "plastic ratio", "", 1.0, ".3f"),
     Column("max_pressure_pa", None, "greatest pressure", "GPa", 1e-9, ".3g"),
-    Column("contact_area_mean_m2", None, "contact area", "µm²", 1e12, ".0f"),
-    Column("release_power_mean_w", None, "release, mean", "µW", 1e6, ".4g"),
-    Column("release_power_rms_w", None, "release, rms", "µW", 1e6, ".4g"),
+    Column("contact_area_mean_m2", None, "contact area", "µm²", 1e12, ""),
+    Column("release_power_mean_w", None, "release, mean", "µW", 1e6, ""),
+    Column("release_power_rms_w", None, "release, rms", "µW", 1e6, ""),
 )
 ASKED_FOR = ("loudness_sone", "sharpness_acum")  # not shown where no scene asked
 
@@ -96,7 +102,7 @@ def levels(runs: Sequence[Heard]) -> Table:
         if value is None:
             return "silent" if column.key.endswith("_db") else NOTHING
         uncertainty = one.numbers.get("uncertainty_db", {}).get(column.uncertainty)
-        text = f"{value * column.factor:{column.digits}}"
+        text = f"{value * column.factor:{column.digits}}" if column.digits else significant(value * column.factor)
         return text if uncertainty is None else f"{text} ± {uncertainty:{column.digits}}"
 
     heads = [column.head + (f" [{column.unit}]" if column.unit else "") for column in columns]
@@ -121,6 +127,11 @@ def tsv(runs: Sequence[Heard]) -> str:
                 row.append("" if uncertainty is None else f"{uncertainty:.3g}")
         lines.append(row)
     return "".join("\t".join(cell.replace("\t", " ") for cell in row) + "\n" for row in lines)
+
+
+def significant(value: float) -> str:
+    """Four digits, without an exponent up to a million."""
+    return f"{float(f'{value:.4g}'):g}"
 
 
 def _columns(runs: Sequence[Heard]) -> list[Column]:
@@ -184,12 +195,10 @@ def _assumed(one: Heard) -> dict[str, str]:
         "radiated share q": f"{scene.sound.q:g}" + (", an upper bound: nothing is lost" if scene.sound.q == 1 else ""),
         "distance": f"{scene.sound.distance_m:g} m, spherical spreading",
         "impedance of air": f"{RHO_C:g} Pa s/m (20 °C)",
-        "sound pressure per intensity": f"{sound.factor:.4g} Pa per W/m²"
-        + (
-            ", fixed by the scene"
-            if fixed
-            else ", such that mean p² over the impedance is the rms of the intensity's fluctuation"
-        ),
+        "sound pressure per intensity": f"{sound.factor:.4g} Pa per W/m²",
+        "rule of that factor": "fixed by the scene"
+        if fixed
+        else "mean p² over the impedance is the rms of the intensity's fluctuation",
         "record": f"{sound.duration:.4g} s" + (", closes on itself" if sound.closed else ", faded at both ends"),
         "resolved up to": f"{min(sound.highest, sound.sample_rate / 2) / 1e3:.4g} kHz",
         "load": f"{scene.load:g} N, constant",
@@ -227,6 +236,24 @@ def warnings(runs: Sequence[Heard]) -> list[Fact]:
         Fact(warning, [] if len(labels) == len(runs) else [(label, "") for label in labels])
         for warning, labels in concerned.items()
     ]
+
+
+def events(one: Heard) -> list[Fact]:
+    """The recovery events of a run in numbers; nothing where none were asked for, or there are none."""
+    table = one.result.events()
+    solved = int(np.isfinite(one.result.series["release_energy"]).sum())
+    found = event_statistics(table, solved * one.result.step) if table else None
+    if found is None:
+        return []
+    told = {
+        "events": f"{found.count:,}, {significant(found.per_metre * 1e-3)} per mm",
+        "energy of an event": f"mean {found.energy_mean:.3g} J, median {found.energy_median:.3g} J,"
+        f" nine in ten below {found.energy_p90:.3g} J",
+        "mean duration": f"{found.duration_mean:.3g} steps",
+        "most in one step": f"{found.peak:.3g} J",
+        "top tenth of the events": f"{100 * found.top_tenth_share:.3g} % of the release",
+    }
+    return [Fact(what, [("", value)]) for what, value in told.items()]
 
 
 def _grouped(what: str, values: Sequence[tuple[str, str]]) -> Fact:

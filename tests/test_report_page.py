@@ -1,4 +1,4 @@
-"""The report page in a browser, from a file: silent network and console, sound at its level, playheads and maps where they belong."""
+"""The report page in a browser, from a file: network and console silent, sound at its level, playheads and maps in place."""
 
 from __future__ import annotations
 
@@ -20,14 +20,22 @@ from PIL import Image
 from report_runs import HOSTILE, Runs, runs_in
 
 from acoustics import level, wav
-from rolling import figures, reference, report, run, scene_file, sprites, store
+from rolling import figures, reference, run, scene_file, sprites, store
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 # Chromium's flags for a machine without screen, sound card or network.
-FLAGS = (
-    "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking"
-    " --disable-component-update --disable-sync --autoplay-policy=no-user-gesture-required"
-).split()
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--autoplay-policy=no-user-gesture-required",
+]
+MINUS = "\N{MINUS SIGN}"
 RATE = wav.SAMPLE_RATE_HZ
 # Counts what the page starts, keeps its gains, and listens at its way out.
 TAP = """
@@ -218,7 +226,7 @@ def test_gains_give_the_stated_levels_and_never_clip(pages, opened) -> None:
                 assert [gain for j, gain in enumerate(gains) if j != k] == [0, 0]
                 assert np.abs(records[k]).max() * gains[k] <= 10 ** (-1 / 20) + 1e-4
                 pascals = float(page.text_content(f"[data-scale='{k}']").split()[0])
-                decibels = float(page.text_content(f"[data-gain='{k}']").replace("−", "-"))
+                decibels = float(page.text_content(f"[data-gain='{k}']").replace(MINUS, "-"))
                 played = level.laeq_db(records[k] * gains[k], RATE)
                 levels.append((played, played + 20 * np.log10(pascals), decibels))
         table = [float(page.text_content(f"table.players tbody tr:nth-child({k + 1}) td")) for k in range(3)]
