@@ -55,7 +55,7 @@ def level_limits(levels_db: Iterable[float | None]) -> tuple[float, float]:
     return max(bottom, top - _SHOWN_DB), top
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Lines:
     """A spectrum as it is drawn, 20 Hz to 20 kHz: what takes time is done once however often it is asked for.
 
@@ -74,7 +74,7 @@ class Lines:
 
     @property
     def dense(self) -> bool:
-        """More lines than can be told apart: drawn as their mean."""
+        """More lines than can be told apart."""
         return len(self.frequency_hz) > _DENSE
 
     @cached_property
@@ -97,11 +97,16 @@ class Lines:
         return [float(shown.min()), float(shown.max())] if len(shown) else []
 
 
+def drawn_as_means(curves: Sequence[Lines]) -> list[Lines]:
+    """Those of which the mean over 1/12 octave is drawn: their lines, or they themselves, are too many to be told apart."""
+    return [curve for curve in curves if curve.dense or len(curves) > FEW]
+
+
 def spectrum(ax: Axes, curves: Sequence[Lines], limits_db: tuple[float, float] | None = None) -> Axes:
     """Spectra against frequency, 20 Hz to 20 kHz.
 
-    Of more than 500 lines the mean (of powers) over 1/12 octave is drawn, on top of the thin and pale lines where there are
-    no more than three curves.
+    Of more than 500 lines, and of more than three curves, the mean (of powers) over 1/12 octave is drawn; the lines of
+    three curves at most are thin and pale behind it.
 
     Parameters
     ----------
@@ -112,26 +117,22 @@ def spectrum(ax: Axes, curves: Sequence[Lines], limits_db: tuple[float, float] |
     limits_db
         Of the level axis; otherwise those of the curves, see `level_limits`.
     """
+    means = drawn_as_means(curves)
     for number, curve in enumerate(curves):
         look = _look(number, len(curves))
-        if curve.dense:
+        del look["marker"]
+        if curve in means:
             if len(curves) <= FEW:
                 ax.plot(*curve.envelope, color=look["color"], linewidth=0.3, alpha=0.4, zorder=1.5)
-            ax.plot(*curve.mean, linewidth=1.8, label=curve.label, color=look["color"], linestyle=look["linestyle"])
+            ax.plot(*curve.mean, linewidth=1.8, label=curve.label, **look)
         else:
             level = np.maximum(curve.level_db, _NOTHING_DB)
-            ax.plot(
-                curve.frequency_hz,
-                level,
-                linewidth=1.2,
-                label=curve.label,
-                color=look["color"],
-                linestyle=look["linestyle"],
-            )
+            ax.plot(curve.frequency_hz, level, linewidth=1.2, label=curve.label, **look)
     ax.set_ylim(limits_db or level_limits([level for curve in curves for level in curve.extremes]))
     ax.set_xscale("log")
     ax.set_xlim(*AUDIBLE_HZ)
     ax.xaxis.set_minor_locator(NullLocator())
+    _say_if_silent(ax, any(curve.extremes for curve in curves))
     octaves = slice(2, None, 3)
     ax.xaxis.set_major_locator(FixedLocator(list(MID_HZ[octaves])))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda f, _: _short(BAND_NAMES[int(np.abs(MID_HZ - f).argmin())])))
@@ -146,6 +147,8 @@ def third_octaves(
     limits_db: tuple[float, float] | None = None,
 ) -> Axes:
     """Third-octave levels as steps over the bands, 20 Hz to 20 kHz.
+
+    More than three curves are straight lines from band to band instead.
 
     Bands of which the record holds too little to be read as a level (B T < 5, uncertain by 2 dB or more) are grey. Up to
     three curves have bars of their standard uncertainty in the others.
@@ -171,12 +174,22 @@ def third_octaves(
         look = _look(number, len(curves))
         colour, style = look["color"], look["linestyle"]
         marker = {"marker": look["marker"], "markersize": 4, "linestyle": "none"}
+        few = len(curves) <= FEW
         if first > 0:
-            ax.stairs(level[:first], EDGES_HZ[: first + 1], baseline=None, color=_GREY, linestyle=style, linewidth=1.2)
-            ax.plot(MID_HZ[:first], level[:first], color=_GREY, markerfacecolor="white", **marker)
+            _steps(
+                ax,
+                level[:first],
+                EDGES_HZ[: first + 1],
+                few,
+                color=_GREY,
+                linestyle=style,
+                linewidth=1.2 if few else 0.7,
+            )
+            if few:
+                ax.plot(MID_HZ[:first], level[:first], color=_GREY, markerfacecolor="white", **marker)
         if first < len(read):
-            ax.stairs(level[first:], EDGES_HZ[first:], baseline=None, color=colour, linestyle=style, linewidth=1.5)
-            if len(curves) <= FEW:
+            _steps(ax, level[first:], EDGES_HZ[first:], few, color=colour, linestyle=style, linewidth=1.5)
+            if few:
                 _bars(ax, MID_HZ[first:], level[first:], spread[first:], colour)
         ax.plot(MID_HZ[first:], level[first:], color=colour, **marker)
         ax.plot([], [], color=colour, linestyle=style, marker=marker["marker"], markersize=4, label=label)
@@ -188,6 +201,7 @@ def third_octaves(
     ax.set_xscale("log")
     ax.set_xlim(*AUDIBLE_HZ)
     ax.xaxis.set_minor_locator(NullLocator())
+    _say_if_silent(ax, bool(np.isfinite(seen).any()))
     ax.set_xticks(MID_HZ, [_short(name) for name in BAND_NAMES], rotation=90, fontsize="small")
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
     return _finish(ax, "sound pressure level [dB re 20 µPa]")
@@ -222,6 +236,7 @@ def spectrogram(ax: Axes, bar: Axes, shown: Spectrogram, duration_s: float, limi
         vmax=limits_db[1],
         interpolation="none",
     )
+    _say_if_silent(ax, bool(np.isfinite(shown.level_db).any()))
     ax.set_xlim(0.0, duration_s / factor)
     ax.set_ylim(low, high)
     octaves = slice(2, None, 3)
@@ -341,12 +356,25 @@ def _finish(ax: Axes, ylabel: str) -> Axes:
     return ax
 
 
+def _say_if_silent(ax: Axes, sounds: bool) -> None:
+    if not sounds:
+        ax.text(0.5, 0.5, "no sound", transform=ax.transAxes, ha="center", va="center", color="0.4", fontsize=14)
+
+
 def _look(number: int, count: int) -> dict[str, Any]:
     """Colour, line style and marker of one of so many curves."""
     colour = COLOURS[number % len(COLOURS)]
-    if count > len(COLOURS):  # beyond 0.85 the map is too light for white paper
-        colour = to_hex(matplotlib.colormaps["cividis"](0.85 * number / (count - 1)))
+    if count > len(COLOURS):  # beyond 0.9 the map is too light for white paper
+        colour = to_hex(matplotlib.colormaps["viridis"](0.9 * number / (count - 1)))
     return {"color": colour, "linestyle": _cycled(LINE_STYLES, number), "marker": _cycled(MARKERS, number)}
+
+
+def _steps(ax: Axes, level_db: np.ndarray, edges_hz: np.ndarray, few: bool, **look: Any) -> None:
+    """Bands as steps, or as a line through their middles where steps of many curves would hide one another."""
+    if few:
+        ax.stairs(level_db, edges_hz, baseline=None, **look)
+    else:
+        ax.plot(np.sqrt(edges_hz[:-1] * edges_hz[1:]), level_db, **look)
 
 
 def _bars(ax: Axes, x: np.ndarray, level_db: np.ndarray, uncertainty_db: np.ndarray, colour: str) -> None:

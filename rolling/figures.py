@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 _BAR_IN = 0.16  # width of a colour bar
 _BAR_ROOM_IN = 1.0  # from the end of its axes to the edge: gap, bar, tick labels, label
 _ENERGIES_PER_DECADE = 5
+_SMALLEST_SHARE = 1e-6  # of the greatest energy: where the axis begins
 _DURATIONS = 50  # columns of a distribution of durations, at most
 
 
@@ -156,13 +157,13 @@ def _spectrum(
     among: Sequence[Heard],
 ) -> Picture:
     curves = [view(one) for one in shown]
-    dense = [curve for curve in curves if curve.dense]
+    means = sound_plots.drawn_as_means(curves)
     limits = sound_plots.level_limits(level for one in among for level in view(one).extremes)
     columns = _line_columns([(curve.label, curve.frequency_hz, curve.level_db) for curve in curves], "", ylabel)
-    if dense:
+    if means:
         mean = f"mean over 1/{sound_plots.PER_OCTAVE} octave"
-        columns |= _line_columns([(curve.label, *curve.mean) for curve in dense], f"{mean}: ", ylabel)
-        facts = [*facts, f"bold: {mean}"]
+        columns |= _line_columns([(curve.label, *curve.mean) for curve in means], f"{mean}: ", ylabel)
+        facts = [*facts, f"drawn bold: {mean}"]
 
     def draw(ax: Axes) -> None:
         sound_plots.spectrum(ax, curves, limits)
@@ -191,14 +192,14 @@ def _third_octaves(
 ) -> Picture:
     curves = [(one.label, levels(one), one.sound.uncertainty.third_octave_db) for one in shown]
     limits = sound_plots.level_limits(level for one in among for level in levels(one).values())
-    columns = {"mid frequency [Hz]": MID_HZ}
+    columns: dict[str, Array] = {"mid frequency [Hz]": MID_HZ}
     for label, by_name, uncertainty in curves:
         columns[f"{label} [dB re 20 µPa]"] = _gaps(by_name[band] for band in BAND_NAMES)
         columns[f"{label}: standard uncertainty [dB]"] = _gaps(uncertainty[band] for band in BAND_NAMES)
     # On the axes of all, what is too short to be read in one run is grey in all.
     shortest = min(_lap_seconds(one) for one in among)
     facts = [_distance(shown), _record(shown)]
-    if len(curves) <= sound_plots.FEW:
+    if len(curves) <= sound_plots.FEW and any(one.sound.levels.level_db is not None for one in shown):
         facts.append("bars: standard uncertainty of Gaussian noise of that duration")
     return single(
         name,
@@ -218,7 +219,7 @@ def _spectrogram(one: Heard, among: Sequence[Heard]) -> Picture:
             _distance([one]),
             _record([one]),
             f"{shown.window.capitalize()} frames of {shown.frame_s * 1e3:.3g} ms every {shown.hop_s * 1e3:.3g} ms",
-            f"lines of {shown.line_width_hz:.3g} Hz, ENBW {shown.enbw_hz:.3g} Hz",
+            f"lines of {_number(shown.line_width_hz)} Hz, ENBW {_number(shown.enbw_hz)} Hz",
             "rows of 1/12 octave",
         ]
     )
@@ -252,16 +253,17 @@ def _release_power(one: Heard, among: Sequence[Heard]) -> Picture:
 def _levels(key: str, runs: Sequence[Heard]) -> Picture:
     """LAeq and LZeq against a swept quantity, a curve for every combination of the others."""
 
-    def others(one: Heard) -> str:
-        return ", ".join(summary.worded(name, value) for name, value in one.values.items() if name != key)
+    def others(one: Heard) -> tuple[tuple[str, float], ...]:
+        return tuple((name, value) for name, value in one.values.items() if name != key)
 
     x = np.array(sorted({one.values[key] for one in runs}))
     word, unit = summary.named(key)
-    columns = {f"{word} [{unit}]" if unit else word: x}
+    columns: dict[str, Array] = {f"{word} [{unit}]" if unit else word: x}
     panels = []
     for name, number in (("LAeq", "laeq_db"), ("LZeq", "level_db")):
         curves = []
-        for label, group in groupby(sorted(runs, key=others), key=others):
+        for same, group in groupby(sorted(runs, key=others), key=others):
+            label = ", ".join(summary.worded(*one) for one in same)
             at = {one.values[key]: one.sound for one in group}
             level = [getattr(at[value].levels, number) if value in at else None for value in x]
             spread = [getattr(at[value].uncertainty, number) if value in at else None for value in x]
@@ -273,14 +275,14 @@ def _levels(key: str, runs: Sequence[Heard]) -> Picture:
     figure = blank()
     gap = 0.3
     width = (WIDTH_IN - LEFT_IN - RIGHT_IN - gap) / 2
-    places = {}
-    for number, (name, curves) in enumerate(panels):
+    places: dict[Axes, tuple[float, float, float, float]] = {}
+    for panel, (name, curves) in enumerate(panels):
         ax = figure.add_subplot()
         sound_plots.level_against(ax, x, curves, next(iter(columns)), limits)
-        ax.set_ylabel("" if number else "level [dB re 20 µPa]")
-        ax.tick_params(labelleft=not number)
+        ax.set_ylabel("" if panel else "level [dB re 20 µPa]")
+        ax.tick_params(labelleft=not panel)
         ax.text(0.03, 0.97, name, transform=ax.transAxes, va="top", fontweight="bold")
-        places[ax] = (LEFT_IN + number * (width + gap), BOTTOM_IN, width, 3.5)
+        places[ax] = (LEFT_IN + panel * (width + gap), BOTTOM_IN, width, 3.5)
     title = f"Levels against {word}: {_named(runs)}"
     note = _note([_distance(runs), _record(runs), "bars: standard uncertainty of Gaussian noise of that duration"])
     lay_out(figure, title, note, places)
@@ -299,8 +301,8 @@ def _surface(one: Heard) -> Picture:
     ]
     note = _note(facts if every == 1 else [*facts, f"map: every {every} nodes"])
     shown = plots.shown_nodes(heights, spacing)
-    along = np.arange(shown) * spacing * 1e6
-    height = heights[:shown, (heights.shape[1] - 1) // 2] * 1e6
+    along = np.linspace(0.0, (shown - 1) * spacing * 1e6, shown)
+    height: Array = heights[:shown, (heights.shape[1] - 1) // 2] * 1e6
     figure = blank()
     ax, bar, below = figure.add_subplot(), figure.add_subplot(), figure.add_subplot()
     plots.surface(ax, bar, heights, spacing)
@@ -330,7 +332,7 @@ def _contact(one: Heard, among: Sequence[Heard]) -> Picture:
     along, across = _sphere(one)
     reach = max(_reach(other) for other in compared)
     figure = blank()
-    places = {}
+    places: dict[Axes, tuple[float, float, float, float]] = {}
     side = 2.7
     for number, (name, unit, factor) in enumerate((("pressure", "GPa", 1e-9), ("deflection", "µm", 1e6))):
         ax, bar = figure.add_subplot(), figure.add_subplot()
@@ -365,12 +367,13 @@ def _recovery_events(one: Heard) -> Picture | None:
     energy, steps = events["energy"], events["last"] - events["first"]
     low, high = np.log10(energy.min()), np.log10(energy.max())
     bins = np.arange(np.floor(low * _ENERGIES_PER_DECADE), np.floor(high * _ENERGIES_PER_DECADE) + 2)
+    edges_of_energy = 10.0 ** (bins / _ENERGIES_PER_DECADE)
     every = -(-int(steps.max()) // _DURATIONS)
     joule = EngFormatter("J", places=1)
     title = f"Recovery events: {_named([one])}"
     note = _note(
         [
-            f"{found.count:,} events, {found.per_metre * 1e-3:.4g} per mm",
+            f"{found.count:,} events, {_number(found.per_metre * 1e-3)} per mm",
             f"median {joule(found.energy_median)}, 90 % below {joule(found.energy_p90)}",
             f"the top tenth releases {100 * found.top_tenth_share:.3g} %",
             f"mean duration {found.duration_mean:.3g} steps",
@@ -378,27 +381,29 @@ def _recovery_events(one: Heard) -> Picture | None:
     )
     figure = blank()
     columns: dict[str, Array] = {}
-    places = {}
+    places: dict[Axes, tuple[float, float, float, float]] = {}
     gap = 0.75
     width = (WIDTH_IN - LEFT_IN - RIGHT_IN - gap) / 2
     for number, (name, values, edges, unit) in enumerate(
         (
-            ("energy", energy, 10.0 ** (bins / _ENERGIES_PER_DECADE), "J"),
+            ("energy", energy, edges_of_energy, "J"),
             ("duration", steps, np.arange(0.5, steps.max() + every + 0.5, every), "steps"),
         )
     ):
-        shares = [np.histogram(values, edges, weights=weights)[0] for weights in (None, energy)]
-        shares = [share / share.sum() for share in shares]
+        counts, released = (np.histogram(values, edges, weights=weights)[0] for weights in (None, energy))
+        of_events, of_release = counts / counts.sum(), released / released.sum()
         columns |= {
             f"{name}, lower edge [{unit}]": edges[:-1],
             f"{name}, upper edge [{unit}]": edges[1:],
-            f"{name}: share of the events": shares[0],
-            f"{name}: share of the release": shares[1],
+            f"{name}: share of the events": of_events,
+            f"{name}: share of the release": of_release,
         }
         ax = figure.add_subplot()
-        plots.shares(ax, edges, *shares, f"{name} of an event [{unit}]")
+        plots.shares(ax, edges, of_events, of_release, f"{name} of an event [{unit}]")
         places[ax] = (LEFT_IN + number * (width + gap), BOTTOM_IN, width, 3.0)
     figure.axes[0].set_xscale("log")
+    # The tail reaches down to the rounding of the solution: millionths of the greatest.
+    figure.axes[0].set_xlim(left=max(edges_of_energy[0], _SMALLEST_SHARE * edges_of_energy[-1]))
     figure.axes[1].set_ylabel("")
     lay_out(figure, title, note, places)
     return Picture("recovery_events", f"{title}: {note}", figure, columns)
@@ -451,8 +456,13 @@ def _record(runs: Iterable[Heard]) -> str:
 
 def _common(word: str, values: Sequence[float], unit: str = "") -> str:
     """What is the same in all runs, or its range: at 1 m, at 1 to 2 m."""
-    ends = dict.fromkeys(f"{value:.3g}" for value in (min(values), max(values)))
+    ends = dict.fromkeys(_number(value) for value in (min(values), max(values)))
     return f"{word} {' to '.join(ends)} {unit}".rstrip()
+
+
+def _number(value: float) -> str:
+    """Three digits, and all of those before the point."""
+    return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}"
 
 
 def _note(facts: Iterable[str]) -> str:

@@ -23,6 +23,7 @@ from rolling.store import write_bytes
 
 Array = NDArray[np.float64]
 
+DPI = 110
 WIDTH_IN = 8.5
 SIDE_IN = 0.12  # of white on either side of titles and legends
 LEFT_IN, RIGHT_IN, BOTTOM_IN, TOP_IN = 0.85, 0.2, 0.6, 0.68  # about the axes: tick labels, axis label, titles
@@ -45,14 +46,14 @@ class Picture:
 
     def png(self) -> bytes:
         content = io.BytesIO()
-        self.figure.savefig(content, format="png", dpi=110)
+        self.figure.savefig(content, format="png", dpi=DPI)
         return content.getvalue()
 
     def svg(self) -> bytes:
         content = io.BytesIO()
         # Ids from the name instead of at random, and no date: the same figure gives the same file.
         with matplotlib.rc_context({"svg.hashsalt": self.name}):
-            self.figure.savefig(content, format="svg", metadata={"Date": None})
+            self.figure.savefig(content, format="svg", dpi=DPI, metadata={"Date": None})
         return content.getvalue()
 
     def csv(self) -> bytes:
@@ -79,7 +80,7 @@ class Picture:
 
 def blank() -> Figure:
     """An empty figure, drawn without a display."""
-    figure = Figure()
+    figure = Figure(dpi=DPI)
     FigureCanvasAgg(figure)
     return figure
 
@@ -115,7 +116,10 @@ def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, tuple[f
         )
     for text, size, colour, from_top in ((title, 12.0, "black", 0.28), (note, 9.0, "0.25", 0.52)):
         line = figure.text(SIDE_IN / WIDTH_IN, 1.0 - from_top / height, text, fontsize=size, color=colour)
-        line.set_fontsize(size * min(1.0, room * figure.dpi / max(line.get_window_extent().width, 1.0)))
+        # Letters are fitted to dots, so that a line does not shrink exactly as its letters do.
+        while (wide := line.get_window_extent().width) > room * figure.dpi:
+            size *= min(0.99, room * figure.dpi / wide)
+            line.set_fontsize(size)
 
 
 def single(
