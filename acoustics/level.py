@@ -122,7 +122,7 @@ def sound_levels(
     Raises
     ------
     ValueError
-        If the record is empty or not one-dimensional, or if it or its mean square is not finite.
+        As `acoustics.spectrum.check_record`, or if the mean square is not finite.
     """
     frequency_hz, mean_square = line_spectrum(pressure_pa, sample_rate_hz)
     weighted = _a_weighted(frequency_hz, mean_square)

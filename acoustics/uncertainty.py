@@ -80,7 +80,7 @@ def level_uncertainty(
     Raises
     ------
     ValueError
-        As `acoustics.spectrum.line_spectrum`.
+        As `acoustics.spectrum.check_record`.
     """
     if levels.level_db is None:
         return LevelUncertainty(None, None, None, None, None, dict.fromkeys(levels.third_octave_db))

@@ -17,10 +17,9 @@ from typing import Any
 
 from tqdm import tqdm
 
-from acoustics import wav
-from rolling import check, scene_file, simulate, store, summary
+from rolling import check, scene_file, simulate, sound_files, store, summary
 from rolling.scenario import Scene, expand, run_name, track
-from rolling.sound import ContactSound, contact_sound, middle_speeds
+from rolling.sound import ContactSound, contact_sound, middle_speeds, refuse_unavailable
 from rolling.store import Keeper, Result
 
 
@@ -68,6 +67,7 @@ def run(
     SceneError, FolderError : before anything is computed or written.
     """
     scene = scene_file.load(scene_path, overrides)
+    refuse_unavailable(scene)
     for _, single in expand(scene):
         simulate.rolling_contact(single)  # a surface that cannot be had shows before anything is written
     folder = store.new_folder(Path("outputs") / scene.name, out, force)
@@ -82,9 +82,11 @@ def resume(folder: Path, workers: int = 0) -> Report:
 
     Raises
     ------
-    FolderError : no run folder, or results that do not fit its scene.
+    FolderError : no run folder, or results that do not fit its scene. SceneError : what it asks for cannot be had.
     """
     runs = read_runs(folder)
+    for one in runs:
+        refuse_unavailable(one.scene)
     results = []
     for one in runs:
         result = Result.empty(track(one.scene), one.scene.start)
@@ -102,11 +104,12 @@ def resound(folder: Path, overrides: Sequence[str], out: Path | None = None, for
 
     Raises
     ------
-    FolderError : no run folder. SceneError : overrides that need a new solve or are not allowed.
+    FolderError : no run folder. SceneError : overrides that need a new solve, are not allowed or cannot be had.
     """
     stored = read_runs(folder)
     # All is read and checked before the new folder is made.
     scene = scene_file.resound(scene_file.load(folder / "resolved.yaml"), overrides)
+    refuse_unavailable(scene)
     singles = expand(scene)
     if [values for values, _ in singles] != [one.values for one in stored]:
         raise store.FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
@@ -197,11 +200,11 @@ def _finish(
         steps = result.done_steps
         energy = result.whole("release_energy")[:steps]
         closed = result.complete and steps % result.solved_steps == 0 and track(one.scene).closed
-        sound = contact_sound(one.scene, energy, result.step, closed)
+        sound = contact_sound(one.scene, energy, result.step, closed, result.solved_steps)
         numbers = summary.summarize(one.scene, result, sound, time.perf_counter() - began)
         if not (one.folder / "result.h5").exists():  # new sound of a stored run
             _keep(one, result)
-        _write_sound(one, sound)
+        sound_files.write(one.folder, one.scene, one.label, sound)
         store.write_json(one.folder / "summary.json", numbers)
         store.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
         heard.append((one, sound))
@@ -218,19 +221,6 @@ def _finish(
                 finished / store.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode()
             )
     return Report(folder, done, failures, interrupted)
-
-
-def _write_sound(one: Run, sound: ContactSound) -> None:
-    s = one.scene.sound
-    facts = (
-        f"{one.scene.name}, {one.label}; distance {s.distance_m:g} m, q {s.q:g},"
-        f" {sound.factor:.6g} Pa per W/m2 of fluctuation; {'loops' if sound.closed else 'faded at both ends'}"
-    )
-    wav.write_calibrated(one.folder / "signal.wav", sound.pressure, f"1.0 = 1 Pa; {facts}")
-    gain = wav.listening_gain(sound.pressure)
-    wav.write_listening(
-        one.folder / "listen.wav", sound.pressure, gain, f"{gain:.6g} full scale per Pa, equal loudness; {facts}"
-    )
 
 
 def _write_plots(folder: Path, runs: list[Run], results: list[Result], heard: list[tuple[Run, ContactSound]]) -> None:
