@@ -1,74 +1,85 @@
-"""Sound files: calibrated in pascals, or scaled for listening. Depends on soundfile.
+"""Sound files as bytes: calibrated in pascals, or scaled for listening. Depends on soundfile.
 
-Every file is written whole or not at all, and the same record gives the same bytes at any time.
+The same record gives the same bytes at any time.
 """
 
 from __future__ import annotations
 
 import io
 import os
-from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import soundfile
 
 from acoustics.level import a_weighted_rms
+from acoustics.spectrum import check_record
 
 SAMPLE_RATE_HZ = 48000
 
 # libsndfile writes longer strings but reads back 2048 bytes at most.
-_LONGEST_COMMENT = 2000
+_LONGEST_TEXT = 2000
 
 _TARGET_RMS = 10.0 ** (-23.0 / 20.0)  # the programme loudness of EBU R 128, here as A-weighted rms
 _PEAK = 10.0 ** (-1.0 / 20.0)
 
 
-def write_calibrated(path: str | os.PathLike[str], pressure_pa: np.ndarray, comment: str) -> None:
-    """Write sound pressure as a mono 32-bit float WAV in which 1.0 is 1 Pa.
+def calibrated(pressure_pa: np.ndarray, comment: str, title: str = "") -> bytes:
+    """Sound pressure as a mono 32-bit float WAV in which 1.0 is 1 Pa.
 
     Full scale is 91 dB rms for a sine, so a quiet record plays as quietly. 32 bits are what players read, and their
     rounding lies 150 dB below the record.
 
     Parameters
     ----------
-    path
-        File to write or to replace, in an existing folder.
     pressure_pa
         Sound pressure (n,) at 48 kHz, Pa.
-    comment
-        Goes into the file's metadata as it is; up to 2000 bytes of UTF-8.
+    comment, title
+        Go into the file's metadata as they are; up to 2000 bytes of UTF-8 each.
+
+    Returns
+    -------
+    The file.
 
     Raises
     ------
     ValueError
-        If the record is not a finite series of at least one sample, or the comment does not fit.
-    OSError
-        If it cannot be written; what was there before is still there.
+        If the record is not a finite series of at least one sample, or exceeds what 32 bits hold, or a text does not fit.
     """
-    _write(Path(path), pressure_pa, "FLOAT", comment)
+    samples = np.asarray(pressure_pa, dtype=float)
+    check_record(samples)
+    if np.max(np.abs(samples), initial=0.0) > np.finfo(np.float32).max:
+        raise ValueError(f"the record reaches {np.max(np.abs(samples)):g} Pa, more than a 32-bit float holds")
+    return _wav(samples, "FLOAT", comment, title)
 
 
-def write_listening(path: str | os.PathLike[str], pressure_pa: np.ndarray, gain: float, comment: str) -> None:
-    """Write gain * pressure as a mono 24-bit PCM WAV, for the ear.
+def listening(pressure_pa: np.ndarray, gain: float, comment: str, title: str = "", bits: Literal[16, 24] = 24) -> bytes:
+    """gain * pressure as a mono PCM WAV, for the ear.
+
+    Rounded without dither, so that silence stays silence: the noise of rounding is white, LSB/sqrt(12) or -101 dB of full
+    scale (16 bits) and -149 dB (24 bits) rms in all, 78 and 126 dB below a record at -23 dB.
 
     Parameters
     ----------
-    path
-        File to write or to replace, in an existing folder.
     pressure_pa
         Sound pressure (n,) at 48 kHz, Pa.
     gain
         Full scale per pascal, e.g. from `listening_gain`. One gain for several records keeps their differences.
-    comment
-        Goes into the file's metadata as it is, and should state the gain; up to 2000 bytes of UTF-8.
+    comment, title
+        Go into the file's metadata as they are, and should state the gain; up to 2000 bytes of UTF-8 each.
+    bits
+        Of a sample.
+
+    Returns
+    -------
+    The file.
 
     Raises
     ------
     ValueError
-        If a sample exceeds full scale (nothing is clipped, nothing is written), and as `write_calibrated`.
-    OSError
-        If it cannot be written; what was there before is still there.
+        If a sample exceeds full scale (nothing is clipped), and as `calibrated`.
     """
+    check_record(pressure_pa)
     samples = gain * np.asarray(pressure_pa, dtype=float)
     peak = float(np.max(np.abs(samples), initial=0.0))
     if peak > 1.0:
@@ -76,7 +87,10 @@ def write_listening(path: str | os.PathLike[str], pressure_pa: np.ndarray, gain:
             f"a gain of {gain:g} per Pa drives the peak to {peak:.4g} of full scale; "
             f"the largest that fits is {gain / peak:g}"
         )
-    _write(Path(path), samples, "PCM_24", comment)
+    # libsndfile would round down, which leaves half a step of offset. It takes 32-bit integers, the upper bits of which
+    # are the file's. Full scale itself lies one step above the greatest number.
+    steps = np.minimum(np.rint(samples * 2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1.0)
+    return _wav(steps.astype(np.int32) << (32 - bits), f"PCM_{bits}", comment, title)
 
 
 def listening_gain(pressure_pa: np.ndarray, target_rms: float = _TARGET_RMS, peak: float = _PEAK) -> float:
@@ -114,21 +128,19 @@ def read(path: str | os.PathLike[str]) -> tuple[np.ndarray, int, str]:
         return file.read(dtype="float64"), file.samplerate, file.comment
 
 
-def _write(path: Path, samples: np.ndarray, subtype: str, comment: str) -> None:
-    if np.ndim(samples) != 1 or len(samples) == 0:
-        raise ValueError(f"{path.name}: a record is a series of at least one sample, got shape {np.shape(samples)}")
-    if not np.all(np.isfinite(samples)):
-        raise ValueError(f"{path.name}: the record holds values that are not finite")
-    length = len(comment.encode())
-    if length > _LONGEST_COMMENT:
-        raise ValueError(f"{path.name}: the comment takes {length} bytes, at most {_LONGEST_COMMENT} fit")
-    # Built in memory: libsndfile reports a full disk late or not at all.
+def _wav(samples: np.ndarray, subtype: str, comment: str, title: str) -> bytes:
+    for what, text in (("comment", comment), ("title", title)):
+        length = len(text.encode())
+        if length > _LONGEST_TEXT:
+            raise ValueError(f"the {what} takes {length} bytes, at most {_LONGEST_TEXT} fit")
     memory = io.BytesIO()
     with soundfile.SoundFile(memory, "w", SAMPLE_RATE_HZ, channels=1, subtype=subtype, format="WAV") as file:
         if comment:  # libsndfile refuses an empty one
             file.comment = comment
+        if title:
+            file.title = title
         file.write(samples)
-    _write_whole(path, _without_time_stamp(memory.getvalue()))
+    return _without_time_stamp(memory.getvalue())
 
 
 def _without_time_stamp(wav: bytes) -> bytes:
@@ -144,17 +156,3 @@ def _without_time_stamp(wav: bytes) -> bytes:
             return wav[: start + 12] + bytes(4) + wav[start + 16 :]
         start += 8 + size + size % 2
     return wav
-
-
-def _write_whole(path: Path, content: bytes) -> None:
-    """Write a file under another name in the same folder, then give it its own."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with part.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        part.replace(path)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise

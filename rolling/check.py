@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from acoustics import bands
 from rolling import reference, surface
 from rolling.scenario import Gaussian, HeightFile, Scene, SceneError, Track, expand, run_name, track
+from rolling.sound import refuse_unavailable
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
@@ -112,8 +113,9 @@ def report(scene: Scene) -> str:
 
     Raises
     ------
-    SceneError : a height file cannot be used.
+    SceneError : a height file cannot be used, or something it asks for cannot be had.
     """
+    refuse_unavailable(scene)
     runs = [(run_name(values) or scene.name, findings(run)) for values, run in expand(scene)]
     whats = list(dict.fromkeys(finding.what for _, found in runs for finding in found))
     cells = {what: [next((_cell(f) for f in found if f.what == what), "") for _, found in runs] for what in whats}

@@ -17,11 +17,10 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from acoustics import wav
-from rolling import check, scene_file, simulate, store, summary
+from rolling import check, scene_file, simulate, sound_files, store, summary
 from rolling.heard import Heard, hear
 from rolling.scenario import Scene, expand, run_name, track
-from rolling.sound import middle_speeds
+from rolling.sound import middle_speeds, refuse_unavailable
 from rolling.store import Keeper, Result
 
 if TYPE_CHECKING:  # matplotlib is slow to import, and a run that fails needs none
@@ -72,6 +71,7 @@ def run(
     SceneError, FolderError : before anything is computed or written.
     """
     scene = scene_file.load(scene_path, overrides)
+    refuse_unavailable(scene)
     for _, single in expand(scene):
         simulate.rolling_contact(single)  # a surface that cannot be had shows before anything is written
     folder = store.new_folder(Path("outputs") / scene.name, out, force)
@@ -86,9 +86,11 @@ def resume(folder: Path, workers: int = 0) -> Report:
 
     Raises
     ------
-    FolderError : no run folder, or results that do not fit its scene.
+    FolderError : no run folder, or results that do not fit its scene. SceneError : what it asks for cannot be had.
     """
     runs = read_runs(folder)
+    for one in runs:
+        refuse_unavailable(one.scene)
     results = []
     for one in runs:
         result = Result.empty(track(one.scene), one.scene.start)
@@ -106,11 +108,12 @@ def resound(folder: Path, overrides: Sequence[str], out: Path | None = None, for
 
     Raises
     ------
-    FolderError : no run folder. SceneError : overrides that need a new solve or are not allowed.
+    FolderError : no run folder. SceneError : overrides that need a new solve, are not allowed or cannot be had.
     """
     stored = read_runs(folder)
     # All is read and checked before the new folder is made.
     scene = scene_file.resound(scene_file.load(folder / "resolved.yaml"), overrides)
+    refuse_unavailable(scene)
     singles = expand(scene)
     if [values for values, _ in singles] != [one.values for one in stored]:
         raise store.FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
@@ -200,7 +203,7 @@ def _finish(
             continue
         if not (one.folder / "result.h5").exists():  # new sound of a stored run
             _keep(one, result)
-        _write_sound(sounding)
+        sound_files.write(one.folder, one.scene, one.label, sounding.sound)
         store.write_json(one.folder / "summary.json", sounding.numbers)
         store.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
         heard.append(sounding)
@@ -216,19 +219,6 @@ def _finish(
                 finished / store.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode()
             )
     return Report(folder, done, failures, interrupted)
-
-
-def _write_sound(one: Heard) -> None:
-    s, sound = one.scene.sound, one.sound
-    facts = (
-        f"{one.scene.name}, {one.label}; distance {s.distance_m:g} m, q {s.q:g},"
-        f" {sound.factor:.6g} Pa per W/m2 of fluctuation; {'loops' if sound.closed else 'faded at both ends'}"
-    )
-    wav.write_calibrated(one.folder / "signal.wav", sound.pressure, f"1.0 = 1 Pa; {facts}")
-    gain = wav.listening_gain(sound.pressure)
-    wav.write_listening(
-        one.folder / "listen.wav", sound.pressure, gain, f"{gain:.6g} full scale per Pa, equal loudness; {facts}"
-    )
 
 
 def _write_pictures(folder: Path, heard: list[Heard]) -> None:

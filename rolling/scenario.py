@@ -281,6 +281,9 @@ class Sound(_Section):
         gt=0,
         description="Fixed factor from intensity to sound pressure [Pa per W/m2]; absent: energy-true per run",
     )
+    loudness: bool = Field(
+        default=False, description="Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package mosqito"
+    )
 
 
 class Scene(_Section):

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics import level, radiation, resampling, wav
+from acoustics import level, loudness, radiation, resampling, uncertainty, wav
 from acoustics.bands import AUDIBLE_HZ
-from rolling.scenario import Scene
+from rolling.scenario import Scene, SceneError
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,8 @@ class ContactSound:
     duration : of the record [s].
     highest : frequency up to which the march resolves sound [Hz], step Nyquist at the greatest speed.
     power : release power [W] at `time` [s], the middle of each step; q is not in it.
-    steady_level : of the mean intensity [dB re 1e-12 W/m2]; None when nothing is released.
+    uncertainty : of the levels [dB], from the length of the record.
+    steady_level : of the mean intensity [dB re 1e-12 W/m2]; None when nothing is released, as is its `steady_uncertainty`.
     """
 
     pressure: Array
@@ -38,7 +39,9 @@ class ContactSound:
     duration: float
     highest: float
     levels: level.SoundLevels
+    uncertainty: uncertainty.LevelUncertainty
     steady_level: float | None
+    steady_uncertainty: float | None
     time: Array
     power: Array
 
@@ -47,13 +50,31 @@ class ContactSound:
         return wav.SAMPLE_RATE_HZ
 
 
+def refuse_unavailable(scene: Scene) -> None:
+    """Before anything is computed: can all be reported that the scene asks for?
+
+    Raises
+    ------
+    SceneError : it asks for loudness, and the package for it is not installed.
+    """
+    if scene.sound.loudness and not loudness.installed():
+        raise SceneError(
+            [
+                "sound.loudness: needs the package mosqito, which is not installed;"
+                ' pip install "rolling-contact-noise[loudness]", or set it to false'
+            ]
+        )
+
+
 def middle_speeds(scene: Scene, steps: int, step: float) -> tuple[Array, Array]:
     """Time [s] and speed [m/s] at the middle of each step."""
     times = np.asarray(scene.motion.time((np.arange(steps) + 0.5) * step), dtype=float)
     return times, np.asarray(scene.motion.speed(times), dtype=float)
 
 
-def contact_sound(scene: Scene, release_energy: Array, step: float, closed: bool) -> ContactSound:
+def contact_sound(
+    scene: Scene, release_energy: Array, step: float, closed: bool, lap_steps: int | None = None
+) -> ContactSound:
     """Sound of a run from the energy released in each step.
 
     Parameters
@@ -61,6 +82,7 @@ def contact_sound(scene: Scene, release_energy: Array, step: float, closed: bool
     release_energy : (steps,) energy of each step [J].
     step : length of a step [m].
     closed : the steps are whole laps of the track.
+    lap_steps : steps after which the release repeats; None: it does not.
     """
     steps = len(release_energy)
     per_metre = release_energy / step
@@ -98,6 +120,9 @@ def contact_sound(scene: Scene, release_energy: Array, step: float, closed: bool
     audible = resampling.band_limit(intensity, rate, *AUDIBLE_HZ)
     pressure, factor = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
     highest = motion.fastest / (2 * step)
+    levels = level.sound_levels(pressure, rate, highest, looped)
+    own_factor = scene.sound.gain_pa_per_w_m2 is None
+    lap = per_metre[:lap_steps]
     mean_power = float(per_metre.mean()) * steps * step / duration
     mean_intensity = float(radiation.intensity(np.array([mean_power]), scene.sound.distance_m, scene.sound.q)[0])
     return ContactSound(
@@ -106,8 +131,10 @@ def contact_sound(scene: Scene, release_energy: Array, step: float, closed: bool
         closed=looped,
         duration=duration,
         highest=highest,
-        levels=level.sound_levels(pressure, rate, highest),
+        levels=levels,
+        uncertainty=uncertainty.level_uncertainty(pressure, rate, levels, own_factor, laps=steps / len(lap)),
         steady_level=level.level_db(mean_intensity, level.I_REF_W_M2),
+        steady_uncertainty=uncertainty.steady_uncertainty_db(lap, steps / duration),
         time=times,
         power=power,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import platform
 import subprocess
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from acoustics import loudness
 from rolling import check, reference, simulate, surface
 from rolling.scenario import Scene
 from rolling.sound import ContactSound
@@ -52,9 +54,22 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
         "steps": steps,
         "laeq_db": sound.levels.laeq_db,
         "level_db": sound.levels.level_db,
+        "laf_max_db": sound.levels.laf_max_db,
+        "las_max_db": sound.levels.las_max_db,
+        "lz_peak_db": sound.levels.lz_peak_db,
         "steady_level_db": sound.steady_level,
+        "uncertainty_db": {
+            "laeq": sound.uncertainty.laeq_db,
+            "level": sound.uncertainty.level_db,
+            "laf_max": sound.uncertainty.laf_max_db,
+            "las_max": sound.uncertainty.las_max_db,
+            "lz_peak": sound.uncertainty.lz_peak_db,
+            "steady": sound.steady_uncertainty,
+        },
         "third_octave_db": sound.levels.third_octave_db,
         "third_octave_a_db": sound.levels.third_octave_a_db,
+        "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
+        **_loudness(scene, sound),
         "duration_s": sound.duration,
         "loops": sound.closed,
         "highest_frequency_hz": sound.highest,
@@ -78,9 +93,18 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
     }
 
 
+def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
+    """Loudness and sharpness where the scene asks for them."""
+    if not scene.sound.loudness:
+        return {}
+    heard = loudness.loudness(sound.pressure, sound.sample_rate, sound.closed)
+    return {"loudness_sone": heard.sone, "sharpness_acum": heard.acum}
+
+
 def provenance(scene: Scene) -> dict[str, Any]:
     """What made the numbers: versions, the state of the source, machine, seed."""
     source = Path(__file__).parent
+    packages = (*PACKAGES, "mosqito") if scene.sound.loudness else PACKAGES
     state: str | None = None
     if (source.parent / ".git").exists():
         git = ["git", "-C", str(source), "describe", "--always", "--dirty", "--abbrev=12"]
@@ -92,7 +116,7 @@ def provenance(scene: Scene) -> dict[str, Any]:
         "program": metadata.version("rolling-contact-noise"),
         "source": state,
         "python": platform.python_version(),
-        "packages": {name: metadata.version(name) for name in PACKAGES},
+        "packages": {name: metadata.version(name) for name in packages},
         "machine": f"{platform.system()} {platform.machine()}, {check.cores()} processors",
         "seed": getattr(scene.surface, "seed", None),
         "written": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -100,8 +124,11 @@ def provenance(scene: Scene) -> dict[str, Any]:
 
 
 def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
-    """Levels and cost of runs given by label, folder and summary (None: not enough was solved), for the terminal."""
-    head = ("run", "LAeq dB(A)", "level dB", "steady dB", "plastic ratio", "steps", "ms/step", "files")
+    """Levels and cost of runs given by label, folder and summary (None: not enough was solved), for the terminal.
+
+    LAeq stands with its standard uncertainty, rounded up to a tenth of a decibel.
+    """
+    head = ("run", "LAeq dB(A)", "LZeq dB", "steady dB", "plastic ratio", "steps", "ms/step", "files")
     rows: list[tuple[str, ...]] = [head]
     for label, folder, summary in runs:
         if summary is None:
@@ -111,11 +138,14 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
         def db(name: str, summary: dict[str, Any] = summary) -> str:
             return "silent" if summary[name] is None else f"{summary[name]:.1f}"
 
+        laeq = db("laeq_db")
+        if summary["laeq_db"] is not None:
+            laeq += f" ± {math.ceil(summary['uncertainty_db']['laeq'] * 10) / 10:.1f}"
         steps = f"{summary['steps']}" + ("" if summary["complete"] else " (partial)")
         rows.append(
             (
                 label,
-                db("laeq_db"),
+                laeq,
                 db("level_db"),
                 db("steady_level_db"),
                 f"{summary['plastic_ratio']:.3f}",

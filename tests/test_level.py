@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
-from acoustics.level import I_REF_W_M2, P_REF_PA, RHO_C, laeq_db, level_db, sound_levels
+from acoustics.level import I_REF_W_M2, P_REF_PA, RHO_C, laeq_db, level_db, peak_pressure, sound_levels
 from acoustics.radiation import intensity, sound_pressure
 from acoustics.resampling import band_limit, resample_closed, undo_step_mean
 from acoustics.weighting import a_weighting_db
@@ -65,7 +65,8 @@ def test_bands_add_up_to_the_whole():
 
 def test_silence_is_none_everywhere():
     levels = sound_levels(np.zeros(4800), RATE)
-    assert levels.laeq_db is None and levels.level_db is None
+    names = ("laeq_db", "level_db", "laf_max_db", "las_max_db", "lz_peak_db")
+    assert {getattr(levels, name) for name in names} == {None}
     assert list(levels.third_octave_db) == list(levels.third_octave_a_db) == list(BAND_NAMES)
     assert {*levels.third_octave_db.values(), *levels.third_octave_a_db.values()} == {None}
     assert level_db(0.0) is None and level_db(-1.0) is None and laeq_db(np.zeros(10), RATE) is None
@@ -92,7 +93,7 @@ def test_a_steady_pressure_is_no_sound_for_the_ear():
 
 
 def test_a_fault_is_not_silence():
-    with pytest.raises(ValueError, match="NaN"):
+    with pytest.raises(ValueError, match="not a finite number"):
         level_db(math.nan)
     with pytest.raises(ValueError, match="finite"):
         sound_levels(np.array([0.0, math.inf]), RATE)
@@ -107,3 +108,67 @@ def test_each_band_hears_its_own_middle():
         levels = sound_levels(tone(on_line, n=n), RATE).third_octave_db
         assert max(levels, key=lambda key: -math.inf if levels[key] is None else levels[key]) == name
     assert AUDIBLE_HZ[1] < RATE / 2
+
+
+def test_maxima_and_peak_of_a_tone():
+    # A steady tone reads its level with any weighting; its peak lies 3.01 dB above its rms. The samples of 12 kHz at 45
+    # degrees miss the crest by as much: only what lies between them has it.
+    t = np.arange(RATE) / RATE
+    levels = sound_levels(np.sin(2.0 * np.pi * 12000.0 * t + np.pi / 4.0), RATE)
+    steady = 10.0 * math.log10(0.5 / P_REF_PA**2)
+    weighted = steady + a_weighting_db(12000.0)
+    assert levels.laf_max_db == pytest.approx(weighted, abs=1e-3)  # ripple of the folded square, see time_weighting
+    assert levels.las_max_db == pytest.approx(weighted, abs=1e-3)
+    assert levels.lz_peak_db == pytest.approx(steady + 10.0 * math.log10(2.0), abs=1e-9)
+
+
+def test_peak_between_the_samples_is_found_to_what_is_said():
+    # Worst place of the crest: half way between two of the 8 points per sample, at any frequency.
+    for frequency, allowed in ((5000, 0.0073), (20000, 0.117), (22380, 0.147)):  # -20 lg cos(pi f / (8 * 48 kHz))
+        phase = 2.0 * np.pi * frequency / (16.0 * RATE)
+        t = np.arange(RATE) / RATE
+        missed = -20.0 * math.log10(peak_pressure(np.cos(2.0 * np.pi * frequency * t + phase)))
+        assert -1e-9 < missed < allowed + 1e-3
+    assert peak_pressure(np.array([0.0, -3.0])) == pytest.approx(3.0)
+
+
+def test_levels_that_bound_each_other():
+    # For a loop: LAFmax >= LASmax >= LAeq, for the weighting's mean is the mean; the peak is above the rms.
+    for seed in range(20):
+        record = band_limit(np.random.default_rng(seed).standard_normal(9600), RATE)
+        levels = sound_levels(record, RATE)
+        assert levels.laf_max_db >= levels.las_max_db >= levels.laeq_db
+        assert levels.lz_peak_db >= 20.0 * math.log10(np.abs(record).max() / P_REF_PA) - 1e-9
+        silent_before = sound_levels(record, RATE, closed=False)
+        assert silent_before.laf_max_db < levels.laf_max_db and silent_before.laeq_db == levels.laeq_db
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 7, 480, 4799])
+def test_short_records_have_levels(n):
+    record = np.random.default_rng(5).standard_normal(n)
+    levels = sound_levels(record, RATE)
+    assert levels.level_db == pytest.approx(10.0 * math.log10(np.mean(record**2) / P_REF_PA**2), abs=1e-9)
+    # Far shorter than 125 ms, the weighting of the loop holds its mean: exp(-n/6000) of swing at most.
+    if n > 1:
+        assert levels.laf_max_db == pytest.approx(levels.laeq_db, abs=10.0 / math.log(10.0) * n / 6000.0)
+    else:
+        assert levels.laf_max_db is None  # one sample is only a mean
+
+
+def test_a_steady_pressure_has_no_a_weighted_maximum():
+    levels = sound_levels(np.full(4800, 2.0), RATE)
+    assert levels.laf_max_db is None and levels.las_max_db is None
+    assert levels.lz_peak_db == pytest.approx(20.0 * math.log10(2.0 / P_REF_PA), abs=1e-9)
+
+
+@pytest.mark.parametrize("scale", [1e-150, 1e-20, 1e20, 1e150])
+def test_any_size_has_its_level(scale):
+    record = np.random.default_rng(6).standard_normal(4800)
+    one, scaled = sound_levels(record, RATE), sound_levels(scale * record, RATE)
+    for name in ("laeq_db", "level_db", "laf_max_db", "las_max_db", "lz_peak_db"):
+        assert getattr(scaled, name) - getattr(one, name) == pytest.approx(20.0 * math.log10(scale), abs=1e-8)
+
+
+def test_a_size_whose_square_is_no_number_is_refused():
+    with np.errstate(all="ignore"), pytest.raises(ValueError, match="not a finite number"):
+        sound_levels(np.array([0.0, 1e200, -1e200, 0.0]), RATE)

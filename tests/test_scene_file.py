@@ -213,13 +213,13 @@ def test_resound_slower_than_the_shortest_track_would_take() -> None:
 
 
 def test_resound_refusals() -> None:
-    allowed = "rolling.speed_m_s, sound.distance_m, sound.q, sound.gain_pa_per_w_m2"
+    allowed = "rolling.speed_m_s, sound.distance_m, sound.q, sound.gain_pa_per_w_m2, sound.loudness"
     assert ", ".join(RESOUND_KEYS) == allowed
     with pytest.raises(SceneError) as error:
         resound(loads(PLAIN), ["rolling.load_n=5", "sound.q=0", "sound.z=1"])
     assert error.value.faults == [
         f"--set: rolling.load_n: needs a new run; without solving again allowed: {allowed}",
-        "--set: sound.z: unknown key, allowed: distance_m, q, gain_pa_per_w_m2",
+        "--set: sound.z: unknown key, allowed: distance_m, q, gain_pa_per_w_m2, loudness",
         "--set: sound.q: got 0, allowed: a number > 0 and <= 1",
     ]
     with pytest.raises(

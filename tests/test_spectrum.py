@@ -1,11 +1,11 @@
-"""Oracles: Parseval's theorem, and single tones whose lines are known."""
+"""Oracles: Parseval's theorem, single tones whose lines are known, white noise."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from acoustics.spectrum import article_line_level_db, line_spectrum
+from acoustics.spectrum import article_line_level_db, line_spectrum, welch
 
 
 @settings(max_examples=60, deadline=None)
@@ -60,3 +60,45 @@ def test_article_level_of_noise_depends_on_the_record_length():
 def test_zero_lines_are_minus_infinity_without_a_warning():
     with np.errstate(all="raise"):
         assert np.all(article_line_level_db(np.zeros(16), 48000.0, 1.0)[1] == -np.inf)
+
+
+def noise(seed, n):
+    return np.random.default_rng(seed).standard_normal(n)
+
+
+def test_welch_density_of_noise_adds_up_to_its_mean_square():
+    record = noise(4, 480000)
+    psd = welch(record, 48000.0)
+    assert (psd.window, psd.line_width_hz) == ("hann", 10.0) and psd.frequency_hz[1] == 10.0
+    assert psd.enbw_hz == pytest.approx(15.0, rel=1e-12)  # 1.5 lines: Harris (1978), table 1
+    # Windows weigh the samples unequally, by 1/3 rms, so the sum is off by 1/3 of the spread sqrt(2/n) = 0.2 % of the mean
+    # square, and the two ends are seen half: 0.1 % altogether, three of these.
+    assert psd.psd.sum() * psd.line_width_hz == pytest.approx(np.mean(record**2), rel=3e-3)
+    # White: 1/24000 per Hz at every line, each uncertain by 1/sqrt(1.9 * 100 segments) = 7 %; 5 of these for 2400 lines.
+    np.testing.assert_allclose(psd.psd[1:-1], 1.0 / 24000.0, rtol=0.37)
+
+
+@pytest.mark.parametrize("frequency_hz", [1000.0, 1003.7])
+def test_welch_gives_the_level_of_a_tone_through_its_noise_bandwidth(frequency_hz):
+    psd = welch(0.3 * np.sin(2.0 * np.pi * frequency_hz * np.arange(24000) / 48000.0), 48000.0)
+    around = np.abs(psd.frequency_hz - frequency_hz) < 30.0
+    # All its lines add up to it; the highest alone does on a line, and lies up to 1.42 dB below between lines (Harris).
+    assert psd.psd[around].sum() * psd.line_width_hz == pytest.approx(0.045, rel=1e-3)
+    highest_db = 10.0 * np.log10(psd.psd.max() * psd.enbw_hz / 0.045)
+    assert -1.42 < highest_db < 1e-6
+    assert frequency_hz != 1000.0 or abs(highest_db) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("n", "line_width_hz"), [(24000, 10.0), (4800, 40.0), (40, 3000.0), (3, 16000.0), (1, 48000.0)]
+)
+def test_welch_of_a_short_record_has_wider_lines(n, line_width_hz):
+    psd = welch(noise(5, n), 48000.0)
+    assert psd.line_width_hz == line_width_hz
+    assert len(psd.psd) == len(psd.frequency_hz) and np.all(np.isfinite(psd.psd))
+
+
+def test_welch_keeps_the_mean_and_refuses_what_is_no_record():
+    assert welch(np.full(4800, 2.0), 48000.0).psd[0] > 0.0
+    with pytest.raises(ValueError, match="finite"):
+        welch(np.array([0.0, np.inf]), 48000.0)

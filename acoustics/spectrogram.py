@@ -1,0 +1,110 @@
+"""Spectral density against time in rows of a twelfth octave. Depends on numpy, scipy and spectrum."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import ShortTimeFFT, get_window
+
+from acoustics.radiation import P_REF_PA
+from acoustics.spectrum import check_record, equivalent_noise_bandwidth
+
+# Edges of base-10 twelfth octaves: four to each third octave of acoustics.bands, whose edges are among them (125,).
+ROW_EDGES_HZ = 10.0 ** (np.arange(50, 175) / 40.0)
+ROW_EDGES_HZ.setflags(write=False)
+
+_MOST_FRAMES = 400
+_FRAME_S = 0.04
+_FRAMES_IN_RECORD = 12.5  # 40 ms in 0.5 s; a shorter record has shorter frames
+_HOPS_IN_FRAME = 16
+_LEAST_FRAME = 16
+_ROUNDING = 1e-20  # of the greatest density, as for levels
+
+
+@dataclass(frozen=True)
+class Spectrogram:
+    """Level of the spectral density against time.
+
+    time_s : middles of the frames (m,). edges_hz : edges of the rows (r + 1,). level_db : (r, m), dB re (20 uPa)^2/Hz, NaN
+    where there is no sound or none is known. window : its name. frame_s, hop_s : length and distance of frames.
+    line_width_hz, enbw_hz : distance and equivalent noise bandwidth of the lines the rows are made of.
+    """
+
+    time_s: np.ndarray
+    edges_hz: np.ndarray
+    level_db: np.ndarray
+    window: str
+    frame_s: float
+    hop_s: float
+    line_width_hz: float
+    enbw_hz: float
+
+
+def spectrogram(
+    pressure_pa: np.ndarray, sample_rate_hz: float, highest_hz: float = math.inf, closed: bool = True
+) -> Spectrogram:
+    """Density of a sound pressure record in up to 400 frames and 124 rows from 20 Hz to 20 kHz.
+
+    A row holds the mean density over its width, each line taken to fill the distance to the next: white noise is flat,
+    a row narrower than a line has the density of the line it lies in, and rows times widths add up to the lines. A tone
+    rises above noise by its mean square over its row's width, or over `enbw_hz` where that is wider.
+
+    Hann frames of 40 ms, or a 12.5th of a shorter record; 16 to a frame at most, and long enough (from 8 s on) that they
+    overlap by half.
+
+    Parameters
+    ----------
+    pressure_pa
+        Sound pressure (n,), Pa; the record closes on itself or is faded.
+    sample_rate_hz
+        Sample rate, Hz.
+    highest_hz
+        Up to where the record carries information. Rows that reach above it, or above the record's own Nyquist
+        frequency, are NaN.
+    closed
+        Frames at the ends go round; otherwise there is silence before and after.
+
+    Raises
+    ------
+    ValueError
+        As `acoustics.spectrum.check_record`.
+    """
+    check_record(pressure_pa)
+    n = len(pressure_pa)
+    frame = max(_LEAST_FRAME, round(min(_FRAME_S * sample_rate_hz, n / _FRAMES_IN_RECORD)))
+    hop = max(1, frame // _HOPS_IN_FRAME, -(-n // _MOST_FRAMES))
+    frame = max(frame, 2 * hop)
+    frames = max(1, n // hop)
+    first = (n - (frames - 1) * hop) // 2  # the middle of the first frame
+    before = -(-frame // hop) * hop  # whole hops, more than half a frame
+    padded = np.pad(pressure_pa, (before - first, frame), mode="wrap" if closed else "constant")
+
+    window = get_window("hann", frame)
+    transform = ShortTimeFFT(window, hop, sample_rate_hz, fft_mode="onesided2X", scale_to="psd", phase_shift=None)
+    density = transform.spectrogram(padded, p0=before // hop, p1=before // hop + frames)
+    rows = _share_of_lines(transform.f, sample_rate_hz / frame) @ density
+
+    heard = rows > _ROUNDING * rows.max()
+    heard &= (ROW_EDGES_HZ[1:] <= min(highest_hz, sample_rate_hz / 2.0))[:, np.newaxis]
+    level_db = np.full(rows.shape, np.nan)
+    level_db[heard] = 10.0 * (np.log10(rows[heard]) - math.log10(P_REF_PA**2))
+    return Spectrogram(
+        time_s=(first + hop * np.arange(frames)) / sample_rate_hz,
+        edges_hz=ROW_EDGES_HZ,
+        level_db=level_db,
+        window="hann",
+        frame_s=frame / sample_rate_hz,
+        hop_s=hop / sample_rate_hz,
+        line_width_hz=sample_rate_hz / frame,
+        enbw_hz=equivalent_noise_bandwidth(window, sample_rate_hz),
+    )
+
+
+def _share_of_lines(frequency_hz: np.ndarray, line_width_hz: float) -> np.ndarray:
+    """How much each line (l,) has of the width of each row: (r, l), adding up to 1 along a row."""
+    low, high = ROW_EDGES_HZ[:-1, np.newaxis], ROW_EDGES_HZ[1:, np.newaxis]
+    from_line = np.maximum(low, frequency_hz - line_width_hz / 2.0)
+    to_line = np.minimum(high, frequency_hz + line_width_hz / 2.0)
+    return np.maximum(to_line - from_line, 0.0) / (high - low)
