@@ -104,8 +104,8 @@ def level_uncertainty(
     return LevelUncertainty(
         laeq_db=laeq_db,
         level_db=_db(whole),
-        laf_max_db=laf_max_db,
-        las_max_db=las_max_db,
+        laf_max_db=None if levels.laf_max_db is None else laf_max_db,
+        las_max_db=None if levels.las_max_db is None else las_max_db,
         lz_peak_db=_db(whole + _peak_variance(frequency_hz, z, duration_s)),
         third_octave_db={
             name: None if level is None else _db(variance)
@@ -150,7 +150,7 @@ def _variance(part: np.ndarray, whole: np.ndarray, exponent: float) -> float:
 
 def _peak_variance(frequency_hz: np.ndarray, mean_square: np.ndarray, duration_s: float) -> float:
     """Relative variance of the square of the greatest |p| over the mean square."""
-    rms_hz = math.sqrt(float(np.sum(np.square(frequency_hz) * mean_square) / mean_square.sum()))
+    rms_hz = math.sqrt(float(np.sum(np.square(frequency_hz) * (mean_square / mean_square.sum()))))
     extremes = max(1.0, 2.0 * rms_hz * duration_s)
     return (math.pi / math.sqrt(6.0) / (math.log(extremes) + np.euler_gamma)) ** 2
 
