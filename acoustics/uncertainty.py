@@ -60,9 +60,9 @@ def level_uncertainty(
     place of X, where Z is the mean square of that fluctuation: the spread of Z goes out by half. LZeq then spreads half
     as much, a narrow band hardly less than with a fixed factor.
 
-    In simulations with ten lines or more what is stated holds within a tenth, for the peak within a fifth (a narrow band
-    has fewer extremes than it seems: they come in groups), and LAFmax spreads down to half as much as its bound. Fades at
-    the ends are not counted off: two of a tenth of the record each add 6 %.
+    In simulations with N of ten or more what is stated holds within 15 %, for the peak within 20 % (a narrow band has
+    fewer extremes than it seems: they come in groups), and LAFmax spreads down to half as much as its bound. Fades at the
+    ends are not counted off: a tenth of the record at either end is 6 % more.
 
     Parameters
     ----------
