@@ -178,6 +178,8 @@ def _reported(act) -> int:
         _say(f"failed: {label}: {reason}")
     if report.exit_code == OK:
         print(f"\nlisten: {report.runs[0][0].folder / 'listen.wav'}   pictures, numbers: {report.folder}")
+        if report.page:
+            print(f"all on one page: {report.page}")
     else:
         _say(f"stopped early; what is solved is in {report.folder}, `rolling resume {report.folder}` goes on")
     return report.exit_code

@@ -76,6 +76,16 @@ class _Views:
 _views_of: WeakKeyDictionary[Heard, _Views] = WeakKeyDictionary()
 
 
+def gallery(runs: Sequence[Heard]) -> Iterator[tuple[Heard | None, Picture]]:
+    """All pictures of runs that are compared: of each run, with it, and of several together, with None."""
+    for one in runs:
+        for picture in of_run(one, runs):
+            yield one, picture
+    if len(runs) > 1:
+        for picture in of_runs(runs):
+            yield None, picture
+
+
 def of_run(one: Heard, among: Sequence[Heard] = ()) -> Iterator[Picture]:
     """Pictures of one run, on the axes of all the runs `among` which it is to be compared."""
     runs = [*among] or [one]

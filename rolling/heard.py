@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -42,3 +44,18 @@ def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, resul
     sound = contact_sound(scene, energy, result.step, closed, result.solved_steps)
     numbers = summary.summarize(scene, result, sound, time.perf_counter() - began)
     return Heard(label, values, folder, scene, result, sound, numbers)
+
+
+def distinct(runs: Sequence[Heard]) -> list[Heard]:
+    """The runs with labels that tell them apart: with the scene's name, its folder's or a number where they are alike."""
+    labels = [one.label for one in runs]
+    if len({one.scene.name for one in runs}) > 1:
+        labels = [f"{one.scene.name}, {label}" for one, label in zip(runs, labels, strict=True)]
+
+    def told_apart(by: Callable[[int], str]) -> list[str]:
+        count = Counter(labels)
+        return [f"{label} ({by(k)})" if count[label] > 1 else label for k, label in enumerate(labels)]
+
+    labels = told_apart(lambda k: (runs[k].folder.parent if runs[k].values else runs[k].folder).resolve().name)
+    labels = told_apart(lambda k: str(k + 1))
+    return [one if label == one.label else replace(one, label=label) for one, label in zip(runs, labels, strict=True)]

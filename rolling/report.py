@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import base64
 import re
-from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from importlib.resources import files
 from typing import Any
 
@@ -26,7 +25,9 @@ from rolling.scenario import track
 from rolling.simulate import PressureMap
 
 LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
+MOST_RUNS = 24  # on one page: it grows by half a megabyte and more with each
 TIMELINES = ("release_power", "spectrogram")  # pictures over the time of one run
+OWN = (*TIMELINES, "surface", "contact", "recovery_events")  # pictures that show one run however many there are
 
 
 @dataclass(frozen=True)
@@ -38,13 +39,13 @@ class Exhibit:
     src: str
     csv: str | None
     has_curves: bool
+    time: TimeAxis | None
 
 
 @dataclass(frozen=True)
-class Timeline:
-    """A picture over time: where its plot lies in it [percent], and the times [s] at the plot's sides."""
+class TimeAxis:
+    """Where the plot of a picture over time lies in it [percent], and the times [s] at the plot's sides."""
 
-    picture: Exhibit
     left: float
     right: float
     top: float
@@ -65,29 +66,48 @@ class Surface:
 
 @dataclass(frozen=True)
 class Shown:
-    """One run on the page."""
+    """One run on the page; pictures by name."""
 
     label: str
     heard: Heard
     playback: Playback
     wav: str
-    timelines: dict[str, Timeline]
-    events: Exhibit | None
+    pictures: dict[str, Exhibit]
 
 
-def page(runs: Sequence[Heard], unheard: Sequence[str] = ()) -> bytes:
+def belongs(one: Heard | None, name: str, runs: int) -> bool:
+    """Whether a picture is on the page: curves of one run are not where several are compared."""
+    return one is None or runs == 1 or name in OWN
+
+
+def exhibits(runs: Sequence[Heard]) -> list[tuple[Heard | None, Exhibit]]:
+    """The pictures for the page of these runs, each with the run it shows or None."""
+    return [(one, exhibit(each)) for one, each in figures.gallery(runs) if belongs(one, each.name, len(runs))]
+
+
+def exhibit(picture: Picture) -> Exhibit:
+    """A picture as the page holds it."""
+    csv = picture.csv() if picture.columns else b""
+    link = _uri("text/csv", csv) if 0 < len(csv) <= LARGEST_CSV else None
+    time = _time_axis(picture) if picture.name in TIMELINES else None
+    return Exhibit(picture.name, picture.alt, _uri("image/svg+xml", picture.svg()), link, bool(csv), time)
+
+
+def page(runs: Sequence[Heard], shelf: Sequence[tuple[Heard | None, Exhibit]], unheard: Sequence[str] = ()) -> bytes:
     """The page of one run or several.
 
     Parameters
     ----------
-    runs : in the order in which they are to be seen, at least one.
+    runs : in the order in which they are to be seen, with labels that tell them apart; at least one.
+    shelf : their pictures, as `exhibits` gives them.
     unheard : labels of runs of which too little is solved for a sound.
     """
-    runs = distinct(runs)
     peaks = [float(np.abs(one.sound.pressure).max()) for one in runs]
     players = playback.playbacks(peaks, [one.sound.levels.laeq_db for one in runs])
-    pictures = [{picture.name: picture for picture in figures.of_run(one, runs)} for one in runs]
-    shown = [_shown(*each) for each in zip(runs, players, pictures, strict=True)]
+    shown = [
+        _shown(one, player, {each.name: each for whose, each in shelf if whose is one})
+        for one, player in zip(runs, players, strict=True)
+    ]
     maps = _maps(runs)
     data = {
         "runs": [_played(one) | {"maps": seen} for one, seen in zip(shown, maps["runs"], strict=True)],
@@ -106,10 +126,10 @@ def page(runs: Sequence[Heard], unheard: Sequence[str] = ()) -> bytes:
             runs=shown,
             unheard=list(unheard),
             partial=[one.label for one in runs if not one.result.complete],
-            lengths=sorted({round(one.sound.duration, 4) for one in runs}),
+            lengths={round(one.sound.duration, 4) for one in runs},
             view=maps["view"],
-            shared=[_exhibit(picture) for picture in figures.of_runs(runs)],
-            surfaces=_surfaces(runs, pictures),
+            curves=[each for whose, each in shelf if whose is None or (len(runs) == 1 and each.name not in OWN)],
+            surfaces=_surfaces(shown),
             data=data,
             css=_own("report.css"),
             js=_own("report.js"),
@@ -118,33 +138,10 @@ def page(runs: Sequence[Heard], unheard: Sequence[str] = ()) -> bytes:
     return html.encode()
 
 
-def distinct(runs: Sequence[Heard]) -> list[Heard]:
-    """The runs with labels that tell them apart: with the scene's name, its folder's or a number where they are alike."""
-    labels = [one.label for one in runs]
-    if len({one.scene.name for one in runs}) > 1:
-        labels = [f"{one.scene.name}, {label}" for one, label in zip(runs, labels, strict=True)]
-
-    def told_apart(by: Callable[[int], str]) -> list[str]:
-        count = Counter(labels)
-        return [f"{label} ({by(k)})" if count[label] > 1 else label for k, label in enumerate(labels)]
-
-    labels = told_apart(lambda k: (runs[k].folder.parent if runs[k].values else runs[k].folder).resolve().name)
-    labels = told_apart(lambda k: str(k + 1))
-    return [one if label == one.label else replace(one, label=label) for one, label in zip(runs, labels, strict=True)]
-
-
-def _shown(one: Heard, player: Playback, pictures: dict[str, Picture]) -> Shown:
+def _shown(one: Heard, player: Playback, pictures: dict[str, Exhibit]) -> Shown:
     comment = f"full scale = {player.full_scale_pa:.6g} Pa"
-    timelines = {name: _timeline(pictures[name]) for name in TIMELINES if name in pictures}
-    events = pictures.get("recovery_events")
-    return Shown(
-        label=one.label,
-        heard=one,
-        playback=player,
-        wav=_uri("audio/wav", wav.listening(one.sound.pressure, 1 / player.full_scale_pa, comment, one.label, bits=16)),
-        timelines=timelines,
-        events=_exhibit(events) if events else None,
-    )
+    record = wav.listening(one.sound.pressure, 1 / player.full_scale_pa, comment, one.label, bits=16)
+    return Shown(one.label, one, player, _uri("audio/wav", record), pictures)
 
 
 def _played(one: Shown) -> dict[str, Any]:
@@ -222,34 +219,28 @@ def _placed(one: Heard, sheet: sprites.Sheet, hertz_um: float) -> dict[str, Any]
     }
 
 
-def _timeline(picture: Picture) -> Timeline:
+def _time_axis(picture: Picture) -> TimeAxis:
     left, bottom, right, top = (100 * share for share in picture.plot_area())
     axes = picture.figure.axes[0]
     unit = axes.get_xlabel().partition("[")[2].partition("]")[0]
     second = {"ks": 1e3, "s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9}[unit]
     begin, end = axes.get_xlim()
-    return Timeline(_exhibit(picture), left, right, 100 - top, 100 - bottom, begin * second, end * second)
+    return TimeAxis(left, right, 100 - top, 100 - bottom, begin * second, end * second)
 
 
-def _exhibit(picture: Picture) -> Exhibit:
-    csv = picture.csv() if picture.columns else b""
-    link = _uri("text/csv", csv) if 0 < len(csv) <= LARGEST_CSV else None
-    return Exhibit(picture.name, picture.alt, _uri("image/svg+xml", picture.svg()), link, bool(csv))
-
-
-def _surfaces(runs: Sequence[Heard], pictures: Sequence[dict[str, Picture]]) -> list[Surface]:
+def _surfaces(runs: Sequence[Shown]) -> list[Surface]:
     """The different surfaces, each with the runs that roll over it."""
-    sharing: dict[str, list[int]] = {}
-    for k, one in enumerate(runs):
-        way = track(one.scene)
-        key = f"{one.scene.surface.model_dump_json()} {one.scene.height_path} {way.n_along} {way.n_across}"
-        sharing.setdefault(key, []).append(k)
+    sharing: dict[str, list[Shown]] = {}
+    for one in runs:
+        scene, way = one.heard.scene, track(one.heard.scene)
+        key = f"{scene.surface.model_dump_json()} {scene.height_path} {way.n_along} {way.n_across}"
+        sharing.setdefault(key, []).append(one)
     return [
         Surface(
-            labels=[runs[k].label for k in members],
-            words=report_text.surface_words(runs[members[0]].scene),
-            statistics=runs[members[0]].numbers["surface"],
-            picture=_exhibit(pictures[members[0]]["surface"]),
+            labels=[one.label for one in members],
+            words=report_text.surface_words(members[0].heard.scene),
+            statistics=members[0].heard.numbers["surface"],
+            picture=members[0].pictures["surface"],
         )
         for members in sharing.values()
     ]

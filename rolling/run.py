@@ -12,15 +12,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
 from rolling import check, scene_file, simulate, sound_files, store, summary
-from rolling.heard import Heard, hear
+from rolling.heard import Heard, distinct, hear
 from rolling.scenario import Scene, expand, run_name, track
 from rolling.sound import middle_speeds
 from rolling.store import Keeper, Result
+
+if TYPE_CHECKING:
+    from rolling.report import Exhibit
 
 PAGE = "report.html"
 
@@ -47,12 +50,13 @@ class Run:
 
 @dataclass(frozen=True)
 class Report:
-    """What a command did: its folder, the runs with their summaries, the failures by run, and whether it was interrupted."""
+    """What a command did: its folder, the runs with their summaries, the failures by run, whether it was interrupted, the page."""
 
     folder: Path
     runs: list[tuple[Run, dict[str, Any] | None]]
     failures: dict[str, str]
     interrupted: bool
+    page: Path | None
 
     @property
     def exit_code(self) -> int:
@@ -145,7 +149,13 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
         raise store.FolderError(
             f"{out}: {'exists; take another --out, or --force' if out.is_file() else 'is a folder'}"
         )
+    from rolling import report as pages
+
     runs = list({one.folder.resolve(): one for folder in folders for one in read_runs(folder)}.values())
+    if len(runs) > pages.MOST_RUNS:
+        raise store.FolderError(
+            f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare"
+        )
     heard: list[Heard] = []
     unheard: list[str] = []
     for one in runs:
@@ -158,7 +168,8 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
             heard.append(sounding)
     if not heard:
         raise store.FolderError(f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report")
-    content = _page(heard, unheard)
+    heard = distinct(heard)
+    content = pages.page(heard, pages.exhibits(heard), unheard)
     if out is None:
         out = (folders[0] if len(folders) == 1 else store.new_folder(Path("outputs") / "report", None, False)) / PAGE
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -249,38 +260,39 @@ def _finish(
         store.write_json(one.folder / "summary.json", sounding.numbers)
         store.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
         heard.append(sounding)
-    _write_pictures(folder, heard)
+    heard = distinct(heard)
+    shelf = _write_pictures(folder, heard, page)
     if len(runs) > 1:
         store.write_json(
             folder / "sweep.json",
             [{"values": one.values, "folder": one.folder.name, "summary": numbers} for one, numbers in done],
         )
-    if page and heard:
-        store.write_bytes(folder / PAGE, _page(heard, [one.label for one, numbers in done if numbers is None]))
+    if shelf:
+        from rolling import report as pages
+
+        unheard = [one.label for one, numbers in done if numbers is None]
+        store.write_bytes(folder / PAGE, pages.page(heard, shelf, unheard))
     if not failures and not interrupted and all(result.complete for result in results):
         for finished in {one.folder for one in runs} | {folder}:
             store.write_bytes(
                 finished / store.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode()
             )
-    return Report(folder, done, failures, interrupted)
+    return Report(folder, done, failures, interrupted, folder / PAGE if shelf else None)
 
 
 def _heard(one: Run, result: Result) -> Heard | None:
     return hear(one.label, one.values, one.folder, one.scene, result)
 
 
-def _page(heard: list[Heard], unheard: list[str]) -> bytes:
+def _write_pictures(folder: Path, heard: list[Heard], page: bool) -> list[tuple[Heard | None, Exhibit]]:
+    """Pictures of each run into its folder, of all into theirs; returned for the page if it is wanted and not too long."""
+    from rolling import figures  # matplotlib is slow to import, and a run that fails needs none
     from rolling import report as pages
 
-    return pages.page(heard, unheard)
-
-
-def _write_pictures(folder: Path, heard: list[Heard]) -> None:
-    from rolling import figures  # matplotlib is slow to import, and a run that fails needs none
-
-    for one in heard:
-        for picture in figures.of_run(one, heard):
-            picture.write(one.folder)
-    if len(heard) > 1:
-        for picture in figures.of_runs(heard):
-            picture.write(folder)
+    page = page and len(heard) <= pages.MOST_RUNS
+    shelf = []
+    for one, picture in figures.gallery(heard):
+        picture.write(one.folder if one else folder)
+        if page and pages.belongs(one, picture.name, len(heard)):
+            shelf.append((one, pages.exhibit(picture)))
+    return shelf

@@ -44,7 +44,7 @@ class Runs:
             scene = self.folder / f"{name}.yaml"
             scene.write_text(text.replace("PATH", f"'{self.heights}'"))
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr(run, "_write_pictures", lambda folder, heard: None)  # files beside the page, not in it
+                patch.setattr(run, "_write_pictures", lambda *_: [])  # files beside the page, not in it
                 assert run.run(scene, settings, out, workers=1, page=False).exit_code == 0
         return out
 
@@ -98,7 +98,7 @@ class Runs:
         out = self.folder / name
         if not out.exists():
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr(run, "_write_pictures", lambda folder, heard: None)
+                patch.setattr(run, "_write_pictures", lambda *_: [])
                 assert run.resound(self.one(), [setting], out, page=False).exit_code == 0
         return out
 
