@@ -452,7 +452,7 @@ def _level(mean_square: Array) -> Array:
 def _named(runs: Sequence[Heard]) -> str:
     """The scene, and the run where it is one."""
     if len(runs) == 1:
-        return f"{runs[0].scene.name}, {runs[0].label}"
+        return runs[0].title
     return ", ".join(dict.fromkeys(one.scene.name for one in runs))
 
 

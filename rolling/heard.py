@@ -32,6 +32,17 @@ class Heard:
     sound: ContactSound
     numbers: dict[str, Any]
 
+    @property
+    def home(self) -> Path:
+        """The run folder it was made in: that of the sweep, if it is a part of one."""
+        return self.folder.parent if self.values else self.folder
+
+    @property
+    def title(self) -> str:
+        """The scene and what tells the run from its neighbours."""
+        name = self.scene.name
+        return self.label if self.label.startswith(f"{name}, ") else f"{name}, {self.label}"
+
 
 def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, result: Result) -> Heard | None:
     """The sound of what is solved of a run, None when that is less than two steps."""
@@ -56,6 +67,6 @@ def distinct(runs: Sequence[Heard]) -> list[Heard]:
         count = Counter(labels)
         return [f"{label} ({by(k)})" if count[label] > 1 else label for k, label in enumerate(labels)]
 
-    labels = told_apart(lambda k: (runs[k].folder.parent if runs[k].values else runs[k].folder).resolve().name)
+    labels = told_apart(lambda k: runs[k].home.resolve().name)
     labels = told_apart(lambda k: str(k + 1))
     return [one if label == one.label else replace(one, label=label) for one, label in zip(runs, labels, strict=True)]

@@ -195,7 +195,7 @@ def _assumed(one: Heard) -> dict[str, str]:
         "radiated share q": f"{scene.sound.q:g}" + (", an upper bound: nothing is lost" if scene.sound.q == 1 else ""),
         "distance": f"{scene.sound.distance_m:g} m, spherical spreading",
         "impedance of air": f"{RHO_C:g} Pa s/m (20 °C)",
-        "sound pressure per intensity": f"{sound.factor:.4g} Pa per W/m²",
+        "sound pressure per intensity": f"{significant(sound.factor)} Pa per W/m²" if sound.factor else "none: silent",
         "rule of that factor": "fixed by the scene"
         if fixed
         else "mean p² over the impedance is the rms of the intensity's fluctuation",
@@ -266,13 +266,21 @@ def _grouped(what: str, values: Sequence[tuple[str, str]]) -> Fact:
 
 
 def made(runs: Sequence[Heard]) -> list[dict[str, str]]:
-    """How to make each run again: scene file's name, resolved scene in YAML, command; runs of one sweep together."""
+    """How to make runs again: their labels, scene file's name, resolved scene in YAML, command; those of one sweep together."""
     found = []
-    for folder in dict.fromkeys(one.folder.parent if one.values else one.folder for one in runs):
-        members = [one for one in runs if folder in (one.folder, one.folder.parent)]
+    for folder in dict.fromkeys(one.home for one in runs):
+        members = [one for one in runs if one.home == folder]
         name = f"{members[0].scene.name}.yaml"
         text = folder / "resolved.yaml"
-        found.append({"file": name, "scene": text.read_text(encoding="utf-8"), "command": f"rolling run {name}"})
+        labels = "; ".join(one.label for one in members)
+        found.append(
+            {
+                "labels": labels,
+                "file": name,
+                "scene": text.read_text(encoding="utf-8"),
+                "command": f"rolling run {name}",
+            }
+        )
     return found
 
 

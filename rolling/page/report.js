@@ -219,8 +219,8 @@
   }
 
   function seekByClick(event, { figure, run, begin, end, left, right }) {
-    const paper = figure.querySelector(".paper").getBoundingClientRect();
-    const share = ((100 * (event.clientX - paper.left)) / paper.width - left) / (right - left);
+    const sheet = figure.querySelector(".sheet").getBoundingClientRect();
+    const share = ((100 * (event.clientX - sheet.left)) / sheet.width - left) / (right - left);
     if (run !== state.run) choose(run);
     seek(Math.min(Math.max(begin + share * (end - begin), 0), runs[run].seconds));
   }
@@ -420,7 +420,7 @@
     on("[data-save]", "click", save);
     on("#copy-levels", "click", () => copy(data.tsv));
     on("[data-copy]", "click", (button) => copy($(`#${button.dataset.copy}`).textContent));
-    for (const line of timelines) line.figure.querySelector(".paper").addEventListener("click", (event) => seekByClick(event, line));
+    for (const line of timelines) line.figure.querySelector(".sheet").addEventListener("click", (event) => seekByClick(event, line));
     for (const player of $$("audio")) player.addEventListener("play", () => playAlone(player));
   }
 
