@@ -33,6 +33,7 @@ _SHOWN_DB = 70.0
 _NOTHING_DB = -300.0  # stands for -inf, which matplotlib would leave out together with its neighbours
 _DENSE = 500  # more lines than this hide one another: they fade behind their mean
 _COLUMNS = 1500  # across a plot: more than it has dots, so that an envelope looks like the curve itself
+_SHADES = 36  # of a spectrogram: 2 dB in 70, less than noise leaves uncertain; more make large files
 FEW = 3  # curves whose single lines or error bars can be told apart
 
 
@@ -224,7 +225,7 @@ def spectrogram(ax: Axes, bar: Axes, shown: Spectrogram, duration_s: float, limi
     factor, prefix = _prefix(duration_s)
     first, last = (shown.time_s[[0, -1]] + np.array([-0.5, 0.5]) * shown.hop_s) / factor
     low, high = np.log10(shown.edges_hz[[0, -1]])
-    colours = matplotlib.colormaps["magma"].with_extremes(bad="0.85")
+    colours = matplotlib.colormaps["magma"].resampled(_SHADES).with_extremes(bad="0.85")
     # Rows are equally wide on a logarithmic scale: an image on a linear axis of logarithms is drawn as it is, each value a dot.
     image = ax.imshow(
         shown.level_db,
@@ -386,7 +387,7 @@ def _thinned(x: np.ndarray, y: np.ndarray, share: np.ndarray) -> tuple[np.ndarra
 
     `share` of the width (n,), 0 to 1, says where each point lies.
     """
-    column = np.floor(share * _COLUMNS)
+    column = np.minimum(np.floor(share * _COLUMNS), _COLUMNS - 1)
     starts = np.flatnonzero(np.diff(column, prepend=-1.0))
     counts = np.diff(starts, append=len(x))
     crowded = counts > 2
