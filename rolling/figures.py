@@ -376,7 +376,7 @@ def _recovery_events(one: Heard) -> Picture | None:
             f"{found.count:,} events, {_number(found.per_metre * 1e-3)} per mm",
             f"median {joule(found.energy_median)}, 90 % below {joule(found.energy_p90)}",
             f"the top tenth releases {100 * found.top_tenth_share:.3g} %",
-            f"mean duration {found.duration_mean:.3g} steps",
+            f"mean duration {found.duration_mean:.3g} steps of {one.result.step * 1e6:.3g} µm",
         ]
     )
     figure = blank()
