@@ -23,6 +23,9 @@ __all__ = ["I_REF_W_M2", "P_REF_PA", "RHO_C", "SoundLevels", "a_weighted_rms", "
 # 1e-5 of its mean; hearing spans 130 dB, and no contact solve is better than 1e-10.
 _ROUNDING = 1e-20
 
+# Smaller mean squares are silence: their parts would be numbers of few digits, or none (1e-308 and below).
+_SILENCE = 1e-280
+
 _PEAK_OVERSAMPLING = 8
 
 
@@ -127,6 +130,9 @@ def sound_levels(
     frequency_hz, mean_square = line_spectrum(pressure_pa, sample_rate_hz)
     weighted = _a_weighted(frequency_hz, mean_square)
     whole = float(mean_square.sum())
+    if whole < _SILENCE:
+        nothing = dict.fromkeys(BAND_NAMES)
+        return SoundLevels(None, None, None, None, None, {**nothing}, {**nothing})
     known = EDGES_HZ[1:] <= min(highest_hz, sample_rate_hz / 2.0)
 
     def bands(line_mean_square: np.ndarray) -> dict[str, float | None]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from importlib.util import find_spec
 
 import numpy as np
 
@@ -27,11 +26,6 @@ class Loudness:
 
     sone: float | None
     acum: float | None
-
-
-def installed() -> bool:
-    """Whether mosqito is there."""
-    return find_spec("mosqito") is not None
 
 
 def loudness(pressure_pa: np.ndarray, sample_rate_hz: float, closed: bool) -> Loudness:

@@ -110,7 +110,7 @@ def listening_gain(pressure_pa: np.ndarray, target_rms: float = _TARGET_RMS, pea
     The gain; 1 for a silent record.
     """
     largest = float(np.max(np.abs(pressure_pa), initial=0.0))
-    if largest == 0.0:
+    if largest < np.finfo(float).tiny:  # the gain would be no number
         return 1.0
     weighted = a_weighted_rms(pressure_pa, SAMPLE_RATE_HZ)
     return min(target_rms / weighted if weighted > 0.0 else np.inf, peak / largest)

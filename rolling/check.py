@@ -9,11 +9,11 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 
 from acoustics import bands
 from rolling import reference, surface
 from rolling.scenario import Gaussian, HeightFile, Scene, SceneError, Track, expand, run_name, track
-from rolling.sound import refuse_unavailable
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
@@ -106,6 +106,22 @@ def findings(scene: Scene) -> list[Finding]:
         _resonance(scene),
         _record(scene, way),
     ]
+
+
+def refuse_unavailable(scene: Scene) -> None:
+    """Before anything is computed: can all be reported that the scene asks for?
+
+    Raises
+    ------
+    SceneError : it asks for loudness, and the package for it is not installed.
+    """
+    if scene.sound.loudness and find_spec("mosqito") is None:
+        raise SceneError(
+            [
+                "sound.loudness: needs the package mosqito, which is not installed;"
+                ' pip install "rolling-contact-noise[loudness]", or set it to false'
+            ]
+        )
 
 
 def report(scene: Scene) -> str:

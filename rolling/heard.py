@@ -38,6 +38,7 @@ def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, resul
         return None
     began = time.perf_counter()
     closed = result.complete and steps % result.solved_steps == 0 and track(scene).closed
-    sound = contact_sound(scene, result.whole("release_energy")[:steps], result.step, closed, result.solved_steps)
+    energy = result.whole("release_energy")[:steps]
+    sound = contact_sound(scene, energy, result.step, closed, result.solved_steps)
     numbers = summary.summarize(scene, result, sound, time.perf_counter() - began)
     return Heard(label, values, folder, scene, result, sound, numbers)

@@ -19,7 +19,7 @@ from tqdm import tqdm
 from rolling import check, scene_file, simulate, sound_files, store, summary
 from rolling.heard import Heard, hear
 from rolling.scenario import Scene, expand, run_name, track
-from rolling.sound import middle_speeds, refuse_unavailable
+from rolling.sound import middle_speeds
 from rolling.store import Keeper, Result
 
 
@@ -67,7 +67,7 @@ def run(
     SceneError, FolderError : before anything is computed or written.
     """
     scene = scene_file.load(scene_path, overrides)
-    refuse_unavailable(scene)
+    check.refuse_unavailable(scene)
     for _, single in expand(scene):
         simulate.rolling_contact(single)  # a surface that cannot be had shows before anything is written
     folder = store.new_folder(Path("outputs") / scene.name, out, force)
@@ -86,7 +86,7 @@ def resume(folder: Path, workers: int = 0) -> Report:
     """
     runs = read_runs(folder)
     for one in runs:
-        refuse_unavailable(one.scene)
+        check.refuse_unavailable(one.scene)
     results = []
     for one in runs:
         result = Result.empty(track(one.scene), one.scene.start)
@@ -109,7 +109,7 @@ def resound(folder: Path, overrides: Sequence[str], out: Path | None = None, for
     stored = read_runs(folder)
     # All is read and checked before the new folder is made.
     scene = scene_file.resound(scene_file.load(folder / "resolved.yaml"), overrides)
-    refuse_unavailable(scene)
+    check.refuse_unavailable(scene)
     singles = expand(scene)
     if [values for values, _ in singles] != [one.values for one in stored]:
         raise store.FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")

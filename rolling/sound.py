@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics import level, loudness, radiation, resampling, uncertainty, wav
+from acoustics import level, radiation, resampling, uncertainty, wav
 from acoustics.bands import AUDIBLE_HZ
-from rolling.scenario import Scene, SceneError
+from rolling.scenario import Scene
 
 Array = NDArray[np.float64]
 
@@ -48,22 +48,6 @@ class ContactSound:
     @property
     def sample_rate(self) -> int:
         return wav.SAMPLE_RATE_HZ
-
-
-def refuse_unavailable(scene: Scene) -> None:
-    """Before anything is computed: can all be reported that the scene asks for?
-
-    Raises
-    ------
-    SceneError : it asks for loudness, and the package for it is not installed.
-    """
-    if scene.sound.loudness and not loudness.installed():
-        raise SceneError(
-            [
-                "sound.loudness: needs the package mosqito, which is not installed;"
-                ' pip install "rolling-contact-noise[loudness]", or set it to false'
-            ]
-        )
 
 
 def middle_speeds(scene: Scene, steps: int, step: float) -> tuple[Array, Array]:

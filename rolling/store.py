@@ -142,7 +142,7 @@ def write_bytes(path: Path, content: bytes) -> None:
             stream.flush()
             os.fsync(stream.fileno())
         partial.replace(path)
-    except OSError:
+    except BaseException:  # Ctrl-C, too
         partial.unlink(missing_ok=True)
         raise
 

@@ -302,3 +302,20 @@ def test_one_band_alone_is_drawn(runs: list[Heard]) -> None:
 def test_maps_and_events_only_where_there_are_any(runs: list[Heard]) -> None:
     bare = replace(runs[0].result, snapshot=None, event_pieces={})
     assert set(by_name(figures.of_run(replace(runs[0], result=bare)))) == ALWAYS - {"contact"}
+
+
+def test_runs_alike_in_name_stay_apart(runs: list[Heard]) -> None:
+    """The same run heard from elsewhere, and a run of another scene: no curve takes the place of another."""
+    far = Scene.from_dict(runs[0].scene.to_dict() | {"sound": {"distance_m": 4}}, runs[0].scene.folder)
+    for others, labels in (
+        ([replace(runs[0], scene=far)], ["load 0.5 N (1)", "load 0.5 N (2)"]),
+        ([replace(runs[0], scene=renamed(runs[0], "other"))], ["small, load 0.5 N", "other, load 0.5 N"]),
+    ):
+        pictures = by_name(figures.of_runs([runs[0], *others]))
+        assert "levels" not in pictures
+        for name in ("spectrum", "psd", "third_octaves"):
+            assert [text.get_text() for text in pictures[name].figure.legends[0].get_texts()][:2] == labels
+        assert sum("dB re 20" in column for column in pictures["third_octaves"].columns) == 2
+    sweeps = [*runs, *(replace(one, scene=renamed(one, "other")) for one in runs)]
+    found = by_name(figures.of_runs(sweeps))["levels"].columns
+    assert {"LAeq, small [dB re 20 µPa]", "LAeq, other [dB re 20 µPa]"} < set(found)

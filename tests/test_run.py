@@ -307,3 +307,16 @@ def test_maps_of_wide_contacts_are_averaged_over_whole_cells(scene: Path, monkey
     first = piece.maps[0]
     assert max(first.pressure.shape) <= 10 and first.cell > 2e-6
     assert first.pressure.sum() * first.cell**2 == pytest.approx(1.0, rel=1e-6)
+
+
+def test_a_write_that_is_interrupted_leaves_nothing_half_done(tmp_path: Path, monkeypatch) -> None:
+    path = tmp_path / "signal.wav"
+    store.write_bytes(path, b"before")
+
+    def interrupt(number: int) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(store.os, "fsync", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        store.write_bytes(path, b"after")
+    assert path.read_bytes() == b"before" and [one.name for one in tmp_path.iterdir()] == ["signal.wav"]

@@ -34,7 +34,7 @@ def test_spectrum(ax):
     level[500] = 62.0  # 1 kHz
     level[0] = -np.inf
     few = (np.array([100.0, 1000.0, 30000.0]), np.array([10.0, -np.inf, 99.0]))
-    curves = [plots.Lines.audible("20 N", f, level), plots.Lines.audible("closed form", *few)]
+    curves = [("20 N", plots.Lines.audible(f, level)), ("closed form", plots.Lines.audible(*few))]
     assert plots.spectrum(ax, curves) is ax
     drawn(ax)
     assert ax.get_xscale() == "log" and ax.get_xlim() == pytest.approx((17.78, 22387.2), rel=1e-3)
@@ -50,8 +50,8 @@ def test_spectrum_mean_is_of_powers(ax):
     # White noise of unit power: 1/12 octaves hold their lines' mean power, 0 dB, where they hold many lines.
     f = np.arange(1.0, 24000.0)
     power = np.random.default_rng(1).exponential(size=len(f))
-    lines = plots.Lines.audible("noise", f, 10.0 * np.log10(power))
-    plots.spectrum(ax, [lines])
+    lines = plots.Lines.audible(f, 10.0 * np.log10(power))
+    plots.spectrum(ax, [("noise", lines)])
     middle, level = np.array(ax.get_lines()[1].get_data())
     np.testing.assert_array_equal([middle, level], lines.mean)
     above = middle > 2000.0  # 115 lines or more: a standard deviation of 0.40 dB at most
@@ -61,7 +61,7 @@ def test_spectrum_mean_is_of_powers(ax):
 def test_an_isolated_line_is_seen(ax):
     # Neighbours at -inf must not swallow it: the line stands on the axis.
     f = np.arange(1.0, 401.0)
-    plots.spectrum(ax, [plots.Lines.audible("tone", f, np.where(f == 200.0, 60.0, -np.inf))])
+    plots.spectrum(ax, [("tone", plots.Lines.audible(f, np.where(f == 200.0, 60.0, -np.inf)))])
     x, y = ax.get_lines()[0].get_data()
     assert np.all(np.isfinite(y)) and y[x == 200.0] == 60.0 and ax.get_ylim()[0] > y[x == 199.0]
 
@@ -117,7 +117,7 @@ def test_error_bars_are_the_uncertainty(ax):
 
 def test_more_curves_than_three_are_means_and_none_looks_like_another(ax):
     f = np.arange(20.0, 20000.0, 100.0)
-    curves = [plots.Lines.audible(f"{n}", f, np.full(len(f), 30.0 + n)) for n in range(12)]
+    curves = [(f"{n}", plots.Lines.audible(f, np.full(len(f), 30.0 + n))) for n in range(12)]
     plots.spectrum(ax, curves)
     drawn(ax)
     lines = ax.get_lines()
@@ -132,7 +132,7 @@ def test_more_curves_than_three_are_means_and_none_looks_like_another(ax):
 
 def test_limits_given_are_kept(ax):
     f = np.arange(20.0, 20000.0, 10.0)
-    plots.spectrum(ax, [plots.Lines.audible("", f, np.zeros(len(f)))], (10.0, 80.0))
+    plots.spectrum(ax, [("", plots.Lines.audible(f, np.zeros(len(f))))], (10.0, 80.0))
     assert ax.get_ylim() == (10.0, 80.0)
 
 

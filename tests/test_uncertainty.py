@@ -8,6 +8,7 @@ import pytest
 from acoustics.bands import band_uncertainty_db
 from acoustics.level import level_db, sound_levels
 from acoustics.radiation import sound_pressure
+from acoustics.resampling import fade
 from acoustics.uncertainty import level_uncertainty, steady_uncertainty_db
 
 RATE = 48000
@@ -68,12 +69,26 @@ def test_a_long_record_keeps_a_bound_on_its_maxima():
     assert 0.8 < found["laeq_db"] < 1.2, found
 
 
+def test_fades_add_what_is_said():
+    # A tenth at either end: N falls by (mean w^2)^2 / mean w^4 = 1/1.116 for these ramps w, 5.6 % of spread. 400 records are
+    # good to 3.5 %, three of these.
+    observed, stated = [], []
+    for seed in range(400):
+        record = fade(noise(seed, 14400, 0.0, 100.0, 4000.0)[4800:9600], 480)
+        levels = sound_levels(record, RATE, closed=False)
+        observed.append((levels.level_db, levels.laeq_db))
+        one = level_uncertainty(record, RATE, levels, False)
+        stated.append((one.level_db, one.laeq_db))
+    ratio = np.std(observed, axis=0, ddof=1) / np.sqrt(np.mean(np.square(stated), axis=0))
+    np.testing.assert_allclose(ratio, 1.056, rtol=0.11)
+
+
 def test_equal_lines_are_counted():
     # M equal lines count as M in the mean of many records, for M = 5 (without the 1 taken off: 6) as for 500.
     for lines, tolerance in ((5, 0.05), (500, 0.007)):  # 3 standard errors of 400 records
         variance = []
         for seed in range(400):
-            record = noise(seed, 24000, 0.0, 999.0, 999.0 + 2.0 * lines)
+            record = noise(seed, 4800, 0.0, 995.0, 995.0 + 10.0 * lines)
             levels = sound_levels(record, RATE)
             variance.append((level_uncertainty(record, RATE, levels, False).level_db / 4.3429) ** 2)
         assert 1.0 / np.mean(variance) == pytest.approx(lines, rel=tolerance)
