@@ -33,6 +33,7 @@ _SHOWN_DB = 70.0
 _NOTHING_DB = -300.0  # stands for -inf, which matplotlib would leave out together with its neighbours
 _DENSE = 500  # more lines than this hide one another: they fade behind their mean
 _COLUMNS = 1500  # across a plot: more than it has dots, so that an envelope looks like the curve itself
+_SHADES = 36  # of a spectrogram: 2 dB in 70, less than noise leaves uncertain; more make large files
 FEW = 3  # curves whose single lines or error bars can be told apart
 
 
@@ -59,18 +60,17 @@ def level_limits(levels_db: Iterable[float | None]) -> tuple[float, float]:
 class Lines:
     """A spectrum as it is drawn, 20 Hz to 20 kHz: what takes time is done once however often it is asked for.
 
-    label : what tells it from the others. frequency_hz, level_db : the lines (n,), rising frequencies; -inf is no sound.
+    frequency_hz, level_db : the lines (n,), rising frequencies; -inf is no sound.
     """
 
-    label: str
     frequency_hz: np.ndarray
     level_db: np.ndarray
 
     @classmethod
-    def audible(cls, label: str, frequency_hz: np.ndarray, level_db: np.ndarray) -> Lines:
+    def audible(cls, frequency_hz: np.ndarray, level_db: np.ndarray) -> Lines:
         """The lines that lie between 20 Hz and 20 kHz."""
         inside = (frequency_hz >= AUDIBLE_HZ[0]) & (frequency_hz < AUDIBLE_HZ[1])
-        return cls(label, frequency_hz[inside], level_db[inside])
+        return cls(frequency_hz[inside], level_db[inside])
 
     @property
     def dense(self) -> bool:
@@ -97,12 +97,12 @@ class Lines:
         return [float(shown.min()), float(shown.max())] if len(shown) else []
 
 
-def drawn_as_means(curves: Sequence[Lines]) -> list[Lines]:
+def drawn_as_means(curves: Sequence[tuple[str, Lines]]) -> list[tuple[str, Lines]]:
     """Those of which the mean over 1/12 octave is drawn: their lines, or they themselves, are too many to be told apart."""
-    return [curve for curve in curves if curve.dense or len(curves) > FEW]
+    return [curve for curve in curves if curve[1].dense or len(curves) > FEW]
 
 
-def spectrum(ax: Axes, curves: Sequence[Lines], limits_db: tuple[float, float] | None = None) -> Axes:
+def spectrum(ax: Axes, curves: Sequence[tuple[str, Lines]], limits_db: tuple[float, float] | None = None) -> Axes:
     """Spectra against frequency, 20 Hz to 20 kHz.
 
     Of more than 500 lines, and of more than three curves, the mean (of powers) over 1/12 octave is drawn; the lines of
@@ -113,26 +113,25 @@ def spectrum(ax: Axes, curves: Sequence[Lines], limits_db: tuple[float, float] |
     ax
         Axes to draw on.
     curves
-        Spectra, levels in dB; -inf lies below the axis.
+        Label and spectrum, levels in dB; -inf lies below the axis.
     limits_db
         Of the level axis; otherwise those of the curves, see `level_limits`.
     """
-    means = drawn_as_means(curves)
-    for number, curve in enumerate(curves):
+    for number, (label, lines) in enumerate(curves):
         look = _look(number, len(curves))
         del look["marker"]
-        if curve in means:
+        if (label, lines) in drawn_as_means(curves):
             if len(curves) <= FEW:
-                ax.plot(*curve.envelope, color=look["color"], linewidth=0.3, alpha=0.4, zorder=1.5)
-            ax.plot(*curve.mean, linewidth=1.8, label=curve.label, **look)
+                ax.plot(*lines.envelope, color=look["color"], linewidth=0.3, alpha=0.4, zorder=1.5)
+            ax.plot(*lines.mean, linewidth=1.8, label=label, **look)
         else:
-            level = np.maximum(curve.level_db, _NOTHING_DB)
-            ax.plot(curve.frequency_hz, level, linewidth=1.2, label=curve.label, **look)
-    ax.set_ylim(limits_db or level_limits([level for curve in curves for level in curve.extremes]))
+            level = np.maximum(lines.level_db, _NOTHING_DB)
+            ax.plot(lines.frequency_hz, level, linewidth=1.2, label=label, **look)
+    ax.set_ylim(limits_db or level_limits([level for _, lines in curves for level in lines.extremes]))
     ax.set_xscale("log")
     ax.set_xlim(*AUDIBLE_HZ)
     ax.xaxis.set_minor_locator(NullLocator())
-    _say_if_silent(ax, any(curve.extremes for curve in curves))
+    _say_if_silent(ax, any(lines.extremes for _, lines in curves))
     octaves = slice(2, None, 3)
     ax.xaxis.set_major_locator(FixedLocator(list(MID_HZ[octaves])))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda f, _: _short(BAND_NAMES[int(np.abs(MID_HZ - f).argmin())])))
@@ -224,7 +223,7 @@ def spectrogram(ax: Axes, bar: Axes, shown: Spectrogram, duration_s: float, limi
     factor, prefix = _prefix(duration_s)
     first, last = (shown.time_s[[0, -1]] + np.array([-0.5, 0.5]) * shown.hop_s) / factor
     low, high = np.log10(shown.edges_hz[[0, -1]])
-    colours = matplotlib.colormaps["magma"].with_extremes(bad="0.85")
+    colours = matplotlib.colormaps["magma"].resampled(_SHADES).with_extremes(bad="0.85")
     # Rows are equally wide on a logarithmic scale: an image on a linear axis of logarithms is drawn as it is, each value a dot.
     image = ax.imshow(
         shown.level_db,
@@ -386,7 +385,7 @@ def _thinned(x: np.ndarray, y: np.ndarray, share: np.ndarray) -> tuple[np.ndarra
 
     `share` of the width (n,), 0 to 1, says where each point lies.
     """
-    column = np.floor(share * _COLUMNS)
+    column = np.minimum(np.floor(share * _COLUMNS), _COLUMNS - 1)
     starts = np.flatnonzero(np.diff(column, prepend=-1.0))
     counts = np.diff(starts, append=len(x))
     crowded = counts > 2

@@ -38,19 +38,19 @@ class _Views:
     """What pictures of a run are drawn from, each made when first asked for."""
 
     def __init__(self, one: Heard) -> None:
-        self._label, self._sound, self._scene = one.label, one.sound, one.scene
+        self._sound, self._scene = one.sound, one.scene
 
     @cached_property
     def a_weighted(self) -> Lines:
         frequency, square = line_spectrum(self._sound.pressure, self._sound.sample_rate)
-        return Lines.audible(self._label, frequency, _level(square) + a_weighting_db(frequency))
+        return Lines.audible(frequency, _level(square) + a_weighting_db(frequency))
 
     @cached_property
     def article(self) -> Lines:
         power = self._sound.power
         rate = len(power) / self._sound.duration
         sound = self._scene.sound
-        return Lines.audible(self._label, *article_line_level_db(power, rate, sound.distance_m, sound.q))
+        return Lines.audible(*article_line_level_db(power, rate, sound.distance_m, sound.q))
 
     @cached_property
     def welch(self) -> Psd:
@@ -58,7 +58,7 @@ class _Views:
 
     @cached_property
     def psd(self) -> Lines:
-        return Lines.audible(self._label, self.welch.frequency_hz, _level(self.welch.psd))
+        return Lines.audible(self.welch.frequency_hz, _level(self.welch.psd))
 
     @cached_property
     def spectrogram(self) -> Spectrogram:
@@ -108,7 +108,8 @@ def of_runs(runs: Sequence[Heard]) -> Iterator[Picture]:
         for key in runs[0].values
         if all(key in one.values for one in runs) and len({one.values[key] for one in runs}) > 1
     ]
-    if swept:
+    # Runs that nothing swept tells apart would be one point.
+    if swept and len({(one.scene.name, *one.values.items()) for one in runs}) == len(runs):
         yield _levels(swept[0], runs)
 
 
@@ -166,13 +167,13 @@ def _spectrum(
     shown: Sequence[Heard],
     among: Sequence[Heard],
 ) -> Picture:
-    curves = [view(one) for one in shown]
+    curves = [(label, view(one)) for label, one in zip(_labels(shown), shown, strict=True)]
     means = sound_plots.drawn_as_means(curves)
     limits = sound_plots.level_limits(level for one in among for level in view(one).extremes)
-    columns = _line_columns([(curve.label, curve.frequency_hz, curve.level_db) for curve in curves], "", ylabel)
+    columns = _line_columns([(label, lines.frequency_hz, lines.level_db) for label, lines in curves], "", ylabel)
     if means:
         mean = f"mean over 1/{sound_plots.PER_OCTAVE} octave"
-        columns |= _line_columns([(curve.label, *curve.mean) for curve in means], f"{mean}: ", ylabel)
+        columns |= _line_columns([(label, *lines.mean) for label, lines in means], f"{mean}: ", ylabel)
         facts = [*facts, f"drawn bold: {mean}"]
 
     def draw(ax: Axes) -> None:
@@ -200,7 +201,10 @@ def _third_octaves(
     shown: Sequence[Heard],
     among: Sequence[Heard],
 ) -> Picture:
-    curves = [(one.label, levels(one), one.sound.uncertainty.third_octave_db) for one in shown]
+    curves = [
+        (label, levels(one), one.sound.uncertainty.third_octave_db)
+        for label, one in zip(_labels(shown), shown, strict=True)
+    ]
     limits = sound_plots.level_limits(level for one in among for level in levels(one).values())
     columns: dict[str, Array] = {"mid frequency [Hz]": MID_HZ}
     for label, by_name, uncertainty in curves:
@@ -263,8 +267,10 @@ def _release_power(one: Heard, among: Sequence[Heard]) -> Picture:
 def _levels(key: str, runs: Sequence[Heard]) -> Picture:
     """LAeq and LZeq against a swept quantity, a curve for every combination of the others."""
 
-    def others(one: Heard) -> tuple[tuple[str, float], ...]:
-        return tuple((name, value) for name, value in one.values.items() if name != key)
+    several = len({one.scene.name for one in runs}) > 1
+
+    def others(one: Heard) -> tuple[str, tuple[tuple[str, float], ...]]:
+        return one.scene.name, tuple((name, value) for name, value in one.values.items() if name != key)
 
     x = np.array(sorted({one.values[key] for one in runs}))
     word, unit = summary.named(key)
@@ -273,7 +279,8 @@ def _levels(key: str, runs: Sequence[Heard]) -> Picture:
     for name, number in (("LAeq", "laeq_db"), ("LZeq", "level_db")):
         curves = []
         for same, group in groupby(sorted(runs, key=others), key=others):
-            label = ", ".join(summary.worded(*one) for one in same)
+            scene, values = same
+            label = ", ".join([scene] * several + [summary.worded(*one) for one in values])
             at = {one.values[key]: one.sound for one in group}
             level = [getattr(at[value].levels, number) if value in at else None for value in x]
             spread = [getattr(at[value].uncertainty, number) if value in at else None for value in x]
@@ -386,7 +393,7 @@ def _recovery_events(one: Heard) -> Picture | None:
             f"{found.count:,} events, {_number(found.per_metre * 1e-3)} per mm",
             f"median {joule(found.energy_median)}, 90 % below {joule(found.energy_p90)}",
             f"the top tenth releases {100 * found.top_tenth_share:.3g} %",
-            f"mean duration {found.duration_mean:.3g} steps",
+            f"mean duration {found.duration_mean:.3g} steps of {one.result.step * 1e6:.3g} µm",
         ]
     )
     figure = blank()
@@ -454,6 +461,17 @@ def _named(runs: Sequence[Heard]) -> str:
     if len(runs) == 1:
         return runs[0].title
     return ", ".join(dict.fromkeys(one.scene.name for one in runs))
+
+
+def _labels(runs: Sequence[Heard]) -> list[str]:
+    """What tells each run from the others: its label, with the scene where there are several, or else its number."""
+    labels = [one.label for one in runs]
+    if len({one.scene.name for one in runs}) > 1:
+        labels = [f"{one.scene.name}, {one.label}" for one in runs]
+    return [
+        label if labels.count(label) == 1 else f"{label} ({labels[: k + 1].count(label)})"
+        for k, label in enumerate(labels)
+    ]
 
 
 def _distance(runs: Iterable[Heard]) -> str:
