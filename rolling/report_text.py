@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.ticker import EngFormatter
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
 from acoustics.radiation import RHO_C
@@ -245,12 +246,13 @@ def events(one: Heard) -> list[Fact]:
     found = event_statistics(table, solved * one.result.step) if table else None
     if found is None:
         return []
+    joule = EngFormatter("J", places=1)
     told = {
-        "events": f"{found.count:,}, {significant(found.per_metre * 1e-3)} per mm",
-        "energy of an event": f"mean {found.energy_mean:.3g} J, median {found.energy_median:.3g} J,"
-        f" nine in ten below {found.energy_p90:.3g} J",
-        "mean duration": f"{found.duration_mean:.3g} steps",
-        "most in one step": f"{found.peak:.3g} J",
+        "events": f"{found.count:,}, {found.per_metre * 1e-3:,.0f} per mm",
+        "energy of an event": f"mean {joule(found.energy_mean)}, median {joule(found.energy_median)},"
+        f" nine in ten below {joule(found.energy_p90)}",
+        "mean duration": f"{found.duration_mean:.3g} steps of {one.result.step * 1e6:g} µm",
+        "most of one node in a step": joule(found.peak),
         "top tenth of the events": f"{100 * found.top_tenth_share:.3g} % of the release",
     }
     return [Fact(what, [("", value)]) for what, value in told.items()]

@@ -1,7 +1,7 @@
 """Scene to run folder: the only place that knows contact, sound and files.
 
-A run is simulated, kept as it goes, and finished: sound, levels, plots, then a mark. Several runs of one scene (a sweep) share a
-folder, their plots and a table.
+A run is simulated, kept as it goes, and finished: sound, levels, plots, the report page, then a mark. Several runs of one scene
+(a sweep) share a folder, their plots, a table and the page.
 """
 
 from __future__ import annotations

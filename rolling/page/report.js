@@ -297,12 +297,14 @@
   }
 
   function drawCircle(pen, middle, radius) {
-    pen.strokeStyle = "#7fd4ff";
-    pen.lineWidth = 2;
     pen.setLineDash([9, 7]);
-    pen.beginPath();
-    pen.arc(middle, middle, radius, 0, 2 * Math.PI);
-    pen.stroke();
+    for (const [colour, width] of [["#000", 5], ["#7fd4ff", 2]]) { // seen on the darkest pressure and on the lightest
+      pen.strokeStyle = colour;
+      pen.lineWidth = width;
+      pen.beginPath();
+      pen.arc(middle, middle, radius, 0, 2 * Math.PI);
+      pen.stroke();
+    }
     pen.setLineDash([]);
   }
 
