@@ -13,9 +13,9 @@ from rolling.sound import ContactSound, contact_sound
 from rolling.store import Result
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Heard:
-    """A run with its sound.
+    """A run with its sound; it equals no other, and things can be kept by it.
 
     label : what tells it from its neighbours, such as `load 5 N`.
     values : what its sweep gave it, by dotted key.

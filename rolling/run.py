@@ -11,9 +11,8 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tqdm import tqdm
 
@@ -22,9 +21,6 @@ from rolling.heard import Heard, hear
 from rolling.scenario import Scene, expand, run_name, track
 from rolling.sound import middle_speeds
 from rolling.store import Keeper, Result
-
-if TYPE_CHECKING:  # matplotlib is slow to import, and a run that fails needs none
-    from rolling.picture import Picture
 
 
 @dataclass(frozen=True)
@@ -222,28 +218,11 @@ def _finish(
 
 
 def _write_pictures(folder: Path, heard: list[Heard]) -> None:
-    from rolling import figures
+    from rolling import figures  # matplotlib is slow to import, and a run that fails needs none
 
     for one in heard:
-        for picture in figures.of_run(one):
+        for picture in figures.of_run(one, heard):
             picture.write(one.folder)
     if len(heard) > 1:
         for picture in figures.of_runs(heard):
             picture.write(folder)
-        swept = [key for key in heard[0].values if len({one.values[key] for one in heard}) > 1]
-        if swept:
-            _level_picture(swept[0], heard).write(folder)
-
-
-def _level_picture(key: str, heard: list[Heard]) -> Picture:
-    from rolling import figures
-
-    def rest(one: Heard) -> str:
-        return ", ".join(summary.worded(k, v) for k, v in one.values.items() if k != key)
-
-    curves = {}
-    for others, group in groupby(sorted(heard, key=rest), key=rest):
-        members = sorted(group, key=lambda one: one.values[key])
-        curves[others] = [(one.values[key], one.sound.levels.laeq_db, one.sound.levels.level_db) for one in members]
-    word, unit = summary.named(key)
-    return figures.levels(heard[0].scene.name, f"{word} [{unit}]" if unit else word, curves)

@@ -57,7 +57,7 @@ def test_scene_runs(path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[st
             assert again == pytest.approx(summary["laeq_db"], abs=1e-3)
         listened, _, _ = wav.read(folder / "listen.wav")
         assert np.abs(listened).max() <= 1.0
-        for picture in ("spectrum", "third_octaves", "release_power", "surface", "contact"):
+        for picture in ("spectrum", "psd", "third_octaves", "spectrogram", "release_power", "surface", "contact"):
             assert (folder / f"{picture}.png").stat().st_size > 5000
         assert (folder / "finished").is_file() and (folder / "provenance.json").is_file()
         with h5py.File(folder / "result.h5") as file:

@@ -4,11 +4,12 @@ import io
 
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from acoustics import plots
-from acoustics.bands import BAND_NAMES, EDGES_HZ, MID_HZ
+from acoustics import plots, spectrogram
+from acoustics.bands import BAND_NAMES, EDGES_HZ, MID_HZ, band_uncertainty_db
 
 
 @pytest.fixture
@@ -24,7 +25,7 @@ def drawn(ax):
 
 
 def legend(ax):
-    return [text.get_text() for text in ax.get_legend().get_texts()]
+    return ax.get_legend_handles_labels()[1]
 
 
 def test_spectrum(ax):
@@ -33,16 +34,12 @@ def test_spectrum(ax):
     level[500] = 62.0  # 1 kHz
     level[0] = -np.inf
     few = (np.array([100.0, 1000.0, 30000.0]), np.array([10.0, -np.inf, 99.0]))
-    curves = [("20 N, dB re 1 pW/m²", f, level), ("closed form, dB re 1 pW/m²", *few)]
-    assert plots.spectrum(ax, curves, "quickstart, T = 0.5 s") is ax
+    curves = [("20 N", plots.Lines.audible(f, level)), ("closed form", plots.Lines.audible(*few))]
+    assert plots.spectrum(ax, curves) is ax
     drawn(ax)
     assert ax.get_xscale() == "log" and ax.get_xlim() == pytest.approx((17.78, 22387.2), rel=1e-3)
-    assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_title()) == (
-        "frequency [Hz]",
-        "level [dB]",
-        "quickstart, T = 0.5 s",
-    )
-    assert legend(ax) == ["20 N, dB re 1 pW/m², mean over 1/12 octave", "closed form, dB re 1 pW/m²"]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("frequency [Hz]", "level [dB]")
+    assert legend(ax) == ["20 N", "closed form"]
     # Lowest 10 and highest audible 62 dB with 2.5 dB of room, in steps of 5; the 99 dB at 30 kHz cannot be heard.
     assert ax.get_ylim() == (5.0, 65.0)
     ticks = [tick.get_text() for tick in ax.get_xticklabels()]
@@ -53,9 +50,10 @@ def test_spectrum_mean_is_of_powers(ax):
     # White noise of unit power: 1/12 octaves hold their lines' mean power, 0 dB, where they hold many lines.
     f = np.arange(1.0, 24000.0)
     power = np.random.default_rng(1).exponential(size=len(f))
-    plots.spectrum(ax, [("noise, dB", f, 10.0 * np.log10(power))], "")
-    mean = ax.get_lines()[1]
-    middle, level = np.array(mean.get_data())
+    lines = plots.Lines.audible(f, 10.0 * np.log10(power))
+    plots.spectrum(ax, [("noise", lines)])
+    middle, level = np.array(ax.get_lines()[1].get_data())
+    np.testing.assert_array_equal([middle, level], lines.mean)
     above = middle > 2000.0  # 115 lines or more: a standard deviation of 0.40 dB at most
     assert above.sum() > 30 and np.max(np.abs(level[above])) < 1.6
 
@@ -63,14 +61,16 @@ def test_spectrum_mean_is_of_powers(ax):
 def test_an_isolated_line_is_seen(ax):
     # Neighbours at -inf must not swallow it: the line stands on the axis.
     f = np.arange(1.0, 401.0)
-    plots.spectrum(ax, [("tone, dB", f, np.where(f == 200.0, 60.0, -np.inf))], "")
+    plots.spectrum(ax, [("tone", plots.Lines.audible(f, np.where(f == 200.0, 60.0, -np.inf)))])
     x, y = ax.get_lines()[0].get_data()
     assert np.all(np.isfinite(y)) and y[x == 200.0] == 60.0 and ax.get_ylim()[0] > y[x == 199.0]
 
 
 def test_third_octaves_grey_where_bt_is_below_5(ax):
     levels = dict.fromkeys(BAND_NAMES, 40.0) | {"20": None, "20000": None}
-    plots.third_octaves(ax, [("5 N, Z", levels), ("20 N, Z", [50.0] * 31)], 0.5, "Ra 0.1 µm")
+    spread = dict(zip(BAND_NAMES, band_uncertainty_db(0.5).tolist(), strict=True))
+    curves = [("5 N, Z", levels, spread), ("20 N, Z", dict.fromkeys(BAND_NAMES, 50.0), spread)]
+    plots.third_octaves(ax, curves, 0.5)
     drawn(ax)
     assert ax.get_ylabel() == "sound pressure level [dB re 20 µPa]"
     assert ax.get_xlabel() == "third octave, nominal mid frequency [Hz]"
@@ -83,7 +83,8 @@ def test_third_octaves_grey_where_bt_is_below_5(ax):
     for line in (line for line in ax.get_lines() if len(line.get_xdata())):
         red, green, blue = to_rgb(line.get_color())
         (grey if red == green == blue else coloured).append(line.get_xdata())
-    assert len(grey) == len(coloured) == 2
+    # Two curves, each with two lines of caps of its error bars.
+    assert len(grey) == 2 and len(coloured) == 2 + 4
     for x in grey:
         np.testing.assert_allclose(x, MID_HZ[:4])
     for x in coloured:
@@ -95,45 +96,107 @@ def test_third_octaves_grey_where_bt_is_below_5(ax):
 @pytest.mark.parametrize(("duration_s", "labels"), [(10.0, ["Z"]), (1e-4, ["Z", "B T < 5: uncertain by 2 dB or more"])])
 def test_third_octaves_all_or_none_grey(ax, duration_s, labels):
     # 20 Hz is 4.6 Hz wide: reliable from 1.08 s on. 20 kHz is 4.6 kHz wide: from 1.08 ms on.
-    plots.third_octaves(ax, [("Z", [50.0] * 31)], duration_s, "")
+    plots.third_octaves(ax, [("Z", dict.fromkeys(BAND_NAMES, 50.0), dict.fromkeys(BAND_NAMES, 1.0))], duration_s)
     assert legend(drawn(ax)) == labels
 
 
 def test_silence_is_drawn_as_an_empty_axis(ax):
-    plots.third_octaves(ax, [("Z", dict.fromkeys(BAND_NAMES))], 1.0, "silent")
+    plots.third_octaves(ax, [("Z", dict.fromkeys(BAND_NAMES), dict.fromkeys(BAND_NAMES))], 1.0)
     assert drawn(ax).get_ylim() == (0.0, 70.0)
+    assert [text.get_text() for text in ax.texts] == ["no sound"]
+
+
+def test_error_bars_are_the_uncertainty(ax):
+    spread = dict(zip(BAND_NAMES, band_uncertainty_db(0.5).tolist(), strict=True))
+    plots.third_octaves(ax, [("Z", dict.fromkeys(BAND_NAMES, 50.0), spread)], 0.5)
+    (bars,) = [c for c in ax.collections if isinstance(c, LineCollection)]
+    ends = np.array([segment[:, 1] for segment in bars.get_segments()])
+    # From 50 Hz on: 11.5 Hz wide at 0.5 s, 4.34 / sqrt(5.76) dB.
+    assert len(ends) == 27 and ends[0] == pytest.approx([50.0 - 1.81, 50.0 + 1.81], abs=0.01)
+
+
+def test_more_curves_than_three_are_means_and_none_looks_like_another(ax):
+    f = np.arange(20.0, 20000.0, 100.0)
+    curves = [(f"{n}", plots.Lines.audible(f, np.full(len(f), 30.0 + n))) for n in range(12)]
+    plots.spectrum(ax, curves)
+    drawn(ax)
+    lines = ax.get_lines()
+    assert len(lines) == 12 and all(len(line.get_xdata()) < len(f) for line in lines)
+    assert len({line.get_color() for line in lines}) == 12
+    # In grey, those of the same line style are a third of the way from black to white apart or more: 0.3 of luminance.
+    grey = [np.dot([0.299, 0.587, 0.114], to_rgb(line.get_color())) for line in lines]
+    for n in range(5):
+        assert lines[n].get_linestyle() == lines[n + 7].get_linestyle()
+        assert grey[n + 7] - grey[n] > 0.3
+
+
+def test_limits_given_are_kept(ax):
+    f = np.arange(20.0, 20000.0, 10.0)
+    plots.spectrum(ax, [("", plots.Lines.audible(f, np.zeros(len(f))))], (10.0, 80.0))
+    assert ax.get_ylim() == (10.0, 80.0)
+
+
+def test_envelope_keeps_every_extreme():
+    # 200,000 values, one of them up and one down: what is drawn has both, at most two points a column, times rising.
+    time, power = np.arange(200_000) / 2e4, np.ones(200_000)
+    power[[123_456, 77]] = 5.0, -3.0
+    t, p = plots.power_envelope(time, power)
+    assert len(t) <= 2 * 1500 and np.all(np.diff(t) >= 0.0) and plots.is_thinned(time)
+    assert p.max() == 5.0 and p.min() == -3.0
+    width = 10.0 / 1500
+    assert t[p == 5.0] == pytest.approx(time[123_456], abs=width) and t[p == -3.0] == pytest.approx(time[77], abs=width)
+
+
+def test_spectrogram_places_a_tone(ax):
+    # A tone of 1 kHz in the second half of half a second; frames of 40 ms.
+    time = np.arange(24000) / 48000
+    shown = spectrogram.spectrogram(np.where(time > 0.25, np.sin(2e3 * np.pi * time), 0.0), 48000.0)
+    bar = ax.figure.add_subplot()
+    plots.spectrogram(ax, bar, shown, 0.5, (20.0, 90.0))
+    drawn(ax)
+    (image,) = ax.get_images()
+    assert ax.get_xlim() == (0.0, 500.0) and ax.get_xlabel() == "time [ms]"
+    assert bar.get_ylabel() == "density level [dB re (20 µPa)²/Hz]" and image.get_clim() == (20.0, 90.0)
+    left, right, low, high = image.get_extent()
+    rows, columns = shown.level_db.shape
+    row = int((np.log10(1000.0) - low) / (high - low) * rows)
+    at = [int((ms - left) / (right - left) * columns) for ms in (100.0, 400.0)]
+    quiet, loud = np.ma.filled(image.get_array()[row, at], np.nan)
+    assert loud > 70.0 and not quiet > loud - 60.0
 
 
 @pytest.mark.parametrize(("scale", "unit"), [(2.0, "W"), (2e-4, "µW"), (2e-8, "nW"), (0.0, "W")])
 def test_power_in_engineering_units(ax, scale, unit):
-    plots.power(ax, np.arange(100) / 200.0, scale * (1.0 + 0.1 * np.sin(np.arange(100))), "20 N")
+    plots.power(ax, np.arange(100) / 200.0, scale * (1.0 + 0.1 * np.sin(np.arange(100))), 0.5)
     drawn(ax)
     assert ax.get_ylabel() == f"release power [{unit}]" and ax.get_xlabel() == "time [ms]"
-    assert legend(ax)[0].startswith("mean ") and legend(ax)[0].endswith(f" {unit}")
+    assert legend(ax)[1].startswith("mean ") and legend(ax)[1].endswith(f" {unit}")
+    assert ax.get_xlim() == (0.0, 500.0)
 
 
 def test_a_steady_power_looks_steady(ax):
     # Solver noise of 2e-8 must not fill the axis.
-    plots.power(ax, np.arange(100) / 5e4, 180e-6 * (1.0 + 2e-8 * np.sin(np.arange(100))), "smooth sphere")
+    plots.power(ax, np.arange(100) / 5e4, 180e-6 * (1.0 + 2e-8 * np.sin(np.arange(100))), 2e-3)
     low, high = drawn(ax).get_ylim()
     assert low < 0.99 * 180.0 and high > 1.01 * 180.0
 
 
 @pytest.mark.parametrize(("loads", "scale"), [([5, 20, 100], "log"), ([5, 20, 50], "linear"), ([0, 1, 100], "linear")])
 def test_level_against_load(ax, loads, scale):
-    curves = [("LAeq, dB re 20 µPa", [60.0, None, 70.0]), ("Z, dB re 20 µPa", [62.0, 66.0, 71.0])]
-    plots.level_against(ax, loads, curves, "load [N]", "Ra 0.1 µm")
+    spread = [0.5, None, 0.2]
+    curves = [("LAeq", [60.0, None, 70.0], spread), ("LZeq", [62.0, 66.0, 71.0], [0.5, 0.3, 0.2])]
+    plots.level_against(ax, loads, curves, "load [N]")
     drawn(ax)
     assert ax.get_xscale() == scale  # logarithmic when the loads span more than a decade
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("load [N]", "level [dB]")
     assert np.isnan(ax.get_lines()[0].get_ydata()[1])  # no sound is a gap
-    assert legend(ax) == [label for label, _ in curves]
+    assert legend(ax) == [label for label, _, _ in curves]
     if scale == "log":
         assert [tick.get_text() for tick in ax.get_xticklabels()] == ["5", "20", "100"]
 
 
 def test_points_are_joined_in_order(ax):
-    plots.level_against(ax, [100, 5, 20], [("LAeq", [3.0, 1.0, 2.0])], "load [N]", "")
+    plots.level_against(ax, [100, 5, 20], [("LAeq", [3.0, 1.0, 2.0], [None] * 3)], "load [N]")
     assert ax.get_lines()[0].get_xydata().tolist() == [[5.0, 1.0], [20.0, 2.0], [100.0, 3.0]]
 
 
