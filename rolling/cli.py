@@ -64,7 +64,7 @@ def _parser() -> argparse.ArgumentParser:
         sub.add_argument("--workers", type=_count, default=0, metavar="N", help="processes (default: one per core)")
 
     def page(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("--no-report", action="store_true", help="leave out the report page, report.html")
+        sub.add_argument("--no-report", action="store_true", help="leave out the report page (of 24 runs at most)")
 
     def pages(sub: argparse.ArgumentParser) -> None:
         sub.add_argument("folders", type=Path, nargs="+", metavar="RUN", help="run folder, of one run or of a sweep")
