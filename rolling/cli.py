@@ -63,6 +63,19 @@ def _parser() -> argparse.ArgumentParser:
     def workers(sub: argparse.ArgumentParser) -> None:
         sub.add_argument("--workers", type=_count, default=0, metavar="N", help="processes (default: one per core)")
 
+    def page(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument("--no-report", action="store_true", help="leave out the report page (of 24 runs at most)")
+
+    def pages(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument("folders", type=Path, nargs="+", metavar="RUN", help="run folder, of one run or of a sweep")
+        sub.add_argument(
+            "--out",
+            type=Path,
+            metavar="FILE",
+            help="page to write (default: RUN/report.html, of several RUN outputs/report/TIME/report.html)",
+        )
+        sub.add_argument("--force", action="store_true", help="replace the file in --out")
+
     def trial(sub: argparse.ArgumentParser) -> None:
         sub.add_argument("scene", type=Path, nargs="?", metavar="SCENE", help="scene file (YAML), not with --hard")
         sub.add_argument(
@@ -78,10 +91,11 @@ def _parser() -> argparse.ArgumentParser:
         sub.add_argument("--random", type=_count, metavar="N", help="with --hard: random scenes (default 2000)")
         sub.add_argument("--long", action="store_true", help="with --hard: the march of 1e5 steps as well")
 
-    command("run", _run, "run a scene: release, sound, levels and plots", scene, settings, target, workers)
+    command("run", _run, "run a scene: release, sound, levels and plots", scene, settings, target, workers, page)
     command("check", _check, "validate a scene and say what it will cost and where it is doubtful", scene, settings)
-    command("resume", _resume, "go on with a run that was interrupted", folder, workers)
-    command("resound", _resound, "new sound from a stored run, without solving again", folder, settings, target)
+    command("resume", _resume, "go on with a run that was interrupted", folder, workers, page)
+    command("resound", _resound, "new sound from a stored run, without solving again", folder, settings, target, page)
+    command("report", _report, "one page to hear, see and read runs: a single HTML file that needs no network", pages)
     command(
         "accuracy",
         _accuracy,
@@ -119,19 +133,34 @@ def _seconds(text: str) -> float:
 def _run(arguments: argparse.Namespace) -> int:
     from rolling import run
 
-    return _reported(lambda: run.run(arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers))
+    a = arguments
+    return _reported(lambda: run.run(a.scene, a.set, a.out, a.force, a.workers, not a.no_report))
 
 
 def _resume(arguments: argparse.Namespace) -> int:
     from rolling import run
 
-    return _reported(lambda: run.resume(arguments.folder, arguments.workers))
+    return _reported(lambda: run.resume(arguments.folder, arguments.workers, not arguments.no_report))
 
 
 def _resound(arguments: argparse.Namespace) -> int:
     from rolling import run
 
-    return _reported(lambda: run.resound(arguments.folder, arguments.set, arguments.out, arguments.force))
+    a = arguments
+    return _reported(lambda: run.resound(a.folder, a.set, a.out, a.force, not a.no_report))
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    from rolling import run
+    from rolling.scenario import SceneError
+    from rolling.store import FolderError
+
+    try:
+        print(run.report(arguments.folders, arguments.out, arguments.force))
+    except (SceneError, FolderError) as error:
+        _say(str(error))
+        return BAD_INPUT
+    return OK
 
 
 def _reported(act) -> int:
@@ -149,6 +178,8 @@ def _reported(act) -> int:
         _say(f"failed: {label}: {reason}")
     if report.exit_code == OK:
         print(f"\nlisten: {report.runs[0][0].folder / 'listen.wav'}   pictures, numbers: {report.folder}")
+        if report.page:
+            print(f"all on one page: {report.page}")
     else:
         _say(f"stopped early; what is solved is in {report.folder}, `rolling resume {report.folder}` goes on")
     return report.exit_code

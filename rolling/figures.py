@@ -76,6 +76,16 @@ class _Views:
 _views_of: WeakKeyDictionary[Heard, _Views] = WeakKeyDictionary()
 
 
+def gallery(runs: Sequence[Heard]) -> Iterator[tuple[Heard | None, Picture]]:
+    """All pictures of runs that are compared: of each run, with it, and of several together, with None."""
+    for one in runs:
+        for picture in of_run(one, runs):
+            yield one, picture
+    if len(runs) > 1:
+        for picture in of_runs(runs):
+            yield None, picture
+
+
 def of_run(one: Heard, among: Sequence[Heard] = ()) -> Iterator[Picture]:
     """Pictures of one run, on the axes of all the runs `among` which it is to be compared."""
     runs = [*among] or [one]
@@ -449,7 +459,7 @@ def _level(mean_square: Array) -> Array:
 def _named(runs: Sequence[Heard]) -> str:
     """The scene, and the run where it is one."""
     if len(runs) == 1:
-        return f"{runs[0].scene.name}, {runs[0].label}"
+        return runs[0].title
     return ", ".join(dict.fromkeys(one.scene.name for one in runs))
 
 

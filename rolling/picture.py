@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import zip_longest
 from pathlib import Path
 
@@ -50,6 +51,10 @@ class Picture:
         return content.getvalue()
 
     def svg(self) -> bytes:
+        return self._svg
+
+    @cached_property  # a file and a page want it, and drawing takes long
+    def _svg(self) -> bytes:
         content = io.BytesIO()
         # Ids from the name instead of at random, and no date: the same figure gives the same file.
         with matplotlib.rc_context({"svg.hashsalt": self.name}):
@@ -58,6 +63,10 @@ class Picture:
 
     def csv(self) -> bytes:
         """The curves as columns under their names; what is not a finite number is left empty."""
+        return self._csv
+
+    @cached_property
+    def _csv(self) -> bytes:
         columns = [
             ["" if gap else f"{value:.9g}" for value, gap in zip(values.tolist(), ~np.isfinite(values), strict=True)]
             for values in self.columns.values()

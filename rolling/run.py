@@ -1,7 +1,7 @@
 """Scene to run folder: the only place that knows contact, sound and files.
 
-A run is simulated, kept as it goes, and finished: sound, levels, plots, then a mark. Several runs of one scene (a sweep) share a
-folder, their plots and a table.
+A run is simulated, kept as it goes, and finished: sound, levels, plots, the report page, then a mark. Several runs of one scene
+(a sweep) share a folder, their plots, a table and the page.
 """
 
 from __future__ import annotations
@@ -12,15 +12,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
 from rolling import check, scene_file, simulate, sound_files, store, summary
-from rolling.heard import Heard, hear
+from rolling.heard import Heard, distinct, hear
 from rolling.scenario import Scene, expand, run_name, track
 from rolling.sound import middle_speeds
 from rolling.store import Keeper, Result
+
+if TYPE_CHECKING:
+    from rolling.report import Exhibit
+
+PAGE = "report.html"
 
 
 @dataclass(frozen=True)
@@ -45,12 +50,13 @@ class Run:
 
 @dataclass(frozen=True)
 class Report:
-    """What a command did: its folder, the runs with their summaries, the failures by run, and whether it was interrupted."""
+    """What a command did: its folder, the runs with their summaries, the failures by run, whether it was interrupted, the page."""
 
     folder: Path
     runs: list[tuple[Run, dict[str, Any] | None]]
     failures: dict[str, str]
     interrupted: bool
+    page: Path | None
 
     @property
     def exit_code(self) -> int:
@@ -58,9 +64,14 @@ class Report:
 
 
 def run(
-    scene_path: Path, overrides: Sequence[str] = (), out: Path | None = None, force: bool = False, workers: int = 0
+    scene_path: Path,
+    overrides: Sequence[str] = (),
+    out: Path | None = None,
+    force: bool = False,
+    workers: int = 0,
+    page: bool = True,
 ) -> Report:
-    """Run a scene file: every combination of its sweep, each into a run folder.
+    """Run a scene file: every combination of its sweep, each into a run folder, and a report page unless `page` is not wanted.
 
     Raises
     ------
@@ -74,10 +85,10 @@ def run(
     store.write_bytes(folder / "scene.yaml", scene_path.read_bytes())
     runs = _make_folders(folder, scene)
     results = [Result.empty(track(one.scene), one.scene.start) for one in runs]
-    return _work(folder, runs, results, workers)
+    return _work(folder, runs, results, workers, page)
 
 
-def resume(folder: Path, workers: int = 0) -> Report:
+def resume(folder: Path, workers: int = 0, page: bool = True) -> Report:
     """Go on with a run folder that was interrupted or killed; what is solved is not solved again.
 
     Raises
@@ -96,10 +107,12 @@ def resume(folder: Path, workers: int = 0) -> Report:
                 raise store.FolderError(f"{one.folder}: result.h5 has {kept.steps} steps, its scene {result.steps}")
             result = kept
         results.append(result)
-    return _work(folder, runs, results, workers)
+    return _work(folder, runs, results, workers, page)
 
 
-def resound(folder: Path, overrides: Sequence[str], out: Path | None = None, force: bool = False) -> Report:
+def resound(
+    folder: Path, overrides: Sequence[str], out: Path | None = None, force: bool = False, page: bool = True
+) -> Report:
     """New sound from stored runs, without solving: other speed, distance, q or gain.
 
     Raises
@@ -117,7 +130,51 @@ def resound(folder: Path, overrides: Sequence[str], out: Path | None = None, for
     target = store.new_folder(Path("outputs") / scene.name, out, force)
     store.write_bytes(target / "scene.yaml", (folder / "scene.yaml").read_bytes())
     runs = _make_folders(target, scene)
-    return _finish(target, runs, results, {}, False)
+    return _finish(target, runs, results, {}, False, page)
+
+
+def report(folders: Sequence[Path], out: Path | None = None, force: bool = False) -> Path:
+    """One page of all the runs in run folders; returns its file.
+
+    Parameters
+    ----------
+    out : file to write, an existing one with `force` only. None: report.html in the run folder, which it is derived from, so
+        an older one is replaced; of several folders in a new folder.
+
+    Raises
+    ------
+    FolderError, SceneError : no run folder, nothing solved in it, or `out` exists; nothing is written.
+    """
+    if out is not None and out.exists() and not (force and out.is_file()):
+        raise store.FolderError(
+            f"{out}: {'exists; take another --out, or --force' if out.is_file() else 'is a folder'}"
+        )
+    from rolling import report as pages
+
+    runs = list({one.folder.resolve(): one for folder in folders for one in read_runs(folder)}.values())
+    if len(runs) > pages.MOST_RUNS:
+        raise store.FolderError(
+            f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare"
+        )
+    heard: list[Heard] = []
+    unheard: list[str] = []
+    for one in runs:
+        check.refuse_unavailable(one.scene)
+        solved = (one.folder / "result.h5").is_file()
+        sounding = _heard(one, store.load(one.folder / "result.h5")) if solved else None
+        if sounding is None:
+            unheard.append(f"{one.scene.name}, {one.label}")
+        else:
+            heard.append(sounding)
+    if not heard:
+        raise store.FolderError(f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report")
+    heard = distinct(heard)
+    content = pages.page(heard, pages.exhibits(heard), unheard)
+    if out is None:
+        out = (folders[0] if len(folders) == 1 else store.new_folder(Path("outputs") / "report", None, False)) / PAGE
+    out.parent.mkdir(parents=True, exist_ok=True)
+    store.write_bytes(out, content)
+    return out
 
 
 def read_runs(folder: Path) -> list[Run]:
@@ -155,7 +212,7 @@ def _seen_from(folder: Path, scene: Scene) -> Scene:
     return Scene.from_dict(data, folder)
 
 
-def _work(folder: Path, runs: list[Run], results: list[Result], workers: int) -> Report:
+def _work(folder: Path, runs: list[Run], results: list[Result], workers: int, page: bool) -> Report:
     todo = [
         (number, first, last)
         for number, result in enumerate(results)
@@ -178,7 +235,7 @@ def _work(folder: Path, runs: list[Run], results: list[Result], workers: int) ->
     for one, result in zip(runs, results, strict=True):
         _keep(one, result)
     failures = {runs[number].label: reason for number, reason in outcome.failures.items()}
-    return _finish(folder, runs, results, failures, outcome.interrupted)
+    return _finish(folder, runs, results, failures, outcome.interrupted, page)
 
 
 def _keep(one: Run, result: Result) -> None:
@@ -187,13 +244,13 @@ def _keep(one: Run, result: Result) -> None:
 
 
 def _finish(
-    folder: Path, runs: list[Run], results: list[Result], failures: dict[str, str], interrupted: bool
+    folder: Path, runs: list[Run], results: list[Result], failures: dict[str, str], interrupted: bool, page: bool
 ) -> Report:
-    """Sound, numbers and plots of every run that has enough steps; of all together when there are several."""
+    """Sound, numbers and plots of every run that has enough steps; of all together when there are several; the page last."""
     heard: list[Heard] = []
     done: list[tuple[Run, dict[str, Any] | None]] = []
     for one, result in zip(runs, results, strict=True):
-        sounding = hear(one.label, one.values, one.folder, one.scene, result)
+        sounding = _heard(one, result)
         done.append((one, sounding.numbers if sounding else None))
         if sounding is None:
             continue
@@ -203,26 +260,39 @@ def _finish(
         store.write_json(one.folder / "summary.json", sounding.numbers)
         store.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
         heard.append(sounding)
-    _write_pictures(folder, heard)
+    heard = distinct(heard)
+    shelf = _write_pictures(folder, heard, page)
     if len(runs) > 1:
         store.write_json(
             folder / "sweep.json",
             [{"values": one.values, "folder": one.folder.name, "summary": numbers} for one, numbers in done],
         )
+    if shelf:
+        from rolling import report as pages
+
+        unheard = [one.label for one, numbers in done if numbers is None]
+        store.write_bytes(folder / PAGE, pages.page(heard, shelf, unheard))
     if not failures and not interrupted and all(result.complete for result in results):
         for finished in {one.folder for one in runs} | {folder}:
             store.write_bytes(
                 finished / store.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode()
             )
-    return Report(folder, done, failures, interrupted)
+    return Report(folder, done, failures, interrupted, folder / PAGE if shelf else None)
 
 
-def _write_pictures(folder: Path, heard: list[Heard]) -> None:
+def _heard(one: Run, result: Result) -> Heard | None:
+    return hear(one.label, one.values, one.folder, one.scene, result)
+
+
+def _write_pictures(folder: Path, heard: list[Heard], page: bool) -> list[tuple[Heard | None, Exhibit]]:
+    """Pictures of each run into its folder, of all into theirs; returned for the page if it is wanted and not too long."""
     from rolling import figures  # matplotlib is slow to import, and a run that fails needs none
+    from rolling import report as pages
 
-    for one in heard:
-        for picture in figures.of_run(one, heard):
-            picture.write(one.folder)
-    if len(heard) > 1:
-        for picture in figures.of_runs(heard):
-            picture.write(folder)
+    page = page and len(heard) <= pages.MOST_RUNS
+    shelf = []
+    for one, picture in figures.gallery(heard):
+        picture.write(one.folder if one else folder)
+        if page and pages.belongs(one, picture.name, len(heard)):
+            shelf.append((one, pages.exhibit(picture)))
+    return shelf

@@ -1,0 +1,114 @@
+"""Run folders small enough to report on in tests: a third of a second of solving each, with up to a second of sound."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from rolling import run, store, surface
+
+STEPS = 300  # once round: 0.6 mm, 6 ms
+HOSTILE = "quoted \"one\" 'two' & </script><img src=x onerror=alert(1)><!-- <script>"
+
+SCENE = """\
+name: small
+sphere: {radius_mm: 5}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
+surface: {kind: file, path: PATH, spacing_um: 2}
+rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.9}
+"""
+SMOOTH = """\
+name: silence
+sphere: {radius_mm: 5}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}
+surface: {kind: smooth, spacing_um: 2, width_um: 120}
+rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.002}
+"""
+
+
+class Runs:
+    """Run folders below one folder, each made when it is first asked for and never changed."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.heights = folder / "z<i>.npy"
+        np.save(self.heights, surface.gaussian((STEPS, 100), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 3))
+
+    def _made(self, name: str, text: str, *settings: str) -> Path:
+        out = self.folder / name
+        if not out.exists():
+            scene = self.folder / f"{name}.yaml"
+            scene.write_text(text.replace("PATH", f"'{self.heights}'"))
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setattr(run, "_write_pictures", lambda *_: [])  # files beside the page, not in it
+                assert run.run(scene, settings, out, workers=1, page=False).exit_code == 0
+        return out
+
+    def _copied(self, source: Path, name: str) -> tuple[Path, bool]:
+        out = self.folder / name
+        new = not out.exists()
+        if new:
+            shutil.copytree(source, out)
+        return out, new
+
+    def three(self) -> Path:
+        return self._made("three", SCENE, "sweep.rolling.load_n=[0.5, 1, 2]")
+
+    def one(self) -> Path:
+        """A single run whose scene tries to break out of the page."""
+        quoted = HOSTILE.replace("'", "''")
+        return self._made("one", SCENE + f"description: '{quoted}'\n")
+
+    def smooth(self) -> Path:
+        return self._made("smooth", SMOOTH)
+
+    def partial(self) -> Path:
+        """Stopped after 200 of the 300 steps of its only lap."""
+        out, new = self._copied(self._made("lap", SCENE.replace("0.9", "0.006")), "partial")
+        if new:
+            with h5py.File(out / "result.h5", "r+") as file:
+                for name in store.STEP_SERIES:
+                    file[name][200:] = np.nan
+                for name in store.STATE_SERIES:
+                    file[name][201:] = np.nan
+            (out / "finished").unlink()
+        return out
+
+    def old(self) -> Path:
+        """As run folders were before pressure maps were kept."""
+        out, new = self._copied(self.one(), "old")
+        if new:
+            with h5py.File(out / "result.h5", "r+") as file:
+                del file["pressure_maps"]
+        return out
+
+    def fast(self) -> Path:
+        """The single run at twice the speed: half as long, and it loops."""
+        return self._resounded("fast", "rolling.speed_m_s=0.2")
+
+    def braking(self) -> Path:
+        """The single run at a speed that changes: shorter, and it does not loop."""
+        return self._resounded("braking", "rolling.speed_m_s=[[0, 0.4], [0.1, 0.2]]")
+
+    def _resounded(self, name: str, setting: str) -> Path:
+        out = self.folder / name
+        if not out.exists():
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setattr(run, "_write_pictures", lambda *_: [])
+                assert run.resound(self.one(), [setting], out, page=False).exit_code == 0
+        return out
+
+
+_made: dict[Path, Runs] = {}
+
+
+def runs_in(folder: Path) -> Runs:
+    """The run folders of a test session, made once."""
+    if folder not in _made:
+        folder.mkdir(exist_ok=True)
+        _made[folder] = Runs(folder)
+    return _made[folder]
