@@ -50,7 +50,10 @@ class _Views:
         power = self._sound.power
         rate = len(power) / self._sound.duration
         sound = self._scene.sound
-        return Lines.audible(*article_line_level_db(power, rate, sound.distance_m, sound.q))
+        frequency, level = article_line_level_db(power, rate, sound.distance_m, sound.q)
+        if self._sound.levels.level_db is None:  # what is left of a steady power is rounding
+            level = np.full_like(level, -np.inf)
+        return Lines.audible(frequency, level)
 
     @cached_property
     def welch(self) -> Psd:

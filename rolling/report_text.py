@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,9 +12,11 @@ from matplotlib.ticker import EngFormatter
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
 from acoustics.radiation import RHO_C
+from rolling import check
 from rolling.heard import Heard
 from rolling.recovery_statistics import event_statistics
 from rolling.scenario import Gaussian, HeightFile, Scene
+from rolling.summary import uncertain
 
 NOTHING = "-"
 
@@ -79,17 +81,13 @@ def sentence(runs: Sequence[Heard]) -> str:
     also = f" {silent} of {len(runs)} runs are silent." if silent else ""
     if len(heard) == 1:
         level, one = heard[0]
-        return f"{one.label}: LAeq {_plus_minus(level, one.numbers, 'laeq')} dB re 20 µPa{at}.{also}"
+        laeq = uncertain(level, one.numbers["uncertainty_db"]["laeq"])
+        return f"{one.label}: LAeq {laeq} dB re 20 µPa{at}.{also}"
     least, most = min(heard, key=lambda pair: pair[0]), max(heard, key=lambda pair: pair[0])
     return (
         f"LAeq{at} lies between {least[0]:.1f} dB ({least[1].label}) and {most[0]:.1f} dB ({most[1].label}),"
         f" {most[0] - least[0]:.1f} dB apart.{also}"
     )
-
-
-def _plus_minus(value: float, numbers: Mapping[str, Any], name: str) -> str:
-    uncertainty = numbers.get("uncertainty_db", {}).get(name)
-    return f"{value:.1f}" + (f" ± {uncertainty:.1f}" if uncertainty is not None else "")
 
 
 def levels(runs: Sequence[Heard]) -> Table:
@@ -102,9 +100,9 @@ def levels(runs: Sequence[Heard]) -> Table:
         value = one.numbers[column.key]
         if value is None:
             return "silent" if column.key.endswith("_db") else NOTHING
-        uncertainty = one.numbers.get("uncertainty_db", {}).get(column.uncertainty)
-        text = f"{value * column.factor:{column.digits}}" if column.digits else significant(value * column.factor)
-        return text if uncertainty is None else f"{text} ± {uncertainty:{column.digits}}"
+        if column.uncertainty:
+            return uncertain(value, _uncertainty(one, column))
+        return f"{value * column.factor:{column.digits}}" if column.digits else significant(value * column.factor)
 
     heads = [column.head + (f" [{column.unit}]" if column.unit else "") for column in columns]
     return Table(heads, [(one.label, [cell(one, column) for column in columns]) for one in runs])
@@ -140,7 +138,7 @@ def _columns(runs: Sequence[Heard]) -> list[Column]:
 
 
 def _uncertainty(one: Heard, column: Column) -> float | None:
-    return one.numbers.get("uncertainty_db", {}).get(column.uncertainty)
+    return one.numbers["uncertainty_db"].get(column.uncertainty)
 
 
 def bands(runs: Sequence[Heard]) -> list[tuple[str, bool, list[str]]]:
@@ -149,10 +147,9 @@ def bands(runs: Sequence[Heard]) -> list[tuple[str, bool, list[str]]]:
 
     def cell(one: Heard, band: str) -> str:
         level = one.sound.levels.third_octave_db[band]
-        uncertainty = one.numbers.get("third_octave_uncertainty_db", {}).get(band)
         if level is None:
             return NOTHING
-        return f"{level:.1f}" + (f" ± {uncertainty:.1f}" if uncertainty is not None else "")
+        return uncertain(level, one.numbers["third_octave_uncertainty_db"][band])
 
     return [
         (band, bool(sure), [cell(one, band) for one in runs]) for band, sure in zip(BAND_NAMES, certain, strict=True)
@@ -208,12 +205,22 @@ def _assumed(one: Heard) -> dict[str, str]:
         "plate": f"{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio {plate.poissons_ratio:g}, {hardness}, without memory",
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
+        "half-space": _half_space(scene),
         "solver": f"tolerance {scene.numerics.tolerance:g}, {scene.numerics.edges} edges, {scene.numerics.precision} precision",
         "release of a node": {
             "mean": "mean pressure of a step's ends",
             "left_end": "pressure at a step's beginning (the article's)",
         }[scene.recovery.rule],
     }
+
+
+def _half_space(scene: Scene) -> str:
+    """How far the scene is from where a half-space no longer holds."""
+    values = {finding.what: finding.value for finding in check.findings(scene)}
+    return (
+        f"rms slope {values['rms slope']} (holds up to {check.GREATEST_SLOPE:g}),"
+        f" contact radius over the sphere's {values['contact radius / radius']} (up to {check.GREATEST_CONTACT:g})"
+    )
 
 
 def surface_words(scene: Scene) -> str:
@@ -228,15 +235,18 @@ def surface_words(scene: Scene) -> str:
 
 
 def warnings(runs: Sequence[Heard]) -> list[Fact]:
-    """Each warning once, with the runs it concerns (none named: all)."""
-    concerned: dict[str, list[str]] = {}
+    """Each kind of warning once, in the numbers of the first run it concerns, with all it concerns (none named: all)."""
+    by_kind: dict[str, dict[str, str]] = {}
     for one in runs:
         for warning in one.numbers["warnings"]:
-            concerned.setdefault(warning, []).append(one.label)
-    return [
-        Fact(warning, [] if len(labels) == len(runs) else [(label, "") for label in labels])
-        for warning, labels in concerned.items()
-    ]
+            by_kind.setdefault(warning.partition(":")[0], {})[one.label] = warning
+    found = []
+    for texts in by_kind.values():
+        first, text = next(iter(texts.items()))
+        if len(set(texts.values())) > 1:
+            text += f" (in the numbers of {first})"
+        found.append(Fact(text, [] if len(texts) == len(runs) else [(label, "") for label in texts]))
+    return found
 
 
 def events(one: Heard) -> list[Fact]:

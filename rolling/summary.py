@@ -123,10 +123,15 @@ def provenance(scene: Scene) -> dict[str, Any]:
     }
 
 
+def uncertain(level: float, uncertainty: float | None) -> str:
+    """A level with its standard uncertainty [dB], rounded up to a tenth: nothing is known to 0.0 dB."""
+    return f"{level:.1f}" + ("" if uncertainty is None else f" ± {math.ceil(uncertainty * 10) / 10:.1f}")
+
+
 def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
     """Levels and cost of runs given by label, folder and summary (None: not enough was solved), for the terminal.
 
-    LAeq stands with its standard uncertainty, rounded up to a tenth of a decibel.
+    LAeq stands with its standard uncertainty.
     """
     head = ("run", "LAeq dB(A)", "LZeq dB", "steady dB", "plastic ratio", "steps", "ms/step", "files")
     rows: list[tuple[str, ...]] = [head]
@@ -138,9 +143,9 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
         def db(name: str, summary: dict[str, Any] = summary) -> str:
             return "silent" if summary[name] is None else f"{summary[name]:.1f}"
 
-        laeq = db("laeq_db")
+        laeq = "silent"
         if summary["laeq_db"] is not None:
-            laeq += f" ± {math.ceil(summary['uncertainty_db']['laeq'] * 10) / 10:.1f}"
+            laeq = uncertain(summary["laeq_db"], summary["uncertainty_db"]["laeq"])
         steps = f"{summary['steps']}" + ("" if summary["complete"] else " (partial)")
         rows.append(
             (
