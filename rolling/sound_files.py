@@ -37,7 +37,12 @@ def write(folder: Path, scene: Scene, label: str, sound: ContactSound) -> None:
     }
     sidecars = {
         "signal": _sidecar(
-            scene, label, sound, 1.0, "32-bit float", "Samples are sound pressure in Pa at the distance given."
+            scene,
+            label,
+            sound,
+            1.0,
+            "32-bit float",
+            "Samples are sound pressure in Pa at the distance given; players may clip what exceeds 1, listen.wav is for the ear.",
         ),
         "listen": _sidecar(
             scene,
