@@ -134,20 +134,21 @@ def _run(arguments: argparse.Namespace) -> int:
     from rolling import run
 
     a = arguments
-    return _reported(lambda: run.run(a.scene, a.set, a.out, a.force, a.workers, not a.no_report))
+    return _reported(lambda: run.run(a.scene, a.set, a.out, a.force, a.workers, not a.no_report), not a.no_report)
 
 
 def _resume(arguments: argparse.Namespace) -> int:
     from rolling import run
 
-    return _reported(lambda: run.resume(arguments.folder, arguments.workers, not arguments.no_report))
+    a = arguments
+    return _reported(lambda: run.resume(a.folder, a.workers, not a.no_report), not a.no_report)
 
 
 def _resound(arguments: argparse.Namespace) -> int:
     from rolling import run
 
     a = arguments
-    return _reported(lambda: run.resound(a.folder, a.set, a.out, a.force, not a.no_report))
+    return _reported(lambda: run.resound(a.folder, a.set, a.out, a.force, not a.no_report), not a.no_report)
 
 
 def _report(arguments: argparse.Namespace) -> int:
@@ -163,7 +164,7 @@ def _report(arguments: argparse.Namespace) -> int:
     return OK
 
 
-def _reported(act) -> int:
+def _reported(act, page: bool) -> int:
     from rolling import summary
     from rolling.scenario import SceneError
     from rolling.store import FolderError
@@ -180,6 +181,10 @@ def _reported(act) -> int:
         print(f"\nlisten: {report.runs[0][0].folder / 'listen.wav'}   pictures, numbers: {report.folder}")
         if report.page:
             print(f"all on one page: {report.page}")
+        elif page:
+            print(
+                f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes one of those to compare"
+            )
     else:
         _say(f"stopped early; what is solved is in {report.folder}, `rolling resume {report.folder}` goes on")
     return report.exit_code

@@ -94,6 +94,13 @@ def test_unsolved_or_too_many_runs_are_refused(runs, tmp_path, capsys, monkeypat
     assert not (runs.three() / "report.html").exists()
 
 
+def test_a_sweep_too_large_for_a_page_says_so(runs, tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(report, "MOST_RUNS", 2)
+    assert cli.main(["resound", str(runs.three()), "--out", str(tmp_path / "out")]) == 0
+    assert "3 runs are too many for a page: `rolling report RUN...`" in capsys.readouterr().out
+    assert not (tmp_path / "out" / "report.html").exists()
+
+
 def test_runs_write_the_page_unless_told_not_to(runs, tmp_path, capsys) -> None:
     scene = runs.folder / "smooth.yaml"
     runs.smooth()
