@@ -88,6 +88,16 @@ def roughness(scene: Scene) -> tuple[float, float]:
     return statistics.rq, statistics.rms_slope
 
 
+def expected_seconds(scene: Scene) -> float:
+    """Expected time to solve a scene on one core [s].
+
+    Raises
+    ------
+    SceneError : the height file cannot be used.
+    """
+    return track(scene).solved_steps * expected_step_ms(_window_nodes(scene, roughness(scene)[0])) * 1e-3
+
+
 def findings(scene: Scene) -> list[Finding]:
     """All there is to say about one run; a sweep is not looked at.
 
@@ -180,9 +190,14 @@ def _size(scene: Scene, way: Track) -> list[Finding]:
     ]
 
 
+def _window_nodes(scene: Scene, rq: float) -> float:
+    """Nodes along a side of the window: the overlap, at both ends of a step."""
+    return 2 * overlap_radius(scene, rq) / scene.spacing + max(1.0, scene.numerics.step_nodes)
+
+
 def _window(scene: Scene, way: Track, rq: float) -> list[Finding]:
     across = 2 * overlap_radius(scene, rq)
-    nodes = across / scene.spacing + max(1.0, scene.numerics.step_nodes)  # the blocks of both ends of a step
+    nodes = _window_nodes(scene, rq)
     warning = None
     period = min(way.n_along, way.n_across) * scene.spacing
     if across > period:

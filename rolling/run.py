@@ -7,45 +7,22 @@ A run is simulated, kept as it goes, and finished: sound, levels, plots, the rep
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tqdm import tqdm
-
-from rolling import check, scene_file, simulate, sound_files, store, summary
+from rolling import check, scene_file, simulate, solve, sound_files, store, summary
 from rolling.heard import Heard, distinct, hear
 from rolling.scenario import Scene, expand, run_name, track
-from rolling.sound import middle_speeds
-from rolling.store import Keeper, Result
+from rolling.solve import Run
+from rolling.store import Result
 
 if TYPE_CHECKING:
     from rolling.report import Exhibit
 
 PAGE = "report.html"
-
-
-@dataclass(frozen=True)
-class Run:
-    """One run of a scene: the values its sweep gave it, the scene they make, its folder."""
-
-    values: dict[str, float]
-    scene: Scene
-    folder: Path
-
-    @property
-    def label(self) -> str:
-        """What tells it from its neighbours in a plot: the swept values, or the load."""
-        return ", ".join(
-            summary.worded(key, value) for key, value in (self.values or {"rolling.load_n": self.load}).items()
-        )
-
-    @property
-    def load(self) -> float:
-        return self.scene.rolling.load_n
 
 
 @dataclass(frozen=True)
@@ -213,34 +190,9 @@ def _seen_from(folder: Path, scene: Scene) -> Scene:
 
 
 def _work(folder: Path, runs: list[Run], results: list[Result], workers: int, page: bool) -> Report:
-    todo = [
-        (number, first, last)
-        for number, result in enumerate(results)
-        for first, last in simulate.missing(result.solved_steps, result.series["release_energy"])
-    ]
-    keepers = [Keeper() for _ in runs]
-    for one, result in zip(runs, results, strict=True):
-        _keep(one, result)
-
-    def finished(number: int, piece: simulate.Piece) -> None:
-        results[number].add(piece)
-        if keepers[number].due() or results[number].complete:
-            began = time.monotonic()
-            _keep(runs[number], results[number])
-            keepers[number].wrote(time.monotonic() - began)
-
-    total = sum(last - first for _, first, last in todo)
-    with tqdm(total=total, unit="step", disable=None, desc=runs[0].scene.name) as bar:
-        outcome = simulate.simulate([one.scene for one in runs], todo, workers or check.cores(), finished, bar.update)
-    for one, result in zip(runs, results, strict=True):
-        _keep(one, result)
+    outcome = solve.solve(runs, results, workers, runs[0].scene.name)
     failures = {runs[number].label: reason for number, reason in outcome.failures.items()}
     return _finish(folder, runs, results, failures, outcome.interrupted, page)
-
-
-def _keep(one: Run, result: Result) -> None:
-    _, speeds = middle_speeds(one.scene, result.steps, result.step)
-    store.save(one.folder / "result.h5", result, speeds, one.scene.name)
 
 
 def _finish(
@@ -255,7 +207,7 @@ def _finish(
         if sounding is None:
             continue
         if not (one.folder / "result.h5").exists():  # new sound of a stored run
-            _keep(one, result)
+            solve.keep(one, result)
         sound_files.write(one.folder, one.scene, one.label, sounding.sound)
         store.write_json(one.folder / "summary.json", sounding.numbers)
         store.write_json(one.folder / "provenance.json", summary.provenance(one.scene))

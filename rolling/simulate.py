@@ -215,18 +215,36 @@ def simulate_piece(
     return Piece(first, last, steps, states, table.columns() if table else None, snapshot, maps)
 
 
+def _costed_piece(
+    scene: Scene,
+    first: int,
+    last: int,
+    step_cost: float,
+    stopped: Callable[[], bool],
+    progress: Callable[[float], object],
+) -> Piece:
+    return simulate_piece(scene, first, last, stopped, lambda steps: progress(steps * step_cost))
+
+
 def simulate(
     scenes: Sequence[Scene],
     todo: Sequence[tuple[int, int, int]],
     workers: int,
     finished: Callable[[int, Piece], None],
-    progress: Callable[[float], object] = lambda steps: None,
+    progress: Callable[[float], object] = lambda cost: None,
+    step_costs: Sequence[float] | None = None,
 ) -> pool.Outcome:
     """March pieces (number of the scene, first, last) on `workers` processes; `finished` gets each piece as it is done.
 
+    `progress` gets what a step of its scene costs (`step_costs`; 1), step by step or piece by piece.
+
     A scene that fails does not stop the others. The first Ctrl-C or SIGTERM stops all after the step at hand.
     """
-    tasks = [pool.Task(run, simulate_piece, (scenes[run], first, last), last - first) for run, first, last in todo]
+    costs = step_costs or [1.0] * len(scenes)
+    tasks = [
+        pool.Task(run, _costed_piece, (scenes[run], first, last, costs[run]), (last - first) * costs[run])
+        for run, first, last in todo
+    ]
     return pool.work(tasks, workers, finished, progress)
 
 

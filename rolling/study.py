@@ -1,0 +1,180 @@
+"""A study of an article: its readings, each a folder of scene files, solved case by case and put into numbers.
+
+A reading is one way to understand what the article leaves open. Depends on solve and sound; knows nothing of claims or figures.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from acoustics import plots as sound_plots
+from acoustics.level import I_REF_W_M2
+from acoustics.spectrum import article_line_level_db
+from rolling import reference, scene_file, solve, store
+from rolling.pool import Outcome
+from rolling.scenario import Gaussian, Scene, expand, run_name, track
+from rolling.solve import Run
+from rolling.sound import contact_sound
+from rolling.store import Result
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Part:
+    """What of a study is solved: all of it, or with `quick` one surface, three loads and a short track."""
+
+    seeds: int | None = None
+    loads: tuple[float, ...] | None = None
+    duration_s: float | None = None
+
+
+WHOLE = Part()
+QUICK = Part(seeds=1, loads=(5, 20, 100), duration_s=0.01)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One surface under one load in one reading, in numbers.
+
+    plastic_ratio, contact_ratio : mean plastic and contact area over the Hertz area.
+    max_pressure : greatest along the track [Pa].  deflection : greatest at one position [m].
+    laeq_db : of the sound, energy-true [dB re 20 uPa].
+    line_hz, line_db : the article's A-weighted line spectrum [dB re 1e-12 W/m2], means over 1/12 octave.
+    maximum_db : its greatest line.
+    band_w : rms of the release power's fluctuation in each third octave [W] (31,), NaN where there is none.
+    a_weighted_w : A-weighted rms of the fluctuation within hearing [W].
+    """
+
+    reading: str
+    roughness_um: float
+    load_n: float
+    seed: int
+    correlation_um: float
+    nodes_across: int
+    duration_s: float
+    plastic_ratio: float
+    contact_ratio: float
+    max_pressure: float
+    deflection: float
+    laeq_db: float | None
+    maximum_db: float
+    line_hz: Array
+    line_db: Array
+    band_w: Array
+    a_weighted_w: float
+
+
+def scenes(folder: Path, part: Part = WHOLE) -> list[Scene]:
+    """The scenes of a reading: of all its files, in the order of roughness, load and seed, as much as the part takes.
+
+    Raises
+    ------
+    FolderError : no scene files there. SceneError : one that cannot be used.
+    """
+    files = sorted(folder.glob("*.yaml"))
+    if not files:
+        raise store.FolderError(f"{folder}: no scene files of a reading")
+    overrides = [] if part.duration_s is None else [f"rolling.duration_s={part.duration_s}"]
+    found = [scene for file in files for _, scene in expand(scene_file.load(file, overrides))]
+    return sorted((one for one in found if _taken(one, part)), key=_order)
+
+
+def _taken(scene: Scene, part: Part) -> bool:
+    _, load, seed, _ = _order(scene)
+    return (part.loads is None or load in part.loads) and (part.seeds is None or seed <= part.seeds)
+
+
+def _order(scene: Scene) -> tuple[float, float, int, float]:
+    s = scene.surface
+    assert isinstance(s, Gaussian)
+    return s.roughness_ra_um, scene.load, s.seed, s.correlation_length_um
+
+
+def runs(folder: Path, scenes: Sequence[Scene]) -> list[Run]:
+    """The scenes as runs, each with a folder of its own below `folder`, named after what the study varies."""
+    found = []
+    for scene in scenes:
+        roughness, load, seed, length = _order(scene)
+        values = {"surface.roughness_ra_um": roughness, "rolling.load_n": load, "surface.seed": seed}
+        values["surface.correlation_length_um"] = length
+        found.append(Run(values, scene, folder / run_name(values)))
+    return found
+
+
+def open_results(runs: Sequence[Run]) -> list[Result]:
+    """What is there of the runs already, of the very same scenes; a folder is made for each."""
+    results = []
+    for one in runs:
+        text = scene_file.dump(one.scene)
+        said, kept = one.folder / "resolved.yaml", one.folder / solve.RESULT
+        if kept.is_file() and said.is_file() and said.read_text(encoding="utf-8") == text:
+            results.append(store.load(kept))
+            continue
+        one.folder.mkdir(parents=True, exist_ok=True)
+        kept.unlink(missing_ok=True)
+        store.write_bytes(said, text.encode())
+        results.append(Result.empty(track(one.scene), one.scene.start))
+    return results
+
+
+def solve_all(runs: Sequence[Run], results: Sequence[Result], workers: int, name: str) -> Outcome:
+    """Solve what is missing, on all cores."""
+    return solve.solve(runs, results, workers, name)
+
+
+def case(reading: str, one: Run, result: Result) -> Case:
+    """A solved run in numbers."""
+    scene, way = one.scene, track(one.scene)
+    roughness, load, seed, length = _order(scene)
+    energy = result.whole("release_energy")
+    sound = contact_sound(scene, energy, result.step, way.closed, result.solved_steps)
+    hertz = math.pi * reference.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
+    rate = len(sound.power) / sound.duration
+    line_hz, line_db = article_line_level_db(sound.power, rate, scene.sound.distance_m, scene.sound.q)
+    lines = sound_plots.Lines.audible(line_hz, line_db)
+    mean_hz, mean_db = lines.mean
+    # Sound pressure is linear in the fluctuation: back from its levels to watts.
+    watts = 4 * math.pi * scene.sound.distance_m**2 / scene.sound.q
+
+    def fluctuation(level_db: float | None) -> float:
+        return (
+            math.nan if level_db is None or not sound.factor else 20e-6 * 10 ** (level_db / 20) / sound.factor * watts
+        )
+
+    return Case(
+        reading=reading,
+        roughness_um=roughness,
+        load_n=load,
+        seed=seed,
+        correlation_um=length,
+        nodes_across=way.n_across,
+        duration_s=sound.duration,
+        plastic_ratio=float(result.whole("plastic_area").mean()) / hertz,
+        contact_ratio=float(result.whole("contact_area").mean()) / hertz,
+        max_pressure=float(result.whole("max_pressure").max()),
+        deflection=float(result.snapshot.deflection.max()) if result.snapshot else math.nan,
+        laeq_db=sound.levels.laeq_db,
+        maximum_db=float(lines.level_db.max()),
+        line_hz=mean_hz,
+        line_db=mean_db,
+        band_w=np.array([fluctuation(level) for level in sound.levels.third_octave_db.values()]),
+        a_weighted_w=fluctuation(sound.levels.laeq_db),
+    )
+
+
+def power_level_db(power: Array | float, factor: int, distance_m: float = 1.0) -> Array:
+    """Level of a release power [W] at a distance: factor lg(P / (4 pi r^2 I_ref)), factor 10 as the article's equation, or 20.
+
+    20 lg takes the power for an amplitude: its differences between cases are twice those
+    of 10 lg, its absolute value means nothing.
+    """
+    ratio = np.asarray(power, dtype=float) / (4 * math.pi * distance_m**2 * I_REF_W_M2)
+    with np.errstate(divide="ignore"):
+        return factor * np.log10(ratio)
