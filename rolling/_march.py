@@ -137,10 +137,21 @@ def beside_open(pressure, i, j):
 
 
 @njit(cache=True)
+def beside_bound(pressure, i, j, hardness):
+    """Whether one of the eight nodes around a node is at the hardness."""
+    for a in range(max(0, i - 1), min(pressure.shape[0], i + 2)):
+        for b in range(max(0, j - 1), min(pressure.shape[1], j + 2)):
+            if pressure[a, b] >= hardness:
+                return True
+    return False
+
+
+@njit(cache=True)
 def loaded(pressure, deflection, hardness, blended):
     """Nodes in contact and at the hardness, greatest pressure, sum of p u, bounding block of the loaded nodes in the window.
 
-    Where edges are blended, a node between open ones and the bound counts with the share of its cell that bears the hardness.
+    Where edges are blended, a node between open ones and one at the bound counts with the share of its cell that bears the
+    hardness. An edge beside no node at the bound is elastic.
     """
     count = 0.0
     capped = 0.0
@@ -154,7 +165,7 @@ def loaded(pressure, deflection, hardness, blended):
                 if p >= hardness:
                     count += 1.0
                     capped += 1.0
-                elif blended and beside_open(pressure, i, j):
+                elif blended and beside_open(pressure, i, j) and beside_bound(pressure, i, j, hardness):
                     count += p / hardness
                     capped += p / hardness
                 else:

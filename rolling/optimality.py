@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 from scipy.signal import fftconvolve
 
 from rolling.march import ContactState, RollingContact
@@ -76,12 +77,12 @@ def violations(track: RollingContact, state: ContactState, around: int = AROUND)
     cell = track.spacing**2
 
     def whole(nodes: NDArray[np.bool_]) -> float:
-        """Number of nodes; of blended edges, those between the bounds with an open neighbour, the share of the hardness."""
+        """Number of nodes; of blended edges, those between open ones and one at the hardness, the share of it they bear."""
         if state.edge is None:
             return float(np.count_nonzero(nodes))
-        open_ = np.pad(p <= 0, 1, constant_values=True)
-        beside = open_[:-2, 1:-1] | open_[2:, 1:-1] | open_[1:-1, :-2] | open_[1:-1, 2:]
-        shared = beside & (p > 0) & (p < track.hardness)
+        beside_open = ndimage.binary_dilation(p <= 0, border_value=1)
+        beside_bound = ndimage.binary_dilation(p >= track.hardness, np.ones((3, 3)))
+        shared = beside_open & beside_bound & (p > 0) & (p < track.hardness)
         return float(np.count_nonzero(nodes & ~shared) + (p[shared] / track.hardness).sum())
 
     stored = 0.5 * float(np.vdot(p, u)) * cell

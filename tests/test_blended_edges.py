@@ -88,3 +88,27 @@ def test_no_edge_is_no_change(coarse: RollingContact) -> None:
         space_of(track), gap, track.load, sharp.pressure, 1e-9, HARDNESS, nearby=True, edge=np.zeros_like(gap)
     )
     assert np.abs(again.pressure - sharp.pressure).max() < 1e-6 * HARDNESS
+
+
+def test_where_nothing_yields_no_area_is_plastic() -> None:
+    """A hardness that is nowhere reached: no plastic area; of 200 nodes in contact some at the edge are open or not (8 %)."""
+    track = make_track(rough(100, 100, 1e-8), load=0.3, hardness=HARDNESS, tolerance=1e-6)
+    sharp, blended = roll(track, 0, 5), roll(replace(track, blended=True), 0, 5)
+    for state in (*sharp, *blended):
+        assert state.max_pressure < HARDNESS and state.plastic_area == 0
+    areas = [np.mean([state.contact_area for state in states]) for states in (sharp, blended)]
+    assert areas[1] == pytest.approx(areas[0], rel=0.1)
+
+
+def test_areas_of_both_edges_are_those_of_a_fine_grid(coarse: RollingContact) -> None:
+    """Measured against 0.67 um: plastic area 2 % low blended, 5 % sharp; contact area 3 and 7 % high."""
+    steps = 30
+    fine = replace(coarse, blended=True, heights=refined(coarse.heights, 3), spacing=coarse.spacing / 3)
+    found = [roll(track, 0, steps) for track in (coarse, replace(coarse, blended=True), fine)]
+    plastic, contacts = (
+        [np.mean([getattr(state, name) for state in states]) for states in found]
+        for name in ("plastic_area", "contact_area")
+    )
+    for sharp, blended, finest in (plastic, contacts):
+        assert abs(blended / finest - 1) < 0.04
+        assert abs(blended / finest - 1) < 0.6 * abs(sharp / finest - 1)
