@@ -76,6 +76,14 @@ def _parser() -> argparse.ArgumentParser:
         )
         sub.add_argument("--force", action="store_true", help="replace the file in --out")
 
+    def studied(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument(
+            "study", choices=("lee2025",), metavar="STUDY", help="lee2025: Lee, Kim & Kim, Inventions 10(1), 17"
+        )
+        sub.add_argument("--readings", nargs="+", default=[], metavar="NAME", help="readings to run (default: all)")
+        sub.add_argument("--quick", action="store_true", help="one surface, three loads, 0.01 s")
+        sub.add_argument("--out", type=Path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)")
+
     def trial(sub: argparse.ArgumentParser) -> None:
         sub.add_argument("scene", type=Path, nargs="?", metavar="SCENE", help="scene file (YAML), not with --hard")
         sub.add_argument(
@@ -104,6 +112,13 @@ def _parser() -> argparse.ArgumentParser:
         lambda sub: target(sub, "outputs/NAME-accuracy/TIME"),
         workers,
         trial,
+    )
+    command(
+        "reproduce",
+        _reproduce,
+        "run the study of an article in several readings and answer for its statements; again: goes on where it stopped",
+        studied,
+        workers,
     )
     command("schema", _schema, "print the JSON Schema of scene files, for editors")
     return parser
@@ -241,6 +256,26 @@ def _hard_cases(arguments: argparse.Namespace) -> int:
     code = hard_cases.main_report(folder, arguments.random or 2000, workers, arguments.long)
     print(f"\ntable, numbers: {folder}")
     return code
+
+
+def _reproduce(arguments: argparse.Namespace) -> int:
+    from rolling import reproduce
+    from rolling.scenario import SceneError
+    from rolling.store import FolderError
+
+    a = arguments
+    try:
+        done = reproduce.reproduce(a.study, a.readings, a.out, a.quick, a.workers)
+    except (SceneError, FolderError) as error:
+        _say(str(error))
+        return BAD_INPUT
+    for case, reason in done.failures.items():
+        _say(f"failed: {case}: {reason}")
+    if done.exit_code == OK:
+        print(f"{len(done.cases)} cases: {done.folder}")
+    else:
+        _say(f"stopped early; what is solved is in {done.folder}, the same command goes on")
+    return done.exit_code
 
 
 def _schema(arguments: argparse.Namespace) -> int:

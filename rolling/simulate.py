@@ -169,8 +169,9 @@ def simulate_piece(
     stopped: Callable[[], bool] = lambda: False,
     progress: Callable[[float], object] = lambda steps: None,
     contact: RollingContact | None = None,
+    mapped: bool = True,
 ) -> Piece:
-    """March one piece of a scene, or of the same scene made otherwise, as `contact` says.
+    """March one piece of a scene, or of the same scene made otherwise, as `contact` says; keep pressure maps if `mapped`.
 
     Raises
     ------
@@ -184,7 +185,8 @@ def simulate_piece(
     steps = {name: np.empty(last - first) for name in STEP_SERIES}
     states = {name: np.empty(last - first + (first == 0)) for name in STATE_SERIES}
     snapshot = None
-    mapped, maps = set(mapped_positions(track(scene).solved_steps).tolist()), []
+    kept_positions = set(mapped_positions(track(scene).solved_steps).tolist()) if mapped else set()
+    maps: list[PressureMap] = []
     old: ContactState | None = None
     began = time.perf_counter()
     for state in march(contact, first, last, half_space):
@@ -204,7 +206,7 @@ def simulate_piece(
         if k > first or first == 0:
             for name in STATE_SERIES:
                 states[name][k - first - (first > 0)] = getattr(state, name)
-            if k in mapped:
+            if k in kept_positions:
                 maps.append(pressure_map(state, contact.position(k), contact.spacing))
         if k == last and first == 0:
             window, spacing = state.window, contact.spacing
@@ -220,10 +222,11 @@ def _costed_piece(
     first: int,
     last: int,
     step_cost: float,
+    mapped: bool,
     stopped: Callable[[], bool],
     progress: Callable[[float], object],
 ) -> Piece:
-    return simulate_piece(scene, first, last, stopped, lambda steps: progress(steps * step_cost))
+    return simulate_piece(scene, first, last, stopped, lambda steps: progress(steps * step_cost), mapped=mapped)
 
 
 def simulate(
@@ -233,6 +236,7 @@ def simulate(
     finished: Callable[[int, Piece], None],
     progress: Callable[[float], object] = lambda cost: None,
     step_costs: Sequence[float] | None = None,
+    mapped: bool = True,
 ) -> pool.Outcome:
     """March pieces (number of the scene, first, last) on `workers` processes; `finished` gets each piece as it is done.
 
@@ -242,7 +246,7 @@ def simulate(
     """
     costs = step_costs or [1.0] * len(scenes)
     tasks = [
-        pool.Task(run, _costed_piece, (scenes[run], first, last, costs[run]), (last - first) * costs[run])
+        pool.Task(run, _costed_piece, (scenes[run], first, last, costs[run], mapped), (last - first) * costs[run])
         for run, first, last in todo
     ]
     return pool.work(tasks, workers, finished, progress)

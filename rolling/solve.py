@@ -39,7 +39,7 @@ class Run:
         return self.scene.rolling.load_n
 
 
-def solve(runs: Sequence[Run], results: Sequence[Result], workers: int, name: str) -> Outcome:
+def solve(runs: Sequence[Run], results: Sequence[Result], workers: int, name: str, mapped: bool = True) -> Outcome:
     """Solve what is missing of runs; each result.h5 is written as it grows and once more in the end.
 
     Parameters
@@ -47,6 +47,7 @@ def solve(runs: Sequence[Run], results: Sequence[Result], workers: int, name: st
     results : one per run, of which what is solved already is not solved again.
     workers : processes; 0: one per core.
     name : what the progress bar is of.
+    mapped : keep pressure maps along the tracks, some megabytes a run.
     """
     missing = [[*simulate.missing(result.solved_steps, result.series["release_energy"])] for result in results]
     step_seconds = [
@@ -69,7 +70,7 @@ def solve(runs: Sequence[Run], results: Sequence[Result], workers: int, name: st
     scenes = [one.scene for one in runs]
     total = sum((last - first) * step_seconds[k] for k, first, last in todo)
     with tqdm(total=total, disable=None, desc=name, bar_format=BAR) as bar:
-        outcome = simulate.simulate(scenes, todo, workers or check.cores(), finished, bar.update, step_seconds)
+        outcome = simulate.simulate(scenes, todo, workers or check.cores(), finished, bar.update, step_seconds, mapped)
     for k in order:
         keep(runs[k], results[k])
     return outcome

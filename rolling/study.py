@@ -109,24 +109,29 @@ def runs(folder: Path, scenes: Sequence[Scene]) -> list[Run]:
 
 
 def open_results(runs: Sequence[Run]) -> list[Result]:
-    """What is there of the runs already, of the very same scenes; a folder is made for each."""
+    """What is there of the runs already; a folder is made for each.
+
+    Raises
+    ------
+    FolderError : a folder holds another scene's result, which would be lost.
+    """
+    texts = [scene_file.dump(one.scene) for one in runs]
+    for one, text in zip(runs, texts, strict=True):
+        said = one.folder / "resolved.yaml"
+        if said.is_file() and said.read_text(encoding="utf-8") != text:
+            raise store.FolderError(f"{one.folder}: holds a case that was made with other settings; take another --out")
     results = []
-    for one in runs:
-        text = scene_file.dump(one.scene)
-        said, kept = one.folder / "resolved.yaml", one.folder / solve.RESULT
-        if kept.is_file() and said.is_file() and said.read_text(encoding="utf-8") == text:
-            results.append(store.load(kept))
-            continue
+    for one, text in zip(runs, texts, strict=True):
+        kept = one.folder / solve.RESULT
         one.folder.mkdir(parents=True, exist_ok=True)
-        kept.unlink(missing_ok=True)
-        store.write_bytes(said, text.encode())
-        results.append(Result.empty(track(one.scene), one.scene.start))
+        store.write_bytes(one.folder / "resolved.yaml", text.encode())
+        results.append(store.load(kept) if kept.is_file() else Result.empty(track(one.scene), one.scene.start))
     return results
 
 
 def solve_all(runs: Sequence[Run], results: Sequence[Result], workers: int, name: str) -> Outcome:
-    """Solve what is missing, on all cores."""
-    return solve.solve(runs, results, workers, name)
+    """Solve what is missing, on all cores; nobody looks at the maps of hundreds of cases."""
+    return solve.solve(runs, results, workers, name, mapped=False)
 
 
 def case(reading: str, one: Run, result: Result) -> Case:

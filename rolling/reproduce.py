@@ -1,0 +1,100 @@
+"""The command that runs the study of an article and answers for its statements. Depends on study, claims and article_figures.
+
+What is solved is kept case by case: the same command again goes on where it was stopped.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rolling import store, study
+from rolling._wording import nearest
+from rolling.pool import Outcome
+from rolling.solve import Run
+from rolling.store import FolderError, Result
+from rolling.study import Case
+
+SCENES = Path(__file__).parents[1] / "scenarios"
+CASES = "cases.json"
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """What a command did: its folder, the cases that are solved, the failures by case, whether it was interrupted."""
+
+    folder: Path
+    cases: list[Case]
+    failures: dict[str, str]
+    interrupted: bool
+
+    @property
+    def exit_code(self) -> int:
+        return 130 if self.interrupted else 1 if self.failures else 0
+
+
+def reproduce(
+    name: str, chosen: Sequence[str] = (), out: Path | None = None, quick: bool = False, workers: int = 0
+) -> Reproduction:
+    """Run the study of an article, or what is missing of it, and write its numbers.
+
+    Parameters
+    ----------
+    chosen : readings by name; none: all there are.
+    out : folder of the study, new or of an earlier run of it; None: below outputs/.
+
+    Raises
+    ------
+    FolderError : no such reading, or `out` holds something else. SceneError : a scene file that cannot be used.
+    """
+    part = study.QUICK if quick else study.WHOLE
+    scenes = {folder.name: study.scenes(folder, part) for folder in _readings(name, chosen)}
+    folder = out or Path("outputs") / (f"{name}-quick" if quick else name)
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())) and not (folder / CASES).is_file():
+        raise FolderError(f"{folder}: holds something that is no study of this program; take another --out")
+    folder.mkdir(parents=True, exist_ok=True)
+    if not (folder / CASES).is_file():
+        store.write_json(folder / CASES, [])
+    runs = {reading: study.runs(folder / reading, found) for reading, found in scenes.items()}
+    outcome, results = _solve([one for each in runs.values() for one in each], workers, name)
+    cases = [
+        study.case(reading, one, results[one.folder])
+        for reading, each in runs.items()
+        for one in each
+        if results[one.folder].complete
+    ]
+    store.write_json(folder / CASES, [_plain(asdict(case)) for case in cases])
+    flat = [one for each in runs.values() for one in each]
+    failures = {str(flat[k].folder.relative_to(folder)): reason for k, reason in outcome.failures.items()}
+    return Reproduction(folder, cases, failures, outcome.interrupted)
+
+
+def _readings(name: str, chosen: Sequence[str]) -> list[Path]:
+    """The folders of a study's readings, all or those chosen."""
+    found = {folder.name: folder for folder in sorted((SCENES / name).glob("*")) if folder.is_dir()}
+    if not found:
+        raise FolderError(f"{SCENES / name}: no scene files of this study here; they come with the repository")
+    for each in chosen:
+        if each not in found:
+            raise FolderError(f"--readings: got {each}, allowed: {', '.join(found)}{nearest(each, list(found))}")
+    return [found[each] for each in chosen or found]
+
+
+def _solve(runs: Sequence[Run], workers: int, name: str) -> tuple[Outcome, dict[Path, Result]]:
+    results = study.open_results(runs)
+    outcome = study.solve_all(runs, results, workers, name)
+    return outcome, {one.folder: result for one, result in zip(runs, results, strict=True)}
+
+
+def _plain(value: Any) -> Any:
+    """Lists and numbers for JSON; what is no number is null."""
+    if isinstance(value, dict):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, np.ndarray | list | tuple):
+        return [_plain(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

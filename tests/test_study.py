@@ -1,0 +1,133 @@
+"""The study of the article: its readings are what they say, cases are solved once, a stopped study goes on to the same numbers."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from acoustics.spectrum import line_spectrum
+from rolling import cli, reference, reproduce, simulate, study
+from rolling.scenario import Gaussian, Scene
+from rolling.sound import contact_sound
+
+SCENES = Path(__file__).parent.parent / "scenarios" / "lee2025"
+READINGS = sorted(folder.name for folder in SCENES.iterdir())
+TEXT = """\
+name: small
+sphere: {radius_mm: 5}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 128, seed: 1}
+rolling: {load_n: 0.5, speed_m_s: 0.1, duration_s: 0.004}
+sweep: {surface.seed: [1, 2], rolling.load_n: [0.5, 1]}
+"""
+
+
+@pytest.fixture
+def small(tmp_path: Path, monkeypatch) -> Path:
+    """A study of one reading with four cases of 200 steps."""
+    folder = tmp_path / "scenes" / "lee2025" / "only"
+    folder.mkdir(parents=True)
+    (folder / "all.yaml").write_text(TEXT)
+    monkeypatch.setattr(reproduce, "SCENES", tmp_path / "scenes")
+    return folder
+
+
+def surface(scene: Scene) -> Gaussian:
+    assert isinstance(scene.surface, Gaussian)
+    return scene.surface
+
+
+def test_readings_are_the_articles_cases() -> None:
+    """Four roughnesses, five loads, in two readings five surfaces; 256 nodes across at 2 um or more where contact is wider."""
+    assert len(READINGS) == 6
+    for name in READINGS:
+        scenes = study.scenes(SCENES / name)
+        assert all(one.name == f"lee2025-{name}" for one in scenes)
+        assert all(one.motion.fastest == 0.1 and one.rolling.duration_s == 0.05 for one in scenes)
+        if name == "correlation-length":
+            assert [surface(one).correlation_length_um for one in scenes] == [2, 5, 10, 20, 40]
+            assert all(surface(one).spacing_um <= 2 / 5 for one in scenes)
+            continue
+        full = name in ("as-stated", "hardness-3y-exponential")
+        cases = {(surface(one).roughness_ra_um, one.load, surface(one).seed) for one in scenes}
+        expected = {
+            (ra, w, s) for ra in (0.01, 0.1, 1, 5) for w in (5, 10, 20, 50, 100) for s in range(1, 6 if full else 2)
+        }
+        assert cases == expected and len(scenes) == len(cases)
+        for one in scenes:
+            assert surface(one).spacing_um == 2 and surface(one).correlation_length_um == 10
+            assert surface(one).n_across == 256 or surface(one).roughness_ra_um >= 1
+
+
+def test_quick_takes_one_surface_and_three_loads() -> None:
+    scenes = study.scenes(SCENES / "as-stated", study.QUICK)
+    assert {(one.load, surface(one).seed) for one in scenes} == {(5, 1), (20, 1), (100, 1)} and len(scenes) == 12
+    assert all(one.rolling.duration_s == study.QUICK.duration_s for one in scenes)
+
+
+def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
+    """Against the run it is made of: areas over Hertz's, and fluctuations that add up over the bands."""
+    done = reproduce.reproduce("lee2025", out=tmp_path / "out", workers=1)
+    assert done.exit_code == 0 and len(done.cases) == 4
+    (one, *_) = study.runs(tmp_path / "out" / "only", study.scenes(small))
+    (result,) = study.open_results([one])
+    case = done.cases[0]
+    assert (case.reading, case.load_n, case.seed, case.nodes_across) == ("only", 0.5, 1, 64)
+    hertz = np.pi * reference.hertz_radius(0.5, 5e-3, one.scene.contact_modulus) ** 2
+    assert case.plastic_ratio == pytest.approx(result.series["plastic_area"][:-1].mean() / hertz, rel=0.02)
+    assert case.max_pressure == result.series["max_pressure"].max()
+    sound = contact_sound(one.scene, result.whole("release_energy"), result.step, True, result.solved_steps)
+    frequency, square = line_spectrum(sound.power, len(sound.power) / sound.duration)
+    heard = square[(frequency >= 17.8) & (frequency < 22387)].sum()
+    # The bands' own lines, which undo the mean over a step: 0.6 dB at 10 kHz, little of the whole.
+    assert np.nansum(np.square(case.band_w)) == pytest.approx(heard, rel=0.05)
+    assert case.laeq_db == sound.levels.laeq_db and case.maximum_db < case.laeq_db + 5
+    stored = json.loads((tmp_path / "out" / "cases.json").read_text())
+    assert len(stored) == 4 and stored[0]["plastic_ratio"] == case.plastic_ratio
+
+
+def test_what_is_solved_is_not_solved_again(small: Path, tmp_path: Path, monkeypatch) -> None:
+    out = tmp_path / "out"
+    first = reproduce.reproduce("lee2025", out=out, workers=1)
+    solved: list[int] = []
+    inner = simulate.simulate_piece
+    monkeypatch.setattr(simulate, "simulate_piece", lambda *a, **k: (solved.append(a[2] - a[1]), inner(*a, **k))[1])
+    again = reproduce.reproduce("lee2025", out=out, workers=1)
+    assert solved == [] and [c.laeq_db for c in again.cases] == [c.laeq_db for c in first.cases]
+    shutil.rmtree(next(one for one in (out / "only").iterdir() if "seed=2" in one.name))  # as if stopped before it
+    assert len(reproduce.reproduce("lee2025", out=out, workers=1).cases) == 4
+    assert solved == [200]
+
+
+def test_a_case_of_another_scene_is_not_overwritten(small: Path, tmp_path: Path, capsys) -> None:
+    out = tmp_path / "out"
+    command = ["reproduce", "lee2025", "--out", str(out), "--workers", "1"]
+    assert cli.main(command) == 0
+    before = {file: file.read_bytes() for file in out.rglob("*") if file.is_file()}
+    (small / "all.yaml").write_text(TEXT.replace("hardness_gpa: 2.1", "hardness_gpa: 3"))
+    capsys.readouterr()
+    assert cli.main(command) == 2
+    assert "made with other settings; take another --out" in capsys.readouterr().err
+    assert {file: file.read_bytes() for file in out.rglob("*") if file.is_file()} == before
+
+
+def test_bad_input_is_refused_before_anything_is_written(small: Path, tmp_path: Path, capsys) -> None:
+    out = tmp_path / "out"
+    assert cli.main(["reproduce", "lee2025", "--readings", "onli", "--out", str(out)]) == 2
+    assert capsys.readouterr().err == "--readings: got onli, allowed: only, nearest: only\n" and not out.exists()
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "letter.txt").write_text("mine")
+    assert cli.main(["reproduce", "lee2025", "--out", str(tmp_path / "full")]) == 2
+    assert "holds something that is no study" in capsys.readouterr().err
+    assert [one.name for one in (tmp_path / "full").iterdir()] == ["letter.txt"]
+
+
+def test_power_levels() -> None:
+    """1 W at 1 m is 1/(4 pi) W/m2, 109 dB; a tenth of the power is 10 or 20 dB less."""
+    assert study.power_level_db(1.0, 10) == pytest.approx(109.0, abs=0.01)
+    for factor in (10, 20):
+        assert study.power_level_db(1.0, factor) - study.power_level_db(0.1, factor) == pytest.approx(factor)
