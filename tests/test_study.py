@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ import pytest
 
 from acoustics.spectrum import line_spectrum
 from rolling import cli, reference, reproduce, simulate, study
+from rolling.half_space import HalfSpace
+from rolling.march import Window, march
 from rolling.scenario import Gaussian, Scene
 from rolling.sound import contact_sound
 
@@ -131,3 +134,24 @@ def test_power_levels() -> None:
     assert study.power_level_db(1.0, 10) == pytest.approx(109.0, abs=0.01)
     for factor in (10, 20):
         assert study.power_level_db(1.0, factor) - study.power_level_db(0.1, factor) == pytest.approx(factor)
+
+
+@pytest.mark.parametrize(
+    ("reading", "roughness"), [("as-stated", 0.01), ("as-stated", 0.1), ("hardness-3y-exponential", 0.1)]
+)
+def test_the_articles_own_method_agrees(reading: str, roughness: float) -> None:
+    """Influence matrix and active set (its Fig. 3) at 5 N, edges sharp as there: pressures within 1e-6 of the peak."""
+    (scene,) = (one for one in study.scenes(SCENES / reading, study.QUICK) if _is(one, roughness, 5))
+    contact = replace(simulate.rolling_contact(scene), blended=False, tolerance=1e-9)
+    (state,) = march(contact, 0, 0, HalfSpace(contact.spacing, contact.contact_modulus))
+    w = state.loaded
+    block = Window(w.row - 2, w.column - 2, w.rows + 4, w.columns + 4)
+    pressure, approach = reference.dense_contact(
+        contact.gap(0, block), contact.load, contact.spacing, contact.contact_modulus, contact.hardness
+    )
+    assert np.abs(state.window.moved(state.pressure, block) - pressure).max() < 1e-6 * pressure.max()
+    assert state.approach == pytest.approx(approach, rel=1e-7)
+
+
+def _is(scene: Scene, roughness: float, load: float) -> bool:
+    return surface(scene).roughness_ra_um == roughness and scene.load == load
