@@ -116,6 +116,14 @@ def change(measure: Measure, first: Sequence[Case], then: Sequence[Case], factor
     return Change(mean, mean > least, mean < -least)
 
 
+def _rises(step: Change | None) -> bool | None:
+    return None if step is None else step.rises
+
+
+def _falls(step: Change | None) -> bool | None:
+    return None if step is None else step.falls
+
+
 def _high_band_db(case: Case) -> float:
     """Mean height of the article's curve above HIGH_HZ [dB]."""
     high = case.line_db[(case.line_hz >= HIGH_HZ) & np.isfinite(case.line_db)]
@@ -128,7 +136,7 @@ def _centroid_hz(case: Case) -> float:
     return float(square @ MID_HZ / square.sum()) if square.sum() > 0 else math.nan
 
 
-PRESSURE = Measure(lambda case: case.max_pressure * 1e-9, "GPa")
+PRESSURE = Measure(lambda case: case.max_pressure * 1e-9, "GPa", ".3f")
 PLASTIC_RATIO = Measure(lambda case: case.plastic_ratio, "of the Hertz area", ".3f")
 # The Hertz area grows with load^(2/3) (Johnson, Contact Mechanics 1985, 4.2), and is the same for all roughnesses.
 PLASTIC_AREA = Measure(lambda case: case.plastic_ratio * case.load_n ** (2 / 3), "of the Hertz area at 1 N")
@@ -156,7 +164,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Finding:
-    """Verdict on a statement, what was measured in words, and the numbers of each place."""
+    """Verdict on a statement, what was measured in words, and in numbers: values by place, and which of these hold, fail, miss."""
 
     verdict: str
     measured: str
@@ -177,8 +185,9 @@ def found(checks: Sequence[Check]) -> Finding:
         words.append(f"holds: {', '.join(kept)}; does not: {', '.join(failed)}")
     if missing:
         words.append(f"no cases to tell: {', '.join(missing)}")
-    numbers = {check.place: check.numbers for check in known}
-    return Finding(verdict, ". ".join(words), numbers | {"holds": kept, "fails": failed, "missing": missing})
+    values = {check.place: check.numbers for check in known}
+    numbers = {"values": values, "holds": kept, "fails": failed, "missing": missing}
+    return Finding(verdict, ". ".join(words), numbers)
 
 
 def _all(parts: Sequence[bool | None]) -> bool | None:
@@ -196,14 +205,18 @@ def newton(load_n: float) -> str:
 
 
 def _series(study: Cases, measure: Measure, groups: Sequence[tuple[str, Sequence[Case]]]) -> tuple[str, dict[str, Any]]:
-    """Means and deviations of groups, in words and numbers."""
-    words, numbers = [], {}
-    for name, group in groups:
-        mean, deviation = measure.mean(group, study.factor), measure.deviation(group, study.factor)
-        if mean is None:
-            continue
-        words.append(f"{measure.told(mean)}" + ("" if deviation is None else f" ± {measure.told(deviation)}"))
-        numbers[name] = {"mean": mean, "std": deviation}
+    """Means and deviations of groups, in words and numbers; levels without an absolute value relative to the first."""
+    found = [
+        (name, measure.mean(group, study.factor), measure.deviation(group, study.factor)) for name, group in groups
+    ]
+    known = [(name, mean, deviation) for name, mean, deviation in found if mean is not None]
+    relative = measure.level and study.factor != 10
+    base, sign = (known[0][1], "+") if known and relative else (0.0, "")
+    words = [
+        measure.told(mean - base, sign) + ("" if deviation is None else f" ± {measure.told(deviation)}")
+        for _, mean, deviation in known
+    ]
+    numbers = {name: {"mean": mean - base, "std": deviation} for name, mean, deviation in known}
     return f"{', '.join(words)} {measure.unit} ({', '.join(numbers)})", numbers
 
 
@@ -220,10 +233,10 @@ def rises_with_load(study: Cases, measure: Measure, roughnesses: Sequence[float]
         if len(roughnesses) == 1 and steps:
             for a, b, step in steps:
                 told = "" if step is None else f"{measure.told(step.mean, '+')} {measure.unit}"
-                checks.append(Check(f"{a} to {b}", step and step.rises, told, step and step.mean))
+                checks.append(Check(f"{a} to {b}", _rises(step), told, step.mean if step else None))
             continue
         words, numbers = _series(study, measure, groups) if steps else ("", {})
-        checks.append(Check(ra(roughness), _all([step and step.rises for *_, step in steps]), words, numbers))
+        checks.append(Check(ra(roughness), _all([_rises(step) for *_, step in steps]), words, numbers))
     return found(checks)
 
 
@@ -256,7 +269,7 @@ def lowest_of_all(study: Cases, measure: Measure, roughness: float) -> Finding:
         others = [study.at(other, load) for other in study.roughnesses if other != roughness]
         steps = [change(measure, group, lowest, study.factor) for group in others]
         words, numbers = _series(study, measure, [(ra(one), study.at(one, load)) for one in study.roughnesses])
-        checks.append(Check(newton(load), _all([step and step.falls for step in steps]), words, numbers))
+        checks.append(Check(newton(load), _all([_falls(step) for step in steps]), words, numbers))
     return found(checks)
 
 
@@ -433,9 +446,8 @@ def falls_along(study: Cases, measure: Measure, varied: str, unit: str) -> Findi
     checks = []
     for (a, x), (b, y) in pairwise(groups):
         step = change(measure, x, y, study.factor)
-        values = f"{measure.told(measure.mean(x, study.factor))} to {measure.told(measure.mean(y, study.factor))}"
-        told = f"{values} {measure.unit}"
-        checks.append(Check(f"{a} to {b}", step and step.falls, told, step and step.mean))
+        told = f"{measure.told(step.mean, '+')} {measure.unit}" if step else ""
+        checks.append(Check(f"{a} to {b}", _falls(step), told, step.mean if step else None))
     return found(checks)
 
 
@@ -719,7 +731,7 @@ def _extent(study: Cases) -> dict[str, Any]:
 
 def _scores(rows: Sequence[dict[str, Any]], readings: Sequence[str]) -> list[dict[str, Any]]:
     """1 for each statement reproduced, half for partly, of those that were judged; equal scores share a rank."""
-    scores = []
+    scores: list[dict[str, Any]] = []
     for reading in readings:
         for scale in SCALES:
             verdicts = {
