@@ -13,9 +13,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acoustics.bands import MID_HZ
+from acoustics.weighting import a_weighting_db
 from rolling.study import Case, power_level_db
+
+Array = NDArray[np.float64]
 
 REPRODUCED, PARTLY, NOT, NOT_RUN = "reproduced", "partly", "not", "not run"
 WORTH = {REPRODUCED: 1.0, PARTLY: 0.5, NOT: 0.0, NOT_RUN: 0.0}
@@ -63,20 +67,16 @@ class Cases:
 
 @dataclass(frozen=True)
 class Measure:
-    """A number of a case: how it is told, and its value; that of a level is the one of 10 lg."""
+    """A number of a case with 10 or 20 lg, and how it is told; NaN where there is none."""
 
-    of: Callable[[Case], float]
+    of: Callable[[Case, int], float]
     unit: str = ""
     digits: str = ".2f"
     level: bool = False
 
-    def __call__(self, case: Case, factor: int) -> float:
-        """The value; 20 lg of a power is twice 10 lg of it, the weighting of the line that counts included."""
-        return self.of(case) * (factor / 10 if self.level else 1)
-
     def by_seed(self, group: Sequence[Case], factor: int) -> dict[int, float]:
         """The value of each surface that has one."""
-        found = {case.seed: float(self(case, factor)) for case in group}
+        found = {case.seed: float(self.of(case, factor)) for case in group}
         return {seed: value for seed, value in found.items() if math.isfinite(value)}
 
     def mean(self, group: Sequence[Case], factor: int) -> float | None:
@@ -124,26 +124,45 @@ def _falls(step: Change | None) -> bool | None:
     return None if step is None else step.falls
 
 
-def _high_band_db(case: Case) -> float:
+def _curve_db(case: Case, factor: int) -> Array:
+    """The article's curve as it is with 10 lg; with 20 lg its levels double, but not their weighting."""
+    weighting = a_weighting_db(case.line_hz)
+    return factor / 10 * (case.line_db - weighting) + weighting
+
+
+def _maximum_db(case: Case, factor: int) -> float:
+    """The greatest line; with 20 lg the greatest mean over 1/12 octave, which may be at another frequency."""
+    return case.maximum_db if factor == 10 else float(_curve_db(case, factor).max(initial=-math.inf))
+
+
+def _high_band_db(case: Case, factor: int) -> float:
     """Mean height of the article's curve above HIGH_HZ [dB]."""
-    high = case.line_db[(case.line_hz >= HIGH_HZ) & np.isfinite(case.line_db)]
+    curve = _curve_db(case, factor)
+    high = curve[(case.line_hz >= HIGH_HZ) & np.isfinite(curve)]
     return float(high.mean()) if len(high) else math.nan
 
 
-def _centroid_hz(case: Case) -> float:
+def _audible_db(case: Case, factor: int) -> float:
+    """A-weighted level of the whole: LAeq is 10 lg of the fluctuation, weighted in full."""
+    if factor == 10:
+        return math.nan if case.laeq_db is None else case.laeq_db
+    return float(power_level_db(case.a_weighted_w, factor))
+
+
+def _centroid_hz(case: Case, factor: int) -> float:
     """Spectral centroid of the squared fluctuation [Hz]."""
     square = np.nan_to_num(case.band_w) ** 2
     return float(square @ MID_HZ / square.sum()) if square.sum() > 0 else math.nan
 
 
-PRESSURE = Measure(lambda case: case.max_pressure * 1e-9, "GPa", ".3f")
-PLASTIC_RATIO = Measure(lambda case: case.plastic_ratio, "of the Hertz area", ".3f")
+PRESSURE = Measure(lambda case, factor: case.max_pressure * 1e-9, "GPa", ".3f")
+PLASTIC_RATIO = Measure(lambda case, factor: case.plastic_ratio, "of the Hertz area", ".3f")
 # The Hertz area grows with load^(2/3) (Johnson, Contact Mechanics 1985, 4.2), and is the same for all roughnesses.
-PLASTIC_AREA = Measure(lambda case: case.plastic_ratio * case.load_n ** (2 / 3), "of the Hertz area at 1 N")
-CONTACT_AREA = Measure(lambda case: case.contact_ratio * case.load_n ** (2 / 3), "of the Hertz area at 1 N")
-DEFLECTION = Measure(lambda case: case.deflection * 1e6, "µm")
-MAXIMUM = Measure(lambda case: case.maximum_db, "dB", ".1f", level=True)
-AUDIBLE = Measure(lambda case: float(power_level_db(case.a_weighted_w, 10)), "dB", ".1f", level=True)
+PLASTIC_AREA = Measure(lambda case, factor: case.plastic_ratio * case.load_n ** (2 / 3), "Hertz areas of 1 N")
+CONTACT_AREA = Measure(lambda case, factor: case.contact_ratio * case.load_n ** (2 / 3), "Hertz areas of 1 N")
+DEFLECTION = Measure(lambda case, factor: case.deflection * 1e6, "µm")
+MAXIMUM = Measure(_maximum_db, "dB", ".1f", level=True)
+AUDIBLE = Measure(_audible_db, "dB", ".1f", level=True)
 HIGH_BAND = Measure(_high_band_db, "dB", ".1f", level=True)
 CENTROID = Measure(_centroid_hz, "Hz", ".0f")
 
@@ -556,7 +575,7 @@ CLAIMS = (
         "level-roughness",
         "abstract; section 3, Fig. 8",
         "Within hearing, a rougher surface is louder.",
-        f"A-weighted level of the whole fluctuation. {_UP}, at each load; partly: some steps of roughness.",
+        f"A-weighted level of the whole: LAeq, or 20 lg of the weighted fluctuation. {_UP}, at each load; partly: some steps of roughness.",
         partial(rises_with_roughness, measure=AUDIBLE, roughnesses=ROUGHNESSES),
         level=True,
     ),
@@ -564,7 +583,7 @@ CLAIMS = (
         "level-load",
         "abstract; section 3, Fig. 8; conclusions",
         "Within hearing, a higher load is louder.",
-        f"A-weighted level of the whole fluctuation. {_UP}, on each roughness; partly: some roughnesses.",
+        f"A-weighted level of the whole: LAeq, or 20 lg of the weighted fluctuation. {_UP}, on each roughness; partly: some roughnesses.",
         partial(rises_with_load, measure=AUDIBLE, roughnesses=ROUGHNESSES),
         level=True,
     ),
@@ -608,7 +627,7 @@ CLAIMS = (
         "section 3, Fig. 9",
         "Beyond 50 N the greatest line gains little.",
         "Per doubling of the load at most half of the gain per doubling from 5 to 50 N, on each roughness; partly: some"
-        " roughnesses. The same with 10 lg and 20 lg.",
+        " roughnesses.",
         partial(flattens, measure=MAXIMUM, knee=50.0, most=0.5),
         level=True,
     ),
@@ -654,7 +673,7 @@ OUTLOOK = (
         "length-level",
         "section 3, outlook",
         "A short autocorrelation length makes for intense noise, a long one for quiet.",
-        f"A-weighted level of the whole fluctuation. {_DOWN}; partly: some steps.",
+        f"A-weighted level of the whole: LAeq, or 20 lg of the weighted fluctuation. {_DOWN}; partly: some steps.",
         partial(falls_along, measure=AUDIBLE, varied="correlation_um", unit=" µm"),
         level=True,
         varied="correlation_um",
