@@ -490,6 +490,7 @@ class Claim:
     varied: str | None = None
 
 
+_WHOLE = "A-weighted level of the whole: LAeq, or 20 lg of the weighted fluctuation."
 _UP = "Every step up by more than twice its standard error over the surfaces, with one surface by more than 0"
 
 CLAIMS = (
@@ -575,7 +576,7 @@ CLAIMS = (
         "level-roughness",
         "abstract; section 3, Fig. 8",
         "Within hearing, a rougher surface is louder.",
-        f"A-weighted level of the whole: LAeq, or 20 lg of the weighted fluctuation. {_UP}, at each load; partly: some steps of roughness.",
+        f"{_WHOLE} {_UP}, at each load; partly: some steps of roughness.",
         partial(rises_with_roughness, measure=AUDIBLE, roughnesses=ROUGHNESSES),
         level=True,
     ),
@@ -583,7 +584,7 @@ CLAIMS = (
         "level-load",
         "abstract; section 3, Fig. 8; conclusions",
         "Within hearing, a higher load is louder.",
-        f"A-weighted level of the whole: LAeq, or 20 lg of the weighted fluctuation. {_UP}, on each roughness; partly: some roughnesses.",
+        f"{_WHOLE} {_UP}, on each roughness; partly: some roughnesses.",
         partial(rises_with_load, measure=AUDIBLE, roughnesses=ROUGHNESSES),
         level=True,
     ),
@@ -673,7 +674,7 @@ OUTLOOK = (
         "length-level",
         "section 3, outlook",
         "A short autocorrelation length makes for intense noise, a long one for quiet.",
-        f"A-weighted level of the whole: LAeq, or 20 lg of the weighted fluctuation. {_DOWN}; partly: some steps.",
+        f"{_WHOLE} {_DOWN}; partly: some steps.",
         partial(falls_along, measure=AUDIBLE, varied="correlation_um", unit=" µm"),
         level=True,
         varied="correlation_um",
