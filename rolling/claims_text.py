@@ -17,7 +17,7 @@ def markdown(table: dict[str, Any]) -> str:
         "# Claims of Lee, Kim & Kim (2025)",
         "Verdicts are computed from the cases of each reading; statements are in our own words. Levels are judged with"
         " 10 lg of the release power, as the article's equation has it, and with 20 lg: one word where both agree, else"
-        " that of 10 lg before that of 20 lg.",
+        " that of 10 lg before that of 20 lg. \\*: some of what the statement names was not run.",
         _table(head, rows),
         "## What was run",
         "\n".join(_extent(name, extent) for name, extent in table["readings"].items()),
@@ -30,7 +30,8 @@ def markdown(table: dict[str, Any]) -> str:
 
 
 def _cell(claim: dict[str, Any], reading: str) -> str:
-    words = [one["verdict"] for one in claim["findings"] if one["reading"] == reading]
+    found = [one for one in claim["findings"] if one["reading"] == reading]
+    words = [one["verdict"] + ("\\*" if one["numbers"].get("missing") else "") for one in found]
     return " / ".join(dict.fromkeys(words))
 
 
@@ -91,15 +92,13 @@ def _ahead(first: dict[str, Any], after: dict[str, Any]) -> str:
 
 def _paragraph(claim: dict[str, Any]) -> str:
     """A claim: the statement, where it stands, the tolerance, and what each reading measured."""
-    lines = [
-        f"### {claim['key']}",
-        "",
-        f"{claim['statement']} ({claim['where']})",
-        "",
-        f"Reproduced: {claim['tolerance']}",
-        "",
-    ]
+    head = [f"### {claim['key']}", f"{claim['statement']} ({claim['where']})", f"Tolerance: {claim['tolerance']}"]
+    scales: dict[tuple[str, str, str], list[str]] = {}
     for one in claim["findings"]:
-        scale = "" if one["scale"] is None else f", {one['scale']} lg"
-        lines.append(f"- {one['reading']}{scale}: **{one['verdict']}**. {one['measured']}.")
-    return "\n".join(lines)
+        same = scales.setdefault((one["reading"], one["verdict"], one["measured"]), [])
+        same += [] if one["scale"] is None else [f"{one['scale']} lg"]
+    found = [
+        f"- {reading}{', ' if same else ''}{' and '.join(same)}: **{verdict}**. {measured}."
+        for (reading, verdict, measured), same in scales.items()
+    ]
+    return "\n\n".join([*head, "\n".join(found)])
