@@ -190,7 +190,7 @@ class Finding:
     numbers: dict[str, Any] = field(default_factory=dict)
 
 
-def found(checks: Sequence[Check]) -> Finding:
+def concluded(checks: Sequence[Check]) -> Finding:
     """Reproduced if all parts hold that can be told, partly if some hold or are near, not if none, else not run."""
     known = [check for check in checks if check.holds is not None]
     missing = [check.place for check in checks if check.holds is None]
@@ -256,7 +256,7 @@ def rises_with_load(study: Cases, measure: Measure, roughnesses: Sequence[float]
             continue
         words, numbers = _series(study, measure, groups) if steps else ("", {})
         checks.append(Check(ra(roughness), _all([_rises(step) for *_, step in steps]), words, numbers))
-    return found(checks)
+    return concluded(checks)
 
 
 def rises_with_roughness(study: Cases, measure: Measure, roughnesses: Sequence[float]) -> Finding:
@@ -277,7 +277,7 @@ def rises_with_roughness(study: Cases, measure: Measure, roughnesses: Sequence[f
                 {newton(load): step.mean for load, step in steps.items()},
             )
         )
-    return found(checks)
+    return concluded(checks)
 
 
 def lowest_of_all(study: Cases, measure: Measure, roughness: float) -> Finding:
@@ -289,7 +289,7 @@ def lowest_of_all(study: Cases, measure: Measure, roughness: float) -> Finding:
         steps = [change(measure, group, lowest, study.factor) for group in others]
         words, numbers = _series(study, measure, [(ra(one), study.at(one, load)) for one in study.roughnesses])
         checks.append(Check(newton(load), _all([_falls(step) for step in steps]), words, numbers))
-    return found(checks)
+    return concluded(checks)
 
 
 def ratio_at_each_load(study: Cases, measure: Measure, over: float, under: float, low: float, high: float) -> Finding:
@@ -304,7 +304,7 @@ def ratio_at_each_load(study: Cases, measure: Measure, over: float, under: float
         else:
             ratio = above / below
             checks.append(Check(newton(load), low <= ratio <= high, f"{ratio:.2f}", ratio))
-    return found(checks)
+    return concluded(checks)
 
 
 def below_limit(study: Cases, roughness: float, limit: float) -> Finding:
@@ -315,7 +315,7 @@ def below_limit(study: Cases, roughness: float, limit: float) -> Finding:
         greatest = max(reached, default=None)
         holds = None if greatest is None else greatest * 1e9 < limit
         checks.append(Check(newton(load), holds, f"{PRESSURE.told(greatest)} GPa", greatest))
-    return found(checks)
+    return concluded(checks)
 
 
 def no_plastic_area(study: Cases, roughness: float) -> Finding:
@@ -323,7 +323,7 @@ def no_plastic_area(study: Cases, roughness: float) -> Finding:
     for load in study.loads:
         mean = PLASTIC_RATIO.mean(study.at(roughness, load), study.factor)
         checks.append(Check(newton(load), None if mean is None else mean < NO_AREA, PLASTIC_RATIO.told(mean), mean))
-    return found(checks)
+    return concluded(checks)
 
 
 def hardness_reached(study: Cases, roughnesses: Sequence[float]) -> Finding:
@@ -335,7 +335,7 @@ def hardness_reached(study: Cases, roughnesses: Sequence[float]) -> Finding:
             least = min(ratios, default=None)
             place = f"{ra(roughness)}, {newton(load)}"
             checks.append(Check(place, None if least is None else least > 0, PLASTIC_RATIO.told(least), least))
-    return found(checks)
+    return concluded(checks)
 
 
 def exceeds(study: Cases, measure: Measure, roughnesses: Sequence[float], least_db: float) -> Finding:
@@ -348,7 +348,7 @@ def exceeds(study: Cases, measure: Measure, roughnesses: Sequence[float], least_
         words, numbers = _series(study, measure, groups)
         holds = any(one["mean"] > least_db for one in numbers.values()) if numbers else None
         checks.append(Check(ra(roughness), holds, words, numbers))
-    return found(checks)
+    return concluded(checks)
 
 
 def gap_over_smooth(study: Cases, measure: Measure, low_db: float, high_db: float) -> Finding:
@@ -367,7 +367,7 @@ def gap_over_smooth(study: Cases, measure: Measure, low_db: float, high_db: floa
         each = ", ".join(measure.told(gap, "+") for gap in gaps.values())
         told = f"{measure.told(mean, '+')} dB ({each} at {', '.join(gaps)})"
         checks.append(Check(ra(roughness), low_db <= mean <= high_db, told, {"mean": mean} | gaps))
-    return found(checks)
+    return concluded(checks)
 
 
 def rise_over_loads(study: Cases, measure: Measure, low_db: float, high_db: float) -> Finding:
@@ -380,12 +380,12 @@ def rise_over_loads(study: Cases, measure: Measure, low_db: float, high_db: floa
             rises[ra(roughness)] = step.mean
     place = f"{newton(least)} to {newton(greatest)}"
     if not rises:
-        return found([Check(place, None)])
+        return concluded([Check(place, None)])
     mean = float(np.mean(list(rises.values())))
     inside = [low_db <= value <= high_db for value in rises.values()]
     each = ", ".join(f"{measure.told(value, '+')} {name}" for name, value in rises.items())
     told = f"{measure.told(mean, '+')} dB ({each})"
-    return found([Check(place, low_db <= mean <= high_db, told, {"mean": mean} | rises, near=any(inside))])
+    return concluded([Check(place, low_db <= mean <= high_db, told, {"mean": mean} | rises, near=any(inside))])
 
 
 def flattens(study: Cases, measure: Measure, knee: float, most: float) -> Finding:
@@ -402,7 +402,7 @@ def flattens(study: Cases, measure: Measure, knee: float, most: float) -> Findin
         told = f"{slope[1]:+.1f} dB per doubling after {slope[0]:+.1f} dB"
         numbers = {"before": slope[0], "beyond": slope[1]}
         checks.append(Check(ra(roughness), slope[0] > 0 and slope[1] <= most * slope[0], told, numbers))
-    return found(checks)
+    return concluded(checks)
 
 
 def stands_apart(study: Cases, measure: Measure, roughness: float, low: float, high: float) -> Finding:
@@ -410,14 +410,14 @@ def stands_apart(study: Cases, measure: Measure, roughness: float, low: float, h
     means = {load: measure.mean(study.at(roughness, load), study.factor) for load in study.loads}
     known = {load: mean for load, mean in means.items() if mean is not None}
     if low not in known or high not in known:
-        return found([Check(newton(load), None) for load in (low, high) if load not in known])
+        return concluded([Check(newton(load), None) for load in (low, high) if load not in known])
     gap = min(mean for load, mean in known.items() if load >= high) - max(
         mean for load, mean in known.items() if load <= low
     )
     others = {f"{newton(a)} to {newton(b)}": known[b] - known[a] for a, b in pairwise(known) if a != low}
     told = ", ".join(f"{measure.told(value, '+')} dB {name}" for name, value in others.items())
     larger = gap > 0 and all(gap >= LARGEST_STEP * value for value in others.values()) if others else None
-    return found(
+    return concluded(
         [
             Check(f"gap of {LARGE_GAP_DB:g} dB", gap >= LARGE_GAP_DB, f"{measure.told(gap, '+')} dB", gap),
             Check("larger than other steps", larger, told, others),
@@ -439,7 +439,7 @@ def loudest(study: Cases, measure: Measure, roughness: float, loads: Sequence[fl
         step = change(measure, groups[roughness], groups[first], study.factor)
         near = first != roughness and step is not None and not step.rises
         checks.append(Check(newton(load), first == roughness, f"{ra(first)} of {words}", numbers, near))
-    return found(checks)
+    return concluded(checks)
 
 
 def within(study: Cases, measure: Measure, roughnesses: Sequence[float], most_db: float) -> Finding:
@@ -453,7 +453,7 @@ def within(study: Cases, measure: Measure, roughnesses: Sequence[float], most_db
             continue
         span = max(known) - min(known)
         checks.append(Check(newton(load), span <= most_db, f"{measure.told(span)} dB", span))
-    return found(checks)
+    return concluded(checks)
 
 
 def falls_along(study: Cases, measure: Measure, varied: str, unit: str) -> Finding:
@@ -467,7 +467,7 @@ def falls_along(study: Cases, measure: Measure, varied: str, unit: str) -> Findi
         step = change(measure, x, y, study.factor)
         told = f"{measure.told(step.mean, '+')} {measure.unit}" if step else ""
         checks.append(Check(f"{a} to {b}", _falls(step), told, step.mean if step else None))
-    return found(checks)
+    return concluded(checks)
 
 
 # ---- the statements --------------------------------------------------------------------------------------------------

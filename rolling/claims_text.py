@@ -17,7 +17,8 @@ def markdown(table: dict[str, Any]) -> str:
         "# Claims of Lee, Kim & Kim (2025)",
         "Verdicts are computed from the cases of each reading; statements are in our own words. Levels are judged with"
         " 10 lg of the release power, as the article's equation has it, and with 20 lg: one word where both agree, else"
-        " that of 10 lg before that of 20 lg. \\*: some of what the statement names was not run.",
+        " that of 10 lg before that of 20 lg. \\*: some of what the statement names was not run. With 20 lg only"
+        " differences mean anything, and the greatest line is that of the means over 1/12 octave, its weighting not doubled.",
         _table(head, rows),
         "## What was run",
         "\n".join(_extent(name, extent) for name, extent in table["readings"].items()),
@@ -54,9 +55,9 @@ def _ranking(table: dict[str, Any]) -> list[str]:
         return ["No reading was run that tells."]
     first = [one for one in scores if one["rank"] == 1]
     named = " and ".join(f"{one['reading']} with {one['scale']} lg" for one in first)
-    judged = ", ".join(f"{one['judged']}" for one in first)
+    judged = " and ".join(f"{one['judged']}" for one in first)
     words = (
-        f"**{named}** {'share the first place' if len(first) > 1 else 'comes first'}: {first[0]['score']:g} of {judged} judged"
+        f"**{named}** {'share the first place' if len(first) > 1 else 'comes first'}: {first[0]['score']:g} of {judged} judged statements"
         " (1 for each statement reproduced, half for partly). What was not run counts nothing, so readings compare only"
         " as far as the same was judged of them; 20 lg can never be judged on absolute levels."
     )
