@@ -58,8 +58,8 @@ def _ranking(table: dict[str, Any]) -> list[str]:
     judged = " and ".join(f"{one['judged']}" for one in first)
     words = (
         f"**{named}** {'share the first place' if len(first) > 1 else 'comes first'}: {first[0]['score']:g} of {judged}"
-        " judged statements (1 for each that is reproduced, half for partly). What was not run counts nothing, so readings compare only"
-        " as far as the same was judged of them; 20 lg can never be judged on absolute levels."
+        " judged statements (1 for each that is reproduced, half for partly). What was not run counts nothing,"
+        " so readings compare only as far as the same was judged of them; 20 lg can never be judged on absolute levels."
     )
     rows = [
         [
