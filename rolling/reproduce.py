@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rolling import store, study
+from rolling import claims, claims_text, store, study
 from rolling._wording import nearest
 from rolling.pool import Outcome
 from rolling.solve import Run
@@ -69,6 +69,9 @@ def reproduce(
         if results[one.folder].complete
     ]
     store.write_json(folder / CASES, [_plain(asdict(case)) for case in cases])
+    table = claims.table(cases)
+    store.write_json(folder / "claims.json", table)
+    store.write_bytes(folder / "claims.md", claims_text.markdown(table).encode())
     flat = [one for each in runs.values() for one in each]
     failures = {str(flat[k].folder.relative_to(folder)): reason for k, reason in outcome.failures.items()}
     return Reproduction(folder, cases, failures, outcome.interrupted)
