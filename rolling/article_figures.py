@@ -6,6 +6,7 @@ the figure says so.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, cast
@@ -13,8 +14,9 @@ from typing import Any, cast
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullLocator
-from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from acoustics import plots as sound_plots
@@ -30,6 +32,7 @@ from rolling.study import Case
 
 Array = NDArray[np.float64]
 Place = tuple[float, float, float, float]
+Sheet = tuple[Array, Array, Array]  # positions along (m,) and across (n,) and values (m, n), as drawn
 
 PATCH_M = 512e-6  # side of the surfaces of the article's Fig. 1
 SCALE_REFERENCE = (1.0, 20.0)  # Ra [um] and load [N] whose greatest line 20 lg levels are relative to
@@ -139,7 +142,8 @@ def gather(name: str, runs: Sequence[Run], results: Sequence[Result], cases: Seq
 def _contact(scene: Scene, snapshot: simulate.Snapshot) -> Contact:
     middle = (track(scene).n_across - 1) / 2 * scene.spacing
     rows, columns = (np.arange(count) * scene.spacing for count in snapshot.pressure.shape)
-    along, across = snapshot.along - snapshot.distance + rows, snapshot.across - middle + columns
+    along: Array = snapshot.along - snapshot.distance + rows
+    across: Array = snapshot.across - middle + columns
     return Contact(along, across, snapshot.pressure, snapshot.deflection)
 
 
@@ -187,11 +191,14 @@ def surfaces(reading: Reading, on: Scales) -> Picture:
     nodes: set[int] = set()
     for ra in shown:
         patch = reading.patches[ra]
-        along, across = (np.arange(count) * patch.spacing * 1e6 for count in patch.heights.shape)
+        along: Array = np.arange(patch.heights.shape[0]) * patch.spacing * 1e6
+        across: Array = np.arange(patch.heights.shape[1]) * patch.spacing * 1e6
         nodes.add(_stride(patch.heights))
         sheets.append((_panel_title(reading, ra), _thinned(along, across, patch.heights * 1e6)))
     side = 1e6 * PATCH_M
-    look = _Look("height [µm]", (-on.height_um, on.height_um), "cividis", (0.0, side), along_label="along the track [µm]")
+    look = _Look(
+        "height [µm]", (-on.height_um, on.height_um), "cividis", (0.0, side), along_label="along the track [µm]"
+    )
     note = f"512 µm x 512 µm; one scale of height; {_drawn(nodes, 'every', 'nodes')}"
     return _sheets("fig1_surfaces", "Surfaces", note, reading, shown, sheets, look, 3.0)
 
@@ -200,8 +207,7 @@ def contact_pressure(reading: Reading, on: Scales) -> Picture:
     """Fig. 5: pressure [GPa] under the least and the greatest load."""
     reach = on.reach_um * 1e-6
 
-    def sheet(contact: Contact) -> tuple[Array, Array, Array]:
-        # Where the window ends nothing presses: zero up to the edge of the plot.
+    def sheet(contact: Contact) -> Sheet:
         inside = _within(contact, reach)
         every = _stride(inside.pressure)
         greatest = _blocks(inside.pressure, every)
@@ -209,7 +215,7 @@ def contact_pressure(reading: Reading, on: Scales) -> Picture:
 
     look = _Look("pressure [GPa]", (0.0, on.pressure_gpa), "magma", (-on.reach_um, on.reach_um))
     return _contacts(
-        "fig5_contact_pressure", "Contact pressure", "a cell shows the greatest of its nodes", reading, on, sheet, look,
+        "fig5_contact_pressure", "Contact pressure", "a facet shows its greatest node", reading, on, sheet, look,
         lambda contact: f"greatest {contact.pressure.max() * 1e-9:.2f} GPa",
     )  # fmt: skip
 
@@ -218,7 +224,7 @@ def deflection(reading: Reading, on: Scales) -> Picture:
     """Fig. 6: deflection of the plate [um], downwards, under the least and the greatest load."""
     reach = on.reach_um * 1e-6
 
-    def sheet(contact: Contact) -> tuple[Array, Array, Array]:
+    def sheet(contact: Contact) -> Sheet:
         inside = _within(contact, reach)
         return _thinned(inside.along * 1e6, inside.across * 1e6, inside.deflection * 1e6)
 
@@ -248,7 +254,7 @@ def spectra(reading: Reading, on: Scales) -> Picture:
     reference = _reference_db(reading)
     columns: dict[str, Array] = {}
     places: dict[Axes, Place] = {}
-    gap, wide, tall, step = 0.25, 3.28, 2.35, 2.75
+    gap, wide, tall, step = 0.2, 3.3, 2.35, 2.5
     for number, ra in enumerate(shown):
         ax = figure.add_subplot()
         curves = []
@@ -267,9 +273,7 @@ def spectra(reading: Reading, on: Scales) -> Picture:
         if column == 1 or number == len(shown) - 1:
             _twice(ax, reference)
         places[ax] = (LEFT_IN + column * (wide + gap), BOTTOM_IN + below * step, wide, tall)
-    note = "; ".join(
-        [_duration(reading.cases), _surfaces_of(reading.cases), "means over 1/12 octave", _scale_note(reference)]
-    )
+    note = "; ".join([_duration(reading.cases), _mean_over(reading.cases), _scale_note(reference)])
     return _finish("fig8_spectra", "A-weighted spectra", note, reading, shown, places, columns)
 
 
@@ -282,11 +286,10 @@ def maximum_level(reading: Reading, on: Scales) -> Picture:
     ax.set_ylim(on.maximum_db)
     reference = _reference_db(reading)
     if reference is not None:
-        for name in [name for name in columns if name.startswith("Ra")]:
+        for name, values in list(columns.items())[1:]:
             spread = "deviation" in name
-            columns[f"20 lg {name.split(' [')[0]}, re Ra 1 µm, 20 N [dB]" if not spread else f"20 lg {name}"] = 2 * (
-                columns[name] - (0.0 if spread else reference)
-            )
+            what = "standard deviation" if spread else "relative to Ra 1 µm, 20 N"
+            columns[f"{name.partition(':')[0]}, 20 lg: {what} [dB]"] = 2 * (values if spread else values - reference)
     _twice(ax, reference)
     shown = _shown(reading, on)
     places: dict[Axes, Place] = {ax: (LEFT_IN, BOTTOM_IN, WIDTH_IN - LEFT_IN - _SCALE_ROOM_IN, 3.5)}
@@ -298,7 +301,8 @@ def correlation_length(reading: Reading) -> Picture:
     """Spectra for each correlation length, and levels against it."""
     figure = blank()
     left, right = figure.add_subplot(), figure.add_subplot()
-    lengths, columns = np.array(reading.lengths), {}
+    lengths = np.array(reading.lengths)
+    columns: dict[str, Array] = {}
     curves = []
     for length in reading.lengths:
         frequency, level = _mean_spectrum(reading.at(correlation_um=length))
@@ -330,7 +334,7 @@ def correlation_length(reading: Reading) -> Picture:
     shown = sorted({one.roughness_um for one in reading.cases})
     loads = sorted({one.load_n for one in reading.cases})
     conditions = f"Ra {', '.join(f'{ra:g}' for ra in shown)} µm; {', '.join(f'{load:g}' for load in loads)} N"
-    note = "; ".join([conditions, _duration(reading.cases), _surfaces_of(reading.cases), "spectra: means over 1/12 octave"])
+    note = "; ".join([conditions, _duration(reading.cases), f"spectra: {_mean_over(reading.cases)}"])
     return _finish("correlation_length", "Correlation length", note, reading, shown, places, columns)
 
 
@@ -351,13 +355,13 @@ def _contacts(
     fact: str,
     reading: Reading,
     on: Scales,
-    sheet: Callable[[Contact], tuple[Array, Array, Array]],
+    sheet: Callable[[Contact], Sheet],
     look: _Look,
     number: Callable[[Contact], str],
 ) -> Picture:
     """A row for each roughness of which there is a contact, a column for each of the two loads."""
     shown = [ra for ra in on.roughnesses if any((ra, load) in reading.contacts for load in on.ends)]
-    sheets = []
+    sheets: list[tuple[str, Sheet | None]] = []
     for ra in shown:
         for load in on.ends:
             contact = reading.contacts.get((ra, load))
@@ -376,7 +380,7 @@ def _sheets(
     note: str,
     reading: Reading,
     shown: Sequence[float],
-    sheets: Sequence[tuple[str, tuple[Array, Array, Array] | None]],
+    sheets: Sequence[tuple[str, Sheet | None]],
     look: _Look,
     tall: float,
 ) -> Picture:
@@ -388,8 +392,9 @@ def _sheets(
     for number, (heading, sheet) in enumerate(sheets):
         ax = cast(Axes3D, figure.add_subplot(projection="3d"))
         row, column = divmod(number, 2)
-        places[ax] = (SIDE_IN + column * wide, 0.1 + (rows - 1 - row) * (tall + 0.15), wide, tall)
-        ax.text2D(0.5, 1.0, heading, transform=ax.transAxes, ha="center", va="bottom", fontsize=8.5)
+        # Labels of three-dimensional axes stand outside of their place.
+        places[ax] = (SIDE_IN + column * wide, 0.22 + (rows - 1 - row) * (tall + 0.3), wide - 0.3, tall - 0.1)
+        ax.text2D(0.5, 0.99, heading, transform=ax.transAxes, ha="center", va="bottom", fontsize=8.5)
         if sheet is None:
             ax.set_axis_off()
             continue
@@ -410,7 +415,7 @@ def _sheets(
         ax.set_xlim(look.sides)
         ax.set_ylim(look.sides)
         ax.set_zlim(look.limits)
-        ax.set_box_aspect((1.0, 1.0, 0.55), zoom=1.2)
+        ax.set_box_aspect((1.0, 1.0, 0.55), zoom=1.12)
         ax.view_init(elev=28, azim=-58)
         ax.tick_params(labelsize=7, pad=0)
         for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
@@ -434,20 +439,20 @@ def _finish(
     columns: dict[str, Array],
 ) -> Picture:
     """A picture with its warnings below the axes."""
-    figure = next(iter(places)).figure
+    figure = cast(Figure, next(iter(places)).figure)
     warnings = [text for ra in shown for text in _warnings(reading, ra)]
     room = 0.06 + _LINE_IN * len(warnings) if warnings else 0.0
     lifted: dict[Axes, Place] = {
         ax: (left, bottom + room, wide, tall) for ax, (left, bottom, wide, tall) in places.items()
     }
     if warnings:
-        strip = figure.add_subplot()  # type: ignore[union-attr]
+        strip = figure.add_subplot()
         strip.set_axis_off()
         strip.text(0.0, 0.5, "\n".join(warnings), color=_WARNING, fontsize=8.5, va="center", fontweight="bold")
         lifted[strip] = (SIDE_IN, 0.0, WIDTH_IN - 2 * SIDE_IN, room)
     full = f"{title}: {reading.name}"
-    lay_out(figure, full, note, lifted)  # type: ignore[arg-type]
-    return Picture(name, ". ".join([f"{full}: {note}", *warnings]), figure, columns)  # type: ignore[arg-type]
+    lay_out(figure, full, note, lifted)
+    return Picture(name, ". ".join([f"{full}: {note}", *warnings]), figure, columns)
 
 
 def _warnings(reading: Reading, roughness_um: float) -> list[str]:
@@ -473,7 +478,8 @@ def _panel_title(reading: Reading, roughness_um: float) -> str:
 
 
 def _heading(ax: Axes, text: str, warned: bool) -> None:
-    ax.set_title(text, fontsize=9, loc="left", pad=4, fontweight="bold", color=_WARNING if warned else "black")
+    colour = _WARNING if warned else "black"
+    ax.text(0.03, 0.96, text, transform=ax.transAxes, va="top", fontsize=9, fontweight="bold", color=colour)
 
 
 def _shown(reading: Reading, on: Scales) -> list[float]:
@@ -583,20 +589,29 @@ def _duration(cases: Sequence[Case]) -> str:
     durations = [one.duration_s for one in cases]
     ends = dict.fromkeys(f"{value:.3g}" for value in (min(durations), max(durations)))
     first = _first_reliable(durations)
-    mean = f"third octaves from {BAND_NAMES[first]} Hz mean something" if first < len(BAND_NAMES) else "no third octave does"
+    mean = (
+        f"third octaves from {BAND_NAMES[first]} Hz mean something"
+        if first < len(BAND_NAMES)
+        else "no third octave does"
+    )
     return f"T = {' to '.join(ends)} s: {mean}"
 
 
 def _surfaces_of(cases: Sequence[Case]) -> str:
     """How many surfaces a point stands for."""
-    groups: dict[tuple[float, float, float], int] = {}
-    for one in cases:
-        key = (one.roughness_um, one.load_n, one.correlation_um)
-        groups[key] = groups.get(key, 0) + 1
-    least, most = min(groups.values()), max(groups.values())
-    if most == 1:
-        return "one surface: no error bars"
-    return f"mean and standard deviation of {least if least == most else f'{least} to {most}'} surfaces"
+    count = _surface_count(cases)
+    return "one surface: no error bars" if count == "1" else f"mean and standard deviation of {count} surfaces"
+
+
+def _mean_over(cases: Sequence[Case]) -> str:
+    """How many surfaces a spectrum stands for, and of how many lines a point of it."""
+    count = _surface_count(cases)
+    return "1/12-octave means of " + ("one surface" if count == "1" else f"the power of {count} surfaces")
+
+
+def _surface_count(cases: Sequence[Case]) -> str:
+    groups = Counter((one.roughness_um, one.load_n, one.correlation_um) for one in cases).values()
+    return " to ".join(dict.fromkeys(str(end) for end in (min(groups), max(groups))))
 
 
 def _reference_db(reading: Reading) -> float | None:
@@ -618,9 +633,15 @@ def _twice(ax: Axes, reference_db: float | None) -> None:
     if reference_db is None:
         return
     ra, load = SCALE_REFERENCE
-    other = ax.secondary_yaxis(
-        "right", functions=(lambda level: 2 * (level - reference_db), lambda level: level / 2 + reference_db)
-    )
+
+    def doubled(level: Any) -> Any:
+        return 2 * (level - reference_db)
+
+    def halved(level: Any) -> Any:
+        return level / 2 + reference_db
+
+    other = ax.secondary_yaxis("right", functions=(doubled, halved))
+    ax.spines["right"].set_visible(False)  # it would show between the dashes
     other.set_ylabel(f"20 lg, re greatest of Ra {ra:g} µm, {load:g} N [dB]", fontsize=8.5)
     other.spines["right"].set_linestyle((0, (4, 3)))
     other.tick_params(labelsize=8.5)
@@ -645,7 +666,8 @@ def _stride(values: Array) -> int:
     return -(-max(values.shape) // _CELLS)
 
 
-def _thinned(along: Array, across: Array, values: Array) -> tuple[Array, Array, Array]:
+def _thinned(along: Array, across: Array, values: Array) -> Sheet:
+    """Of positions along (m,) and across (n,) and values (m, n) as many as are drawn."""
     every = _stride(values)
     return along[::every], across[::every], values[::every, ::every]
 
