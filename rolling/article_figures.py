@@ -141,10 +141,9 @@ def gather(name: str, runs: Sequence[Run], results: Sequence[Result], cases: Seq
 
 def _contact(scene: Scene, snapshot: simulate.Snapshot) -> Contact:
     middle = (track(scene).n_across - 1) / 2 * scene.spacing
-    rows, columns = (np.arange(count) * scene.spacing for count in snapshot.pressure.shape)
-    along: Array = snapshot.along - snapshot.distance + rows
-    across: Array = snapshot.across - middle + columns
-    return Contact(along, across, snapshot.pressure, snapshot.deflection)
+    rows, columns = (_positions(count, scene.spacing) for count in snapshot.pressure.shape)
+    along, across = snapshot.along - snapshot.distance, snapshot.across - middle
+    return Contact(along + rows, across + columns, snapshot.pressure, snapshot.deflection)
 
 
 def scales(readings: Sequence[Reading]) -> Scales:
@@ -191,8 +190,7 @@ def surfaces(reading: Reading, on: Scales) -> Picture:
     nodes: set[int] = set()
     for ra in shown:
         patch = reading.patches[ra]
-        along: Array = np.arange(patch.heights.shape[0]) * patch.spacing * 1e6
-        across: Array = np.arange(patch.heights.shape[1]) * patch.spacing * 1e6
+        along, across = (_positions(count, patch.spacing * 1e6) for count in patch.heights.shape)
         nodes.add(_stride(patch.heights))
         sheets.append((_panel_title(reading, ra), _thinned(along, across, patch.heights * 1e6)))
     side = 1e6 * PATCH_M
@@ -660,6 +658,10 @@ def _within(contact: Contact, reach: float) -> Contact:
     rows, columns = np.abs(contact.along) <= reach, np.abs(contact.across) <= reach
     part = np.ix_(rows, columns)
     return Contact(contact.along[rows], contact.across[columns], contact.pressure[part], contact.deflection[part])
+
+
+def _positions(count: int, spacing: float) -> Array:
+    return np.linspace(0.0, (count - 1) * spacing, count)
 
 
 def _stride(values: Array) -> int:

@@ -18,7 +18,7 @@ from rolling.picture import Picture
 from rolling.report import Exhibit
 
 # Told apart by sign and word, not by colour alone.
-SIGNS = {"reproduced": "✓", "partly": "◐", "not": "✗", "not run": "–"}
+SIGNS = {"reproduced": "✓", "partly": "◐", "not": "✗", "not run": "○"}
 _HEADINGS = {
     "fig1_surfaces": "Fig. 1: surfaces",
     "fig5_contact_pressure": "Fig. 5: contact pressure",
