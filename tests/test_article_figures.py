@@ -20,12 +20,12 @@ from rolling.study import Case
 
 SCENE = """\
 name: small
-sphere: {radius_mm: 5}
+sphere: {radius_mm: 1}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 1, correlation_length_um: 10, spacing_um: 2, width_um: 240, seed: 1}
-rolling: {load_n: 0.5, speed_m_s: 0.1, duration_s: 0.003}
+surface: {kind: gaussian, roughness_ra_um: 1, correlation_length_um: 10, spacing_um: 2, width_um: 400, seed: 1}
+rolling: {load_n: 0.5, speed_m_s: 0.1, duration_s: 0.005}
 numerics: {tolerance: 1.0e-3}
-sweep: {surface.roughness_ra_um: [1, 5], rolling.load_n: [0.5, 2]}
+sweep: {surface.roughness_ra_um: [1, 5], rolling.load_n: [0.2, 0.5]}
 """
 HOSTILE = '"><img src=x onerror=alert(1)>'
 
@@ -107,7 +107,7 @@ def test_every_figure_with_ra_5_says_that_theory_ends_there(solved: Reading, syn
 
 def test_warning_is_of_the_slope_measured_on_the_surface(solved: Reading, tmp_path: Path) -> None:
     (tmp_path / "s.yaml").write_text(SCENE)
-    scene = scene_file.load(tmp_path / "s.yaml", ["surface.roughness_ra_um=5", "rolling.load_n=2"])
+    scene = scene_file.load(tmp_path / "s.yaml", ["surface.roughness_ra_um=5", "rolling.load_n=0.5"])
     norm = surface.statistics(simulate.heights(scene), scene.spacing).rms_slope
     assert solved.slopes[5.0, 10.0] == norm
     # Ra 5 um, Gaussian with 1/e at 10 um: Rq sqrt(2)/length = 0.89 along each direction; half a percent less over one
@@ -213,9 +213,9 @@ def test_missing_cases_leave_gaps(synthetic: Reading, solved: Reading) -> None:
     assert columns["Ra 1 µm: greatest A-weighted line level [dB re 1 pW/m²]"] == [pytest.approx(64.5), None, 74]
     assert "no axis of 20 lg: Ra 1 µm, 20 N is not solved" in note(pictures["fig8_spectra"])
     assert not pictures["fig9_maximum_level"].figure.axes[0].child_axes
-    contacts = {key: one for key, one in solved.contacts.items() if key != (1.0, 0.5)}
+    contacts = {key: one for key, one in solved.contacts.items() if key != (1.0, 0.2)}
     pressure = drawn(replace(solved, contacts=contacts))["fig5_contact_pressure"]
-    assert "Ra 1 µm, 0.5 N: not solved" in words(pressure)
+    assert "Ra 1 µm, 0.2 N: not solved" in words(pressure)
     pressure.png()
     silent = [replace(one, maximum_db=-np.inf, line_db=np.full(100, -300.0)) for one in synthetic.at(seed=1)]
     for picture in drawn(replace(synthetic, cases=silent)).values():
@@ -231,10 +231,19 @@ def test_maps_are_of_the_solved_contact(solved: Reading) -> None:
             pictures["fig5_contact_pressure"]
         )
         assert f"{load:g} N: greatest {contact.deflection.max() * 1e6:.2f} µm" in words(pictures["fig6_deflection"])
-        # The load is the pressure over the nodes' area, met to 1e-12; and it presses below the sphere.
+        # The load is the pressure over the nodes' area, met to 1e-12.
         assert contact.pressure.sum() * 2e-6**2 == pytest.approx(load, rel=1e-9)
-        centre = np.average(contact.along, weights=contact.pressure.sum(axis=1))
-        assert abs(centre) < contact.reach / 2
+        # Where it neither yields nor gapes the plate, deflected, is as high as the parabola of 1 mm about the sphere, which
+        # stands at the end of the 200 steps. One node off would change that by the rms difference of neighbours; a tenth of
+        # it is for blended edges, which bear a share of their pressure before they touch.
+        heights = solved.patches[ra].heights
+        rows = np.rint((contact.along + 400e-6) / 2e-6).astype(int) % heights.shape[0]
+        columns = np.rint((contact.across + 199e-6) / 2e-6).astype(int) % heights.shape[1]
+        parabola = (contact.along[:, None] ** 2 + contact.across**2) / 2e-3
+        gap = parabola - heights[np.ix_(rows, columns)] + contact.deflection
+        touching = (contact.pressure > 0) & (contact.pressure < 2.0999e9)
+        assert touching.sum() >= 2
+        assert np.ptp(gap[touching]) < 0.1 * solved.slopes[ra, 10.0] / np.sqrt(2) * 2e-6
 
 
 def test_correlation_lengths_have_a_figure_of_their_own() -> None:
