@@ -233,17 +233,17 @@ def test_maps_are_of_the_solved_contact(solved: Reading) -> None:
         assert f"{load:g} N: greatest {contact.deflection.max() * 1e6:.2f} µm" in words(pictures["fig6_deflection"])
         # The load is the pressure over the nodes' area, met to 1e-12.
         assert contact.pressure.sum() * 2e-6**2 == pytest.approx(load, rel=1e-9)
-        # Where it neither yields nor gapes the plate, deflected, is as high as the parabola of 1 mm about the sphere, which
-        # stands at the end of the 200 steps. One node off would change that by the rms difference of neighbours; a tenth of
-        # it is for blended edges, which bear a share of their pressure before they touch.
+        # Over the deflected plate the sphere, a parabola of 1 mm that stands at the end of the 200 steps, is nowhere lower
+        # than where it presses. One node off would change that by the rms difference of neighbours; a tenth of it is for
+        # blended edges, which bear a share of their pressure before they touch.
         heights = solved.patches[ra].heights
         rows = np.rint((contact.along + 400e-6) / 2e-6).astype(int) % heights.shape[0]
         columns = np.rint((contact.across + 199e-6) / 2e-6).astype(int) % heights.shape[1]
         parabola = (contact.along[:, None] ** 2 + contact.across**2) / 2e-3
         gap = parabola - heights[np.ix_(rows, columns)] + contact.deflection
-        touching = (contact.pressure > 0) & (contact.pressure < 2.0999e9)
-        assert touching.sum() >= 2
-        assert np.ptp(gap[touching]) < 0.1 * solved.slopes[ra, 10.0] / np.sqrt(2) * 2e-6
+        pressed = contact.pressure > 0
+        allowance = 0.1 * solved.slopes[ra, 10.0] / np.sqrt(2) * 2e-6
+        assert gap[pressed].max() < gap[~pressed].min() + allowance
 
 
 def test_correlation_lengths_have_a_figure_of_their_own() -> None:
