@@ -258,7 +258,8 @@ def spectra(reading: Reading, on: Scales) -> Picture:
         curves = []
         for load in on.loads:
             frequency, level = _mean_spectrum(reading.at(roughness_um=ra, load_n=load))
-            curves.append((f"{load:g} N", frequency, level))
+            # The first panel's legend is that of all: it names what any of them shows, and "_" is named nowhere.
+            curves.append((f"{load:g} N" if reading.at(load_n=load) else "_", frequency, level))
             if len(frequency):
                 _add(columns, f"Ra {ra:g} µm, {load:g} N", frequency, level)
         _spectra(ax, curves, [one.duration_s for one in reading.cases], on.spectrum_db)
@@ -268,7 +269,7 @@ def spectra(reading: Reading, on: Scales) -> Picture:
         ax.tick_params(labelleft=column == 0, labelbottom=number + 2 >= len(shown))
         ax.set_xlabel("frequency [Hz]" if number + 2 >= len(shown) else "")
         ax.set_ylabel("A-weighted line level\n[dB re 1 pW/m²]" if column == 0 else "")
-        if column == 1 or number == len(shown) - 1:
+        if column == 1 or len(shown) == 1:
             _twice(ax, reference)
         places[ax] = (LEFT_IN + column * (wide + gap), BOTTOM_IN + below * step, wide, tall)
     note = "; ".join([_duration(reading.cases), _mean_over(reading.cases), _scale_note(reference)])
@@ -565,8 +566,7 @@ def _spectra(
     for number, (label, frequency, level) in enumerate(curves):
         look = _look(number)
         del look["marker"]
-        if len(frequency):
-            ax.plot(frequency, level, label=label, linewidth=1.4, **look)
+        ax.plot(frequency, level, label=label, linewidth=1.4, **look)
     first = _first_reliable(durations_s)
     if first:
         ax.axvspan(

@@ -213,6 +213,10 @@ def test_missing_cases_leave_gaps(synthetic: Reading, solved: Reading) -> None:
     assert columns["Ra 1 µm: greatest A-weighted line level [dB re 1 pW/m²]"] == [pytest.approx(64.5), None, 74]
     assert "no axis of 20 lg: Ra 1 µm, 20 N is not solved" in note(pictures["fig8_spectra"])
     assert not pictures["fig9_maximum_level"].figure.axes[0].child_axes
+    smooth = [one for one in synthetic.cases if one.roughness_um > 0.1 or one.load_n < 100]  # none of 100 N at Ra 0.1
+    on = article_figures.scales([replace(synthetic, cases=[*synthetic.cases, case(1.0, 50.0)])])
+    (legend,) = drawn(replace(synthetic, cases=smooth), on)["fig8_spectra"].figure.legends
+    assert [text.get_text() for text in legend.get_texts()][:-1] == ["5 N", "20 N", "100 N"]
     contacts = {key: one for key, one in solved.contacts.items() if key != (1.0, 0.2)}
     pressure = drawn(replace(solved, contacts=contacts))["fig5_contact_pressure"]
     assert "Ra 1 µm, 0.2 N: not solved" in words(pressure)
