@@ -1,0 +1,148 @@
+"""The readings of the article side by side on one HTML page that needs no network. Depends on jinja2 and report.
+
+The claims come first, then a row for each figure with a column for each reading; how it looks is in `page/article.html`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+from rolling import citation, report
+from rolling.picture import Picture
+from rolling.report import Exhibit
+
+# Told apart by sign and word, not by colour alone.
+SIGNS = {"reproduced": "✓", "partly": "◐", "not": "✗", "not run": "○"}
+_HEADINGS = {
+    "fig1_surfaces": "Fig. 1: surfaces",
+    "fig5_contact_pressure": "Fig. 5: contact pressure",
+    "fig6_deflection": "Fig. 6: deflection",
+    "fig7_plastic_ratio": "Fig. 7: plastic ratio against load",
+    "fig8_spectra": "Fig. 8: A-weighted spectra",
+    "fig9_maximum_level": "Fig. 9: maximum A-weighted level against load",
+    "correlation_length": "Correlation length, the article's outlook",
+}
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a reading makes of a claim; scale is `10 lg`, `20 lg` or empty where no level is judged."""
+
+    scale: str
+    word: str
+    measured: str
+
+    @property
+    def sign(self) -> str:
+        return SIGNS.get(self.word, "?")
+
+    @property
+    def style(self) -> str:
+        """Class on the page."""
+        return self.word.replace(" ", "-") if self.word in SIGNS else "not-run"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A claim with the verdicts of each reading, in the order of the page; none where there is nothing to judge."""
+
+    where: str
+    statement: str
+    tolerance: str
+    verdicts: list[list[Verdict]]
+
+
+@dataclass(frozen=True)
+class Shelf:
+    """A figure of the article, by the readings that have it."""
+
+    heading: str
+    exhibits: list[tuple[str, Exhibit]]
+
+
+def page(readings: Sequence[str], table: Mapping[str, Any], pictures: Mapping[str, Sequence[Picture]]) -> bytes:
+    """The page of a study.
+
+    Parameters
+    ----------
+    readings : their names, in the order of the columns.
+    table : `claims`, each with key, where, statement, tolerance and `findings` (reading, scale, verdict, measured);
+        `scores` (reading, scale, score and, where given, rank, judged and counts), best first; `readings`, with what each
+        lacks. What is missing is left out.
+    pictures : of each reading, as `article_figures.gallery` gives them; readings without any have no column.
+    """
+    rows = [_row(claim, readings) for claim in table.get("claims", [])]
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("rolling", "page"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    html = environment.get_template("article.html").render(
+        readings=list(readings),
+        rows=rows,
+        signs=SIGNS,
+        scores=[_score(one) for one in table.get("scores", [])],
+        lacks=_lacks(table.get("readings", {}), readings),
+        shelves=_shelves(readings, pictures),
+        citation=citation,
+        css=Markup(files("rolling").joinpath("page", "report.css").read_text(encoding="utf-8")),
+    )
+    return html.encode()
+
+
+def _row(claim: Mapping[str, Any], readings: Sequence[str]) -> Row:
+    findings = claim.get("findings", [])
+    return Row(
+        str(claim.get("where", "")),
+        str(claim.get("statement", claim.get("key", ""))),
+        str(claim.get("tolerance", "")),
+        [[_verdict(one) for one in findings if one.get("reading") == name] for name in readings],
+    )
+
+
+def _verdict(finding: Mapping[str, Any]) -> Verdict:
+    return Verdict(
+        _scale(finding.get("scale")), str(finding.get("verdict", "not run")), str(finding.get("measured") or "")
+    )
+
+
+def _scale(scale: object) -> str:
+    return f"{scale} lg" if scale else ""
+
+
+def _score(one: Mapping[str, Any]) -> dict[str, Any]:
+    counts = {word: one["counts"].get(word, 0) for word in SIGNS} if "counts" in one else {}
+    return {
+        "rank": one.get("rank", ""),
+        "reading": one.get("reading", ""),
+        "scale": _scale(one.get("scale")),
+        "score": one.get("score", ""),
+        "counts": counts,
+    }
+
+
+def _lacks(extents: object, readings: Sequence[str]) -> list[tuple[str, str]]:
+    """What of the article's cases a reading is without."""
+    if not isinstance(extents, Mapping):
+        return []
+    found = [(name, extents[name].get("lacks")) for name in readings if isinstance(extents.get(name), Mapping)]
+    return [(name, ", ".join(map(str, lacks))) for name, lacks in found if lacks]
+
+
+def _shelves(readings: Sequence[str], pictures: Mapping[str, Sequence[Picture]]) -> list[Shelf]:
+    named = [(name, picture) for name in readings for picture in pictures.get(name, [])]
+    order = [*_HEADINGS, *(picture.name for _, picture in named)]
+    shelves = []
+    for kind in dict.fromkeys(order):
+        exhibits = [(name, report.exhibit(picture)) for name, picture in named if picture.name == kind]
+        if exhibits:
+            shelves.append(Shelf(_HEADINGS.get(kind, kind), exhibits))
+    return shelves
