@@ -22,6 +22,7 @@ from rolling.study import Case
 
 SCENES = Path(__file__).parents[1] / "scenarios"
 CASES = "cases.json"
+PAGE = "index.html"
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,7 @@ def reproduce(
     table = claims.table(cases)
     store.write_json(folder / "claims.json", table)
     store.write_bytes(folder / "claims.md", claims_text.markdown(table).encode())
+    _write_pictures(folder, runs, results, cases, table)
     flat = [one for each in runs.values() for one in each]
     failures = {str(flat[k].folder.relative_to(folder)): reason for k, reason in outcome.failures.items()}
     return Reproduction(folder, cases, failures, outcome.interrupted)
@@ -92,6 +94,28 @@ def _solve(runs: Sequence[Run], workers: int, name: str) -> tuple[Outcome, dict[
     results = study.open_results(runs)
     outcome = study.solve_all(runs, results, workers, name)
     return outcome, {one.folder: result for one, result in zip(runs, results, strict=True)}
+
+
+def _write_pictures(
+    folder: Path, runs: dict[str, list[Run]], results: dict[Path, Result], cases: Sequence[Case], table: dict[str, Any]
+) -> None:
+    """The article's figures of each reading in its folder, and the page that puts the readings side by side."""
+    from rolling import article_figures, article_page  # matplotlib is slow to import, and a study that fails needs none
+
+    found = []
+    for reading, each in runs.items():
+        solved = [one for one in each if results[one.folder].complete]
+        if solved:
+            own = [case for case in cases if case.reading == reading]
+            found.append(article_figures.gather(reading, solved, [results[one.folder] for one in solved], own))
+    if not found:
+        return
+    scales = article_figures.scales(found)
+    pictures = {one.name: list(article_figures.gallery(one, scales)) for one in found}
+    for reading, drawn in pictures.items():
+        for picture in drawn:
+            picture.write(folder / reading)
+    store.write_bytes(folder / PAGE, article_page.page(list(pictures), table, pictures))
 
 
 def _plain(value: Any) -> Any:
