@@ -131,8 +131,8 @@ def _curve_db(case: Case, factor: int) -> Array:
 
 
 def _maximum_db(case: Case, factor: int) -> float:
-    """The greatest line; with 20 lg the greatest mean over 1/12 octave, which may be at another frequency."""
-    return case.maximum_db if factor == 10 else float(_curve_db(case, factor).max(initial=-math.inf))
+    """The greatest line, which with 20 lg may be at another frequency."""
+    return case.maximum_db if factor == 10 else case.maximum_20_db
 
 
 def _high_band_db(case: Case, factor: int) -> float:

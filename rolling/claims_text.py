@@ -18,7 +18,7 @@ def markdown(table: dict[str, Any]) -> str:
         "Verdicts are computed from the cases of each reading; statements are in our own words. Levels are judged with"
         " 10 lg of the release power, as the article's equation has it, and with 20 lg: one word where both agree, else"
         " that of 10 lg before that of 20 lg. \\*: some of what the statement names was not run. With 20 lg only"
-        " differences mean anything, and the greatest line is that of the means over 1/12 octave, its weighting not doubled.",
+        " differences mean anything, and the weighting of a line is not doubled.",
         _table(head, rows),
         "## What was run",
         "\n".join(_extent(name, extent) for name, extent in table["readings"].items()),

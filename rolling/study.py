@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from acoustics import plots as sound_plots
 from acoustics.level import I_REF_W_M2
 from acoustics.spectrum import article_line_level_db
+from acoustics.weighting import a_weighting_db
 from rolling import reference, scene_file, solve, store
 from rolling.pool import Outcome
 from rolling.scenario import Gaussian, Scene, expand, run_name, track
@@ -47,7 +48,7 @@ class Case:
     max_pressure : greatest along the track [Pa].  deflection : greatest at one position [m].
     laeq_db : of the sound, energy-true [dB re 20 uPa].
     line_hz, line_db : the article's A-weighted line spectrum [dB re 1e-12 W/m2], means over 1/12 octave.
-    maximum_db : its greatest line.
+    maximum_db : its greatest line.  maximum_20_db : with 20 lg of the release, which doubles the levels but not their weighting.
     band_w : rms of the release power's fluctuation in each third octave [W] (31,), NaN where there is none.
     a_weighted_w : A-weighted rms of the fluctuation within hearing [W].
     """
@@ -65,6 +66,7 @@ class Case:
     deflection: float
     laeq_db: float | None
     maximum_db: float
+    maximum_20_db: float
     line_hz: Array
     line_db: Array
     band_w: Array
@@ -145,6 +147,7 @@ def case(reading: str, one: Run, result: Result) -> Case:
     line_hz, line_db = article_line_level_db(sound.power, rate, scene.sound.distance_m, scene.sound.q)
     lines = sound_plots.Lines.audible(line_hz, line_db)
     mean_hz, mean_db = lines.mean
+    weighting = a_weighting_db(lines.frequency_hz)
     # Sound pressure is linear in the fluctuation: back from its levels to watts.
     watts = 4 * math.pi * scene.sound.distance_m**2 / scene.sound.q
 
@@ -167,6 +170,7 @@ def case(reading: str, one: Run, result: Result) -> Case:
         deflection=float(result.snapshot.deflection.max()) if result.snapshot else math.nan,
         laeq_db=sound.levels.laeq_db,
         maximum_db=float(lines.level_db.max()),
+        maximum_20_db=float((2 * (lines.level_db - weighting) + weighting).max()),
         line_hz=mean_hz,
         line_db=mean_db,
         band_w=np.array([fluctuation(level) for level in sound.levels.third_octave_db.values()]),

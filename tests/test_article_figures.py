@@ -56,7 +56,7 @@ def case(roughness: float, load: float, seed: int = 1, length: float = 10.0, **o
     return replace(
         Case(
             "synthetic", roughness, load, seed, length, 256, 0.05, 0.1 * roughness * seed, 1.0, 2.1e9, 1e-6, maximum + 3,
-            maximum, line_hz, maximum - 0.1 * np.arange(100.0), np.full(31, np.nan), 1e-4,
+            maximum, 2 * maximum, line_hz, maximum - 0.1 * np.arange(100.0), np.full(31, np.nan), 1e-4,
         ),
         **others,
     )  # fmt: skip

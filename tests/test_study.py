@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from acoustics.spectrum import line_spectrum
+from acoustics.spectrum import article_line_level_db, line_spectrum
+from acoustics.weighting import a_weighting_db
 from rolling import cli, reference, reproduce, simulate, study
 from rolling.half_space import HalfSpace
 from rolling.march import Window, march
@@ -89,6 +90,11 @@ def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
     # The bands' own lines, which undo the mean over a step: 0.6 dB at 10 kHz, little of the whole.
     assert np.nansum(np.square(case.band_w)) == pytest.approx(heard, rel=0.05)
     assert case.laeq_db == sound.levels.laeq_db and case.maximum_db < case.laeq_db + 5
+    # With 20 lg the level doubles, its weighting does not: 20 lg of each line, weighted, again from the power.
+    line_hz, line_db = article_line_level_db(sound.power, len(sound.power) / sound.duration, 1.0)
+    inside = (line_hz >= 17.8) & (line_hz < 22387)
+    unweighted = line_db - a_weighting_db(line_hz)
+    assert case.maximum_20_db == pytest.approx((2 * unweighted + a_weighting_db(line_hz))[inside].max(), abs=1e-9)
     stored = json.loads((tmp_path / "out" / "cases.json").read_text())
     assert len(stored) == 4 and stored[0]["plastic_ratio"] == case.plastic_ratio
 
