@@ -21,7 +21,7 @@ SAMPLE_RATE_HZ = 48000
 _LONGEST_TEXT = 2000
 
 _TARGET_RMS = 10.0 ** (-23.0 / 20.0)  # the programme loudness of EBU R 128, here as A-weighted rms
-_PEAK = 10.0 ** (-1.0 / 20.0)
+PEAK = 10.0 ** (-1.0 / 20.0)  # largest sample of a record for the ear, of full scale
 
 
 def calibrated(pressure_pa: np.ndarray, comment: str, title: str = "") -> bytes:
@@ -93,7 +93,7 @@ def listening(pressure_pa: np.ndarray, gain: float, comment: str, title: str = "
     return _wav(steps.astype(np.int32) << (32 - bits), f"PCM_{bits}", comment, title)
 
 
-def listening_gain(pressure_pa: np.ndarray, target_rms: float = _TARGET_RMS, peak: float = _PEAK) -> float:
+def listening_gain(pressure_pa: np.ndarray, target_rms: float = _TARGET_RMS, peak: float = PEAK) -> float:
     """Gain, full scale per pascal, that makes a record equally loud as others without clipping.
 
     Parameters

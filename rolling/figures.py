@@ -22,7 +22,6 @@ from acoustics.weighting import a_weighting_db
 from rolling import plots, simulate, summary
 from rolling.heard import Heard
 from rolling.picture import BOTTOM_IN, LEFT_IN, RIGHT_IN, WIDTH_IN, Picture, blank, lay_out, single
-from rolling.recovery_statistics import event_statistics
 from rolling.scenario import track
 
 Array = NDArray[np.float64]
@@ -379,9 +378,7 @@ def _contact(one: Heard, among: Sequence[Heard]) -> Picture:
 
 def _recovery_events(one: Heard) -> Picture | None:
     """How energy and duration of the recovery events are distributed; None where there are no events."""
-    events = one.result.events()
-    solved = int(np.isfinite(one.result.series["release_energy"]).sum())
-    found = event_statistics(events, solved * one.result.step) if events else None
+    events, found = one.events, one.event_statistics
     if events is None or found is None:
         return None
     energy, steps = events["energy"], events["last"] - events["first"]

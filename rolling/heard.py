@@ -6,10 +6,15 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rolling import summary
+from rolling.recovery_statistics import EventStatistics, event_statistics
 from rolling.scenario import Scene, track
 from rolling.sound import ContactSound, contact_sound
 from rolling.store import Result
@@ -36,6 +41,17 @@ class Heard:
     def home(self) -> Path:
         """The run folder it was made in: that of the sweep, if it is a part of one."""
         return self.folder.parent if self.values else self.folder
+
+    @cached_property  # joined from the pieces of the track
+    def events(self) -> dict[str, NDArray[Any]] | None:
+        """The table of recovery events, None when none were asked for."""
+        return self.result.events()
+
+    @cached_property
+    def event_statistics(self) -> EventStatistics | None:
+        """Numbers of the recovery events on what is solved, None where there are none."""
+        solved = int(np.isfinite(self.result.series["release_energy"]).sum())
+        return event_statistics(self.events, solved * self.result.step) if self.events else None
 
     @property
     def title(self) -> str:

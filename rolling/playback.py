@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-PEAK = 10.0 ** (-1.0 / 20.0)  # largest sample, of full scale
+from acoustics.wav import PEAK
 
 
 @dataclass(frozen=True)

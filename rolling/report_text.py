@@ -7,14 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from matplotlib.ticker import EngFormatter
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
 from acoustics.radiation import RHO_C
 from rolling import check
 from rolling.heard import Heard
-from rolling.recovery_statistics import event_statistics
 from rolling.scenario import Gaussian, HeightFile, Scene
 from rolling.summary import uncertain
 
@@ -251,9 +249,7 @@ def warnings(runs: Sequence[Heard]) -> list[Fact]:
 
 def events(one: Heard) -> list[Fact]:
     """The recovery events of a run in numbers; nothing where none were asked for, or there are none."""
-    table = one.result.events()
-    solved = int(np.isfinite(one.result.series["release_energy"]).sum())
-    found = event_statistics(table, solved * one.result.step) if table else None
+    found = one.event_statistics
     if found is None:
         return []
     joule = EngFormatter("J", places=1)

@@ -103,7 +103,7 @@ def showing(
 
 
 def _png(pixels: NDArray[np.uint8]) -> bytes:
-    image = Image.fromarray(pixels, mode="L")
+    image = Image.fromarray(pixels)
     image.putpalette(palette().tobytes())
     content = io.BytesIO()
     image.save(content, format="png", optimize=True, transparency=0)
