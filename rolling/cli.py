@@ -259,7 +259,7 @@ def _hard_cases(arguments: argparse.Namespace) -> int:
 
 
 def _reproduce(arguments: argparse.Namespace) -> int:
-    from rolling import reproduce
+    from rolling.article import reproduce
     from rolling.scenario import SceneError
     from rolling.store import FolderError
 

@@ -13,10 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling import article_figures, article_page, scene_file, simulate, study, surface
-from rolling.article_figures import Reading, Scales
+from rolling import scene_file, simulate, surface
+from rolling.article import figures, page, readings, study
+from rolling.article.readings import Reading, Scales
+from rolling.article.study import Case
 from rolling.picture import Picture
-from rolling.study import Case
 
 SCENE = """\
 name: small
@@ -46,7 +47,7 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> Reading:
     results = study.open_results(runs)
     assert not study.solve_all(runs, results, 1, "small").failures
     cases = [study.case("small", one, result) for one, result in zip(runs, results, strict=True)]
-    return article_figures.gather("small", runs, results, cases)
+    return readings.gather("small", runs, results, cases)
 
 
 def case(roughness: float, load: float, seed: int = 1, length: float = 10.0, **others: float) -> Case:
@@ -69,8 +70,8 @@ def synthetic() -> Reading:
 
 
 def drawn(reading: Reading, on: Scales | None = None) -> dict[str, Picture]:
-    on = on or article_figures.scales([reading])
-    return {picture.name: picture for picture in article_figures.gallery(reading, on)}
+    on = on or readings.scales([reading])
+    return {picture.name: picture for picture in figures.gallery(reading, on)}
 
 
 def table(picture: Picture) -> dict[str, list[float | None]]:
@@ -198,7 +199,7 @@ def test_what_is_compared_has_the_same_axes(synthetic: Reading) -> None:
         replace(one, maximum_db=one.maximum_db + 20, line_db=one.line_db + 20, plastic_ratio=2 * one.plastic_ratio)
         for one in synthetic.cases
     ])  # fmt: skip
-    on = article_figures.scales([synthetic, louder])
+    on = readings.scales([synthetic, louder])
     here, there = drawn(synthetic, on), drawn(louder, on)
     alone = drawn(synthetic)
     for name in here:
@@ -214,7 +215,7 @@ def test_missing_cases_leave_gaps(synthetic: Reading, solved: Reading) -> None:
     assert "no axis of 20 lg: Ra 1 µm, 20 N is not solved" in note(pictures["fig8_spectra"])
     assert not pictures["fig9_maximum_level"].figure.axes[0].child_axes
     smooth = [one for one in synthetic.cases if one.roughness_um > 0.1 or one.load_n < 100]  # none of 100 N at Ra 0.1
-    on = article_figures.scales([replace(synthetic, cases=[*synthetic.cases, case(1.0, 50.0)])])
+    on = readings.scales([replace(synthetic, cases=[*synthetic.cases, case(1.0, 50.0)])])
     (legend,) = drawn(replace(synthetic, cases=smooth), on)["fig8_spectra"].figure.legends
     assert [text.get_text() for text in legend.get_texts()][:-1] == ["5 N", "20 N", "100 N"]
     contacts = {key: one for key, one in solved.contacts.items() if key != (1.0, 0.2)}
@@ -274,7 +275,7 @@ def test_page_has_a_column_for_each_reading_and_asks_for_nothing(synthetic: Read
     claim = {"key": "k", "where": "section 3", "statement": HOSTILE, "tolerance": "3 dB", "findings": findings}
     scores = [{"reading": "synthetic", "scale": 10, "score": 1.0, "rank": 1, "counts": {"reproduced": 1}}]
     pictures = [*drawn(synthetic).values()]
-    html = article_page.page(
+    html = page.page(
         ["synthetic", HOSTILE],
         {"claims": [claim], "scores": scores, "readings": {"synthetic": {"lacks": ["50 N"]}}},
         {"synthetic": pictures, HOSTILE: pictures},
@@ -292,6 +293,6 @@ def test_page_has_a_column_for_each_reading_and_asks_for_nothing(synthetic: Read
 
 
 def test_page_takes_a_table_without_scores_or_findings(synthetic: Reading) -> None:
-    html = article_page.page(["synthetic"], {"claims": [{"key": "level-load"}]}, {}).decode()
+    html = page.page(["synthetic"], {"claims": [{"key": "level-load"}]}, {}).decode()
     assert "level-load" in html and "not judged" in html
-    assert "No claims were judged" in article_page.page(["synthetic"], {}, {}).decode()
+    assert "No claims were judged" in page.page(["synthetic"], {}, {}).decode()

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from acoustics.bands import MID_HZ
-from rolling import claims, claims_text
-from rolling.claims import CLAIMS, LOADS, NOT, NOT_RUN, OUTLOOK, PARTLY, REPRODUCED, ROUGHNESSES
-from rolling.study import Case
+from rolling.article import claims, claims_text, measures
+from rolling.article.claims import CLAIMS, LOADS, NOT, NOT_RUN, OUTLOOK, PARTLY, REPRODUCED, ROUGHNESSES
+from rolling.article.study import Case
 
 LINE_HZ = np.geomspace(100.0, 18000.0, 40)
 ABOVE_SMOOTH = {0.01: 0.0, 0.1: 11.0, 1.0: 12.0, 5.0: 12.5}  # dB at all loads
@@ -204,19 +204,19 @@ def test_steps_are_certain_beyond_twice_their_standard_error() -> None:
     """Differences of 1, 1 and 4 dB of three surfaces: mean 2 dB, standard error 1 dB: at the limit; 1, 1, 3.9 is beyond."""
     first = [as_the_article_says(0.1, 5.0, seed) for seed in (1, 2, 3)]
 
-    def steps(*db: float) -> claims.Change | None:
+    def steps(*db: float) -> measures.Change | None:
         then = [dataclasses.replace(case, maximum_db=case.maximum_db + x) for case, x in zip(first, db, strict=True)]
-        return claims.change(claims.MAXIMUM, first, then, 10)
+        return measures.change(measures.MAXIMUM, first, then, 10)
 
     inside, beyond, down = steps(1.0, 1.0, 4.1), steps(1.0, 1.0, 3.9), steps(-1.0, -1.0, -3.9)
     assert inside and beyond and down
     assert inside.mean == pytest.approx(6.1 / 3, rel=1e-9)  # rounding of levels about 70
     assert (inside.rises, beyond.rises, down.rises, down.falls) == (False, True, False, True)
-    assert claims.change(claims.MAXIMUM, first[:1], first[1:], 10) is None  # no surface in common
+    assert measures.change(measures.MAXIMUM, first[:1], first[1:], 10) is None  # no surface in common
 
 
 def test_20_lg_doubles_differences() -> None:
-    assert claims.MAXIMUM.of(as_the_article_says(1.0, 20.0), 20) == as_the_article_says(1.0, 20.0).maximum_20_db
+    assert measures.MAXIMUM.of(as_the_article_says(1.0, 20.0), 20) == as_the_article_says(1.0, 20.0).maximum_20_db
     over = finding("maximum-over-smooth", study(), 10)["numbers"]["values"]["Ra 0.1 µm"]
     twice = finding("maximum-over-smooth", study(), 20)["numbers"]["values"]["Ra 0.1 µm"]
     assert twice["mean"] == pytest.approx(2 * over["mean"], abs=1e-9)

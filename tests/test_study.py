@@ -12,7 +12,8 @@ import pytest
 
 from acoustics.spectrum import article_line_level_db, line_spectrum
 from acoustics.weighting import a_weighting_db
-from rolling import cli, reference, reproduce, simulate, study
+from rolling import cli, reference, simulate
+from rolling.article import reproduce, study
 from rolling.half_space import HalfSpace
 from rolling.march import Window, march
 from rolling.scenario import Gaussian, Scene

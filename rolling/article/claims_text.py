@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from rolling.claims import NOT_RUN, WORTH
+from rolling.article.claims import NOT_RUN, WORTH
 
 
 def markdown(table: dict[str, Any]) -> str:

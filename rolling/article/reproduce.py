@@ -1,4 +1,4 @@
-"""The command that runs the study of an article and answers for its statements. Depends on study, claims and article_figures.
+"""The command that runs the study of an article and answers for its statements. Depends on study, claims and figures.
 
 What is solved is kept case by case: the same command again goes on where it was stopped.
 """
@@ -12,15 +12,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from tqdm import tqdm
 
-from rolling import claims, claims_text, store, study
+from rolling import solve, store
 from rolling._wording import nearest
+from rolling.article import claims, claims_text, figures, page, readings, study
+from rolling.article.study import Case
+from rolling.picture import Picture
 from rolling.pool import Outcome
 from rolling.solve import Run
 from rolling.store import FolderError, Result
-from rolling.study import Case
 
-SCENES = Path(__file__).parents[1] / "scenarios"
+SCENES = Path(__file__).parents[2] / "scenarios"
 CASES = "cases.json"
 PAGE = "index.html"
 
@@ -73,7 +76,8 @@ def reproduce(
     table = claims.table(cases)
     store.write_json(folder / "claims.json", table)
     store.write_bytes(folder / "claims.md", claims_text.markdown(table).encode())
-    _write_pictures(folder, runs, results, cases, table)
+    if not outcome.interrupted:
+        _write_pictures(folder, runs, results, cases, table)
     flat = [one for each in runs.values() for one in each]
     failures = {str(flat[k].folder.relative_to(folder)): reason for k, reason in outcome.failures.items()}
     return Reproduction(folder, cases, failures, outcome.interrupted)
@@ -100,22 +104,21 @@ def _write_pictures(
     folder: Path, runs: dict[str, list[Run]], results: dict[Path, Result], cases: Sequence[Case], table: dict[str, Any]
 ) -> None:
     """The article's figures of each reading in its folder, and the page that puts the readings side by side."""
-    from rolling import article_figures, article_page  # matplotlib is slow to import, and a study that fails needs none
-
     found = []
-    for reading, each in runs.items():
+    for name, each in tqdm(runs.items(), disable=None, desc="surfaces", bar_format=solve.BAR):
         solved = [one for one in each if results[one.folder].complete]
         if solved:
-            own = [case for case in cases if case.reading == reading]
-            found.append(article_figures.gather(reading, solved, [results[one.folder] for one in solved], own))
+            own = [case for case in cases if case.reading == name]
+            found.append(readings.gather(name, solved, [results[one.folder] for one in solved], own))
     if not found:
         return
-    scales = article_figures.scales(found)
-    pictures = {one.name: list(article_figures.gallery(one, scales)) for one in found}
-    for reading, drawn in pictures.items():
-        for picture in drawn:
-            picture.write(folder / reading)
-    store.write_bytes(folder / PAGE, article_page.page(list(pictures), table, pictures))
+    scales = readings.scales(found)
+    pictures: dict[str, list[Picture]] = {}
+    for one in tqdm(found, disable=None, desc="figures", bar_format=solve.BAR):
+        pictures[one.name] = list(figures.gallery(one, scales))
+        for picture in pictures[one.name]:
+            picture.write(folder / one.name)
+    store.write_bytes(folder / PAGE, page.page(list(pictures), table, pictures))
 
 
 def _plain(value: Any) -> Any:

@@ -75,7 +75,7 @@ def page(readings: Sequence[str], table: Mapping[str, Any], pictures: Mapping[st
     table : `claims`, each with key, where, statement, tolerance and `findings` (reading, scale, verdict, measured);
         `scores` (reading, scale, score and, where given, rank, judged and counts), best first; `readings`, with what each
         lacks. What is missing is left out.
-    pictures : of each reading, as `article_figures.gallery` gives them; readings without any have no column.
+    pictures : of each reading, as `figures.gallery` gives them; readings without any have no column.
     """
     rows = [_row(claim, readings) for claim in table.get("claims", [])]
     environment = jinja2.Environment(
