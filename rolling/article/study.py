@@ -85,15 +85,16 @@ def scenes(folder: Path, part: Part = WHOLE) -> list[Scene]:
         raise store.FolderError(f"{folder}: no scene files of a reading")
     overrides = [] if part.duration_s is None else [f"rolling.duration_s={part.duration_s}"]
     found = [scene for file in files for _, scene in expand(scene_file.load(file, overrides))]
-    return sorted((one for one in found if _taken(one, part)), key=_order)
+    return sorted((one for one in found if _taken(one, part)), key=varied)
 
 
 def _taken(scene: Scene, part: Part) -> bool:
-    _, load, seed, _ = _order(scene)
+    _, load, seed, _ = varied(scene)
     return (part.loads is None or load in part.loads) and (part.seeds is None or seed <= part.seeds)
 
 
-def _order(scene: Scene) -> tuple[float, float, int, float]:
+def varied(scene: Scene) -> tuple[float, float, int, float]:
+    """What a study varies: Ra [um], load [N], seed, correlation length [um]."""
     s = scene.surface
     assert isinstance(s, Gaussian)
     return s.roughness_ra_um, scene.load, s.seed, s.correlation_length_um
@@ -103,7 +104,7 @@ def runs(folder: Path, scenes: Sequence[Scene]) -> list[Run]:
     """The scenes as runs, each with a folder of its own below `folder`, named after what the study varies."""
     found = []
     for scene in scenes:
-        roughness, load, seed, length = _order(scene)
+        roughness, load, seed, length = varied(scene)
         values = {"surface.roughness_ra_um": roughness, "rolling.load_n": load, "surface.seed": seed}
         values["surface.correlation_length_um"] = length
         found.append(Run(values, scene, folder / run_name(values)))
@@ -139,7 +140,7 @@ def solve_all(runs: Sequence[Run], results: Sequence[Result], workers: int, name
 def case(reading: str, one: Run, result: Result) -> Case:
     """A solved run in numbers."""
     scene, way = one.scene, track(one.scene)
-    roughness, load, seed, length = _order(scene)
+    roughness, load, seed, length = varied(scene)
     energy = result.whole("release_energy")
     sound = contact_sound(scene, energy, result.step, way.closed, result.solved_steps)
     hertz = math.pi * reference.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
