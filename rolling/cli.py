@@ -81,7 +81,7 @@ def _parser() -> argparse.ArgumentParser:
             "study", choices=("lee2025",), metavar="STUDY", help="lee2025: Lee, Kim & Kim, Inventions 10(1), 17"
         )
         sub.add_argument("--readings", nargs="+", default=[], metavar="NAME", help="readings to run (default: all)")
-        sub.add_argument("--quick", action="store_true", help="one surface, three loads, 0.01 s")
+        sub.add_argument("--quick", action="store_true", help="one surface, three loads, 0.0125 s in steps of 4 um")
         sub.add_argument("--out", type=Path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)")
 
     def trial(sub: argparse.ArgumentParser) -> None:
@@ -271,10 +271,14 @@ def _reproduce(arguments: argparse.Namespace) -> int:
         return BAD_INPUT
     for case, reason in done.failures.items():
         _say(f"failed: {case}: {reason}")
-    if done.exit_code == OK:
-        print(f"{len(done.cases)} cases: {done.folder}")
-    else:
+    if done.interrupted:
         _say(f"stopped early; what is solved is in {done.folder}, the same command goes on")
+        return done.exit_code
+    if done.failures:
+        _say(f"{len(done.failures)} cases failed; the statements are judged without them")
+    print(
+        f"{len(done.cases)} cases\nall on one page: {done.folder / 'index.html'}   statements: {done.folder / 'claims.md'}"
+    )
     return done.exit_code
 
 

@@ -344,7 +344,7 @@ def test_scores_rank_readings_and_say_ties() -> None:
     whole = float(len(CLAIMS))
     assert first == [(1, "article", 10, whole), (1, "twin", 10, whole), (3, "worse", 10, whole - 0.5)]
     text = claims_text.markdown(table)
-    assert "article with 10 lg and twin with 10 lg** share the first place" in text
+    assert "article with 10 lg and twin with 10 lg share the first place" in text
     assert "does better than worse with 10 lg on: deflection-roughest (reproduced, partly)." in text
 
 

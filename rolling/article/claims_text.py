@@ -49,16 +49,23 @@ def _extent(name: str, extent: dict[str, Any]) -> str:
     return words + (f". Lacks {', '.join(extent['lacks'])}" if extent["lacks"] else "") + "."
 
 
+def headline(table: dict[str, Any]) -> str:
+    """Which reading, or readings of equal score, explain most of the statements."""
+    first = [one for one in table["scores"] if one["rank"] == 1]
+    if not first:
+        return "No reading was run that tells."
+    named = " and ".join(f"{one['reading']} with {one['scale']} lg" for one in first)
+    judged = " and ".join(f"{one['judged']}" for one in first)
+    does = "share the first place" if len(first) > 1 else "comes first"
+    return f"{named} {does}: {first[0]['score']:g} of {judged} judged statements"
+
+
 def _ranking(table: dict[str, Any]) -> list[str]:
     scores = table["scores"]
     if not scores:
-        return ["No reading was run that tells."]
-    first = [one for one in scores if one["rank"] == 1]
-    named = " and ".join(f"{one['reading']} with {one['scale']} lg" for one in first)
-    judged = " and ".join(f"{one['judged']}" for one in first)
+        return [headline(table)]
     words = (
-        f"**{named}** {'share the first place' if len(first) > 1 else 'comes first'}: {first[0]['score']:g} of {judged}"
-        " judged statements (1 for each that is reproduced, half for partly). What was not run counts nothing,"
+        f"**{headline(table)}** (1 for each that is reproduced, half for partly). What was not run counts nothing,"
         " so readings compare only as far as the same was judged of them; 20 lg can never be judged on absolute levels."
     )
     rows = [
@@ -73,7 +80,7 @@ def _ranking(table: dict[str, Any]) -> list[str]:
     ]
     parts = [words, _table(["rank", "reading", "levels", "score", *WORTH], rows)]
     after = next((one for one in scores if one["rank"] > 1), None)
-    return [*parts, _ahead(first[0], after)] if after else parts
+    return [*parts, _ahead(scores[0], after)] if after else parts
 
 
 def _ahead(first: dict[str, Any], after: dict[str, Any]) -> str:

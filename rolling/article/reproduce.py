@@ -25,14 +25,16 @@ from rolling.store import FolderError, Result
 
 SCENES = Path(__file__).parents[2] / "scenarios"
 CASES = "cases.json"
+CLAIMS = "claims.md"
 PAGE = "index.html"
 
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What a command did: its folder, the cases that are solved, the failures by case, whether it was interrupted."""
+    """What a command did: its folder, its finding, the cases that are solved, failures by case, whether it was interrupted."""
 
     folder: Path
+    headline: str
     cases: list[Case]
     failures: dict[str, str]
     interrupted: bool
@@ -75,12 +77,12 @@ def reproduce(
     store.write_json(folder / CASES, [_plain(asdict(case)) for case in cases])
     table = claims.table(cases)
     store.write_json(folder / "claims.json", table)
-    store.write_bytes(folder / "claims.md", claims_text.markdown(table).encode())
+    store.write_bytes(folder / CLAIMS, claims_text.markdown(table).encode())
     if not outcome.interrupted:
         _write_pictures(folder, runs, results, cases, table)
     flat = [one for each in runs.values() for one in each]
     failures = {str(flat[k].folder.relative_to(folder)): reason for k, reason in outcome.failures.items()}
-    return Reproduction(folder, cases, failures, outcome.interrupted)
+    return Reproduction(folder, claims_text.headline(table), cases, failures, outcome.interrupted)
 
 
 def _readings(name: str, chosen: Sequence[str]) -> list[Path]:

@@ -71,7 +71,7 @@ def deflection(reading: Reading, on: Scales) -> Picture:
 
     look = _Look("deflection [µm]", (on.deflection_um, 0.0), "viridis", (-on.reach_um, on.reach_um))
     return _contacts(
-        "fig6_deflection", "Deflection of the plate", "downwards; of the part that was solved", reading, on, sheet, look,
+        "fig6_deflection", "Deflection of the plate", "downwards; of the part that was solved, thinned", reading, on, sheet, look,
         lambda contact: f"greatest {contact.deflection.max() * 1e6:.2f} µm",
     )  # fmt: skip
 

@@ -29,15 +29,20 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Part:
-    """What of a study is solved: all of it, or with `quick` one surface, three loads and a short track."""
+    """What of a study is solved: all of it, or so many surfaces, these of its loads, a shorter track in longer steps.
+
+    strides : steps are so many times as long.
+    """
 
     seeds: int | None = None
     loads: tuple[float, ...] | None = None
     duration_s: float | None = None
+    strides: int = 1
 
 
 WHOLE = Part()
-QUICK = Part(seeds=1, loads=(5, 20, 100), duration_s=0.01)
+# The widest contact, of two bodies at Ra 5 um and 100 N, reaches over 1.19 mm: the track must be longer.
+QUICK = Part(seeds=1, loads=(5, 20, 100), duration_s=0.0125, strides=2)
 
 
 @dataclass(frozen=True)
@@ -83,14 +88,20 @@ def scenes(folder: Path, part: Part = WHOLE) -> list[Scene]:
     files = sorted(folder.glob("*.yaml"))
     if not files:
         raise store.FolderError(f"{folder}: no scene files of a reading")
+    found = [scene for file in files for _, scene in expand(_load(file, part))]
+    loads = {scene.load for scene in found}
+    if part.loads is not None and len(loads) > 1:
+        loads &= {*part.loads}
+    seeds = part.seeds or math.inf
+    return sorted((one for one in found if one.load in loads and varied(one)[2] <= seeds), key=varied)
+
+
+def _load(file: Path, part: Part) -> Scene:
+    scene = scene_file.load(file)
     overrides = [] if part.duration_s is None else [f"rolling.duration_s={part.duration_s}"]
-    found = [scene for file in files for _, scene in expand(scene_file.load(file, overrides))]
-    return sorted((one for one in found if _taken(one, part)), key=varied)
-
-
-def _taken(scene: Scene, part: Part) -> bool:
-    _, load, seed, _ = varied(scene)
-    return (part.loads is None or load in part.loads) and (part.seeds is None or seed <= part.seeds)
+    if part.strides > 1:
+        overrides.append(f"numerics.step_nodes={part.strides * scene.numerics.step_nodes:g}")
+    return scene_file.load(file, overrides) if overrides else scene
 
 
 def varied(scene: Scene) -> tuple[float, float, int, float]:
