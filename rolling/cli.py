@@ -81,7 +81,7 @@ def _parser() -> argparse.ArgumentParser:
             "study", choices=("lee2025",), metavar="STUDY", help="lee2025: Lee, Kim & Kim, Inventions 10(1), 17"
         )
         sub.add_argument("--readings", nargs="+", default=[], metavar="NAME", help="readings to run (default: all)")
-        sub.add_argument("--quick", action="store_true", help="one surface, three loads, 0.0125 s in steps of 4 um")
+        sub.add_argument("--quick", action="store_true", help="one surface, three loads, 0.015 s in steps of 4 um")
         sub.add_argument("--out", type=Path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)")
 
     def trial(sub: argparse.ArgumentParser) -> None:

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import math
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -354,6 +355,19 @@ def test_markdown_holds_every_claim_and_reading() -> None:
     for claim in (*CLAIMS, *OUTLOOK):
         assert f"### {claim.key}" in text
         assert claim.statement in text
-    widths = {line.count("|") for line in text.splitlines() if line.startswith(("| claim", "| pressure", "| length"))}
+    widths = {line.count("|") for line in text.splitlines() if line.startswith(("| claim", "| *pressure", "| *length"))}
     assert widths == {3}  # a claim and one reading
     assert len({claim.key for claim in (*CLAIMS, *OUTLOOK)}) == len(CLAIMS) + len(OUTLOOK) == 23
+
+
+def test_the_page_in_docs_answers_for_every_statement() -> None:
+    """Its table is that of claims.md from the whole study: a statement that is added or worded anew must be run."""
+    lines = (Path(__file__).parent.parent / "docs" / "lee2025.md").read_text(encoding="utf-8").splitlines()
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| *")]
+    assert [row[0] for row in rows] == [f"*{claim.key}*: {claim.statement}" for claim in (*CLAIMS, *OUTLOOK)]
+    head = next(line for line in lines if line.startswith("| claim"))
+    scenes = Path(__file__).parent.parent / "scenarios" / "lee2025"
+    assert [cell.strip() for cell in head.strip("|").split("|")][1:] == sorted(one.name for one in scenes.iterdir())
+    for row in rows:
+        words = {word.strip(" \\*") for cell in row[1:] for word in cell.split("/")}
+        assert words <= {REPRODUCED, PARTLY, NOT, NOT_RUN}

@@ -12,7 +12,10 @@ def markdown(table: dict[str, Any]) -> str:
     """What `claims.table` found, also after JSON: verdicts by reading, which explains the article best, each claim in full."""
     readings = list(table["readings"])
     head = ["claim", *readings]
-    rows = [[claim["key"], *(_cell(claim, reading) for reading in readings)] for claim in table["claims"]]
+    rows = [
+        [f"*{claim['key']}*: {claim['statement']}", *(_cell(claim, reading) for reading in readings)]
+        for claim in table["claims"]
+    ]
     parts = [
         "# Claims of Lee, Kim & Kim (2025)",
         "Verdicts are computed from the cases of each reading; statements are in our own words. Levels are judged with"
