@@ -68,6 +68,16 @@ def test_readings_are_the_articles_cases() -> None:
             assert surface(one).n_across == 256 or surface(one).roughness_ra_um >= 1
 
 
+def test_each_reading_says_what_it_takes_for_granted(tmp_path: Path) -> None:
+    said = {name: study.description(SCENES / name) for name in READINGS}
+    assert all(len(words) > 20 and words.endswith(".") for words in said.values()) and len({*said.values()}) == 6
+    for name in READINGS:  # all files of a reading say the same
+        firsts = {file.read_text(encoding="utf-8").splitlines()[0] for file in (SCENES / name).glob("*.yaml")}
+        assert firsts == {f"# {said[name]}"}
+    (tmp_path / "bare.yaml").write_text(TEXT)
+    assert study.description(tmp_path) == ""
+
+
 def test_quick_takes_one_surface_and_three_loads() -> None:
     scenes = study.scenes(SCENES / "as-stated", study.QUICK)
     assert {(one.load, surface(one).seed) for one in scenes} == {(5, 1), (20, 1), (100, 1)} and len(scenes) == 12

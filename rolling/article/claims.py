@@ -5,7 +5,7 @@ Numbers only: claims_text writes them down. Depends on verdicts; solves nothing.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
@@ -260,8 +260,12 @@ OUTLOOK = (
 )
 
 
-def table(cases: Sequence[Case]) -> dict[str, Any]:
+def table(cases: Sequence[Case], descriptions: Mapping[str, str] | None = None) -> dict[str, Any]:
     """All statements judged under all readings, for JSON: numbers are finite or None.
+
+    Parameters
+    ----------
+    descriptions : what each reading takes for granted, in words.
 
     Returns
     -------
@@ -286,7 +290,10 @@ def table(cases: Sequence[Case]) -> dict[str, Any]:
         for claim in (*CLAIMS, *OUTLOOK)
     ]
     return {
-        "readings": {name: _extent(Cases(group)) for name, group in readings.items()},
+        "readings": {
+            name: {"what": (descriptions or {}).get(name, "")} | _extent(Cases(group))
+            for name, group in readings.items()
+        },
         "claims": rows,
         "scores": _scores(rows, [name for name, group in readings.items() if _swept(Cases(group)) is None]),
     }

@@ -48,7 +48,8 @@ def _extent(name: str, extent: dict[str, Any]) -> str:
     """A line about a reading: its cases, and what of the article's it lacks."""
     surfaces, cases = extent["surfaces"], extent["cases"]
     seconds = " and ".join(f"{duration:.3g}" for duration in extent["durations_s"])
-    words = f"- {name}: {cases} case{'s'[: cases > 1]}, {surfaces} surface{'s'[: surfaces > 1]}, {seconds} s each"
+    what = f"{extent['what']} " if extent["what"] else ""
+    words = f"- {name}: {what}{cases} case{'s'[: cases > 1]}, {surfaces} surface{'s'[: surfaces > 1]}, {seconds} s each"
     return words + (f". Lacks {', '.join(extent['lacks'])}" if extent["lacks"] else "") + "."
 
 

@@ -73,8 +73,8 @@ def page(readings: Sequence[str], table: Mapping[str, Any], pictures: Mapping[st
     ----------
     readings : their names, in the order of the columns.
     table : `claims`, each with key, where, statement, tolerance and `findings` (reading, scale, verdict, measured);
-        `scores` (reading, scale, score and, where given, rank, judged and counts), best first; `readings`, with what each
-        lacks. What is missing is left out.
+        `scores` (reading, scale, score and, where given, rank, judged and counts), best first; `readings`, with `what` each
+        takes for granted and what it `lacks`. What is missing is left out.
     pictures : of each reading, as `figures.gallery` gives them; readings without any have no column.
     """
     rows = [_row(claim, readings) for claim in table.get("claims", [])]
@@ -90,7 +90,8 @@ def page(readings: Sequence[str], table: Mapping[str, Any], pictures: Mapping[st
         rows=rows,
         signs=SIGNS,
         scores=[_score(one) for one in table.get("scores", [])],
-        lacks=_lacks(table.get("readings", {}), readings),
+        what=_of_each(table, readings, "what"),
+        lacks=_of_each(table, readings, "lacks"),
         shelves=_shelves(readings, pictures),
         citation=citation,
         css=Markup(files("rolling").joinpath("page", "report.css").read_text(encoding="utf-8")),
@@ -129,12 +130,10 @@ def _score(one: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _lacks(extents: object, readings: Sequence[str]) -> list[tuple[str, str]]:
-    """What of the article's cases a reading is without."""
-    if not isinstance(extents, Mapping):
-        return []
-    found = [(name, extents[name].get("lacks")) for name in readings if isinstance(extents.get(name), Mapping)]
-    return [(name, ", ".join(map(str, lacks))) for name, lacks in found if lacks]
+def _of_each(table: Mapping[str, Any], readings: Sequence[str], key: str) -> list[tuple[str, str]]:
+    """What the table says of each reading under a key, in words; without those of which it says nothing."""
+    found = [(name, table.get("readings", {}).get(name, {}).get(key) or "") for name in readings]
+    return [(name, said if isinstance(said, str) else ", ".join(said)) for name, said in found if said]
 
 
 def _shelves(readings: Sequence[str], pictures: Mapping[str, Sequence[Picture]]) -> list[Shelf]:

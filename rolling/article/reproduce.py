@@ -59,7 +59,8 @@ def reproduce(
     FolderError : no such reading, or `out` holds something else. SceneError : a scene file that cannot be used.
     """
     part = study.QUICK if quick else study.WHOLE
-    scenes = {folder.name: study.scenes(folder, part) for folder in _readings(name, chosen)}
+    folders = _readings(name, chosen)
+    scenes = {folder.name: study.scenes(folder, part) for folder in folders}
     folder = out or Path("outputs") / (f"{name}-quick" if quick else name)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())) and not (folder / CASES).is_file():
         raise FolderError(f"{folder}: holds something that is no study of this program; take another --out")
@@ -75,7 +76,7 @@ def reproduce(
         if results[one.folder].complete
     ]
     store.write_json(folder / CASES, [_plain(asdict(case)) for case in cases])
-    table = claims.table(cases)
+    table = claims.table(cases, {one.name: study.description(one) for one in folders})
     store.write_json(folder / "claims.json", table)
     store.write_bytes(folder / CLAIMS, claims_text.markdown(table).encode())
     if not outcome.interrupted:

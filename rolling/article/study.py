@@ -96,6 +96,13 @@ def scenes(folder: Path, part: Part = WHOLE) -> list[Scene]:
     return sorted((one for one in found if one.load in loads and varied(one)[2] <= seeds), key=varied)
 
 
+def description(folder: Path) -> str:
+    """What a reading takes for granted: the comment that its first scene file begins with; empty without one."""
+    with sorted(folder.glob("*.yaml"))[0].open(encoding="utf-8") as file:
+        line = file.readline()
+    return line.strip("# \n") if line.startswith("#") else ""
+
+
 def _load(file: Path, part: Part) -> Scene:
     scene = scene_file.load(file)
     overrides = [] if part.duration_s is None else [f"rolling.duration_s={part.duration_s}"]
