@@ -81,7 +81,11 @@ def _parser() -> argparse.ArgumentParser:
             "study", choices=("lee2025",), metavar="STUDY", help="lee2025: Lee, Kim & Kim, Inventions 10(1), 17"
         )
         sub.add_argument("--readings", nargs="+", default=[], metavar="NAME", help="readings to run (default: all)")
-        sub.add_argument("--quick", action="store_true", help="one surface, three loads, 0.015 s in steps of 4 um")
+        sub.add_argument(
+            "--quick",
+            action="store_true",
+            help="one surface, three loads, 0.015 s in steps of 6 um; without the outlook unless named",
+        )
         sub.add_argument("--out", type=Path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)")
 
     def trial(sub: argparse.ArgumentParser) -> None:
@@ -276,9 +280,8 @@ def _reproduce(arguments: argparse.Namespace) -> int:
         return done.exit_code
     if done.failures:
         _say(f"{len(done.failures)} cases failed; the statements are judged without them")
-    print(
-        f"{len(done.cases)} cases\nall on one page: {done.folder / 'index.html'}   statements: {done.folder / 'claims.md'}"
-    )
+    print(f"{len(done.cases)} cases. {done.headline}")
+    print(f"all on one page: {done.folder / reproduce.PAGE}   statements: {done.folder / reproduce.CLAIMS}")
     return done.exit_code
 
 

@@ -53,7 +53,8 @@ def test_a_killed_study_goes_on_and_answers_for_each_statement(tmp_path: Path, m
     monkeypatch.setattr(simulate, "simulate_piece", count)
     monkeypatch.setattr(study, "QUICK", SHORT)
     assert cli.main([*COMMAND, "--out", str(out)]) == 0
-    assert "16 cases" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "16 cases. " in printed and "judged statements" in printed and str(out / "index.html") in printed
     assert len(set(solved)) == 16 - len(before) < 16
     assert all(file.read_bytes() == content for file, content in before.items())
 

@@ -81,9 +81,9 @@ def test_each_reading_says_what_it_takes_for_granted(tmp_path: Path) -> None:
 def test_quick_takes_one_surface_and_three_loads() -> None:
     scenes = study.scenes(SCENES / "as-stated", study.QUICK)
     assert {(one.load, surface(one).seed) for one in scenes} == {(5, 1), (20, 1), (100, 1)} and len(scenes) == 12
-    assert all(one.rolling.duration_s == study.QUICK.duration_s and one.step == 4e-6 for one in scenes)
+    assert all(one.rolling.duration_s == study.QUICK.duration_s and one.step == pytest.approx(6e-6) for one in scenes)
     lengths = study.scenes(SCENES / "correlation-length", study.QUICK)
-    assert len(lengths) == 5 and all(one.step == pytest.approx(4e-6) for one in lengths)
+    assert len(lengths) == 5 and all(one.step == pytest.approx(6e-6) for one in lengths)
 
 
 def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
