@@ -13,9 +13,9 @@ Array = NDArray[np.float64]
 
 # Padded lengths that are quick for their size, by a trial of the products of 2, 3, 5 and 7: those between cost more than the next.
 _SHORT = (16, 20, 24, 32, 40, 48, 64, 80, 100, 128)
-_LONG = (512, 640, 768, 800, 896, 1024, 1280, 1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
-_SINGLE_LENGTHS = tuple(sorted((*_SHORT, 144, 160, 192, 240, 256, 320, 384, 400, *_LONG, 864)))
-_DOUBLE_LENGTHS = tuple(sorted((*_SHORT, 160, 200, 256, 320, 384, 400, *_LONG, 1152)))
+_LONG = (1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
+_SINGLE_LENGTHS = (*_SHORT, 144, 160, 192, 240, 256, 320, 384, 400, 512, 640, 768, 800, 864, 896, 1024, 1280, *_LONG)
+_DOUBLE_LENGTHS = (*_SHORT, 160, 200, 256, 320, 384, 400, 512, 640, 768, 800, 896, 1024, 1152, 1280, *_LONG)
 MOST_NODES = _LONG[-1] // 2  # across a window
 
 OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # of a unit square at its own centre

@@ -115,7 +115,7 @@ def page(runs: Sequence[Heard], shelf: Sequence[tuple[Heard | None, Exhibit]], u
         "tsv": report_text.tsv(runs),
     }
     html = (
-        _environment()
+        environment()
         .get_template("report.html")
         .render(
             title=", ".join(dict.fromkeys(one.scene.name for one in runs)),
@@ -131,8 +131,8 @@ def page(runs: Sequence[Heard], shelf: Sequence[tuple[Heard | None, Exhibit]], u
             curves=[each for whose, each in shelf if whose is None or (len(runs) == 1 and each.name not in OWN)],
             surfaces=_surfaces(shown),
             data=data,
-            css=_own("report.css"),
-            js=_own("report.js"),
+            css=own_text("report.css"),
+            js=own_text("report.js"),
         )
     )
     return html.encode()
@@ -250,7 +250,8 @@ def _uri(kind: str, content: bytes) -> str:
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
-def _environment() -> jinja2.Environment:
+def environment() -> jinja2.Environment:
+    """Of the pages: everything that is filled in is escaped, and what is missing is an error."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("rolling", "page"),
         autoescape=True,
@@ -269,6 +270,6 @@ def _slug(label: str) -> str:
     return re.sub(r"[^A-Za-z0-9.=-]+", "_", label).strip("_")
 
 
-def _own(name: str) -> Markup:
+def own_text(name: str) -> Markup:
     """A file of the page, which is the program's own text."""
     return Markup(files("rolling").joinpath("page", name).read_text(encoding="utf-8"))

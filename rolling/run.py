@@ -78,8 +78,8 @@ def resume(folder: Path, workers: int = 0, page: bool = True) -> Report:
     results = []
     for one in runs:
         result = Result.empty(track(one.scene), one.scene.start)
-        if (one.folder / "result.h5").is_file():
-            kept = store.load(one.folder / "result.h5")
+        if (one.folder / solve.RESULT).is_file():
+            kept = store.load(one.folder / solve.RESULT)
             if (kept.steps, kept.solved_steps) != (result.steps, result.solved_steps):
                 raise store.FolderError(f"{one.folder}: result.h5 has {kept.steps} steps, its scene {result.steps}")
             result = kept
@@ -103,7 +103,7 @@ def resound(
     singles = expand(scene)
     if [values for values, _ in singles] != [one.values for one in stored]:
         raise store.FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
-    results = [store.load(one.folder / "result.h5") for one in stored]
+    results = [store.load(one.folder / solve.RESULT) for one in stored]
     target = store.new_folder(Path("outputs") / scene.name, out, force)
     store.write_bytes(target / "scene.yaml", (folder / "scene.yaml").read_bytes())
     runs = _make_folders(target, scene)
@@ -137,8 +137,8 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     unheard: list[str] = []
     for one in runs:
         check.refuse_unavailable(one.scene)
-        solved = (one.folder / "result.h5").is_file()
-        sounding = _heard(one, store.load(one.folder / "result.h5")) if solved else None
+        solved = (one.folder / solve.RESULT).is_file()
+        sounding = _heard(one, store.load(one.folder / solve.RESULT)) if solved else None
         if sounding is None:
             unheard.append(f"{one.scene.name}, {one.label}")
         else:
@@ -206,7 +206,7 @@ def _finish(
         done.append((one, sounding.numbers if sounding else None))
         if sounding is None:
             continue
-        if not (one.folder / "result.h5").exists():  # new sound of a stored run
+        if not (one.folder / solve.RESULT).exists():  # new sound of a stored run
             solve.keep(one, result)
         sound_files.write(one.folder, one.scene, one.label, sounding.sound)
         store.write_json(one.folder / "summary.json", sounding.numbers)

@@ -85,7 +85,7 @@ def change(measure: Measure, first: Sequence[Case], then: Sequence[Case], factor
     """What changes between two groups; None if they share no seed.
 
     Certain is what exceeds twice its standard error, with one seed what exceeds 0. Differences are taken seed by seed:
-    the same seed is the same surface under another load, and its neighbour in roughness.
+    the same seed is the same surface under another load, and of another roughness where both are as wide.
     """
     a, b = measure.by_seed(first, factor), measure.by_seed(then, factor)
     found = np.array([b[seed] - a[seed] for seed in a if seed in b])

@@ -1,4 +1,4 @@
-"""The readings of the article side by side on one HTML page that needs no network. Depends on jinja2 and report.
+"""The readings of the article side by side on one HTML page that needs no network. Depends on report.
 
 The claims come first, then a row for each figure with a column for each reading; how it looks is in `page/article.html`.
 """
@@ -7,11 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import Any
-
-import jinja2
-from markupsafe import Markup
 
 from rolling import citation, report
 from rolling.picture import Picture
@@ -78,23 +74,20 @@ def page(readings: Sequence[str], table: Mapping[str, Any], pictures: Mapping[st
     pictures : of each reading, as `figures.gallery` gives them; readings without any have no column.
     """
     rows = [_row(claim, readings) for claim in table.get("claims", [])]
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("rolling", "page"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    html = environment.get_template("article.html").render(
-        readings=list(readings),
-        rows=rows,
-        signs=SIGNS,
-        scores=[_score(one) for one in table.get("scores", [])],
-        what=_of_each(table, readings, "what"),
-        lacks=_of_each(table, readings, "lacks"),
-        shelves=_shelves(readings, pictures),
-        citation=citation,
-        css=Markup(files("rolling").joinpath("page", "report.css").read_text(encoding="utf-8")),
+    html = (
+        report.environment()
+        .get_template("article.html")
+        .render(
+            readings=list(readings),
+            rows=rows,
+            signs=SIGNS,
+            scores=[_score(one) for one in table.get("scores", [])],
+            what=_of_each(table, readings, "what"),
+            lacks=_of_each(table, readings, "lacks"),
+            shelves=_shelves(readings, pictures),
+            citation=citation,
+            css=report.own_text("report.css"),
+        )
     )
     return html.encode()
 

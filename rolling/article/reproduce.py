@@ -61,7 +61,7 @@ def reproduce(
     part = study.QUICK if quick else study.WHOLE
     folders = _readings(name, chosen)
     scenes = {folder.name: study.scenes(folder, part) for folder in folders}
-    if quick and not chosen:  # the outlook's fine surfaces take a fifth of the time
+    if quick and not chosen:  # the outlook's fine surfaces would take a third as long again
         scenes = {name: found for name, found in scenes.items() if len({study.varied(one)[3] for one in found}) == 1}
     folder = out or Path("outputs") / (f"{name}-quick" if quick else name)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())) and not (folder / CASES).is_file():
