@@ -140,6 +140,7 @@ class ContactState:
     contact_area: float
     plastic_area: float
     max_pressure: float
+    max_deflection: float
     stored_energy: float
     residual: float
     iterations: int
@@ -331,6 +332,7 @@ def _solve(
         contact_area=count * cell,
         plastic_area=capped * cell,
         max_pressure=float(greatest),
+        max_deflection=float(solved.deflection.max()),
         edge=edge,
         stored_energy=0.5 * float(work) * cell,
         residual=solved.residual,

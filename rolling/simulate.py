@@ -35,6 +35,7 @@ STATE_SERIES = (
     "contact_area",
     "plastic_area",
     "max_pressure",
+    "max_deflection",
     "stored_energy",
     "residual",
     "iterations",

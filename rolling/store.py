@@ -39,6 +39,7 @@ UNITS = {
     "contact_area": "m2",
     "plastic_area": "m2",
     "max_pressure": "Pa",
+    "max_deflection": "m",
     "stored_energy": "J",
     "residual": "1",
     "iterations": "1",
