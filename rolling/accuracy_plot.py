@@ -19,7 +19,7 @@ from matplotlib.transforms import Bbox
 
 from acoustics.plots import COLOURS, LINE_STYLES, MARKERS
 from rolling.accuracy import BAND_LIMIT, BANDS, LAEQ_LIMIT, Errors, Findings, decibel, worst_band
-from rolling.store import write_bytes
+from rolling.run_folder import write_bytes
 from rolling.variants import Study, Variant, tolerance_text
 
 Curve = list[tuple[Variant, float, float]]  # variant, seconds of computing per second of sound, error

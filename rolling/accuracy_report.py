@@ -15,7 +15,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from rolling import accuracy, accuracy_plot, accuracy_text, check, pool, scene_file, simulate, store, summary
+from rolling import accuracy, accuracy_plot, accuracy_text, cost, pool, run_folder, scene_file, simulate, summary
 from rolling.accuracy import Findings, Measured
 from rolling.scenario import expand
 from rolling.variants import Study, Variant, study, tasks
@@ -41,14 +41,14 @@ def report(
     values, single = runs[0]
     what = study(single, duration, finest)
     simulate.rolling_contact(what.scene)  # a surface that cannot be had shows before anything is written
-    folder = store.new_folder(Path("outputs") / f"{scene.name}-accuracy", out, force)
-    store.write_bytes(folder / "scene.yaml", scene_path.read_bytes())
+    folder = run_folder.new_folder(Path("outputs") / f"{scene.name}-accuracy", out, force)
+    run_folder.write_bytes(folder / "scene.yaml", scene_path.read_bytes())
     label = ", ".join(summary.worded(k, v) for k, v in (values or {"rolling.load_n": scene.load}).items())
     if len(runs) > 1:
         print(
             f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set {next(iter(values))}=..."
         )
-    found, interrupted = _marched(what, folder, workers or check.cores())
+    found, interrupted = _marched(what, folder, workers or cost.cores())
     _write(folder, label, found)
     print(accuracy_text.compact(found))
     print(f"\ntables, picture, numbers: {folder}")
@@ -58,7 +58,9 @@ def report(
     if found.reference is None:
         print("the reference failed: there are no errors to show", file=sys.stderr)
         return 1
-    store.write_bytes(folder / store.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode())
+    run_folder.write_bytes(
+        folder / run_folder.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode()
+    )
     return 0
 
 
@@ -76,7 +78,7 @@ def _marched(what: Study, folder: Path, workers: int) -> tuple[Findings, bool]:
         if len(pieces[number]) == missing[number]:
             one = accuracy.measured(what, variants[number], pieces.pop(number))
             done[one.variant] = one
-            store.write_json(folder / "variants" / f"{one.variant.name}.json", _row(one))
+            run_folder.write_json(folder / "variants" / f"{one.variant.name}.json", _row(one))
 
     total = sum(task.cost for task in todo)
     layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
@@ -134,7 +136,7 @@ def _numbers(label: str, found: Findings) -> dict[str, Any]:
 
 
 def _write(folder: Path, label: str, found: Findings) -> None:
-    store.write_json(folder / "accuracy.json", _numbers(label, found))
-    store.write_bytes(folder / "accuracy.md", accuracy_text.text(label, found).encode())
+    run_folder.write_json(folder / "accuracy.json", _numbers(label, found))
+    run_folder.write_bytes(folder / "accuracy.md", accuracy_text.text(label, found).encode())
     if any(e["signal"] > 0 for e in found.errors.values()):  # neither silent nor only the reference
         accuracy_plot.write(folder, label, found)

@@ -1,18 +1,17 @@
 """What a scene will cost and whether it can be believed, said before anything is computed.
 
-Depends on `scenario` (what is asked), `reference` (Hertz), `acoustics.bands` and, for measured heights, `surface`.
+Depends on `scenario` (what is asked), `cost`, `reference` (Hertz) and `acoustics.bands`.
 """
 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 
 from acoustics import bands
-from rolling import reference, surface
+from rolling import cost, reference
 from rolling.scenario import Gaussian, HeightFile, Scene, SceneError, Track, expand, run_name, track
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
@@ -22,80 +21,24 @@ LEAST_HERTZ_NODES = 10  # across the Hertz radius
 LEAST_CORRELATION_NODES = 5  # across the correlation length
 GREATEST_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
 GREATEST_CONTACT = 0.2  # contact radius over sphere radius
-# Rms roughnesses by which the overlap of a rough surface reaches beyond that of a smooth one. Fitted to solved contacts
-# at Ra 0.01 to 5 um and 1 to 100 N, where it lay between 0.2 (elastic, light) and 2.4 (plastic, heavy).
-RISE = 1.5
 RUNS_ABREAST = 5  # columns of the report
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One line of the check: what, its value as text with unit, and a warning (number and what to change) or None.
+    """One line of the check.
 
+    key : name for programs, which never changes with the wording.
+    what, value : quantity and its value as text with unit.
+    warning : number that is doubtful and what to change, or None.
     seconds : of computing, which the runs of a sweep add up.
     """
 
+    key: str
     what: str
     value: str
     warning: str | None = None
     seconds: float = 0.0
-
-
-def expected_step_ms(window_nodes: float) -> float:
-    """Expected time of a step [ms] on one core, on a square window of that many nodes a side: 1.1 (n/70)^1.95.
-
-    Measured at tolerance 1e-4, the whole step: 1.1 ms at 70 x 70 nodes, 2.4 ms at 106 x 106, 6.9 ms at 180 x 180. Rough
-    surfaces need fewer iterations: at Ra 1 um 9 ms at 230 x 230 (the law says 11).
-    """
-    return 1.1 * (window_nodes / 70) ** 1.95
-
-
-def cores() -> int:
-    """Cores this process may use, the number of worker processes of a run unless it is told otherwise."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def overlap_radius(scene: Scene, rq: float) -> float:
-    """Radius [m] within which sphere and surface of rms roughness rq [m] about overlap: sqrt(2 R (a^2/R + 1.5 rq))."""
-    approach = reference.hertz_approach(scene.load, scene.radius, scene.contact_modulus)
-    if math.isfinite(scene.hardness):
-        # Rigid-plastic sinking: the overlap's area times the hardness is the load.
-        approach = max(approach, scene.load / (2 * math.pi * scene.radius * scene.hardness))
-    return math.sqrt(2 * scene.radius * (approach + RISE * rq))
-
-
-def roughness(scene: Scene) -> tuple[float, float]:
-    """Rms roughness [m] and rms slope [-] (norm of the gradient over one spacing) that the surface has or will have.
-
-    Raises
-    ------
-    SceneError : the height file cannot be used.
-    """
-    s, spacing = scene.surface, scene.spacing
-    if isinstance(s, Gaussian):
-        rq = s.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
-        decay, exponent = surface.AUTOCORRELATIONS[s.autocorrelation]
-        # Mean square of a difference over one spacing: 2 (rq^2 - C(spacing)).
-        drops = [-math.expm1(-decay * (s.spacing_um / length) ** exponent) for length in _correlation_lengths(s)]
-        return rq, rq * math.sqrt(2 * sum(drops)) / spacing
-    path = scene.height_path
-    if path is None:
-        return 0.0, 0.0
-    try:
-        statistics = surface.statistics(surface.read(path), spacing)
-    except surface.SurfaceError as error:
-        raise SceneError([f"surface.path: {error}"]) from error
-    return statistics.rq, statistics.rms_slope
-
-
-def expected_seconds(scene: Scene) -> float:
-    """Expected time to solve a scene on one core [s].
-
-    Raises
-    ------
-    SceneError : the height file cannot be used.
-    """
-    return track(scene).solved_steps * expected_step_ms(_window_nodes(scene, roughness(scene)[0])) * 1e-3
 
 
 def findings(scene: Scene) -> list[Finding]:
@@ -106,7 +49,7 @@ def findings(scene: Scene) -> list[Finding]:
     SceneError : the height file cannot be used.
     """
     way = track(scene)
-    rq, slope = roughness(scene)
+    rq, slope = cost.roughness(scene)
     return [
         *_size(scene, way),
         *_window(scene, way, rq),
@@ -179,25 +122,20 @@ def _table(rows: Sequence[Sequence[str]]) -> str:
 
 
 def _size(scene: Scene, way: Track) -> list[Finding]:
-    duration = _duration(scene, way)
+    duration = cost.duration(scene, way)
     size = f"{_si(way.n_along * way.spacing, 'm')} x {_si(way.n_across * way.spacing, 'm')}"
     return [
-        Finding("steps", f"{way.steps} of {_si(way.step, 'm')}"),
-        Finding("surface", f"{size}, {way.n_along} x {way.n_across} nodes"),
-        Finding("distance rolled", f"{_si(way.distance, 'm')}{'' if way.closed else ', not closed'}"),
-        Finding("duration", _si(duration, "s")),
-        Finding("sound samples", f"{round(duration * SAMPLE_RATE)}"),
+        Finding("steps", "steps", f"{way.steps} of {_si(way.step, 'm')}"),
+        Finding("surface", "surface", f"{size}, {way.n_along} x {way.n_across} nodes"),
+        Finding("distance", "distance rolled", f"{_si(way.distance, 'm')}{'' if way.closed else ', not closed'}"),
+        Finding("duration", "duration", _si(duration, "s")),
+        Finding("samples", "sound samples", f"{round(duration * SAMPLE_RATE)}"),
     ]
 
 
-def _window_nodes(scene: Scene, rq: float) -> float:
-    """Nodes along a side of the window: the overlap, at both ends of a step."""
-    return 2 * overlap_radius(scene, rq) / scene.spacing + max(1.0, scene.numerics.step_nodes)
-
-
 def _window(scene: Scene, way: Track, rq: float) -> list[Finding]:
-    across = 2 * overlap_radius(scene, rq)
-    nodes = _window_nodes(scene, rq)
+    across = 2 * cost.overlap_radius(scene, rq)
+    nodes = cost.window_nodes(scene, rq)
     warning = None
     period = min(way.n_along, way.n_across) * scene.spacing
     if across > period:
@@ -208,32 +146,35 @@ def _window(scene: Scene, way: Track, rq: float) -> list[Finding]:
             f"the contact is about {_si(across, 'm')} across, the surface has a {side} of {_si(period, 'm')}: choose a"
             f" larger {key}, at least {across * 1e6:.0f} um of surface"
         )
-    memory = _memory(scene, way, nodes)
-    machine = _machine_memory()
+    memory = cost.memory(scene, way, nodes)
+    machine = cost.machine_memory()
     too_much = (
         f"about {_bytes(memory)} are needed, this machine has {_bytes(machine)}: shorten rolling.duration_s or widen"
         " surface.spacing_um"
         if memory > machine
         else None
     )
-    step_ms = expected_step_ms(nodes)
-    seconds = way.steps * step_ms * 1e-3 / cores()
+    step_ms = cost.expected_step_ms(nodes)
+    seconds = way.steps * step_ms * 1e-3 / cost.cores()
     return [
-        Finding("window", f"about {nodes:.0f} x {nodes:.0f} nodes", warning),
-        Finding("memory", f"about {_bytes(memory)}", too_much),
-        Finding("time of a step", f"about {step_ms:.2g} ms on 1 core"),
-        Finding("expected time", f"about {_clock(seconds)} on {_cores()}", seconds=seconds),
+        Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", warning),
+        Finding("memory", "memory", f"about {_bytes(memory)}", too_much),
+        Finding("step_time", "time of a step", f"about {step_ms:.2g} ms on 1 core"),
+        Finding("expected_time", "expected time", f"about {_clock(seconds)} on {_cores()}", seconds=seconds),
     ]
 
 
 def _contact(scene: Scene, way: Track) -> list[Finding]:
     a, p0 = _hertz(scene)
-    result = [Finding("Hertz radius", _si(a, "m")), Finding("Hertz pressure", _si(p0, "Pa"))]
+    result = [
+        Finding("hertz_radius", "Hertz radius", _si(a, "m")),
+        Finding("hertz_pressure", "Hertz pressure", _si(p0, "Pa")),
+    ]
     if not math.isfinite(scene.hardness):
-        result.append(Finding("hardness", "none, purely elastic"))
+        result.append(Finding("hardness", "hardness", "none, purely elastic"))
     else:
         says = "yields" if p0 > scene.hardness else "stays elastic"
-        result.append(Finding("hardness", f"{_si(scene.hardness, 'Pa')}, {says}"))
+        result.append(Finding("hardness", "hardness", f"{_si(scene.hardness, 'Pa')}, {says}"))
         capacity = scene.hardness * way.n_along * way.n_across * way.spacing**2
         warning = None
         if scene.load >= capacity:
@@ -241,7 +182,7 @@ def _contact(scene: Scene, way: Track) -> list[Finding]:
                 f"the load is {scene.load:g} N, hardness times one period of the surface is {_si(capacity, 'N')}:"
                 " the run will be refused; lower rolling.load_n or enlarge the surface"
             )
-        result.append(Finding("capacity", _si(capacity, "N"), warning))
+        result.append(Finding("capacity", "capacity", _si(capacity, "N"), warning))
     nodes = a / scene.spacing
     coarse = None
     if nodes < LEAST_HERTZ_NODES:
@@ -249,7 +190,7 @@ def _contact(scene: Scene, way: Track) -> list[Finding]:
             f"{nodes:.2g} nodes across the Hertz radius, {LEAST_HERTZ_NODES} are wanted: choose a surface.spacing_um of"
             f" at most {_down(a / LEAST_HERTZ_NODES * 1e6)}"
         )
-    return [*result, Finding("nodes per Hertz radius", f"{nodes:.3g}", coarse)]
+    return [*result, Finding("hertz_nodes", "nodes per Hertz radius", f"{nodes:.3g}", coarse)]
 
 
 def _sampling(scene: Scene, way: Track) -> list[Finding]:
@@ -263,7 +204,7 @@ def _sampling(scene: Scene, way: Track) -> list[Finding]:
             f" surface.spacing_um) or a speed of at least {_up(2 * HEARING[1] * way.step)} m/s"
         )
     nyquist = _si(low, "Hz") if low == high else f"{_si(low, 'Hz')} to {_si(high, 'Hz')}"
-    result = [Finding("simulated Nyquist", nyquist, warning)]
+    result = [Finding("nyquist", "simulated Nyquist", nyquist, warning)]
     if scene.numerics.step_nodes < 1:
         tone = slowest / scene.spacing
         audible = None
@@ -272,9 +213,9 @@ def _sampling(scene: Scene, way: Track) -> list[Finding]:
                 f"steps below one node sound a tone of the grid at {_si(tone, 'Hz')}: choose numerics.step_nodes 1 or a"
                 f" surface.spacing_um of at most {_down(slowest / HEARING[1] * 1e6)}"
             )
-        result.append(Finding("tone of the grid", _si(tone, "Hz"), audible))
+        result.append(Finding("grid_tone", "tone of the grid", _si(tone, "Hz"), audible))
     if isinstance(scene.surface, Gaussian):
-        shortest = min(_correlation_lengths(scene.surface))
+        shortest = min(cost.correlation_lengths(scene.surface))
         nodes = shortest / scene.surface.spacing_um
         coarse = None
         if nodes < LEAST_CORRELATION_NODES * (1 - 1e-9):
@@ -282,7 +223,7 @@ def _sampling(scene: Scene, way: Track) -> list[Finding]:
                 f"{nodes:.2g} nodes per correlation length, {LEAST_CORRELATION_NODES} are wanted: choose a"
                 f" surface.spacing_um of at most {_down(shortest / LEAST_CORRELATION_NODES)}"
             )
-        result.append(Finding("nodes per correlation length", f"{nodes:.3g}", coarse))
+        result.append(Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}", coarse))
     return result
 
 
@@ -302,8 +243,8 @@ def _validity(scene: Scene, slope: float) -> list[Finding]:
             " rolling.load_n or enlarge sphere.radius_mm"
         )
     return [
-        Finding("rms slope", f"{slope:.2g}", steep),
-        Finding("contact radius / radius", f"{share:.2g}", wide),
+        Finding("slope", "rms slope", f"{slope:.2g}", steep),
+        Finding("contact_radius", "contact radius / radius", f"{share:.2g}", wide),
     ]
 
 
@@ -318,11 +259,11 @@ def _resonance(scene: Scene) -> Finding:
             " held constant here: do not trust levels about that frequency, or choose another sphere.radius_mm or"
             " rolling.load_n"
         )
-    return Finding("contact resonance", _si(frequency, "Hz"), warning)
+    return Finding("resonance", "contact resonance", _si(frequency, "Hz"), warning)
 
 
 def _record(scene: Scene, way: Track) -> Finding:
-    certain = bands.reliable(_duration(scene, way))
+    certain = bands.reliable(cost.duration(scene, way))
     warning = None
     if not certain.all():
         short = [name for name, sure in zip(bands.BAND_NAMES, certain, strict=True) if not sure]
@@ -331,7 +272,7 @@ def _record(scene: Scene, way: Track) -> Finding:
             f" {bands.LEAST_BT:g} and are uncertain by 2 dB or more: for all of them choose a rolling.duration_s of at"
             f" least {_up(bands.LEAST_BT / float(bands.BANDWIDTH_HZ[0]))}"
         )
-    return Finding("certain third octaves", f"{certain.sum()} of {len(certain)}", warning)
+    return Finding("third_octaves", "certain third octaves", f"{certain.sum()} of {len(certain)}", warning)
 
 
 def _hertz(scene: Scene) -> tuple[float, float]:
@@ -340,37 +281,12 @@ def _hertz(scene: Scene) -> tuple[float, float]:
     return reference.hertz_radius(*three), reference.hertz_pressure(*three)
 
 
-def _correlation_lengths(s: Gaussian) -> tuple[float, float]:
-    """Along and across [um]."""
-    return s.correlation_length_um, s.correlation_length_across_um or s.correlation_length_um
-
-
-def _duration(scene: Scene, way: Track) -> float:
-    """Time [s] the track takes."""
-    # A track round a file has one step at least, even for a sphere that rests before.
-    return scene.motion.duration(min(way.distance, scene.motion.final_distance))
-
-
 def _speeds(scene: Scene, way: Track) -> tuple[float, float]:
     """Least (not zero) and greatest speed [m/s] of the profile's points while the track lasts."""
-    motion, end = scene.motion, _duration(scene, way)
+    motion, end = scene.motion, cost.duration(scene, way)
     speeds = [v for t, v in zip(motion.times, motion.speeds, strict=True) if t < end] + [float(motion.speed(end))]
     moving = [v for v in speeds if v > 1e-9 * motion.fastest] or [motion.fastest]
     return min(moving), max(moving)
-
-
-def _memory(scene: Scene, way: Track, nodes: float) -> float:
-    """Bytes at the peak, about: the surface while it is made, the window's arrays and transforms, the series."""
-    making = 5 if isinstance(scene.surface, Gaussian) else 2
-    return 8.0 * (making * way.n_along * way.n_across + 12 * nodes**2 + 3 * (2 * nodes) ** 2 + 10 * way.steps)
-
-
-def _machine_memory() -> float:
-    """Bytes of this machine, infinite where it does not say."""
-    try:
-        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    except (AttributeError, OSError, ValueError):
-        return math.inf
 
 
 def _si(value: float, unit: str) -> str:
@@ -387,7 +303,7 @@ def _bytes(value: float) -> str:
 
 
 def _cores() -> str:
-    return f"{cores()} cores" if cores() > 1 else "1 core"
+    return f"{cost.cores()} cores" if cost.cores() > 1 else "1 core"
 
 
 def _clock(seconds: float) -> str:

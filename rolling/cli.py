@@ -172,8 +172,8 @@ def _resound(arguments: argparse.Namespace) -> int:
 
 def _report(arguments: argparse.Namespace) -> int:
     from rolling import run
+    from rolling.run_folder import FolderError
     from rolling.scenario import SceneError
-    from rolling.store import FolderError
 
     try:
         print(run.report(arguments.folders, arguments.out, arguments.force))
@@ -185,8 +185,8 @@ def _report(arguments: argparse.Namespace) -> int:
 
 def _reported(act, page: bool) -> int:
     from rolling import summary
+    from rolling.run_folder import FolderError
     from rolling.scenario import SceneError
-    from rolling.store import FolderError
 
     try:
         report = act()
@@ -235,8 +235,8 @@ def _accuracy(arguments: argparse.Namespace) -> int:
         return BAD_INPUT
 
     from rolling import accuracy_report
+    from rolling.run_folder import FolderError
     from rolling.scenario import SceneError
-    from rolling.store import FolderError
 
     given = {name: value for name in ("finest", "duration") if (value := getattr(arguments, name)) is not None}
     try:
@@ -249,14 +249,14 @@ def _accuracy(arguments: argparse.Namespace) -> int:
 
 
 def _hard_cases(arguments: argparse.Namespace) -> int:
-    from rolling import check, hard_cases, store
+    from rolling import cost, hard_cases, run_folder
 
     try:
-        folder = store.new_folder(Path("outputs") / "hard-cases", arguments.out, force=False)
-    except store.FolderError as error:
+        folder = run_folder.new_folder(Path("outputs") / "hard-cases", arguments.out, force=False)
+    except run_folder.FolderError as error:
         _say(str(error))
         return BAD_INPUT
-    workers = arguments.workers or check.cores()
+    workers = arguments.workers or cost.cores()
     code = hard_cases.main_report(folder, arguments.random or 2000, workers, arguments.long)
     print(f"\ntable, numbers: {folder}")
     return code
@@ -264,8 +264,8 @@ def _hard_cases(arguments: argparse.Namespace) -> int:
 
 def _reproduce(arguments: argparse.Namespace) -> int:
     from rolling.article import reproduce
+    from rolling.run_folder import FolderError
     from rolling.scenario import SceneError
-    from rolling.store import FolderError
 
     a = arguments
     try:

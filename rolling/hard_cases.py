@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from rolling import hard_scenes, optimality
+from rolling import hard_scenes, optimality, run_folder
 from rolling.contact import ContactError
 from rolling.half_space import HalfSpace
 from rolling.hard_scenes import CAPACITY, CASES, ROOM, SOLVED, WIDTH, HardCase
@@ -273,8 +273,6 @@ def main_report(out: Path, random: int, workers: int = 1, long: bool = False) ->
     """
     from tqdm import tqdm
 
-    from rolling import store
-
     cases = [*CASES, *found_cases(), *([hard_scenes.LONG] if long else [])]
     others = random // 4
     with tqdm(total=len(cases) + random + 2 * others, unit="scene", file=sys.stderr, disable=None) as bar:
@@ -282,6 +280,6 @@ def main_report(out: Path, random: int, workers: int = 1, long: bool = False) ->
     text = table(data)
     print(text)
     out.mkdir(parents=True, exist_ok=True)
-    store.write_json(out / "hard.json", data)
-    store.write_bytes(out / "hard.md", text.encode())
+    run_folder.write_json(out / "hard.json", data)
+    run_folder.write_bytes(out / "hard.md", text.encode())
     return 1 if data["failures"] else 0

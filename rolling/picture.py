@@ -20,7 +20,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rolling.store import write_bytes
+from rolling.run_folder import write_bytes
 
 Array = NDArray[np.float64]
 

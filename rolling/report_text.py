@@ -214,10 +214,10 @@ def _assumed(one: Heard) -> dict[str, str]:
 
 def _half_space(scene: Scene) -> str:
     """How far the scene is from where a half-space no longer holds."""
-    values = {finding.what: finding.value for finding in check.findings(scene)}
+    values = {finding.key: finding.value for finding in check.findings(scene)}
     return (
-        f"rms slope {values['rms slope']} (holds up to {check.GREATEST_SLOPE:g}),"
-        f" contact radius over the sphere's {values['contact radius / radius']} (up to {check.GREATEST_CONTACT:g})"
+        f"rms slope {values['slope']} (holds up to {check.GREATEST_SLOPE:g}),"
+        f" contact radius over the sphere's {values['contact_radius']} (up to {check.GREATEST_CONTACT:g})"
     )
 
 

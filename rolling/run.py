@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling import check, scene_file, simulate, solve, sound_files, store, summary
+from rolling import check, run_folder, scene_file, simulate, solve, sound_files, store, summary
 from rolling.heard import Heard, distinct, hear
 from rolling.scenario import Scene, expand, run_name, track
 from rolling.solve import Run
@@ -58,8 +58,8 @@ def run(
     check.refuse_unavailable(scene)
     for _, single in expand(scene):
         simulate.rolling_contact(single)  # a surface that cannot be had shows before anything is written
-    folder = store.new_folder(Path("outputs") / scene.name, out, force)
-    store.write_bytes(folder / "scene.yaml", scene_path.read_bytes())
+    folder = run_folder.new_folder(Path("outputs") / scene.name, out, force)
+    run_folder.write_bytes(folder / "scene.yaml", scene_path.read_bytes())
     runs = _make_folders(folder, scene)
     results = [Result.empty(track(one.scene), one.scene.start) for one in runs]
     return _work(folder, runs, results, workers, page)
@@ -81,7 +81,9 @@ def resume(folder: Path, workers: int = 0, page: bool = True) -> Report:
         if (one.folder / solve.RESULT).is_file():
             kept = store.load(one.folder / solve.RESULT)
             if (kept.steps, kept.solved_steps) != (result.steps, result.solved_steps):
-                raise store.FolderError(f"{one.folder}: result.h5 has {kept.steps} steps, its scene {result.steps}")
+                raise run_folder.FolderError(
+                    f"{one.folder}: result.h5 has {kept.steps} steps, its scene {result.steps}"
+                )
             result = kept
         results.append(result)
     return _work(folder, runs, results, workers, page)
@@ -102,10 +104,10 @@ def resound(
     check.refuse_unavailable(scene)
     singles = expand(scene)
     if [values for values, _ in singles] != [one.values for one in stored]:
-        raise store.FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
+        raise run_folder.FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
     results = [store.load(one.folder / solve.RESULT) for one in stored]
-    target = store.new_folder(Path("outputs") / scene.name, out, force)
-    store.write_bytes(target / "scene.yaml", (folder / "scene.yaml").read_bytes())
+    target = run_folder.new_folder(Path("outputs") / scene.name, out, force)
+    run_folder.write_bytes(target / "scene.yaml", (folder / "scene.yaml").read_bytes())
     runs = _make_folders(target, scene)
     return _finish(target, runs, results, {}, False, page)
 
@@ -123,14 +125,14 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     FolderError, SceneError : no run folder, nothing solved in it, or `out` exists; nothing is written.
     """
     if out is not None and out.exists() and not (force and out.is_file()):
-        raise store.FolderError(
+        raise run_folder.FolderError(
             f"{out}: {'exists; take another --out, or --force' if out.is_file() else 'is a folder'}"
         )
     from rolling import report as pages
 
     runs = list({one.folder.resolve(): one for folder in folders for one in read_runs(folder)}.values())
     if len(runs) > pages.MOST_RUNS:
-        raise store.FolderError(
+        raise run_folder.FolderError(
             f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare"
         )
     heard: list[Heard] = []
@@ -144,13 +146,17 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
         else:
             heard.append(sounding)
     if not heard:
-        raise store.FolderError(f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report")
+        raise run_folder.FolderError(
+            f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report"
+        )
     heard = distinct(heard)
     content = pages.page(heard, pages.exhibits(heard), unheard)
     if out is None:
-        out = (folders[0] if len(folders) == 1 else store.new_folder(Path("outputs") / "report", None, False)) / PAGE
+        out = (
+            folders[0] if len(folders) == 1 else run_folder.new_folder(Path("outputs") / "report", None, False)
+        ) / PAGE
     out.parent.mkdir(parents=True, exist_ok=True)
-    store.write_bytes(out, content)
+    run_folder.write_bytes(out, content)
     return out
 
 
@@ -162,7 +168,7 @@ def read_runs(folder: Path) -> list[Run]:
     FolderError : it is none.
     """
     if not (folder / "resolved.yaml").is_file():
-        raise store.FolderError(f"{folder}: not a run folder (no resolved.yaml in it)")
+        raise run_folder.FolderError(f"{folder}: not a run folder (no resolved.yaml in it)")
     scene = scene_file.load(folder / "resolved.yaml")
     return [Run(values, single, folder / run_name(values)) for values, single in expand(scene)]
 
@@ -174,9 +180,11 @@ def _make_folders(folder: Path, scene: Scene) -> list[Run]:
         one.folder.mkdir(exist_ok=True)
         # A single run can be resumed and resounded on its own: it says what it was given, too.
         if one.folder != folder:
-            store.write_bytes(one.folder / "scene.yaml", (folder / "scene.yaml").read_bytes())
-        store.write_bytes(one.folder / "resolved.yaml", scene_file.dump(_seen_from(one.folder, one.scene)).encode())
-    store.write_bytes(folder / "resolved.yaml", scene_file.dump(_seen_from(folder, scene)).encode())
+            run_folder.write_bytes(one.folder / "scene.yaml", (folder / "scene.yaml").read_bytes())
+        run_folder.write_bytes(
+            one.folder / "resolved.yaml", scene_file.dump(_seen_from(one.folder, one.scene)).encode()
+        )
+    run_folder.write_bytes(folder / "resolved.yaml", scene_file.dump(_seen_from(folder, scene)).encode())
     return runs
 
 
@@ -209,13 +217,13 @@ def _finish(
         if not (one.folder / solve.RESULT).exists():  # new sound of a stored run
             solve.keep(one, result)
         sound_files.write(one.folder, one.scene, one.label, sounding.sound)
-        store.write_json(one.folder / "summary.json", sounding.numbers)
-        store.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
+        run_folder.write_json(one.folder / "summary.json", sounding.numbers)
+        run_folder.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
         heard.append(sounding)
     heard = distinct(heard)
     shelf = _write_pictures(folder, heard, page)
     if len(runs) > 1:
-        store.write_json(
+        run_folder.write_json(
             folder / "sweep.json",
             [{"values": one.values, "folder": one.folder.name, "summary": numbers} for one, numbers in done],
         )
@@ -223,11 +231,11 @@ def _finish(
         from rolling import report as pages
 
         unheard = [one.label for one, numbers in done if numbers is None]
-        store.write_bytes(folder / PAGE, pages.page(heard, shelf, unheard))
+        run_folder.write_bytes(folder / PAGE, pages.page(heard, shelf, unheard))
     if not failures and not interrupted and all(result.complete for result in results):
         for finished in {one.folder for one in runs} | {folder}:
-            store.write_bytes(
-                finished / store.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode()
+            run_folder.write_bytes(
+                finished / run_folder.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode()
             )
     return Report(folder, done, failures, interrupted, folder / PAGE if shelf else None)
 

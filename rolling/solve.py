@@ -9,11 +9,12 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from rolling import check, simulate, store, summary
+from rolling import cost, simulate, store, summary
 from rolling.pool import Outcome
+from rolling.run_folder import Keeper
 from rolling.scenario import Scene
 from rolling.sound import middle_speeds
-from rolling.store import Keeper, Result
+from rolling.store import Result
 
 RESULT = "result.h5"
 BAR = "{desc} {percentage:3.0f}%|{bar}| {elapsed} passed, {remaining} left"
@@ -51,7 +52,7 @@ def solve(runs: Sequence[Run], results: Sequence[Result], workers: int, name: st
     """
     missing = [[*simulate.missing(result.solved_steps, result.series["release_energy"])] for result in results]
     step_seconds = [
-        check.expected_seconds(one.scene) / result.solved_steps for one, result in zip(runs, results, strict=True)
+        cost.expected_seconds(one.scene) / result.solved_steps for one, result in zip(runs, results, strict=True)
     ]
     # The longest first, so that no core is left with one of them in the end.
     order = sorted((k for k in range(len(runs)) if missing[k]), key=lambda k: -step_seconds[k])
@@ -70,7 +71,7 @@ def solve(runs: Sequence[Run], results: Sequence[Result], workers: int, name: st
     scenes = [one.scene for one in runs]
     total = sum((last - first) * step_seconds[k] for k, first, last in todo)
     with tqdm(total=total, disable=None, desc=name, bar_format=BAR) as bar:
-        outcome = simulate.simulate(scenes, todo, workers or check.cores(), finished, bar.update, step_seconds, mapped)
+        outcome = simulate.simulate(scenes, todo, workers or cost.cores(), finished, bar.update, step_seconds, mapped)
     for k in order:
         keep(runs[k], results[k])
     return outcome

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from acoustics import wav
-from rolling import store
+from rolling import run_folder
 from rolling.scenario import Scene
 from rolling.sound import ContactSound
 
@@ -55,8 +55,8 @@ def write(folder: Path, scene: Scene, label: str, sound: ContactSound) -> None:
         ),
     }
     for name, content in files.items():
-        store.write_bytes(folder / f"{name}.wav", content)
-        store.write_json(folder / f"{name}.json", sidecars[name])
+        run_folder.write_bytes(folder / f"{name}.wav", content)
+        run_folder.write_json(folder / f"{name}.json", sidecars[name])
 
 
 def _sidecar(scene: Scene, label: str, sound: ContactSound, gain: float, form: str, meaning: str) -> dict[str, Any]:

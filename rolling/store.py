@@ -1,17 +1,11 @@
-"""Run folders and result files: written whole or not at all, readable at every moment of a run, never overwritten unasked.
+"""Result files: written whole or not at all, readable at every moment of a run.
 
 `result.h5` holds the series of the whole run (NaN where not solved yet) with named dimensions and units; it opens in xarray.
 """
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
-import time
-from contextlib import suppress
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling.recovery import join_events
+from rolling.run_folder import FolderError
 from rolling.scenario import Track
 from rolling.simulate import STATE_SERIES, STEP_SERIES, Piece, PressureMap, Snapshot
 
 Array = NDArray[np.float64]
 
-FINISHED = "finished"
 UNITS = {
     "release_energy": "J",
     "loading_energy": "J",
@@ -45,10 +39,6 @@ UNITS = {
     "iterations": "1",
     "convolutions": "1",
 }
-
-
-class FolderError(Exception):
-    """A folder that cannot be written to or read from, and what to do."""
 
 
 @dataclass
@@ -107,49 +97,6 @@ class Result:
         if not self.event_pieces:
             return None
         return join_events([self.event_pieces[first] for first in sorted(self.event_pieces)])
-
-
-def new_folder(base: Path, out: Path | None, force: bool) -> Path:
-    """A folder for a new run: `out`, or one named after the time below `base`. Nothing is overwritten without `force`.
-
-    Raises
-    ------
-    FolderError : `out` holds something and may not, or holds something that is no run.
-    """
-    if out is None:
-        stamp = datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S")
-        for k in range(1, 1000):
-            folder = base / (stamp if k == 1 else f"{stamp}-{k}")
-            with suppress(FileExistsError):
-                folder.mkdir(parents=True)
-                return folder
-        raise FolderError(f"{base}: no free folder name")
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        if not out.is_dir() or not (out / "scene.yaml").is_file():
-            raise FolderError(f"{out}: holds something that is not a run of this program; take another --out")
-        if not force:
-            raise FolderError(f"{out}: holds a run already; take another --out, or --force to replace it")
-        shutil.rmtree(out)
-    out.mkdir(parents=True, exist_ok=True)
-    return out
-
-
-def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file under another name, then give it its own: it is whole or it is not there."""
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        with partial.open("wb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        partial.replace(path)
-    except BaseException:  # Ctrl-C, too
-        partial.unlink(missing_ok=True)
-        raise
-
-
-def write_json(path: Path, content: Any) -> None:
-    write_bytes(path, (json.dumps(content, indent=2, allow_nan=False) + "\n").encode())
 
 
 def save(path: Path, result: Result, speed: Array, name: str) -> None:
@@ -268,16 +215,3 @@ def load(path: Path) -> Result:
             return result
     except (OSError, KeyError) as error:
         raise FolderError(f"{path}: not a result of this program ({error})") from error
-
-
-class Keeper:
-    """Writes results while a run goes on, often, but never for more than a twentieth of the time."""
-
-    def __init__(self) -> None:
-        self._next = time.monotonic()
-
-    def due(self) -> bool:
-        return time.monotonic() >= self._next
-
-    def wrote(self, seconds: float) -> None:
-        self._next = time.monotonic() + max(2.0, 20 * seconds)

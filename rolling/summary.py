@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from acoustics import loudness
-from rolling import check, reference, simulate, surface
+from rolling import check, cost, reference, simulate, surface
 from rolling.scenario import Scene
 from rolling.sound import ContactSound
 from rolling.store import Result
@@ -117,7 +117,7 @@ def provenance(scene: Scene) -> dict[str, Any]:
         "source": state,
         "python": platform.python_version(),
         "packages": {name: metadata.version(name) for name in packages},
-        "machine": f"{platform.system()} {platform.machine()}, {check.cores()} processors",
+        "machine": f"{platform.system()} {platform.machine()}, {cost.cores()} processors",
         "seed": getattr(scene.surface, "seed", None),
         "written": datetime.now(UTC).isoformat(timespec="seconds"),
     }

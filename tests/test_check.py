@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from acoustics import wav
-from rolling import check, surface
-from rolling.check import Finding, expected_step_ms, findings, report, roughness
+from rolling import check, cost, surface
+from rolling.check import Finding, findings, report
+from rolling.cost import expected_step_ms, roughness
 from rolling.scenario import Scene, SceneError
 from rolling.scene_file import load, loads
 
@@ -175,7 +176,7 @@ def test_window_is_about_what_a_solved_contact_needs() -> None:
         (["surface.roughness_ra_um=1", "rolling.load_n=100"], 240),
     ):
         scene = loads(TEXT, overrides)
-        got = 2 * check.overlap_radius(scene, roughness(scene)[0]) / scene.spacing
+        got = 2 * cost.overlap_radius(scene, roughness(scene)[0]) / scene.spacing
         assert got == pytest.approx(nodes, rel=0.25)
 
 

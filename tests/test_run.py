@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from acoustics import wav
-from rolling import cli, contact, reference, run, scene_file, simulate, store
+from rolling import cli, contact, reference, run, run_folder, scene_file, simulate, store
 from rolling.scenario import track
 
 SCENE = """\
@@ -195,7 +195,7 @@ def test_a_full_disk_keeps_what_was_written(scene: Path, tmp_path: Path, monkeyp
             raise OSError(errno.ENOSPC, "No space left on device")
         return inner(path, mode)
 
-    monkeypatch.setattr(store.Keeper, "due", lambda self: True)
+    monkeypatch.setattr(run_folder.Keeper, "due", lambda self: True)
     monkeypatch.setattr(store.h5py, "File", full)
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
     message = capsys.readouterr().err
@@ -311,12 +311,12 @@ def test_maps_of_wide_contacts_are_averaged_over_whole_cells(scene: Path, monkey
 
 def test_a_write_that_is_interrupted_leaves_nothing_half_done(tmp_path: Path, monkeypatch) -> None:
     path = tmp_path / "signal.wav"
-    store.write_bytes(path, b"before")
+    run_folder.write_bytes(path, b"before")
 
     def interrupt(number: int) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(store.os, "fsync", interrupt)
+    monkeypatch.setattr(run_folder.os, "fsync", interrupt)
     with pytest.raises(KeyboardInterrupt):
-        store.write_bytes(path, b"after")
+        run_folder.write_bytes(path, b"after")
     assert path.read_bytes() == b"before" and [one.name for one in tmp_path.iterdir()] == ["signal.wav"]

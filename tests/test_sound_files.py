@@ -17,7 +17,7 @@ from acoustics import wav
 from acoustics.bands import BAND_NAMES
 from acoustics.level import laeq_db, peak_pressure
 from acoustics.radiation import P_REF_PA
-from rolling import cli, scene_file, sound_files, store, summary
+from rolling import cli, run_folder, scene_file, sound_files, summary
 from rolling.sound import ContactSound, contact_sound
 
 STEP = 2e-6
@@ -88,13 +88,13 @@ def test_silence_is_written_with_no_level(tmp_path: Path) -> None:
 def test_no_half_file_is_left_by_a_full_disk(tmp_path: Path) -> None:
     resource = pytest.importorskip("resource")  # not on Windows
     path = tmp_path / "signal.wav"
-    store.write_bytes(path, wav.calibrated(np.zeros(100), "the old one"))
+    run_folder.write_bytes(path, wav.calibrated(np.zeros(100), "the old one"))
     before = path.read_bytes()
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, limits[1]))  # the file needs 96 kB
     try:
         with pytest.raises(OSError):
-            store.write_bytes(path, wav.calibrated(np.ones(24000), "the new one"))
+            run_folder.write_bytes(path, wav.calibrated(np.ones(24000), "the new one"))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert list(tmp_path.iterdir()) == [path] and path.read_bytes() == before

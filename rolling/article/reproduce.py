@@ -14,14 +14,15 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from rolling import solve, store
+from rolling import run_folder, solve
 from rolling._wording import nearest
 from rolling.article import claims, claims_text, figures, page, readings, study
 from rolling.article.study import Case
 from rolling.picture import Picture
 from rolling.pool import Outcome
+from rolling.run_folder import FolderError
 from rolling.solve import Run
-from rolling.store import FolderError, Result
+from rolling.store import Result
 
 SCENES = Path(__file__).parents[2] / "scenarios"
 CASES = "cases.json"
@@ -68,7 +69,7 @@ def reproduce(
         raise FolderError(f"{folder}: holds something that is no study of this program; take another --out")
     folder.mkdir(parents=True, exist_ok=True)
     if not (folder / CASES).is_file():
-        store.write_json(folder / CASES, [])
+        run_folder.write_json(folder / CASES, [])
     runs = {reading: study.runs(folder / reading, found) for reading, found in scenes.items()}
     outcome, results = _solve([one for each in runs.values() for one in each], workers, name)
     cases = [
@@ -77,10 +78,10 @@ def reproduce(
         for one in each
         if results[one.folder].complete
     ]
-    store.write_json(folder / CASES, [_plain(asdict(case)) for case in cases])
+    run_folder.write_json(folder / CASES, [_plain(asdict(case)) for case in cases])
     table = claims.table(cases, {one.name: study.description(one) for one in folders})
-    store.write_json(folder / "claims.json", table)
-    store.write_bytes(folder / CLAIMS, claims_text.markdown(table).encode())
+    run_folder.write_json(folder / "claims.json", table)
+    run_folder.write_bytes(folder / CLAIMS, claims_text.markdown(table).encode())
     if not outcome.interrupted:
         _write_pictures(folder, runs, results, cases, table)
     flat = [one for each in runs.values() for one in each]
@@ -123,7 +124,7 @@ def _write_pictures(
         pictures[one.name] = list(figures.gallery(one, scales))
         for picture in pictures[one.name]:
             picture.write(folder / one.name)
-    store.write_bytes(folder / PAGE, page.page(list(pictures), table, pictures))
+    run_folder.write_bytes(folder / PAGE, page.page(list(pictures), table, pictures))
 
 
 def _plain(value: Any) -> Any:

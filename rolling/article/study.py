@@ -17,7 +17,7 @@ from acoustics import plots as sound_plots
 from acoustics.level import I_REF_W_M2
 from acoustics.spectrum import article_line_level_db
 from acoustics.weighting import a_weighting_db
-from rolling import reference, scene_file, solve, store
+from rolling import reference, run_folder, scene_file, solve, store
 from rolling.pool import Outcome
 from rolling.scenario import Gaussian, Scene, expand, run_name, track
 from rolling.solve import Run
@@ -87,7 +87,7 @@ def scenes(folder: Path, part: Part = WHOLE) -> list[Scene]:
     """
     files = sorted(folder.glob("*.yaml"))
     if not files:
-        raise store.FolderError(f"{folder}: no scene files of a reading")
+        raise run_folder.FolderError(f"{folder}: no scene files of a reading")
     found = [scene for file in files for _, scene in expand(_load(file, part))]
     loads = {scene.load for scene in found}
     if part.loads is not None and len(loads) > 1:
@@ -140,12 +140,14 @@ def open_results(runs: Sequence[Run]) -> list[Result]:
     for one, text in zip(runs, texts, strict=True):
         said = one.folder / "resolved.yaml"
         if said.is_file() and said.read_text(encoding="utf-8") != text:
-            raise store.FolderError(f"{one.folder}: holds a case that was made with other settings; take another --out")
+            raise run_folder.FolderError(
+                f"{one.folder}: holds a case that was made with other settings; take another --out"
+            )
     results = []
     for one, text in zip(runs, texts, strict=True):
         kept = one.folder / solve.RESULT
         one.folder.mkdir(parents=True, exist_ok=True)
-        store.write_bytes(one.folder / "resolved.yaml", text.encode())
+        run_folder.write_bytes(one.folder / "resolved.yaml", text.encode())
         results.append(store.load(kept) if kept.is_file() else Result.empty(track(one.scene), one.scene.start))
     return results
 
