@@ -152,7 +152,7 @@ def test_steps_below_a_node() -> None:
 
 def test_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found()["memory"].warning is None
-    monkeypatch.setattr(check, "_machine_memory", lambda: 1e8)
+    monkeypatch.setattr(cost, "machine_memory", lambda: 1e8)
     warning = found()["memory"].warning
     assert warning is not None
     assert "this machine has 100 MB" in warning
@@ -186,9 +186,9 @@ def test_expected_time_follows_the_measured_solves() -> None:
 
 
 def test_expected_time_is_shared_by_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(check, "cores", lambda: 1)
+    monkeypatch.setattr(cost, "cores", lambda: 1)
     alone = found()
-    monkeypatch.setattr(check, "cores", lambda: 8)
+    monkeypatch.setattr(cost, "cores", lambda: 8)
     shared = found()
     assert alone["expected time"].value.endswith(" on 1 core")
     assert shared["expected time"].value.endswith(" on 8 cores")
