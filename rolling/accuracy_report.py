@@ -9,14 +9,27 @@ import sys
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
-from rolling import accuracy, accuracy_plot, accuracy_text, cost, pool, run_folder, scene_file, simulate, summary
+from rolling import (
+    accuracy,
+    accuracy_plot,
+    accuracy_text,
+    claim,
+    cost,
+    new_folder,
+    pool,
+    run_folder,
+    run_record,
+    scene_file,
+    simulate,
+    summary,
+)
 from rolling.accuracy import Findings, Measured
+from rolling.claim import Claim
 from rolling.scenario import expand
 from rolling.variants import Study, Variant, study, tasks
 
@@ -41,27 +54,43 @@ def report(
     values, single = runs[0]
     what = study(single, duration, finest)
     simulate.rolling_contact(what.scene)  # a surface that cannot be had shows before anything is written
-    folder = run_folder.new_folder(Path("outputs") / f"{scene.name}-accuracy", out, force)
-    run_folder.write_bytes(folder / "scene.yaml", scene_path.read_bytes())
+    given = scene_path.read_bytes()
+    inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]
+    target = new_folder.aim(Path("outputs") / f"{scene.name}-accuracy", out, force, ["accuracy"], inputs)
+
+    def fill(folder: Path) -> None:
+        run_folder.write_bytes(folder / "scene.yaml", given)
+
     label = ", ".join(summary.worded(k, v) for k, v in (values or {"rolling.load_n": scene.load}).items())
     if len(runs) > 1:
         print(
             f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set {next(iter(values))}=..."
         )
-    found, interrupted = _marched(what, folder, workers or cost.cores())
-    _write(folder, label, found)
-    print(accuracy_text.compact(found))
-    print(f"\ntables, picture, numbers: {folder}")
+    with new_folder.make(target, run_record.new("accuracy"), fill) as held:
+        found, interrupted = _marched(what, held.folder, workers or cost.cores())
+        _write(held.folder, label, found)
+        print(accuracy_text.compact(found))
+        print(f"\ntables, picture, numbers: {held.folder}")
+        return _ended(held, found, interrupted)
+
+
+def _ended(held: Claim, found: Findings, interrupted: bool) -> int:
+    """Write the state that the study came to, say why it is not done, and return the exit code."""
     if interrupted:
-        print("interrupted: the tables hold the variants that were finished", file=sys.stderr)
-        return 130
-    if found.reference is None:
-        print("the reference failed: there are no errors to show", file=sys.stderr)
-        return 1
-    run_folder.write_bytes(
-        folder / run_folder.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode()
-    )
-    return 0
+        held.mark(held.folder, "waiting", claim.INTERRUPTED)
+        reason = "interrupted: the tables hold the variants that were finished"
+    elif found.reference is None:
+        reason = "the reference failed: there are no errors to show"
+        held.mark(held.folder, "failed", reason)
+    else:
+        held.mark(held.folder, "done")
+        if stays := new_folder.drop_previous(held):
+            print(f"{stays} stays: it holds what this program did not write, or is in use", file=sys.stderr)
+        return 0
+    print(reason, file=sys.stderr)
+    if held.record.replaces:
+        print(f"{new_folder.previous(held.folder)} stays until this study is done", file=sys.stderr)
+    return 130 if interrupted else 1
 
 
 def _marched(what: Study, folder: Path, workers: int) -> tuple[Findings, bool]:

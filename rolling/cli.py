@@ -27,8 +27,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output went away
         sys.stderr.close()
         return FAILED
-    except OSError as error:
-        _say(f"{error}\nwhat was solved before is kept; `rolling resume RUN` goes on when the cause is mended")
+    except OSError as error:  # the message says what is kept, where a run was under way
+        _say(str(error))
         return FAILED
 
 
@@ -46,10 +46,10 @@ def _parser() -> argparse.ArgumentParser:
             part(sub)
 
     def scene(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("scene", type=Path, metavar="SCENE", help="scene file (YAML)")
+        sub.add_argument("scene", type=_path, metavar="SCENE", help="scene file (YAML)")
 
     def folder(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("folder", type=Path, metavar="RUN", help="run folder")
+        sub.add_argument("folder", type=_path, metavar="RUN", help="run folder")
 
     def settings(sub: argparse.ArgumentParser) -> None:
         sub.add_argument(
@@ -57,8 +57,12 @@ def _parser() -> argparse.ArgumentParser:
         )
 
     def target(sub: argparse.ArgumentParser, default: str = "outputs/NAME/TIME") -> None:
-        sub.add_argument("--out", type=Path, metavar="FOLDER", help=f"run folder to make (default: {default})")
-        sub.add_argument("--force", action="store_true", help="replace the run in --out")
+        sub.add_argument("--out", type=_path, metavar="FOLDER", help=f"run folder to make (default: {default})")
+        sub.add_argument(
+            "--force",
+            action="store_true",
+            help="replace the run in --out, which stays beside it as OUT.previous until the new one is done",
+        )
 
     def workers(sub: argparse.ArgumentParser) -> None:
         sub.add_argument("--workers", type=_count, default=0, metavar="N", help="processes (default: one per core)")
@@ -67,14 +71,14 @@ def _parser() -> argparse.ArgumentParser:
         sub.add_argument("--no-report", action="store_true", help="leave out the report page (of 24 runs at most)")
 
     def pages(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("folders", type=Path, nargs="+", metavar="RUN", help="run folder, of one run or of a sweep")
+        sub.add_argument("folders", type=_path, nargs="+", metavar="RUN", help="run folder, of one run or of a sweep")
         sub.add_argument(
             "--out",
-            type=Path,
+            type=_path,
             metavar="FILE",
             help="page to write (default: RUN/report.html, of several RUN outputs/report/TIME/report.html)",
         )
-        sub.add_argument("--force", action="store_true", help="replace the file in --out")
+        sub.add_argument("--force", action="store_true", help="replace the page in --out")
 
     def studied(sub: argparse.ArgumentParser) -> None:
         sub.add_argument(
@@ -86,10 +90,17 @@ def _parser() -> argparse.ArgumentParser:
             action="store_true",
             help="one surface, three loads, 0.015 s in steps of 6 um; without the outlook unless named",
         )
-        sub.add_argument("--out", type=Path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)")
+        sub.add_argument("--out", type=_path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)")
+
+    def claimed(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument(
+            "--take-over",
+            action="store_true",
+            help="go on although a process of another host is said to work on it: it must have ended",
+        )
 
     def trial(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("scene", type=Path, nargs="?", metavar="SCENE", help="scene file (YAML), not with --hard")
+        sub.add_argument("scene", type=_path, nargs="?", metavar="SCENE", help="scene file (YAML), not with --hard")
         sub.add_argument(
             "--finest", type=_power_of_two, metavar="N", help="divide the spacing by 2, 4, ... up to N (default 4)"
         )
@@ -105,7 +116,7 @@ def _parser() -> argparse.ArgumentParser:
 
     command("run", _run, "run a scene: release, sound, levels and plots", scene, settings, target, workers, page)
     command("check", _check, "validate a scene and say what it will cost and where it is doubtful", scene, settings)
-    command("resume", _resume, "go on with a run that was interrupted", folder, workers, page)
+    command("resume", _resume, "go on with a run that was interrupted", folder, workers, page, claimed)
     command("resound", _resound, "new sound from a stored run, without solving again", folder, settings, target, page)
     command("report", _report, "one page to hear, see and read runs: a single HTML file that needs no network", pages)
     command(
@@ -123,9 +134,16 @@ def _parser() -> argparse.ArgumentParser:
         "run the study of an article in several readings and answer for its statements; again: goes on where it stopped",
         studied,
         workers,
+        claimed,
     )
     command("schema", _schema, "print the JSON Schema of scene files, for editors")
     return parser
+
+
+def _path(text: str) -> Path:
+    if not text.strip():
+        raise argparse.ArgumentTypeError("empty; is a variable of the shell not set?")
+    return Path(text)
 
 
 def _count(text: str) -> int:
@@ -160,7 +178,7 @@ def _resume(arguments: argparse.Namespace) -> int:
     from rolling import run
 
     a = arguments
-    return _reported(lambda: run.resume(a.folder, a.workers, not a.no_report), not a.no_report)
+    return _reported(lambda: run.resume(a.folder, a.workers, not a.no_report, a.take_over), not a.no_report)
 
 
 def _resound(arguments: argparse.Namespace) -> int:
@@ -205,7 +223,15 @@ def _reported(act, page: bool) -> int:
                 f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes one of those to compare"
             )
     else:
-        _say(f"stopped early; what is solved is in {report.folder}, `rolling resume {report.folder}` goes on")
+        solved = f"what is solved is in {report.folder}" if report.solved else "nothing is solved yet"
+        _say(f"stopped early; {solved}, `rolling resume {report.folder}` goes on")
+    if report.previous:
+        why = (
+            "holds what this program did not write, or is in use, and stays"
+            if report.exit_code == OK
+            else "stays until this one is done"
+        )
+        _say(f"{report.previous}, which this run replaces, {why}")
     return report.exit_code
 
 
@@ -249,16 +275,20 @@ def _accuracy(arguments: argparse.Namespace) -> int:
 
 
 def _hard_cases(arguments: argparse.Namespace) -> int:
-    from rolling import cost, hard_cases, run_folder
+    from rolling import cost, hard_cases, new_folder, run_record
+    from rolling.run_folder import FolderError
 
     try:
-        folder = run_folder.new_folder(Path("outputs") / "hard-cases", arguments.out, force=False)
-    except run_folder.FolderError as error:
+        target = new_folder.aim(Path("outputs") / "hard-cases", arguments.out, False, ["hard-cases"])
+        held = new_folder.make(target, run_record.new("hard-cases"))
+    except FolderError as error:
         _say(str(error))
         return BAD_INPUT
-    workers = arguments.workers or cost.cores()
-    code = hard_cases.main_report(folder, arguments.random or 2000, workers, arguments.long)
-    print(f"\ntable, numbers: {folder}")
+    with held:
+        workers = arguments.workers or cost.cores()
+        code = hard_cases.main_report(held.folder, arguments.random or 2000, workers, arguments.long)
+        held.mark(held.folder, "failed" if code else "done", "not every case holds" if code else None)
+    print(f"\ntable, numbers: {held.folder}")
     return code
 
 
@@ -269,7 +299,7 @@ def _reproduce(arguments: argparse.Namespace) -> int:
 
     a = arguments
     try:
-        done = reproduce.reproduce(a.study, a.readings, a.out, a.quick, a.workers)
+        done = reproduce.reproduce(a.study, a.readings, a.out, a.quick, a.workers, a.take_over)
     except (SceneError, FolderError) as error:
         _say(str(error))
         return BAD_INPUT

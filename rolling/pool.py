@@ -45,9 +45,11 @@ def work(
     workers: int,
     finished: Callable[[int, Any], None],
     progress: Callable[[float], object] = lambda cost: None,
+    begun: Callable[[int], object] = lambda run: None,
 ) -> Outcome:
     """Do the tasks on `workers` processes, in this one when that is 1; `finished` gets run and result as each is done.
 
+    `begun` gets the run of each task as it is handed out.
     A run that fails with ContactError does not stop the others. The first Ctrl-C or SIGTERM stops all after the step at hand.
     """
     outcome = Outcome()
@@ -56,6 +58,7 @@ def work(
             for task in tasks:
                 if task.run in outcome.failures:
                     continue
+                begun(task.run)
                 try:
                     finished(task.run, task.function(*task.arguments, asked, progress))
                 except ContactError as error:
@@ -63,12 +66,12 @@ def work(
                 except Interrupted:
                     break
         else:
-            _work_parallel(tasks, workers, finished, progress, asked, outcome)
+            _work_parallel(tasks, workers, finished, progress, begun, asked, outcome)
         outcome.interrupted = asked()
     return outcome
 
 
-def _work_parallel(tasks, workers, finished, progress, asked, outcome) -> None:
+def _work_parallel(tasks, workers, finished, progress, begun, asked, outcome) -> None:
     context = multiprocessing.get_context("spawn")
     stop = context.Event()
     waiting = list(reversed(tasks))
@@ -79,6 +82,7 @@ def _work_parallel(tasks, workers, finished, progress, asked, outcome) -> None:
                 while waiting and len(running) < 2 * workers:
                     task = waiting.pop()
                     if task.run not in outcome.failures:
+                        begun(task.run)
                         running[pool.submit(_in_worker, task)] = task
                 done, _ = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
                 for future in done:

@@ -10,6 +10,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import jinja2
@@ -17,7 +18,7 @@ import numpy as np
 from markupsafe import Markup
 
 from acoustics import wav
-from rolling import citation, figures, playback, reference, report_text, sprites
+from rolling import __version__, citation, figures, playback, program, reference, report_text, sprites
 from rolling.heard import Heard
 from rolling.picture import Picture
 from rolling.playback import Playback
@@ -25,6 +26,7 @@ from rolling.scenario import track
 from rolling.simulate import PressureMap
 
 LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
+GENERATOR = f"{program.NAME} {__version__}"
 MOST_RUNS = 24  # on one page: it grows by half a megabyte and more with each
 TIMELINES = ("release_power", "spectrogram")  # pictures over the time of one run
 OWN = (*TIMELINES, "surface", "contact", "recovery_events")  # pictures that show one run however many there are
@@ -75,6 +77,12 @@ class Shown:
     pictures: dict[str, Exhibit]
 
 
+def is_page(path: Path) -> bool:
+    """Return whether a file is a page of this program, of version 0.2.0 or later."""
+    with path.open("rb") as file:
+        return f'<meta name="generator" content="{program.NAME} '.encode() in file.read(4096)
+
+
 def belongs(one: Heard | None, name: str, runs: int) -> bool:
     """Whether a picture is on the page: curves of one run are not where several are compared."""
     return one is None or runs == 1 or name in OWN
@@ -118,6 +126,7 @@ def page(runs: Sequence[Heard], shelf: Sequence[tuple[Heard | None, Exhibit]], u
         environment()
         .get_template("report.html")
         .render(
+            generator=GENERATOR,
             title=", ".join(dict.fromkeys(one.scene.name for one in runs)),
             descriptions=list(dict.fromkeys(one.scene.description for one in runs if one.scene.description)),
             text=report_text,

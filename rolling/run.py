@@ -1,39 +1,66 @@
 """Scene to run folder: the only place that knows contact, sound and files.
 
-A run is simulated, kept as it goes, and finished: sound, levels, plots, the report page, then a mark. Several runs of one scene
-(a sweep) share a folder, their plots, a table and the page.
+A run is simulated, kept as it goes, and finished: sound, levels, plots, the report page, then the state `done` in its run.json.
+Several runs of one scene (a sweep) share a folder, their plots, a table and the page.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling import check, run_folder, scene_file, simulate, solve, sound_files, store, summary
+from rolling import (
+    check,
+    claim,
+    new_folder,
+    run_folder,
+    scene_file,
+    simulate,
+    solve,
+    sound_files,
+    store,
+    summary,
+)
+from rolling.claim import Claim
 from rolling.heard import Heard, distinct, hear
-from rolling.scenario import Scene, expand, run_name, track
+from rolling.plan import Plan
+from rolling.run_folder import FolderError, Stopped
+from rolling.run_record import Kind
+from rolling.scenario import track
 from rolling.solve import Run
 from rolling.store import Result
+from rolling.stored_runs import is_begun, is_kept, kept_result, read_runs, records_of, warn_of_other_program
 
 if TYPE_CHECKING:
     from rolling.report import Exhibit
 
 PAGE = "report.html"
+KINDS: tuple[Kind, ...] = ("run", "sweep")  # of folders that these commands make
 
 
 @dataclass(frozen=True)
 class Report:
-    """What a command did: its folder, the runs with their summaries, the failures by run, whether it was interrupted, the page."""
+    """The outcome of a command.
+
+    runs : each with its summary, None where too little is solved for one.
+    failures : reasons by run.
+    page : None when none was made.
+    solved : whether anything is solved.
+    previous : folder of an earlier run that stays beside this one.
+    """
 
     folder: Path
     runs: list[tuple[Run, dict[str, Any] | None]]
     failures: dict[str, str]
     interrupted: bool
     page: Path | None
+    solved: bool
+    previous: Path | None
 
     @property
     def exit_code(self) -> int:
@@ -56,37 +83,36 @@ def run(
     """
     scene = scene_file.load(scene_path, overrides)
     check.refuse_unavailable(scene)
-    for _, single in expand(scene):
+    plan = Plan(scene, scene_path.read_bytes())
+    for _, single in plan.singles:
         simulate.rolling_contact(single)  # a surface that cannot be had shows before anything is written
-    folder = run_folder.new_folder(Path("outputs") / scene.name, out, force)
-    run_folder.write_bytes(folder / "scene.yaml", scene_path.read_bytes())
-    runs = _make_folders(folder, scene)
-    results = [Result.empty(track(one.scene), one.scene.start) for one in runs]
-    return _work(folder, runs, results, workers, page)
+    target = new_folder.aim(Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files])
+    with new_folder.make(target, plan.record(), plan.write) as held:
+        runs = plan.runs(held.folder)
+        results = [Result.empty(track(one.scene), one.scene.start) for one in runs]
+        return _work(held, runs, results, workers, page)
 
 
-def resume(folder: Path, workers: int = 0, page: bool = True) -> Report:
+def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = False) -> Report:
     """Go on with a run folder that was interrupted or killed; what is solved is not solved again.
+
+    Parameters
+    ----------
+    take_over : go on, too, if the process that works on it cannot be seen from here.
 
     Raises
     ------
-    FolderError : no run folder, or results that do not fit its scene. SceneError : what it asks for cannot be had.
+    FolderError : no run folder, one in use, or results that do not fit its scene. SceneError : it cannot be had here.
     """
     runs = read_runs(folder)
     for one in runs:
         check.refuse_unavailable(one.scene)
-    results = []
-    for one in runs:
-        result = Result.empty(track(one.scene), one.scene.start)
-        if (one.folder / solve.RESULT).is_file():
-            kept = store.load(one.folder / solve.RESULT)
-            if (kept.steps, kept.solved_steps) != (result.steps, result.solved_steps):
-                raise run_folder.FolderError(
-                    f"{one.folder}: result.h5 has {kept.steps} steps, its scene {result.steps}"
-                )
-            result = kept
-        results.append(result)
-    return _work(folder, runs, results, workers, page)
+    before = records_of([folder])[0]
+    names = [one.folder.name for one in runs] if runs[0].values else []
+    with claim.take(folder, "sweep" if names else "run", names, take_over) as held:
+        results = [kept_result(one) for one in runs]
+        warn_of_other_program(folder, before, results)
+        return _work(held, runs, results, workers, page)
 
 
 def resound(
@@ -102,14 +128,18 @@ def resound(
     # All is read and checked before the new folder is made.
     scene = scene_file.resound(scene_file.load(folder / "resolved.yaml"), overrides)
     check.refuse_unavailable(scene)
-    singles = expand(scene)
-    if [values for values, _ in singles] != [one.values for one in stored]:
-        raise run_folder.FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
+    given = folder / "scene.yaml"
+    plan = Plan(scene, given.read_bytes() if given.is_file() else None)
+    if [values for values, _ in plan.singles] != [one.values for one in stored]:
+        raise FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
     results = [store.load(one.folder / solve.RESULT) for one in stored]
-    target = run_folder.new_folder(Path("outputs") / scene.name, out, force)
-    run_folder.write_bytes(target / "scene.yaml", (folder / "scene.yaml").read_bytes())
-    runs = _make_folders(target, scene)
-    return _finish(target, runs, results, {}, False, page)
+    target = new_folder.aim(Path("outputs") / scene.name, out, force, KINDS, [folder, *plan.height_files])
+    records_of([folder])
+    with new_folder.make(target, plan.record(), plan.write) as held:
+        runs = plan.runs(held.folder)
+        again = f"{folder} is as it was; give the command again, with --force if {held.folder} is in the way"
+        with _told_on_error(lambda: again):
+            return _finish(held, runs, results, {}, False, page)
 
 
 def report(folders: Sequence[Path], out: Path | None = None, force: bool = False) -> Path:
@@ -117,24 +147,20 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
 
     Parameters
     ----------
-    out : file to write, an existing one with `force` only. None: report.html in the run folder, which it is derived from, so
-        an older one is replaced; of several folders in a new folder.
+    out : file to write, an existing page of this program with `force` only. None: report.html in the run folder, which it is
+        derived from, so an older one is replaced; of several folders in a new folder.
 
     Raises
     ------
     FolderError, SceneError : no run folder, nothing solved in it, or `out` exists; nothing is written.
     """
-    if out is not None and out.exists() and not (force and out.is_file()):
-        raise run_folder.FolderError(
-            f"{out}: {'exists; take another --out, or --force' if out.is_file() else 'is a folder'}"
-        )
     from rolling import report as pages
 
+    if out is not None:
+        _refuse_page(out, force)
     runs = list({one.folder.resolve(): one for folder in folders for one in read_runs(folder)}.values())
     if len(runs) > pages.MOST_RUNS:
-        raise run_folder.FolderError(
-            f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare"
-        )
+        raise FolderError(f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare")
     heard: list[Heard] = []
     unheard: list[str] = []
     for one in runs:
@@ -146,67 +172,74 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
         else:
             heard.append(sounding)
     if not heard:
-        raise run_folder.FolderError(
-            f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report"
-        )
+        raise FolderError(f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report")
     heard = distinct(heard)
     content = pages.page(heard, pages.exhibits(heard), unheard)
+    records_of(folders)
     if out is None:
-        out = (
-            folders[0] if len(folders) == 1 else run_folder.new_folder(Path("outputs") / "report", None, False)
-        ) / PAGE
+        out = (folders[0] if len(folders) == 1 else new_folder.stamped(Path("outputs") / "report")) / PAGE
+    else:
+        _refuse_page(out, force)  # the page took a while to make
     out.parent.mkdir(parents=True, exist_ok=True)
     run_folder.write_bytes(out, content)
     return out
 
 
-def read_runs(folder: Path) -> list[Run]:
-    """The runs of a run folder.
+def _refuse_page(out: Path, force: bool) -> None:
+    """Raise FolderError if a page may not be written to a file."""
+    from rolling import report as pages
 
-    Raises
-    ------
-    FolderError : it is none.
-    """
-    if not (folder / "resolved.yaml").is_file():
-        raise run_folder.FolderError(f"{folder}: not a run folder (no resolved.yaml in it)")
-    scene = scene_file.load(folder / "resolved.yaml")
-    return [Run(values, single, folder / run_name(values)) for values, single in expand(scene)]
-
-
-def _make_folders(folder: Path, scene: Scene) -> list[Run]:
-    """The runs of a scene, each in a folder of its own with its resolved scene (the folder itself where there is one run)."""
-    runs = [Run(values, single, folder / run_name(values)) for values, single in expand(scene)]
-    for one in runs:
-        one.folder.mkdir(exist_ok=True)
-        # A single run can be resumed and resounded on its own: it says what it was given, too.
-        if one.folder != folder:
-            run_folder.write_bytes(one.folder / "scene.yaml", (folder / "scene.yaml").read_bytes())
-        run_folder.write_bytes(
-            one.folder / "resolved.yaml", scene_file.dump(_seen_from(one.folder, one.scene)).encode()
+    if not os.path.lexists(out):
+        return
+    if out.is_symlink():
+        raise FolderError(f"{out}: a symbolic link, which is not replaced; take another --out")
+    if not out.is_file():
+        raise FolderError(f"{out}: {'is a folder' if out.is_dir() else 'is no file'}, --out is the file to write")
+    if not force:
+        raise FolderError(f"{out}: exists; take another --out, or --force to replace a page of this program")
+    try:
+        is_page = pages.is_page(out)
+    except OSError as error:
+        raise FolderError(f"{out}: not readable ({error.strerror or error}), so it is not replaced") from error
+    if not is_page:
+        raise FolderError(
+            f"{out}: not replaced, because it is not a page that this version can tell as its own; take another --out"
         )
-    run_folder.write_bytes(folder / "resolved.yaml", scene_file.dump(_seen_from(folder, scene)).encode())
-    return runs
 
 
-def _seen_from(folder: Path, scene: Scene) -> Scene:
-    """The scene with its height file's path as it is from a run folder, from where it will be read again."""
-    data = scene.to_dict()
-    if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
-        return scene
-    data["surface"]["path"] = Path(os.path.relpath(scene.height_path, folder)).as_posix()
-    return Scene.from_dict(data, folder)
+def _work(held: Claim, runs: list[Run], results: list[Result], workers: int, page: bool) -> Report:
+    with _told_on_error(lambda: _way_on(held, runs)):
+        outcome = solve.solve(
+            runs, results, workers, runs[0].scene.name, begun=lambda one: held.mark(one.folder, "running")
+        )
+        return _finish(held, runs, results, outcome.failures, outcome.interrupted, page)
 
 
-def _work(folder: Path, runs: list[Run], results: list[Result], workers: int, page: bool) -> Report:
-    outcome = solve.solve(runs, results, workers, runs[0].scene.name)
-    failures = {runs[number].label: reason for number, reason in outcome.failures.items()}
-    return _finish(folder, runs, results, failures, outcome.interrupted, page)
+@contextmanager
+def _told_on_error(way_on: Callable[[], str]) -> Iterator[None]:
+    """Add the way on to an error of the system, such as a full disk."""
+    try:
+        yield
+    except OSError as error:
+        raise Stopped(error, way_on()) from error
+
+
+def _way_on(held: Claim, runs: Sequence[Run]) -> str:
+    folder = held.folder
+    kept = f"what was solved before is kept in {folder}" if any(map(is_kept, runs)) else "nothing was solved"
+    text = f"{kept}; `rolling resume {folder}` goes on when the cause is mended"
+    return f"{text}\n{_of_previous(folder)}" if held.record.replaces else text
+
+
+def _of_previous(folder: Path) -> str:
+    return f"the run that this one replaces stays in {new_folder.previous(folder)} until this one is done"
 
 
 def _finish(
-    folder: Path, runs: list[Run], results: list[Result], failures: dict[str, str], interrupted: bool, page: bool
+    held: Claim, runs: list[Run], results: list[Result], failures: dict[int, str], interrupted: bool, page: bool
 ) -> Report:
     """Sound, numbers and plots of every run that has enough steps; of all together when there are several; the page last."""
+    folder = held.folder
     heard: list[Heard] = []
     done: list[tuple[Run, dict[str, Any] | None]] = []
     for one, result in zip(runs, results, strict=True):
@@ -232,12 +265,47 @@ def _finish(
 
         unheard = [one.label for one, numbers in done if numbers is None]
         run_folder.write_bytes(folder / PAGE, pages.page(heard, shelf, unheard))
-    if not failures and not interrupted and all(result.complete for result in results):
-        for finished in {one.folder for one in runs} | {folder}:
-            run_folder.write_bytes(
-                finished / run_folder.FINISHED, (datetime.now(UTC).isoformat(timespec="seconds") + "\n").encode()
-            )
-    return Report(folder, done, failures, interrupted, folder / PAGE if shelf else None)
+    stays = _mark_all(held, runs, results, failures, interrupted)
+    count = Counter(one.label for one in runs)
+    named = [one.label if count[one.label] == 1 else f"{one.label} ({one.folder.name})" for one in runs]
+    return Report(
+        folder,
+        done,
+        {named[number]: reason for number, reason in failures.items()},
+        interrupted,
+        folder / PAGE if shelf else None,
+        any(map(is_begun, results)),
+        stays,
+    )
+
+
+def _mark_all(
+    held: Claim, runs: Sequence[Run], results: Sequence[Result], failures: dict[int, str], interrupted: bool
+) -> Path | None:
+    """Write the state of each run, and of the folder: done when all are, failed when one is.
+
+    Returns the folder of an earlier run that stays beside it.
+    """
+    for number, (one, result) in enumerate(zip(runs, results, strict=True)):
+        if one.folder == held.folder:
+            continue
+        if number in failures:
+            held.mark(one.folder, "failed", failures[number])
+        elif result.complete:
+            held.mark(one.folder, "done")
+        elif is_begun(result) or interrupted:
+            held.mark(one.folder, "waiting", claim.INTERRUPTED)
+    if interrupted:
+        held.mark(held.folder, "waiting", claim.INTERRUPTED)
+    elif failures:
+        first = next(iter(failures.values()))
+        held.mark(held.folder, "failed", first if len(runs) == 1 else f"{len(failures)} of {len(runs)} runs: {first}")
+    else:
+        incomplete = not all(result.complete for result in results)  # new sound of a part
+        held.mark(held.folder, "waiting" if incomplete else "done", "its result is a part" if incomplete else None)
+        if not incomplete:
+            return new_folder.drop_previous(held)
+    return new_folder.previous(held.folder) if held.record.replaces else None
 
 
 def _heard(one: Run, result: Result) -> Heard | None:

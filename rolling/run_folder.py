@@ -1,46 +1,23 @@
-"""Run folders: files written whole or not at all, folders never overwritten unasked."""
+"""Files of a run folder: written whole or not at all, and the errors that folders and their files raise."""
 
 from __future__ import annotations
 
 import json
 import os
-import shutil
 import time
-from contextlib import suppress
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
-
-FINISHED = "finished"
 
 
 class FolderError(Exception):
     """A folder that cannot be written to or read from, and what to do."""
 
 
-def new_folder(base: Path, out: Path | None, force: bool) -> Path:
-    """A folder for a new run: `out`, or one named after the time below `base`. Nothing is overwritten without `force`.
+class Stopped(OSError):
+    """Work on a run folder that the system stopped, for instance by a full disk, and the way on."""
 
-    Raises
-    ------
-    FolderError : `out` holds something and may not, or holds something that is no run.
-    """
-    if out is None:
-        stamp = datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S")
-        for k in range(1, 1000):
-            folder = base / (stamp if k == 1 else f"{stamp}-{k}")
-            with suppress(FileExistsError):
-                folder.mkdir(parents=True)
-                return folder
-        raise FolderError(f"{base}: no free folder name")
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        if not out.is_dir() or not (out / "scene.yaml").is_file():
-            raise FolderError(f"{out}: holds something that is not a run of this program; take another --out")
-        if not force:
-            raise FolderError(f"{out}: holds a run already; take another --out, or --force to replace it")
-        shutil.rmtree(out)
-    out.mkdir(parents=True, exist_ok=True)
-    return out
+    def __init__(self, cause: OSError, way_on: str) -> None:
+        super().__init__(f"{cause}\n{way_on}")
 
 
 def write_bytes(path: Path, content: bytes) -> None:

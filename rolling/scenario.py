@@ -46,6 +46,7 @@ from rolling._wording import (
     shown,
 )
 from rolling.motion import Motion
+from rolling.run_names import run_name
 
 SMALLEST = 1e-15  # of any number but zero, in the units of the scene; one over it is the largest
 MAX_RUNS = 10_000  # of a sweep
@@ -460,15 +461,6 @@ def expand(scene: Scene) -> list[tuple[dict[str, float], Scene]]:
     data = scene.to_dict()
     del data["sweep"]
     return [(values, Scene.from_dict(_with(data, values), scene.folder)) for values in _product(scene.sweep)]
-
-
-def run_name(values: Mapping[str, float]) -> str:
-    """Name of a run: "load_n=5,radius_mm=2", each key by its last part unless two share it; empty for no values."""
-    last = [name.rpartition(".")[2] for name in values]
-    return ",".join(
-        f"{short if last.count(short) == 1 else name}={plain_number(value)}"
-        for short, (name, value) in zip(last, values.items(), strict=True)
-    )
 
 
 def _sweep(value: Any) -> Any:

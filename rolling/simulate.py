@@ -238,10 +238,12 @@ def simulate(
     progress: Callable[[float], object] = lambda cost: None,
     step_costs: Sequence[float] | None = None,
     mapped: bool = True,
+    begun: Callable[[int], object] = lambda run: None,
 ) -> pool.Outcome:
     """March pieces (number of the scene, first, last) on `workers` processes; `finished` gets each piece as it is done.
 
     `progress` gets what a step of its scene costs (`step_costs`; 1), step by step or piece by piece.
+    `begun` gets the number of a scene as each of its pieces is handed out.
 
     A scene that fails does not stop the others. The first Ctrl-C or SIGTERM stops all after the step at hand.
     """
@@ -250,7 +252,7 @@ def simulate(
         pool.Task(run, _costed_piece, (scenes[run], first, last, costs[run], mapped), (last - first) * costs[run])
         for run, first, last in todo
     ]
-    return pool.work(tasks, workers, finished, progress)
+    return pool.work(tasks, workers, finished, progress, begun)
 
 
 def missing(steps: int, release: Array) -> Iterator[tuple[int, int]]:

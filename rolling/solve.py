@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,7 +40,14 @@ class Run:
         return self.scene.rolling.load_n
 
 
-def solve(runs: Sequence[Run], results: Sequence[Result], workers: int, name: str, mapped: bool = True) -> Outcome:
+def solve(
+    runs: Sequence[Run],
+    results: Sequence[Result],
+    workers: int,
+    name: str,
+    mapped: bool = True,
+    begun: Callable[[Run], object] = lambda run: None,
+) -> Outcome:
     """Solve what is missing of runs; each result.h5 is written as it grows and once more in the end.
 
     Parameters
@@ -49,6 +56,7 @@ def solve(runs: Sequence[Run], results: Sequence[Result], workers: int, name: st
     workers : processes; 0: one per core.
     name : what the progress bar is of.
     mapped : keep pressure maps along the tracks, some megabytes a run.
+    begun : gets a run as each of its pieces is handed to a process.
     """
     missing = [[*simulate.missing(result.solved_steps, result.series["release_energy"])] for result in results]
     step_seconds = [
@@ -71,7 +79,16 @@ def solve(runs: Sequence[Run], results: Sequence[Result], workers: int, name: st
     scenes = [one.scene for one in runs]
     total = sum((last - first) * step_seconds[k] for k, first, last in todo)
     with tqdm(total=total, disable=None, desc=name, bar_format=BAR) as bar:
-        outcome = simulate.simulate(scenes, todo, workers or cost.cores(), finished, bar.update, step_seconds, mapped)
+        outcome = simulate.simulate(
+            scenes,
+            todo,
+            workers or cost.cores(),
+            finished,
+            bar.update,
+            step_seconds,
+            mapped,
+            lambda number: begun(runs[number]),
+        )
     for k in order:
         keep(runs[k], results[k])
     return outcome

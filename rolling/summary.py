@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import math
 import platform
-import subprocess
 from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from importlib import metadata
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from acoustics import loudness
-from rolling import check, cost, reference, simulate, surface
+from rolling import check, cost, program, reference, simulate, surface
 from rolling.scenario import Scene
 from rolling.sound import ContactSound
 from rolling.store import Result
@@ -103,18 +101,11 @@ def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
 
 def provenance(scene: Scene) -> dict[str, Any]:
     """What made the numbers: versions, the state of the source, machine, seed."""
-    source = Path(__file__).parent
+    made_by = program.identity()
     packages = (*PACKAGES, "mosqito") if scene.sound.loudness else PACKAGES
-    state: str | None = None
-    if (source.parent / ".git").exists():
-        git = ["git", "-C", str(source), "describe", "--always", "--dirty", "--abbrev=12"]
-        try:
-            state = subprocess.run(git, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
-        except (OSError, subprocess.SubprocessError):
-            state = None
     return {
-        "program": metadata.version("rolling-contact-noise"),
-        "source": state,
+        "program": made_by.version,
+        "source": made_by.commit and f"{made_by.commit[:12]}{'-dirty' if made_by.dirty else ''}",
         "python": platform.python_version(),
         "packages": {name: metadata.version(name) for name in packages},
         "machine": f"{platform.system()} {platform.machine()}, {cost.cores()} processors",

@@ -87,7 +87,7 @@ def test_a_killed_study_goes_on_and_answers_for_each_statement(tmp_path: Path, m
 def test_without_workers_of_its_own_choice_it_takes_all_cores(tmp_path: Path, monkeypatch) -> None:
     asked: list[int] = []
 
-    def remember(runs, results, workers, name):
+    def remember(runs, results, workers, name, begun):
         asked.append(workers)
         raise KeyboardInterrupt
 

@@ -14,15 +14,17 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from rolling import run_folder, solve
+from rolling import claim, new_folder, run_folder, run_record, solve
 from rolling._wording import nearest
 from rolling.article import claims, claims_text, figures, page, readings, study
 from rolling.article.study import Case
+from rolling.claim import Claim
 from rolling.picture import Picture
 from rolling.pool import Outcome
 from rolling.run_folder import FolderError
 from rolling.solve import Run
 from rolling.store import Result
+from rolling.stored_runs import records_of
 
 SCENES = Path(__file__).parents[2] / "scenarios"
 CASES = "cases.json"
@@ -32,13 +34,17 @@ PAGE = "index.html"
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What a command did: its folder, its finding, the cases that are solved, failures by case, whether it was interrupted."""
+    """The outcome of a command: its folder, its finding, the cases that are solved, failures by case, whether it was interrupted.
+
+    solved : folders of the cases that are solved, below that of the study.
+    """
 
     folder: Path
     headline: str
     cases: list[Case]
     failures: dict[str, str]
     interrupted: bool
+    solved: frozenset[str]
 
     @property
     def exit_code(self) -> int:
@@ -46,7 +52,12 @@ class Reproduction:
 
 
 def reproduce(
-    name: str, chosen: Sequence[str] = (), out: Path | None = None, quick: bool = False, workers: int = 0
+    name: str,
+    chosen: Sequence[str] = (),
+    out: Path | None = None,
+    quick: bool = False,
+    workers: int = 0,
+    take_over: bool = False,
 ) -> Reproduction:
     """Run the study of an article, or what is missing of it, and write its numbers.
 
@@ -54,6 +65,7 @@ def reproduce(
     ----------
     chosen : readings by name; none: all there are, quick: all of roughness and load.
     out : folder of the study, new or of an earlier run of it; None: below outputs/.
+    take_over : go on, too, if the process that works on it cannot be seen from here.
 
     Raises
     ------
@@ -65,13 +77,56 @@ def reproduce(
     if quick and not chosen:  # the outlook's fine surfaces would take a third as long again
         scenes = {name: found for name, found in scenes.items() if len({study.varied(one)[3] for one in found}) == 1}
     folder = out or Path("outputs") / (f"{name}-quick" if quick else name)
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())) and not (folder / CASES).is_file():
-        raise FolderError(f"{folder}: holds something that is no study of this program; take another --out")
-    folder.mkdir(parents=True, exist_ok=True)
+    runs = {reading: study.runs(folder / reading, found) for reading, found in scenes.items()}
+    flat = [one for each in runs.values() for one in each]
+    with _claimed(folder, [one.folder.relative_to(folder).as_posix() for one in flat], take_over) as held:
+        done = _reproduced(held, name, folders, runs, workers)
+        _mark_all(held, flat, done)
+    return done
+
+
+def _claimed(folder: Path, runs: Sequence[str], take_over: bool) -> Claim:
+    """Claim the folder of a study, new or of an earlier run of it.
+
+    Raises
+    ------
+    FolderError : it holds something else, or another process works on it.
+    """
+    record = run_record.read(folder)
+    if record is not None and record.kind == "study":
+        return claim.take(folder, "study", runs, take_over)
+    if record is None and (folder / CASES).is_file():
+        records_of([folder])
+        return claim.take(folder, "study", runs, take_over)
+    return new_folder.make(new_folder.aim(folder, folder, False, ["study"]), run_record.new("study", runs))
+
+
+def _mark_all(held: Claim, runs: Sequence[Run], done: Reproduction) -> None:
+    """Write the state of each case that this command solved or tried, and of the study."""
+    for one in runs:
+        name = one.folder.relative_to(held.folder).as_posix()
+        if name in done.failures:
+            held.mark(one.folder, "failed", done.failures[name])
+        elif name in done.solved:
+            held.mark(one.folder, "done")
+        else:
+            held.mark(one.folder, "waiting", claim.INTERRUPTED)
+    if done.interrupted:
+        held.mark(held.folder, "waiting", claim.INTERRUPTED)
+    elif done.failures:
+        held.mark(held.folder, "failed", f"{len(done.failures)} of {len(runs)} cases failed")
+    else:
+        held.mark(held.folder, "done")
+
+
+def _reproduced(
+    held: Claim, name: str, folders: Sequence[Path], runs: dict[str, list[Run]], workers: int
+) -> Reproduction:
+    """Solve what is missing of a study, judge the statements and draw the figures."""
+    folder = held.folder
     if not (folder / CASES).is_file():
         run_folder.write_json(folder / CASES, [])
-    runs = {reading: study.runs(folder / reading, found) for reading, found in scenes.items()}
-    outcome, results = _solve([one for each in runs.values() for one in each], workers, name)
+    outcome, results = _solve(held, [one for each in runs.values() for one in each], workers, name)
     cases = [
         study.case(reading, one, results[one.folder])
         for reading, each in runs.items()
@@ -85,8 +140,9 @@ def reproduce(
     if not outcome.interrupted:
         _write_pictures(folder, runs, results, cases, table)
     flat = [one for each in runs.values() for one in each]
-    failures = {str(flat[k].folder.relative_to(folder)): reason for k, reason in outcome.failures.items()}
-    return Reproduction(folder, claims_text.headline(table), cases, failures, outcome.interrupted)
+    failures = {flat[k].folder.relative_to(folder).as_posix(): reason for k, reason in outcome.failures.items()}
+    solved = frozenset(one.folder.relative_to(folder).as_posix() for one in flat if results[one.folder].complete)
+    return Reproduction(folder, claims_text.headline(table), cases, failures, outcome.interrupted, solved)
 
 
 def _readings(name: str, chosen: Sequence[str]) -> list[Path]:
@@ -100,9 +156,9 @@ def _readings(name: str, chosen: Sequence[str]) -> list[Path]:
     return [found[each] for each in chosen or found]
 
 
-def _solve(runs: Sequence[Run], workers: int, name: str) -> tuple[Outcome, dict[Path, Result]]:
+def _solve(held: Claim, runs: Sequence[Run], workers: int, name: str) -> tuple[Outcome, dict[Path, Result]]:
     results = study.open_results(runs)
-    outcome = study.solve_all(runs, results, workers, name)
+    outcome = study.solve_all(runs, results, workers, name, lambda one: held.mark(one.folder, "running"))
     return outcome, {one.folder: result for one, result in zip(runs, results, strict=True)}
 
 

@@ -6,7 +6,7 @@ A reading is one way to understand what the article leaves open. Depends on solv
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,9 +17,10 @@ from acoustics import plots as sound_plots
 from acoustics.level import I_REF_W_M2
 from acoustics.spectrum import article_line_level_db
 from acoustics.weighting import a_weighting_db
-from rolling import reference, run_folder, scene_file, solve, store
+from rolling import reference, run_folder, run_record, scene_file, solve, store
 from rolling.pool import Outcome
-from rolling.scenario import Gaussian, Scene, expand, run_name, track
+from rolling.run_names import run_names
+from rolling.scenario import Gaussian, Scene, expand, track
 from rolling.solve import Run
 from rolling.sound import contact_sound
 from rolling.store import Result
@@ -125,8 +126,9 @@ def runs(folder: Path, scenes: Sequence[Scene]) -> list[Run]:
         roughness, load, seed, length = varied(scene)
         values = {"surface.roughness_ra_um": roughness, "rolling.load_n": load, "surface.seed": seed}
         values["surface.correlation_length_um"] = length
-        found.append(Run(values, scene, folder / run_name(values)))
-    return found
+        found.append((values, scene))
+    names = run_names([values for values, _ in found])
+    return [Run(values, scene, folder / name) for (values, scene), name in zip(found, names, strict=True)]
 
 
 def open_results(runs: Sequence[Run]) -> list[Result]:
@@ -147,14 +149,22 @@ def open_results(runs: Sequence[Run]) -> list[Result]:
     for one, text in zip(runs, texts, strict=True):
         kept = one.folder / solve.RESULT
         one.folder.mkdir(parents=True, exist_ok=True)
+        if run_record.read(one.folder) is None:
+            run_record.write(one.folder, run_record.new("run", adopted=kept.is_file()))
         run_folder.write_bytes(one.folder / "resolved.yaml", text.encode())
         results.append(store.load(kept) if kept.is_file() else Result.empty(track(one.scene), one.scene.start))
     return results
 
 
-def solve_all(runs: Sequence[Run], results: Sequence[Result], workers: int, name: str) -> Outcome:
+def solve_all(
+    runs: Sequence[Run],
+    results: Sequence[Result],
+    workers: int,
+    name: str,
+    begun: Callable[[Run], object] = lambda run: None,
+) -> Outcome:
     """Solve what is missing, on all cores; nobody looks at the maps of hundreds of cases."""
-    return solve.solve(runs, results, workers, name, mapped=False)
+    return solve.solve(runs, results, workers, name, mapped=False, begun=begun)
 
 
 def case(reading: str, one: Run, result: Result) -> Case:

@@ -1,0 +1,62 @@
+"""Scene to the runs that it makes, their folders and their inputs. Depends on scene files and run.json."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from rolling import run_folder, run_record, scene_file
+from rolling.run_names import run_names
+from rolling.run_record import RunRecord
+from rolling.scenario import Scene, expand
+from rolling.solve import Run
+
+
+class Plan:
+    """The runs of a scene and their inputs, before they have a folder."""
+
+    def __init__(self, scene: Scene, given: bytes | None) -> None:
+        self.scene, self.given = scene, given
+        self.singles = expand(scene)
+        self.names = run_names([values for values, _ in self.singles]) if scene.sweep else [""]
+
+    @property
+    def height_files(self) -> list[Path]:
+        """The file of heights, if the scene reads one."""
+        return [self.scene.height_path] if self.scene.height_path is not None else []
+
+    def record(self) -> RunRecord:
+        """Return the first run.json of the folder."""
+        return run_record.new("sweep", self.names) if self.scene.sweep else run_record.new("run")
+
+    def runs(self, folder: Path) -> list[Run]:
+        """Return the runs, each with its folder."""
+        return [
+            Run(values, single, folder / name) for (values, single), name in zip(self.singles, self.names, strict=True)
+        ]
+
+    def write(self, folder: Path) -> None:
+        """Write the inputs of each run into its folder, and those of the sweep into the one above."""
+        for one in self.runs(folder):
+            # A single run can be resumed and resounded on its own: it says what it was given, too.
+            if one.folder != folder:
+                one.folder.mkdir(exist_ok=True)
+                run_record.write(one.folder, run_record.new("run"))
+                self._write_scene(one.folder, one.scene)
+        self._write_scene(folder, self.scene)
+
+    def _write_scene(self, folder: Path, scene: Scene) -> None:
+        if self.given is not None:
+            run_folder.write_bytes(folder / "scene.yaml", self.given)
+        run_folder.write_bytes(folder / "resolved.yaml", scene_file.dump(seen_from(folder, scene)).encode())
+
+
+def seen_from(folder: Path, scene: Scene) -> Scene:
+    """The scene with its height file's path as it is from a run folder, from where it will be read again."""
+    data = scene.to_dict()
+    if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
+        return scene
+    # Links are followed first: ".." of a linked folder leads elsewhere.
+    heights = scene.height_path.parent.resolve() / scene.height_path.name
+    data["surface"]["path"] = Path(os.path.relpath(heights, folder.resolve())).as_posix()
+    return Scene.from_dict(data, folder)
