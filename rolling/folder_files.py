@@ -18,6 +18,7 @@ _PICTURES = [
     "article_spectrum",
     "psd",
     "third_octaves",
+    "third_octaves_a",
     "levels",
     "spectrogram",
     "release_power",

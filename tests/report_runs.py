@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
-from rolling import run, store, surface
+from rolling import run, run_record, store, surface
 
 STEPS = 300  # once round: 0.6 mm, 6 ms
 HOSTILE = "quoted \"one\" 'two' & </script><img src=x onerror=alert(1)><!-- <script>"
@@ -75,7 +75,7 @@ class Runs:
                     file[name][200:] = np.nan
                 for name in store.STATE_SERIES:
                     file[name][201:] = np.nan
-            (out / "finished").unlink()
+            run_record.write(out, run_record.new("run"))
         return out
 
     def old(self) -> Path:

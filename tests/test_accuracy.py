@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rolling import accuracy, cli, hard_cases, scene_file, surface, variants
+from rolling import accuracy, cli, hard_cases, run_record, scene_file, surface, variants
 from rolling.accuracy import BANDS, ERRORS, Candidate, recommend
 from rolling.contact import ContactError
 
@@ -54,7 +54,7 @@ def rows(found: dict[str, Any], **settings: Any) -> list[dict[str, Any]]:
 
 
 def test_files(folder: Path, found: dict[str, Any]) -> None:
-    for name in ("accuracy.md", "accuracy.png", "accuracy.svg", "scene.yaml", "finished"):
+    for name in ("accuracy.md", "accuracy.png", "accuracy.svg", "scene.yaml", "run.json"):
         assert (folder / name).stat().st_size > 20
     assert {f.stem for f in (folder / "variants").iterdir()} == {row["name"] for row in found["variants"]}
     assert found["run"] == "load 1 N"
@@ -213,7 +213,7 @@ def test_interrupted_keeps_what_is_there(
     kept = json.loads((out / "accuracy.json").read_text())["variants"]
     assert len(kept) == whole == len([*(out / "variants").iterdir()])
     assert (out / "accuracy.png").exists() == (whole > 1)  # of the reference alone there is nothing to draw
-    assert not (out / "finished").exists()
+    assert run_record.read(out).state != "done"
 
 
 def test_nothing_is_overwritten(scene: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

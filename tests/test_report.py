@@ -13,7 +13,7 @@ from PIL import Image
 from report_runs import HOSTILE, Runs, runs_in
 from ruamel.yaml import YAML
 
-from rolling import citation, cli, report, report_text, run, sprites, store
+from rolling import citation, cli, report, report_text, run, run_record, sprites, store
 from rolling.heard import Heard, distinct
 from rolling.motion import Motion
 from rolling.playback import PEAK, playbacks
@@ -107,7 +107,7 @@ def test_runs_write_the_page_unless_told_not_to(runs, tmp_path, capsys) -> None:
     first, second, third = tmp_path / "first", tmp_path / "second", tmp_path / "third"
     assert cli.main(["run", str(scene), *SHORT, "--out", str(first)]) == 0
     assert str(first / "report.html") in capsys.readouterr().out
-    assert (first / "report.html").stat().st_mtime <= (first / "finished").stat().st_mtime
+    assert (first / "report.html").stat().st_mtime <= (first / "run.json").stat().st_mtime
     assert cli.main(["run", str(scene), *SHORT, "--out", str(second), "--no-report"]) == 0
     assert not (second / "report.html").exists()
     assert cli.main(["resound", str(first), "--set", "sound.distance_m=2", "--out", str(third), "--no-report"]) == 0
@@ -128,10 +128,10 @@ def test_a_page_that_cannot_be_written_loses_nothing_of_the_run(runs, tmp_path, 
     assert "No space left" in capsys.readouterr().err
     for name in ("result.h5", "signal.wav", "summary.json", "spectrum.svg"):
         assert (out / name).is_file()
-    assert not (out / "finished").exists()
+    assert run_record.read(out).state != "done"
     monkeypatch.undo()
     assert cli.main(["resume", str(out), "--workers", "1"]) == 0
-    assert (out / "report.html").is_file() and (out / "finished").is_file()
+    assert (out / "report.html").is_file() and run_record.read(out).state == "done"
 
 
 def test_three_records_of_ten_seconds_stay_below_15_mb(runs, tmp_path) -> None:

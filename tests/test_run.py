@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from acoustics import wav
-from rolling import cli, contact, reference, run, run_folder, scene_file, simulate, store
+from rolling import cli, contact, reference, run, run_folder, run_record, scene_file, simulate, store
 from rolling.scenario import track
 
 SCENE = """\
@@ -106,7 +106,7 @@ def test_a_run_that_fails_says_why_and_leaves_the_others_whole(scene: Path, tmp_
     message = capsys.readouterr().err
     assert "load 90 N" in message and "84 N" in message and "more than the surface can carry" in message
     assert summary(out / "load_n=1")["complete"]
-    assert not (out / "finished").exists()
+    assert run_record.read(out).state != "done"
 
 
 def start(scene: Path, out: Path, *more: str) -> subprocess.Popen:
@@ -144,7 +144,7 @@ def test_ctrl_c_leaves_a_valid_part(scene: Path, tmp_path: Path, workers: str) -
     pressure, _, _ = wav.read(out / "signal.wav")
     # It does not close, so it is faded; band-limiting afterwards leaves a little at the very ends (measured 0.3 %).
     assert abs(pressure[0]) < 0.01 * np.abs(pressure).max()
-    assert not (out / "finished").exists()
+    assert run_record.read(out).state != "done"
 
 
 def test_a_killed_run_is_resumed_to_the_same_numbers(scene: Path, tmp_path: Path) -> None:
@@ -168,7 +168,7 @@ def test_a_killed_run_is_resumed_to_the_same_numbers(scene: Path, tmp_path: Path
     for name in ("release_energy", "approach", "events/energy", "events/first", "events/node"):
         assert np.array_equal(series(killed, name), series(whole, name))
     assert (killed / "signal.wav").read_bytes() == (whole / "signal.wav").read_bytes()
-    assert (killed / "finished").is_file()
+    assert run_record.read(killed).state == "done"
 
 
 def test_a_killed_worker_fails_the_run_and_keeps_what_is_solved(scene: Path, tmp_path: Path) -> None:
@@ -182,7 +182,7 @@ def test_a_killed_worker_fails_the_run_and_keeps_what_is_solved(scene: Path, tmp
     assert process.returncode == 1
     assert "a worker process was killed" in complaint and "resume" in complaint
     assert "step/s" not in complaint  # no progress bar where nobody looks
-    assert summary(out)["steps"] >= simulate.PIECE_STEPS and not (out / "finished").exists()
+    assert summary(out)["steps"] >= simulate.PIECE_STEPS and run_record.read(out).state == "failed"
 
 
 def test_a_full_disk_keeps_what_was_written(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:

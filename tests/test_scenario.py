@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from scene_text import PLAIN, SCENES, TEXT, faults
 
 from rolling import surface
-from rolling.scenario import STEP_NODES, Gaussian, Scene, SceneError, expand, run_name, track
+from rolling.run_names import run_name
+from rolling.scenario import STEP_NODES, Gaussian, Scene, SceneError, expand, track
 from rolling.scene_file import dump, load, loads, resound
 
 NAME = "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in quotes)"

@@ -12,7 +12,7 @@ import pytest
 from conftest import rough
 
 from acoustics import level, wav
-from rolling import cli, scene_file
+from rolling import cli, run_record, scene_file
 from rolling.scenario import HeightFile, expand
 
 SCENES = sorted((Path(__file__).parent.parent / "scenarios").glob("*.yaml"))
@@ -59,7 +59,7 @@ def test_scene_runs(path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[st
         assert np.abs(listened).max() <= 1.0
         for picture in ("spectrum", "psd", "third_octaves", "spectrogram", "release_power", "surface", "contact"):
             assert (folder / f"{picture}.png").stat().st_size > 5000
-        assert (folder / "finished").is_file() and (folder / "provenance.json").is_file()
+        assert run_record.read(folder).state == "done" and (folder / "provenance.json").is_file()
         with h5py.File(folder / "result.h5") as file:
             assert file["release_power"].dims[0].keys() == ["step"]
             assert file["release_power"].attrs["units"] == "W"

@@ -1,0 +1,52 @@
+"""Real processes for tests of folders: forked, so that nothing is imported anew, and killed without a chance to tidy up."""
+
+from __future__ import annotations
+
+import os
+import signal
+import traceback
+from collections.abc import Callable
+from contextlib import suppress
+
+
+class Child:
+    """A forked process that runs a function; `say` and `hear` pass lines of text between it and this one."""
+
+    def __init__(self, function: Callable[[Child], object]) -> None:
+        down, up = os.pipe(), os.pipe()
+        self.pid = os.fork()
+        if self.pid == 0:
+            self._read, self._write = down[0], up[1]
+            code = 1
+            with suppress(BaseException):
+                try:
+                    function(self)
+                    code = 0
+                except BaseException:
+                    traceback.print_exc()
+            os._exit(code)
+        self._read, self._write = up[0], down[1]
+        os.close(down[0])
+        os.close(up[1])
+
+    def say(self, text: str) -> None:
+        os.write(self._write, f"{text}\n".encode())
+
+    def hear(self) -> str:
+        """The next line; empty when the other side has ended."""
+        line = b""
+        while (byte := os.read(self._read, 1)) not in (b"", b"\n"):
+            line += byte
+        return line.decode()
+
+    def kill(self) -> None:
+        """Kill the process; it is gone when this returns."""
+        os.kill(self.pid, signal.SIGKILL)
+        self.wait()
+
+    def wait(self) -> int:
+        """The exit code; negative: the signal that ended it."""
+        _, status = os.waitpid(self.pid, 0)
+        os.close(self._read)
+        os.close(self._write)
+        return os.waitstatus_to_exitcode(status)
