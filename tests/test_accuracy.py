@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rolling import accuracy, cli, hard_cases, run_record, scene_file, surface, variants
+from rolling import accuracy, cli, folder_files, hard_cases, run_record, scene_file, surface, variants
 from rolling.accuracy import BANDS, ERRORS, Candidate, recommend
 from rolling.contact import ContactError
 
@@ -57,6 +57,9 @@ def test_files(folder: Path, found: dict[str, Any]) -> None:
     for name in ("accuracy.md", "accuracy.png", "accuracy.svg", "scene.yaml", "run.json"):
         assert (folder / name).stat().st_size > 20
     assert {f.stem for f in (folder / "variants").iterdir()} == {row["name"] for row in found["variants"]}
+    record = run_record.read(folder)
+    assert record is not None and record.kind == "accuracy" and record.state == "done"
+    assert folder_files.foreign(folder, record) == []  # --force knows every file
     assert found["run"] == "load 1 N"
     assert found["track"] == {"nodes": 100, "closed": True, "length_m": pytest.approx(2e-4)}
 

@@ -75,8 +75,8 @@ def test_exit_codes_and_nothing_is_overwritten(runs, tmp_path, capsys, monkeypat
     assert cli.main(["report", source, "--out", str(out)]) == 2
     assert "--force" in capsys.readouterr().err and out.read_text() == "mine"
     assert cli.main(["report", source, "--out", str(tmp_path), "--force"]) == 2
-    assert cli.main(["report", source, "--out", str(out), "--force"]) == 0
-    assert out.read_text() == "the page"
+    assert cli.main(["report", source, "--out", str(out), "--force"]) == 2
+    assert out.read_text() == "mine"  # a page replaces pages only
     assert cli.main(["report", source, str(runs.one())]) == 0
     (made,) = (tmp_path / "outputs" / "report").glob("*/report.html")
     assert made.read_text() == "the page" and str(made.relative_to(tmp_path)) in capsys.readouterr().out
@@ -107,6 +107,7 @@ def test_runs_write_the_page_unless_told_not_to(runs, tmp_path, capsys) -> None:
     first, second, third = tmp_path / "first", tmp_path / "second", tmp_path / "third"
     assert cli.main(["run", str(scene), *SHORT, "--out", str(first)]) == 0
     assert str(first / "report.html") in capsys.readouterr().out
+    assert report.is_page(first / "report.html")
     assert (first / "report.html").stat().st_mtime <= (first / "run.json").stat().st_mtime
     assert cli.main(["run", str(scene), *SHORT, "--out", str(second), "--no-report"]) == 0
     assert not (second / "report.html").exists()

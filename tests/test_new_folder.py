@@ -1,0 +1,465 @@
+"""New folders and --force: what this program did not write is never lost, and the last run that is done neither."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from processes import Child
+from rolling import claim, folder_files, new_folder, run_record
+from rolling.run_folder import FolderError
+from rolling.run_record import Kind, RunRecord
+
+KINDS: tuple[Kind, ...] = ("run", "sweep")
+
+
+def fill(folder: Path) -> None:
+    (folder / "scene.yaml").write_text("name: new\n")
+    (folder / "resolved.yaml").write_text("name: new\n")
+
+
+def begin(out: Path, force: bool = True, inputs: Sequence[Path] = ()) -> claim.Claim:
+    return new_folder.make(new_folder.aim(out, out, force, KINDS, inputs), run_record.new("run"), fill)
+
+
+def finish(out: Path, force: bool = True) -> None:
+    with begin(out, force) as held:
+        (out / "result.h5").write_text("new")
+        held.mark(out, "done")
+        new_folder.drop_previous(held)
+
+
+def run_in(folder: Path, content: str = "old", state: str = "done", kind: Kind = "run", runs: Sequence[str] = ()) -> Path:
+    """A folder of a run with some files of it, in a state."""
+    folder.mkdir(parents=True)
+    run_record.write(folder, run_record.new(kind, runs).with_state(state))  # type: ignore[arg-type]
+    for name in ("scene.yaml", "resolved.yaml", "spectrum.svg", *([] if runs else ["result.h5"])):
+        (folder / name).write_text(content)
+    for name in runs:
+        run_in(folder / name, content, state)
+    return folder
+
+
+def tree(folder: Path) -> dict[str, str]:
+    """Everything below a folder: content by path."""
+    return {
+        path.relative_to(folder).as_posix(): f"-> {path.readlink()}"
+        if path.is_symlink()
+        else (path.read_bytes().decode("utf-8", "replace") if path.is_file() else "folder")
+        for path in sorted(folder.rglob("*"))
+        if path.name != claim.LOCK
+    }
+
+
+def state(folder: Path) -> str:
+    record = run_record.read(folder)
+    return record.state if record else "none"
+
+
+# ---- what is refused -------------------------------------------------------------------------------------------------
+
+
+def refused(out: Path, words: str, force: bool = True, inputs: Sequence[Path] = ()) -> None:
+    top = out.parent if out.parent.exists() else out
+    before = tree(top)
+    with pytest.raises(FolderError, match=words):
+        begin(out, force, inputs)
+    assert tree(top) == before
+
+
+def test_only_marked_folders_are_replaced(tmp_path: Path) -> None:
+    (tmp_path / "proj").mkdir()
+    (tmp_path / "proj" / "scene.yaml").write_text("name: mine\n")
+    refused(tmp_path / "proj", "not a run of this program; take another --out")
+    (tmp_path / "proj" / "run.json").write_text("{}")
+    refused(tmp_path / "proj", "not a run.json of this program")
+    run_in(tmp_path / "study", kind="study")
+    refused(tmp_path / "study", r"the folder of another command \(study\)")
+    (tmp_path / "file").write_text("years of work")
+    refused(tmp_path / "file", "is a file")
+    for name in ("run", "old"):
+        run_in(tmp_path / name)
+    refused(tmp_path / "run", "holds a run already; take another --out, or --force", force=False)
+    (tmp_path / "old" / "run.json").unlink()
+    (tmp_path / "old" / "finished").write_text("2026\n")
+    refused(tmp_path / "old", "version 0.1.0.*never replaced")
+    with claim.take(tmp_path / "old", "run") as held:  # resumed: it has a run.json since
+        held.mark(tmp_path / "old", "done")
+    (tmp_path / "old" / "finished").unlink()
+    refused(tmp_path / "old", "version 0.1.0 and never replaced")
+
+
+def test_foreign_contents_are_named_and_kept(tmp_path: Path) -> None:
+    out = run_in(tmp_path / "out", kind="sweep", runs=["load_n=5"])
+    for path, text in (("notes.txt", "mine"), ("load_n=5/thesis.tex", "mine"), ("load_n=7/result.h5", "mine")):
+        (out / path).parent.mkdir(exist_ok=True)
+        (out / path).write_text(text)
+        refused(out, f"did not write {path.partition('/result')[0]} in it; move that away")
+        (out / path).unlink()
+        if not (out / path).parent.joinpath("run.json").exists():
+            (out / path).parent.rmdir()
+    (out / "link.svg").symlink_to(tmp_path)
+    refused(out, "link.svg")
+    (out / "link.svg").unlink()
+    (out / "spectrum.svg").unlink()
+    (out / "spectrum.svg").symlink_to("/etc/hostname")
+    refused(out, "spectrum.svg")
+    (out / "spectrum.svg").unlink()
+    (out / "spectrum.svg").mkdir()
+    refused(out, "spectrum.svg")
+    (out / "spectrum.svg").rmdir()
+    run_in(out / "mine")  # another run, put there by hand
+    refused(out, "did not write mine")
+    (out / "mine").rename(tmp_path / "mine")
+    (out / ".sweep.json.partial").write_text("of a killed write")  # ours
+    finish(out)
+
+
+def test_inputs_and_the_working_directory_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = run_in(tmp_path / "out", kind="sweep", runs=["load_n=5"])
+    words = "which this command reads, lies in it"
+    refused(out, words, inputs=[tmp_path / "elsewhere.yaml", out / "scene.yaml"])
+    refused(out, words, inputs=[out])
+    (tmp_path / "link").symlink_to(out)
+    refused(out, words, inputs=[tmp_path / "link" / "load_n=5"])
+    refused(tmp_path / "link", "a symbolic link, which is not replaced; give --out the folder")
+    monkeypatch.chdir(out / "load_n=5")
+    for path in (out, Path(), Path(".."), Path("../../out"), Path("/")):
+        with pytest.raises(FolderError, match="the working directory"):
+            begin(path)
+    monkeypatch.chdir(tmp_path)
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    monkeypatch.chdir(empty)
+    refused(Path(), "is the working directory", force=False)
+    monkeypatch.chdir(tmp_path)
+    # OUT.previous is removed in the end: no input may lie in it.
+    old = run_in(tmp_path / "out.previous")
+    refused(out, words, inputs=[old])
+    monkeypatch.chdir(old)
+    refused(out, "working directory")
+
+
+def test_a_run_of_a_sweep_is_not_replaced_alone(tmp_path: Path) -> None:
+    out = run_in(tmp_path / "out", kind="sweep", runs=["load_n=5"])
+    refused(out / "load_n=5", "a run of the sweep in .*, which would hold two scenes")
+
+
+def test_folders_in_use_are_refused(tmp_path: Path) -> None:
+    out = run_in(tmp_path / "out", kind="sweep", runs=["load_n=5"], state="waiting")
+    old = run_in(tmp_path / "out.previous")
+    for used in (out, out / "load_n=5", old):
+
+        def work(child: Child, used: Path = used) -> None:
+            with claim.take(used, "run"):
+                child.say("taken")
+                child.hear()
+
+        child = Child(work)
+        child.hear()
+        refused(out, f"in use by process {child.pid} ")
+        child.kill()
+    finish(out)
+
+
+@pytest.mark.parametrize("what", ["file", "link", "folder", "marked and more", "another command"])
+def test_the_name_out_previous_is_not_taken_from_others(tmp_path: Path, what: str) -> None:
+    out, old = run_in(tmp_path / "out"), tmp_path / "out.previous"
+    if what == "file":
+        old.write_text("mine")
+    elif what == "link":
+        old.symlink_to(tmp_path)
+    elif what == "folder":
+        old.mkdir()
+    else:
+        run_in(old, kind="study" if what == "another command" else "run")
+        (old / "more.txt").write_text("mine")
+    refused(out, "out.previous: ")
+
+
+def test_a_parent_that_cannot_be_written_gives_one_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = run_in(tmp_path / "out")
+
+    def denied(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "mkdir", denied)
+    refused(out, r"cannot be made \(Permission denied\)")
+    refused(tmp_path / "new", r"cannot be made \(Permission denied\)")
+
+
+def test_what_cannot_be_made_gives_one_message(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    for out in (tmp_path / "file" / "out", tmp_path / ("x" * 300), tmp_path / "file" / "a" / "b"):
+        with pytest.raises(FolderError, match="cannot be"):
+            begin(out)
+    (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
+    refused(tmp_path / "dangling", "a symbolic link to nothing")
+    long = run_in(tmp_path / ("y" * 250))  # itself short enough, but not with .previous
+    refused(long, "cannot be made|could not be replaced")
+
+
+# ---- what is made ----------------------------------------------------------------------------------------------------
+
+
+def test_empty_folders_are_filled_in_place(tmp_path: Path) -> None:
+    """A folder that was made before, a mount point perhaps, stays the same folder; a link to it stays a link."""
+    out = tmp_path / "out"
+    out.mkdir(mode=0o770)
+    number = out.stat().st_ino
+    (tmp_path / "link").symlink_to(out)
+    finish(tmp_path / "link", force=False)
+    assert out.stat().st_ino == number and state(out) == "done" and (tmp_path / "link").is_symlink()
+
+
+def test_the_old_run_stays_until_the_new_one_is_done(tmp_path: Path) -> None:
+    out = run_in(tmp_path / "out", "old")
+    with begin(out) as held:
+        assert (tmp_path / "out.previous" / "result.h5").read_text() == "old"
+        assert state(out) == "running" and not (out / "result.h5").exists()
+        assert {path.name for path in tmp_path.iterdir()} == {"out", "out.previous"}
+        held.mark(out, "done")
+        assert new_folder.drop_previous(held) is None
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+    record = run_record.read(out)
+    assert record is not None and record.state == "done" and record.replaces is None
+
+
+def test_the_last_run_that_is_done_outlives_any_number_of_failures(tmp_path: Path) -> None:
+    out, old = run_in(tmp_path / "out", "good"), tmp_path / "out.previous"
+    for _ in range(3):
+        with pytest.raises(KeyboardInterrupt), begin(out):
+            raise KeyboardInterrupt
+        assert state(out) == "waiting" and state(old) == "done" and (old / "result.h5").read_text() == "good"
+        assert {path.name for path in tmp_path.iterdir()} == {"out", "out.previous"}
+    # Resumed to its end, by another process: the old one goes.
+    with claim.take(out, "run") as held:
+        held.mark(out, "done")
+        new_folder.drop_previous(held)
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_of_two_that_are_not_done_the_younger_is_kept(tmp_path: Path) -> None:
+    out, old = run_in(tmp_path / "out", "second", "failed"), run_in(tmp_path / "out.previous", "first", "failed")
+    begin(out).__exit__(None, None, None)
+    assert (old / "result.h5").read_text() == "second"
+
+
+def test_out_previous_of_somebody_else_is_not_removed(tmp_path: Path) -> None:
+    """Put there after the new run began: another run, or the right one with a file of the user in it."""
+    out, old = run_in(tmp_path / "out"), tmp_path / "out.previous"
+    with begin(out) as held:
+        (old / "notes.txt").write_text("mine")
+        held.mark(out, "done")
+        assert new_folder.drop_previous(held) == old
+    assert (old / "notes.txt").read_text() == "mine" and (old / "result.h5").read_text() == "old"
+    old.rename(tmp_path / "elsewhere")
+    run_in(old, "another")
+    with claim.take(out, "run") as held:
+        held.mark(out, "done")
+        new_folder.drop_previous(held)
+    assert (old / "result.h5").read_text() == "another"
+
+
+def test_inputs_that_cannot_be_written_leave_everything_as_it_was(tmp_path: Path) -> None:
+    run_in(tmp_path / "out")
+    (tmp_path / "empty").mkdir()
+    before = tree(tmp_path)
+
+    def full(folder: Path) -> None:
+        (folder / "scene.yaml").write_text("name: n")
+        raise OSError(28, "No space left on device")
+
+    for name in ("out", "empty", "new"):
+        target = new_folder.aim(tmp_path, tmp_path / name, True, KINDS)
+        with pytest.raises(OSError, match="No space"):
+            new_folder.make(target, run_record.new("run"), full)
+        assert tree(tmp_path) == before
+
+
+def test_of_commands_that_begin_at_once_one_gets_the_folder(tmp_path: Path) -> None:
+    """New, empty or replaced: one of four processes makes it, three are refused, the run that was there is beside it."""
+    for k in range(12):
+        out = tmp_path / f"out{k}"
+        if k % 3 == 1:
+            out.mkdir()
+        elif k % 3 == 2:
+            run_in(out, f"old {k}")
+
+        def work(child: Child, out: Path = out) -> None:
+            child.hear()
+            try:
+                begin(out, force=True)
+                child.say("made")
+                child.hear()
+            except FolderError as error:
+                child.say(f"refused: {error}")
+                child.hear()
+
+        children = [Child(work) for _ in range(4)]
+        for child in children:
+            child.say("go")
+        answers = sorted(child.hear() for child in children)
+        for child in children:
+            child.kill()
+        assert answers[0] == "made" and all(answer.startswith("refused") for answer in answers[1:]), answers
+        assert state(out) == "running" and (out / "resolved.yaml").read_text() == "name: new\n"
+        if k % 3 == 2:
+            assert (tmp_path / f"out{k}.previous" / "result.h5").read_text() == f"old {k}"
+
+
+# ---- killed, and refused by the system, at every step ----------------------------------------------------------------
+
+
+class Killed(BaseException):
+    """Stands for SIGKILL in a forked process."""
+
+
+def interrupted_at(number: int, stop) -> object:
+    """A rename that stops at its nth call."""
+    inner, calls = Path.rename, []
+
+    def rename(path: Path, name: Path) -> Path:
+        calls.append(name)
+        if len(calls) == number:
+            stop()
+        return inner(path, name)
+
+    return rename
+
+
+CASES = {  # OUT and OUT.previous before; the content that must not be lost
+    "done": (("good", "done"), None),
+    "both done": (("good", "done"), ("older", "done")),
+    "failed, done before": (("bad", "failed"), ("good", "done")),
+    "both failed": (("good", "failed"), ("bad", "failed")),
+}
+
+
+def prepared(folder: Path, case: str) -> Path:
+    there, before = CASES[case]
+    out = run_in(folder / "out", *there)
+    if before:
+        run_in(folder / "out.previous", *before)
+    return out
+
+
+def contents(folder: Path) -> list[str]:
+    """Contents of all results below a folder, whatever the folders are called."""
+    return sorted(path.read_text() for path in folder.rglob("result.h5"))
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("number", [1, 2, 3])
+def test_killed_between_renames_the_good_run_is_there_and_the_next_command_goes_on(
+    tmp_path: Path, case: str, number: int
+) -> None:
+    out = prepared(tmp_path, case)
+
+    def work(_: Child) -> None:
+        Path.rename = interrupted_at(number, lambda: os._exit(9))  # type: ignore[method-assign,assignment]
+        begin(out)
+        os._exit(0)
+
+    code = Child(work).wait()
+    assert "good" in contents(tmp_path)
+    assert code == 9 or number == 3
+    places = [path for path in tmp_path.iterdir() if not path.name.startswith(".")]
+    assert any((path / "result.h5").is_file() and (path / "result.h5").read_text() == "good" for path in places)
+    finish(out)
+    assert state(out) == "done" and (out / "result.h5").read_text() == "new"
+    if code == 0 or case in ("done", "failed, done before"):
+        assert [path.name for path in tmp_path.iterdir() if not path.name.startswith(".")] == ["out"]
+    finish(out)
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]  # nothing is left behind for ever
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("number", [1, 2, 3])
+def test_a_rename_that_fails_leaves_everything_as_it_was(
+    tmp_path: Path, case: str, number: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = prepared(tmp_path, case)
+    before = tree(tmp_path)
+
+    def fail() -> None:
+        raise OSError(18, "Invalid cross-device link")
+
+    monkeypatch.setattr(Path, "rename", interrupted_at(number, fail))
+    try:
+        begin(out).__exit__(None, None, None)
+    except FolderError as error:
+        assert "could not be replaced, and is as it was (Invalid cross-device link)" in str(error)
+        assert tree(tmp_path) == before
+    else:
+        assert number == 3
+
+
+# ---- any contents ----------------------------------------------------------------------------------------------------
+
+OWN = ["run.json", "scene.yaml", "result.h5", "spectrum.svg", ".result.h5.partial", ".lock", "load_n=5"]
+NAMES = st.sampled_from([*OWN, "run.json~", "Result.h5", "notes", "load_n=6", ".git", ".notes.partial", "variants", "ü"])
+LEAVES = st.sampled_from(["mine", "", "link"])
+TREES = st.recursive(LEAVES, lambda inner: st.dictionaries(NAMES, inner, max_size=4), max_leaves=8)
+
+
+def plant(folder: Path, contents: dict) -> None:
+    for name, content in contents.items():
+        path = folder / name
+        if path.is_symlink() or path.is_file():
+            path.unlink()
+        if isinstance(content, dict):
+            path.mkdir(exist_ok=True)
+            plant(path, content)
+        elif not path.is_dir():
+            path.symlink_to("/etc") if content == "link" else path.write_text(content)
+
+
+def foreign_by_oracle(folder: Path, names: frozenset[str], runs: tuple[str, ...]) -> set[str]:
+    """Paths that may not vanish, by a rule of its own: everything that is no regular file of a known name in its place."""
+    kept = set()
+    for top, folders, files in os.walk(folder):
+        inside = Path(top).relative_to(folder).parts
+        for name in [*folders, *files]:
+            path = Path(top) / name
+            known = (len(inside) == 0 and (name in names or name in runs)) or (len(inside) == 1 and inside[0] in runs and name in folder_files.FILES["run"] | {".lock"} or name.startswith(".") and name.endswith(".partial") and name[1:-8] in names)  # fmt: skip
+            is_folder_of_a_run = path.is_dir() and not path.is_symlink() and len(inside) == 0 and name in runs
+            if path.is_symlink() or not known or (path.is_dir() and not is_folder_of_a_run):
+                kept.add(path.relative_to(folder).as_posix())
+    return kept
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(contents=st.dictionaries(NAMES, TREES, max_size=4), runs=st.sampled_from([(), ("load_n=5",)]), state=st.sampled_from(["done", "failed"]))  # fmt: skip
+def test_forced_over_any_contents_nothing_foreign_is_ever_lost(
+    tmp_path: Path, contents: dict, runs: tuple[str, ...], state: str
+) -> None:
+    import shutil
+
+    top = tmp_path / "top"
+    shutil.rmtree(top, ignore_errors=True)
+    out = run_in(top / "out", state=state, kind="sweep" if runs else "run", runs=runs)
+    if not runs or "result.h5" not in contents:
+        plant(out, contents)
+    before = tree(out)
+    names = folder_files.FILES["sweep" if runs else "run"] | {".lock"}
+    foreign = foreign_by_oracle(out, names, runs)
+    try:
+        finish(out)
+    except FolderError:
+        assert tree(out) == before
+    else:
+        assert not foreign
+        assert [path.name for path in top.iterdir()] == ["out"]
+    record: RunRecord | None
+    try:
+        record = run_record.read(out)
+    except FolderError:
+        record = None
+    if foreign:
+        assert tree(out) == before and (record is None or record.state != "running")
