@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+import time
 import uuid
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
@@ -21,6 +22,7 @@ from rolling.run_folder import FolderError
 from rolling.run_record import Kind, RunRecord
 
 PREVIOUS = ".previous"
+MOMENT = 60.0  # [s]; what has no run.json for longer is no folder that somebody makes just now
 Fill = Callable[[Path], object]  # writes the inputs of a run into its folder
 
 
@@ -75,7 +77,8 @@ def _aim(out: Path, force: bool, kinds: Sequence[Kind], inputs: Sequence[Path]) 
     record = _marked(out, kinds)
     if not force:
         claim.refuse_folder_in_use(out, record)
-        raise FolderError(f"{out}: holds a run already; take another --out, or --force to replace it")
+        way = ", or --force to replace it" if record.kind in folder_files.FILES else ""
+        raise FolderError(f"{out}: holds a {_named([record.kind])} already; take another --out{way}")
     _refuse_losses(target, record)
     return replace(target, replaces=True)
 
@@ -125,15 +128,19 @@ def drop_previous(held: Claim) -> Path | None:
         if record is not None and record.id == held.record.replaces:
             with claim.guard(old):
                 claim.refuse_folder_in_use(old, record)
-                if _contains(old, Path.cwd()) or not folder_files.remove(old, record):
+                if _contains(old, Path.cwd()) or folder_files.foreign(old, record):
                     return old
+                discarded = _temporary(held.folder)
+                old.rename(discarded)  # so that nobody meets it half removed
+            folder_files.remove(discarded, record)
     held.forget_replaced()
     return None
 
 
 def is_empty(folder: Path) -> bool:
-    """Return whether nothing is in a folder but the lock of a command that stopped at once."""
-    return all(entry.name == claim.LOCK for entry in folder.iterdir())
+    """Return whether nothing is in a folder, apart from traces of a command that was killed before its first file."""
+    traces = {claim.LOCK, f".{run_record.FILE}.partial"}
+    return all(entry.name in traces and entry.is_file() and not entry.is_symlink() for entry in folder.iterdir())
 
 
 # ---- what may be replaced --------------------------------------------------------------------------------------------
@@ -153,10 +160,15 @@ def _marked(folder: Path, kinds: Sequence[Kind]) -> RunRecord:
                 f"{folder}: holds a run of version 0.1.0 (no run.json), which is never replaced;"
                 " take another --out, or remove it yourself"
             )
-        raise FolderError(f"{folder}: holds something that is not a run of this program; take another --out")
+        raise FolderError(f"{folder}: holds something that is no {_named(kinds)} of this program; take another --out")
     if record.kind not in kinds:
         raise FolderError(f"{folder}: is the folder of another command ({record.kind}); take another --out")
     return record
+
+
+def _named(kinds: Sequence[Kind]) -> str:
+    """Word for a folder of the first of these kinds."""
+    return {"accuracy": "study of accuracy", "hard-cases": "table of hard cases"}.get(kinds[0], kinds[0])
 
 
 def _refuse_losses(target: Target, record: RunRecord) -> None:
@@ -273,14 +285,14 @@ def _both_guarded(out: Path) -> Iterator[None]:
 def _exchange(target: Target, new: Claim) -> None:
     """Give the new folder the name OUT, and that which was there the name OUT.previous.
 
-    OUT.previous stays when it is done and OUT is not: the last run that is done is kept, whatever happened after it. A folder
-    that is not kept is renamed, too; `_left_over` finds it.
+    OUT.previous stays when it was done once and OUT was not: the last run that is done is kept, whatever happened after it. A
+    folder that is not kept is renamed, too; `_left_over` finds it.
     """
     out, old = target.folder, previous(target.folder)
     there = _marked(out, target.kinds)
     _refuse_losses(target, there)  # nothing has changed since
     before = _marked(old, target.kinds) if os.path.lexists(old) else None
-    kept = before if before is not None and before.state == "done" and there.state != "done" else there
+    kept = before if before is not None and before.completed and not there.completed else there
     new.record = replace(new.record, replaces=kept.id)
     run_record.write(new.folder, new.record)
     if kept is before:
@@ -325,6 +337,8 @@ def _left_over(out: Path) -> Iterator[tuple[Path, RunRecord]]:
                     if record is not None:
                         claim.refuse_folder_in_use(path, record)
                         yield path, record
+                    elif time.time() - path.stat().st_mtime > MOMENT:
+                        yield path, run_record.new("run")  # the first of a folder, or the last of a removal
 
 
 def _interrupted_swap(out: Path) -> str | None:

@@ -45,6 +45,7 @@ class RunRecord:
     reason : why it failed, or why it waits after it was begun.
     process : the process that works on it while its state is running.
     version, sources, commit, dirty : the program that worked on it last (see `program.Identity`).
+    completed : when it was done for the first time; work on it since, killed perhaps, takes nothing from it.
     runs : folders of the runs in it, in the order of the scene's sweep; each has a run.json of its own.
     replaces : id of the folder beside it, named OUT.previous, that is removed when this one is done.
     adopted : whether version 0.1.0 made the folder; it is never replaced.
@@ -61,6 +62,7 @@ class RunRecord:
     dirty: bool | None
     created: str
     changed: str
+    completed: str | None = None
     runs: tuple[Annotated[str, AfterValidator(_inner)], ...] = ()
     replaces: str | None = None
     adopted: bool = False
@@ -77,7 +79,9 @@ class RunRecord:
         """Return the record of another state, now: of this process if it runs, without a process otherwise."""
         process = this_process() if state == "running" else None
         made_by = asdict(program.identity()) if state == "running" else {}
-        return replace(self, state=state, reason=reason, process=process, changed=_now(), **made_by)
+        now = _now()
+        completed = self.completed or (now if state == "done" else None)
+        return replace(self, state=state, reason=reason, process=process, changed=now, completed=completed, **made_by)
 
 
 def new(kind: Kind, runs: Sequence[str] = (), adopted: bool = False) -> RunRecord:

@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-
 from processes import Child
+
 from rolling import claim, process, run_record
 from rolling.run_folder import FolderError
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
 from processes import Child
+
 from rolling import claim, folder_files, new_folder, run_record
 from rolling.run_folder import FolderError
 from rolling.run_record import Kind, RunRecord
@@ -34,7 +34,9 @@ def finish(out: Path, force: bool = True) -> None:
         new_folder.drop_previous(held)
 
 
-def run_in(folder: Path, content: str = "old", state: str = "done", kind: Kind = "run", runs: Sequence[str] = ()) -> Path:
+def run_in(
+    folder: Path, content: str = "old", state: str = "done", kind: Kind = "run", runs: Sequence[str] = ()
+) -> Path:
     """A folder of a run with some files of it, in a state."""
     folder.mkdir(parents=True)
     run_record.write(folder, run_record.new(kind, runs).with_state(state))  # type: ignore[arg-type]
@@ -75,7 +77,7 @@ def refused(out: Path, words: str, force: bool = True, inputs: Sequence[Path] = 
 def test_only_marked_folders_are_replaced(tmp_path: Path) -> None:
     (tmp_path / "proj").mkdir()
     (tmp_path / "proj" / "scene.yaml").write_text("name: mine\n")
-    refused(tmp_path / "proj", "not a run of this program; take another --out")
+    refused(tmp_path / "proj", "no run of this program; take another --out")
     (tmp_path / "proj" / "run.json").write_text("{}")
     refused(tmp_path / "proj", "not a run.json of this program")
     run_in(tmp_path / "study", kind="study")
@@ -211,6 +213,7 @@ def test_empty_folders_are_filled_in_place(tmp_path: Path) -> None:
     """A folder that was made before, a mount point perhaps, stays the same folder; a link to it stays a link."""
     out = tmp_path / "out"
     out.mkdir(mode=0o770)
+    (out / ".run.json.partial").write_text("{")  # a command was killed before its first file
     number = out.stat().st_ino
     (tmp_path / "link").symlink_to(out)
     finish(tmp_path / "link", force=False)
@@ -313,6 +316,51 @@ def test_of_commands_that_begin_at_once_one_gets_the_folder(tmp_path: Path) -> N
             assert (tmp_path / f"out{k}.previous" / "result.h5").read_text() == f"old {k}"
 
 
+def test_a_run_that_was_done_counts_as_done_though_a_resume_of_it_was_killed(tmp_path: Path) -> None:
+    """The resume has nothing to solve; its kill leaves the state running, and two kills of --force would lose the run."""
+    out, old = run_in(tmp_path / "out", "good"), tmp_path / "out.previous"
+
+    def resume(child: Child) -> None:
+        with claim.take(out, "run"):
+            child.say("taken")
+            child.hear()
+
+    child = Child(resume)
+    child.hear()
+    child.kill()
+    assert state(out) == "running"
+    for _ in range(2):
+        begin(out).__exit__(None, None, None)
+        assert (old / "result.h5").read_text() == "good"
+
+
+def test_a_removal_that_is_killed_is_in_nobodys_way(tmp_path: Path) -> None:
+    out = run_in(tmp_path / "out")
+
+    def work(_: Child) -> None:
+        inner, calls = Path.unlink, []
+
+        def unlink(path: Path, missing_ok: bool = False) -> None:
+            calls.append(path)
+            if len(calls) == 3:
+                os._exit(9)
+            inner(path, missing_ok)
+
+        Path.unlink = unlink  # type: ignore[method-assign]
+        finish(out)
+
+    assert Child(work).wait() == 9
+    for number, name in enumerate(("", ".run.json.partial", "notes.txt")):  # killed, or not, before it had a run.json
+        folder = tmp_path / f".out.{number:032}.partial"
+        folder.mkdir()
+        if name:
+            (folder / name).write_text("mine")
+        os.utime(folder, (0, 0))
+    assert state(out) == "done" and not (tmp_path / "out.previous").exists()
+    finish(out)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [f".out.{2:032}.partial", "out"]
+
+
 # ---- killed, and refused by the system, at every step ----------------------------------------------------------------
 
 
@@ -403,7 +451,9 @@ def test_a_rename_that_fails_leaves_everything_as_it_was(
 # ---- any contents ----------------------------------------------------------------------------------------------------
 
 OWN = ["run.json", "scene.yaml", "result.h5", "spectrum.svg", ".result.h5.partial", ".lock", "load_n=5"]
-NAMES = st.sampled_from([*OWN, "run.json~", "Result.h5", "notes", "load_n=6", ".git", ".notes.partial", "variants", "ü"])
+NAMES = st.sampled_from(
+    [*OWN, "run.json~", "Result.h5", "notes", "load_n=6", ".git", ".notes.partial", "variants", "ü"]
+)
 LEAVES = st.sampled_from(["mine", "", "link"])
 TREES = st.recursive(LEAVES, lambda inner: st.dictionaries(NAMES, inner, max_size=4), max_leaves=8)
 
@@ -427,7 +477,11 @@ def foreign_by_oracle(folder: Path, names: frozenset[str], runs: tuple[str, ...]
         inside = Path(top).relative_to(folder).parts
         for name in [*folders, *files]:
             path = Path(top) / name
-            known = (len(inside) == 0 and (name in names or name in runs)) or (len(inside) == 1 and inside[0] in runs and name in folder_files.FILES["run"] | {".lock"} or name.startswith(".") and name.endswith(".partial") and name[1:-8] in names)  # fmt: skip
+            base = name[1:-8] if name.startswith(".") and name.endswith(".partial") else name
+            if not inside:
+                known = base in names or name in runs
+            else:
+                known = len(inside) == 1 and inside[0] in runs and base in folder_files.FILES["run"] | {".lock"}
             is_folder_of_a_run = path.is_dir() and not path.is_symlink() and len(inside) == 0 and name in runs
             if path.is_symlink() or not known or (path.is_dir() and not is_folder_of_a_run):
                 kept.add(path.relative_to(folder).as_posix())
@@ -435,7 +489,11 @@ def foreign_by_oracle(folder: Path, names: frozenset[str], runs: tuple[str, ...]
 
 
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(contents=st.dictionaries(NAMES, TREES, max_size=4), runs=st.sampled_from([(), ("load_n=5",)]), state=st.sampled_from(["done", "failed"]))  # fmt: skip
+@given(
+    contents=st.dictionaries(NAMES, TREES, max_size=4),
+    runs=st.sampled_from([(), ("load_n=5",)]),
+    state=st.sampled_from(["done", "failed"]),
+)
 def test_forced_over_any_contents_nothing_foreign_is_ever_lost(
     tmp_path: Path, contents: dict, runs: tuple[str, ...], state: str
 ) -> None:

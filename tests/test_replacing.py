@@ -87,21 +87,26 @@ def refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Callable[...,
 def test_force_never_touches_what_is_not_a_run(scene, tmp_path, refused, monkeypatch) -> None:
     """As it was: emptied with everything in it, before the scene was read."""
     proj = scene.parent
-    assert "not a run of this program" in refused("run", scene, "--out", proj, "--force")
+    assert "no run of this program" in refused("run", scene, "--out", proj, "--force")
     monkeypatch.chdir(proj)
     for name in (".", "..", "../proj", f"{proj}/", "./", str(tmp_path)):
         assert "the working directory" in refused("run", scene, "--out", name, "--force")
     for name in ("", " ", "\t"):
-        for command in (["run", str(scene)], ["accuracy", str(scene)], ["accuracy", "--hard"], ["reproduce", "lee2025"]):
+        for command in (
+            ["run", str(scene)],
+            ["accuracy", str(scene)],
+            ["accuracy", "--hard"],
+            ["reproduce", "lee2025"],
+        ):
             with pytest.raises(SystemExit) as stopped:
                 cli.main([*command, "--out", name])
             assert stopped.value.code == 2
     with pytest.raises(SystemExit):
         cli.main(["resume", ""])
     monkeypatch.chdir(tmp_path)
-    assert "not a run of this program" in refused("accuracy", scene, "--out", proj, "--force")
-    assert "not a run of this program" in refused("accuracy", "--hard", "--out", proj)
-    assert "not a run of this program" in refused("reproduce", "lee2025", "--quick", "--out", proj)
+    assert "no study of accuracy of this program" in refused("accuracy", scene, "--out", proj, "--force")
+    assert "no table of hard cases of this program" in refused("accuracy", "--hard", "--out", proj)
+    assert "no study of this program" in refused("reproduce", "lee2025", "--quick", "--out", proj)
 
 
 def test_inputs_are_read_first_and_never_replaced(scene, out, tmp_path, refused) -> None:

@@ -8,11 +8,11 @@ from collections import Counter
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scene_text import PLAIN
 
 from rolling.run_names import LONGEST, run_name, run_names
 from rolling.scenario import expand
 from rolling.scene_file import loads
-from scene_text import PLAIN
 
 
 def names_of(*overrides: str) -> list[str]:
@@ -37,7 +37,9 @@ def test_long_names_are_shortened_to_different_ones() -> None:
     keys = ["sphere.radius_mm", "plate.youngs_modulus_gpa", "plate.poissons_ratio", "plate.hardness_gpa",
             "surface.roughness_ra_um", "surface.correlation_length_um", "surface.seed", "rolling.load_n", "rolling.speed_m_s",
             "rolling.duration_s", "sound.distance_m", "sound.q"]  # fmt: skip
-    values = [dict.fromkeys(keys, 0.123456789) | {"sound.q": q, "rolling.load_n": w} for q in (0.1, 0.2) for w in (1, 2)]
+    values = [
+        dict.fromkeys(keys, 0.123456789) | {"sound.q": q, "rolling.load_n": w} for q in (0.1, 0.2) for w in (1, 2)
+    ]
     names = run_names(values)
     assert len({*names}) == 4 and names == run_names(values)  # the same every time
     assert all(len(name.encode()) == LONGEST for name in names)
@@ -51,7 +53,8 @@ NUMBERS = st.one_of(
     st.floats(-1e299, 1e299, allow_nan=False),
     st.sampled_from([2**53, 2**53 + 1, float(2**53), 10**16, 10**16 + 1, 1e16, 0.1, 0.1 + 2**-55, 1e-320]),
 )
-KEYS = st.lists(st.sampled_from(["rolling.load_n", "surface.seed", "plate.poissons_ratio", "sphere.poissons_ratio"]), min_size=1, max_size=3, unique=True)  # fmt: skip
+SWEPT = ["rolling.load_n", "surface.seed", "plate.poissons_ratio", "sphere.poissons_ratio"]
+KEYS = st.lists(st.sampled_from(SWEPT), min_size=1, max_size=3, unique=True)
 
 
 @settings(max_examples=60, deadline=None)
@@ -64,7 +67,7 @@ def test_names_differ_whatever_the_values(keys: list[str], data: st.DataObject) 
     printed = Counter(map(run_name, runs))
     for name, values in zip(names, runs, strict=True):
         assert 0 < len(name.encode()) <= LONGEST
-        assert not {*name} & {*"/\\:*?\"<>|\0"} and name not in (".", "..")
+        assert not {*name} & {*'/\\:*?"<>|\0'} and name not in (".", "..")
         short = run_name(values)
         if printed[short] == 1 and len(short) <= LONGEST:
             assert name == short
