@@ -6,18 +6,17 @@ A run is simulated, kept as it goes, and finished: sound, levels, plots, the rep
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling import check, run_folder, scene_file, simulate, solve, sound_files, store, summary
+from rolling import check, run_folder, scene_file, simulate, solve, sound_files, summary
 from rolling.heard import Heard, distinct, hear
+from rolling.result import Result
 from rolling.scenario import Scene, expand, run_name, track
 from rolling.solve import Run
-from rolling.store import Result
 
 if TYPE_CHECKING:
     from rolling.report import Exhibit
@@ -70,22 +69,12 @@ def resume(folder: Path, workers: int = 0, page: bool = True) -> Report:
 
     Raises
     ------
-    FolderError : no run folder, or results that do not fit its scene. SceneError : what it asks for cannot be had.
+    FolderError : no run folder, or a result of another scene or surface. SceneError : what it asks for cannot be had.
     """
     runs = read_runs(folder)
     for one in runs:
         check.refuse_unavailable(one.scene)
-    results = []
-    for one in runs:
-        result = Result.empty(track(one.scene), one.scene.start)
-        if (one.folder / solve.RESULT).is_file():
-            kept = store.load(one.folder / solve.RESULT)
-            if (kept.steps, kept.solved_steps) != (result.steps, result.solved_steps):
-                raise run_folder.FolderError(
-                    f"{one.folder}: result.h5 has {kept.steps} steps, its scene {result.steps}"
-                )
-            result = kept
-        results.append(result)
+    results = [solve.stored(one) or Result.empty(track(one.scene), one.scene.start) for one in runs]
     return _work(folder, runs, results, workers, page)
 
 
@@ -105,7 +94,11 @@ def resound(
     singles = expand(scene)
     if [values for values, _ in singles] != [one.values for one in stored]:
         raise run_folder.FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
-    results = [store.load(one.folder / solve.RESULT) for one in stored]
+    results = [result for one in stored if (result := solve.stored(one))]
+    if len(results) < len(stored):
+        raise run_folder.FolderError(
+            f"{folder}: nothing is solved in some of its runs; `rolling resume` goes on with it"
+        )
     target = run_folder.new_folder(Path("outputs") / scene.name, out, force)
     run_folder.write_bytes(target / "scene.yaml", (folder / "scene.yaml").read_bytes())
     runs = _make_folders(target, scene)
@@ -139,8 +132,8 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     unheard: list[str] = []
     for one in runs:
         check.refuse_unavailable(one.scene)
-        solved = (one.folder / solve.RESULT).is_file()
-        sounding = _heard(one, store.load(one.folder / solve.RESULT)) if solved else None
+        result = solve.stored(one)
+        sounding = _heard(one, result) if result else None
         if sounding is None:
             unheard.append(f"{one.scene.name}, {one.label}")
         else:
@@ -182,19 +175,10 @@ def _make_folders(folder: Path, scene: Scene) -> list[Run]:
         if one.folder != folder:
             run_folder.write_bytes(one.folder / "scene.yaml", (folder / "scene.yaml").read_bytes())
         run_folder.write_bytes(
-            one.folder / "resolved.yaml", scene_file.dump(_seen_from(one.folder, one.scene)).encode()
+            one.folder / "resolved.yaml", scene_file.dump(solve.seen_from(one.folder, one.scene)).encode()
         )
-    run_folder.write_bytes(folder / "resolved.yaml", scene_file.dump(_seen_from(folder, scene)).encode())
+    run_folder.write_bytes(folder / "resolved.yaml", scene_file.dump(solve.seen_from(folder, scene)).encode())
     return runs
-
-
-def _seen_from(folder: Path, scene: Scene) -> Scene:
-    """The scene with its height file's path as it is from a run folder, from where it will be read again."""
-    data = scene.to_dict()
-    if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
-        return scene
-    data["surface"]["path"] = Path(os.path.relpath(scene.height_path, folder)).as_posix()
-    return Scene.from_dict(data, folder)
 
 
 def _work(folder: Path, runs: list[Run], results: list[Result], workers: int, page: bool) -> Report:
@@ -210,12 +194,12 @@ def _finish(
     heard: list[Heard] = []
     done: list[tuple[Run, dict[str, Any] | None]] = []
     for one, result in zip(runs, results, strict=True):
-        sounding = _heard(one, result)
+        # Numbers of another surface would not be the run's.
+        sounding = None if solve.other_surface(one, result) else _heard(one, result)
         done.append((one, sounding.numbers if sounding else None))
         if sounding is None:
             continue
-        if not (one.folder / solve.RESULT).exists():  # new sound of a stored run
-            solve.keep(one, result)
+        solve.keep(one, result, sounding.sound)
         sound_files.write(one.folder, one.scene, one.label, sounding.sound)
         run_folder.write_json(one.folder / "summary.json", sounding.numbers)
         run_folder.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
