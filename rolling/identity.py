@@ -33,7 +33,7 @@ NOT_PHYSICS = {
     "surface.path",
     "sphere.density_kg_m3",
 }
-STEPS = "track.steps"
+STEPS, KIND = "track.steps", "surface.kind"
 
 
 @dataclass(frozen=True)
@@ -82,28 +82,32 @@ def heights_digest(heights: NDArray[np.float64]) -> str:
 def differences(solved: Identity, own: Identity, result: str, height_path: Path | None) -> list[str]:
     """Name what differs between the identity of a stored result and that of a scene; empty where they are the same.
 
-    A key that one side lacks has its default in the version of the other side, which knows it.
-
     Parameters
     ----------
     result : name of the result file in the messages.
     height_path : file of the scene's heights.
     """
-    before = {**own.defaults, **solved.physics}
-    now = {**solved.defaults, **own.physics}
-    kind = "surface.kind"
-    other_kind = before.get(kind) != now.get(kind)
     found = []
-    for key in sorted({*solved.physics, *own.physics}):
-        old, new = before.get(key), now.get(key)
-        if old == new or (other_kind and key.startswith("surface.") and key != kind):
-            continue
+    changed = changes(solved, own)
+    for key, (old, new) in changed.items():
         if key == STEPS:
             found.append(f"rolling.duration_s: {result} has {shown(old)} steps, the scene asks for {shown(new)}")
         else:
-            found.append(f"{key}: {result} was solved {_with(old)}, the scene says {_said(new)}")
+            found.append(f"{key}: {result} was solved with {said(old)}, the scene says {said(new)}")
     surface = other_surface(solved.heights_sha256, own.heights_sha256, height_path)
-    return [*found, surface] if surface and not other_kind else found
+    return [*found, surface] if surface and KIND not in changed else found
+
+
+def changes(before: Identity, after: Identity) -> dict[str, tuple[Any, Any]]:
+    """Values by key where the physics differs; of a surface of another kind, the kind alone.
+
+    A key that one side lacks has its default in the version of the other side, which knows it.
+    """
+    old, new = {**after.defaults, **before.physics}, {**before.defaults, **after.physics}
+    keys = sorted({*before.physics, *after.physics})
+    if old.get(KIND) != new.get(KIND):
+        keys = [key for key in keys if key == KIND or not key.startswith("surface.")]
+    return {key: (old.get(key), new.get(key)) for key in keys if old.get(key) != new.get(key)}
 
 
 def other_surface(solved: str | None, own: str | None, height_path: Path | None) -> str | None:
@@ -144,9 +148,6 @@ def _defaults(model: BaseModel) -> dict[str, Any]:
     return defaults
 
 
-def _with(value: Any) -> str:
-    return "without it" if value is None else f"with {_said(value)}"
-
-
-def _said(value: Any) -> str:
+def said(value: Any) -> str:
+    """A value of the physics as a scene file has it."""
     return plain_number(value) if isinstance(value, float) else shown(value)

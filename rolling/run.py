@@ -73,6 +73,10 @@ def resume(folder: Path, workers: int = 0, page: bool = True) -> Report:
     """
     runs = read_runs(folder)
     for one in runs:
+        if not one.folder.is_dir():
+            raise run_folder.FolderError(
+                f"{one.folder}: no such folder, though {folder / 'resolved.yaml'} sweeps it; run a new scene instead"
+            )
         check.refuse_unavailable(one.scene)
     results = [solve.stored(one) or Result.empty(track(one.scene), one.scene.start) for one in runs]
     return _work(folder, runs, results, workers, page)
@@ -158,12 +162,15 @@ def read_runs(folder: Path) -> list[Run]:
 
     Raises
     ------
-    FolderError : it is none.
+    FolderError : it is none, or the folder of a run in it says another scene than its sweep.
     """
     if not (folder / "resolved.yaml").is_file():
         raise run_folder.FolderError(f"{folder}: not a run folder (no resolved.yaml in it)")
     scene = scene_file.load(folder / "resolved.yaml")
-    return [Run(values, single, folder / run_name(values)) for values, single in expand(scene)]
+    runs = [Run(values, single, folder / run_name(values)) for values, single in expand(scene)]
+    for one in runs:
+        solve.refuse_other_scene(one)
+    return runs
 
 
 def _make_folders(folder: Path, scene: Scene) -> list[Run]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from rolling import cost, scene_file, simulate, store, summary
-from rolling.identity import differences
+from rolling.identity import Identity, changes, differences, said
 from rolling.pool import Outcome
 from rolling.result import Result
 from rolling.run_folder import FolderError, Keeper
@@ -116,6 +116,22 @@ def stored(one: Run) -> Result | None:
         lines = "\n".join(f"  {difference}" for difference in found)
         raise FolderError(f"{one.folder}: the result does not belong to the scene\n{lines}")
     return result
+
+
+def refuse_other_scene(one: Run) -> None:
+    """Hold a run of a sweep against the scene in its own folder, which a hand may have edited.
+
+    Raises
+    ------
+    FolderError : their physics differs; the first key is named. SceneError : the scene in the folder cannot be used.
+    """
+    path = one.folder / "resolved.yaml"
+    if not one.values or not path.is_file():
+        return
+    # Heights are compared with the result, by their digest.
+    own, swept = (Identity.of(scene, None) for scene in (scene_file.load(path), one.scene))
+    for key, (there, here) in changes(own, swept).items():
+        raise FolderError(f"{path}: {key}: got {said(there)}, the sweep of the folder above makes {said(here)} of it")
 
 
 def other_surface(one: Run, result: Result) -> str | None:
