@@ -221,7 +221,7 @@ def test_an_edited_seed_is_refused_in_a_sweep_and_in_its_runs(tmp_path: Path, ca
     whole = (out / "resolved.yaml").read_text()
     (out / "resolved.yaml").write_text(whole.replace("seed: 1", "seed: 2"))
     refused(capsys, out, "load_n=0.5/resolved.yaml: surface.seed: got 1, the sweep of the folder above makes 2 of it")
-    (out / "resolved.yaml").write_text(whole.replace("[0.5, 1.0]", "[0.5, 2.0]"))
+    (out / "resolved.yaml").write_text(whole.replace("[0.5, 1", "[0.5, 2"))
     before = contents(out)
     assert cli.main(["resume", str(out), "--workers", "1"]) == 2
     assert "load_n=2" in capsys.readouterr().err and contents(out) == before
@@ -287,10 +287,10 @@ def test_a_resounded_run_keeps_its_identity_whatever_its_duration(scene: Path, t
 
 
 def test_comparing_costs_little(scene: Path, tmp_path: Path) -> None:
-    """Less than a tenth of the twenty steps that a second holds, for each piece that a worker begins."""
+    """A worker compares before each piece of 200 steps: 0.3 ms measured, where a piece takes 60 ms at least."""
     one = load(scene)
     simulate.heights(one)
     began = time.perf_counter()
     for _ in range(20):
         simulate.surface_fault(one, None)
-    assert (time.perf_counter() - began) / 20 < 0.05
+    assert (time.perf_counter() - began) / 20 < 0.02
