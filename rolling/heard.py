@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from rolling import summary
 from rolling.recovery_statistics import EventStatistics, event_statistics
+from rolling.result import Result
 from rolling.scenario import Scene, track
 from rolling.sound import ContactSound, contact_sound
-from rolling.store import Result
 
 
 @dataclass(frozen=True, eq=False)

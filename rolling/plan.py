@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from rolling import run_folder, run_record, scene_file
 from rolling.run_names import run_names
 from rolling.run_record import RunRecord
 from rolling.scenario import Scene, expand
-from rolling.solve import Run
+from rolling.solve import Run, seen_from
 
 
 class Plan:
@@ -49,14 +48,3 @@ class Plan:
         if self.given is not None:
             run_folder.write_bytes(folder / "scene.yaml", self.given)
         run_folder.write_bytes(folder / "resolved.yaml", scene_file.dump(seen_from(folder, scene)).encode())
-
-
-def seen_from(folder: Path, scene: Scene) -> Scene:
-    """The scene with its height file's path as it is from a run folder, from where it will be read again."""
-    data = scene.to_dict()
-    if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
-        return scene
-    # Links are followed first: ".." of a linked folder leads elsewhere.
-    heights = scene.height_path.parent.resolve() / scene.height_path.name
-    data["surface"]["path"] = Path(os.path.relpath(heights, folder.resolve())).as_posix()
-    return Scene.from_dict(data, folder)

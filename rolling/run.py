@@ -14,27 +14,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling import (
-    check,
-    claim,
-    new_folder,
-    run_folder,
-    scene_file,
-    simulate,
-    solve,
-    sound_files,
-    store,
-    summary,
-)
+from rolling import check, claim, new_folder, run_folder, scene_file, simulate, solve, sound_files, summary
 from rolling.claim import Claim
 from rolling.heard import Heard, distinct, hear
 from rolling.plan import Plan
+from rolling.result import Result
 from rolling.run_folder import FolderError, Stopped
 from rolling.run_record import Kind
 from rolling.scenario import track
 from rolling.solve import Run
-from rolling.store import Result
-from rolling.stored_runs import is_begun, is_kept, kept_result, read_runs, records_of, warn_of_other_program
+from rolling.stored_runs import is_begun, is_kept, read_runs, records_of, warn_of_other_program
 
 if TYPE_CHECKING:
     from rolling.report import Exhibit
@@ -102,15 +91,19 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
 
     Raises
     ------
-    FolderError : no run folder, one in use, or results that do not fit its scene. SceneError : it cannot be had here.
+    FolderError : no run folder, one in use, or a result of another scene or surface. SceneError : it cannot be had here.
     """
     runs = read_runs(folder)
     for one in runs:
+        if not one.folder.is_dir():
+            raise FolderError(
+                f"{one.folder}: no such folder, though {folder / 'resolved.yaml'} sweeps it; run a new scene instead"
+            )
         check.refuse_unavailable(one.scene)
     before = records_of([folder])[0]
     names = [one.folder.name for one in runs] if runs[0].values else []
     with claim.take(folder, "sweep" if names else "run", names, take_over) as held:
-        results = [kept_result(one) for one in runs]
+        results = [solve.stored(one) or Result.empty(track(one.scene), one.scene.start) for one in runs]
         warn_of_other_program(folder, before, results)
         return _work(held, runs, results, workers, page)
 
@@ -132,7 +125,9 @@ def resound(
     plan = Plan(scene, given.read_bytes() if given.is_file() else None)
     if [values for values, _ in plan.singles] != [one.values for one in stored]:
         raise FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
-    results = [store.load(one.folder / solve.RESULT) for one in stored]
+    results = [result for one in stored if (result := solve.stored(one))]
+    if len(results) < len(stored):
+        raise FolderError(f"{folder}: nothing is solved in some of its runs; `rolling resume` goes on with it")
     target = new_folder.aim(Path("outputs") / scene.name, out, force, KINDS, [folder, *plan.height_files])
     records_of([folder])
     with new_folder.make(target, plan.record(), plan.write) as held:
@@ -165,8 +160,8 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     unheard: list[str] = []
     for one in runs:
         check.refuse_unavailable(one.scene)
-        solved = (one.folder / solve.RESULT).is_file()
-        sounding = _heard(one, store.load(one.folder / solve.RESULT)) if solved else None
+        result = solve.stored(one)
+        sounding = _heard(one, result) if result else None
         if sounding is None:
             unheard.append(f"{one.scene.name}, {one.label}")
         else:
@@ -243,12 +238,12 @@ def _finish(
     heard: list[Heard] = []
     done: list[tuple[Run, dict[str, Any] | None]] = []
     for one, result in zip(runs, results, strict=True):
-        sounding = _heard(one, result)
+        # Numbers of another surface would not be the run's.
+        sounding = None if solve.other_surface(one, result) else _heard(one, result)
         done.append((one, sounding.numbers if sounding else None))
         if sounding is None:
             continue
-        if not (one.folder / solve.RESULT).exists():  # new sound of a stored run
-            solve.keep(one, result)
+        solve.keep(one, result, sounding.sound)
         sound_files.write(one.folder, one.scene, one.label, sounding.sound)
         run_folder.write_json(one.folder / "summary.json", sounding.numbers)
         run_folder.write_json(one.folder / "provenance.json", summary.provenance(one.scene))

@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling import pool, surface
+from rolling.contact import ContactError
 from rolling.half_space import HalfSpace
+from rolling.identity import Identity, heights_digest, other_surface
 from rolling.march import ContactState, RollingContact, march
 from rolling.recovery import EventTable, step_energy
 from rolling.scenario import Gaussian, Scene, SceneError, track
@@ -84,7 +86,15 @@ class Piece:
     maps: list[PressureMap]
 
 
-_kept: dict[tuple[str, Path, int, int], Array] = {}
+@dataclass(frozen=True)
+class Surface:
+    """Heights [m], (along, across), and the digest of what their file holds; None where they are made."""
+
+    heights: Array
+    sha256: str | None
+
+
+_kept: dict[tuple[Any, ...], Surface] = {}
 
 
 def heights(scene: Scene) -> Array:
@@ -94,33 +104,68 @@ def heights(scene: Scene) -> Array:
     ------
     SceneError : a surface that cannot be made or read.
     """
-    made = track(scene)
-    key = (scene.surface.model_dump_json(), scene.folder, made.n_along, made.n_across)
+    return _surface(scene).heights
+
+
+def identity_of(scene: Scene) -> Identity:
+    """Identify a scene without a sweep: its physics and the heights as their file holds them now.
+
+    Raises
+    ------
+    SceneError : heights that cannot be read.
+    """
+    return Identity.of(scene, _surface(scene).sha256 if scene.height_path else None)
+
+
+def surface_fault(scene: Scene, solved: str | None) -> str | None:
+    """Say why the surface of a scene is not the one with the digest `solved`, None where it is."""
+    if scene.height_path is None:
+        return None
+    try:
+        return other_surface(solved, _surface(scene).sha256, scene.height_path)
+    except SceneError as error:
+        return f"the surface that was solved is gone: {error}"
+
+
+def _surface(scene: Scene) -> Surface:
+    made, path = track(scene), scene.height_path
+    key = (scene.surface.model_dump_json(), scene.folder, made.n_along, made.n_across, _stamp(path))
     if key not in _kept:
         try:
-            z = _make_heights(scene, (made.n_along, made.n_across))
+            new = _make_surface(scene, (made.n_along, made.n_across))
         except surface.SurfaceError as error:
             raise SceneError([f"surface: {error}"]) from error
         _kept.clear()
-        _kept[key] = z
+        _kept[key] = new
     return _kept[key]
 
 
-def _make_heights(scene: Scene, shape: tuple[int, int]) -> Array:
+def _stamp(path: Path | None) -> tuple[int, ...]:
+    """Tell a file from another one that replaced it: a surface is read again where the file is not the same."""
+    try:
+        status = path.stat() if path else None
+    except OSError:
+        return ()  # the reading says why
+    return (status.st_ino, status.st_size, status.st_mtime_ns) if status else ()
+
+
+def _make_surface(scene: Scene, shape: tuple[int, int]) -> Surface:
     s = scene.surface
     if isinstance(s, Gaussian):
         across = s.correlation_length_across_um or s.correlation_length_um
         lengths = (s.correlation_length_um * 1e-6, across * 1e-6)
-        return surface.gaussian(shape, scene.spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed)
+        made = surface.gaussian(shape, scene.spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed)
+        return Surface(made, None)
     if scene.height_path is not None:
-        return surface.read(scene.height_path)
-    return surface.smooth(shape)
+        stored = surface.stored(scene.height_path)  # the digest is of the very array that is used
+        return Surface(surface.usable(stored, scene.height_path), heights_digest(stored))
+    return Surface(surface.smooth(shape), None)
 
 
-def rolling_contact(scene: Scene) -> RollingContact:
-    """What the march needs of a scene."""
+def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
+    """Gather what the march needs of a scene, `over` these heights [m] or its own."""
     return RollingContact(
-        heights=heights(scene),
+        heights=heights(scene) if over is None else over,
         spacing=scene.spacing,
         radius=scene.radius,
         contact_modulus=scene.contact_modulus,
@@ -218,16 +263,41 @@ def simulate_piece(
     return Piece(first, last, steps, states, table.columns() if table else None, snapshot, maps)
 
 
-def _costed_piece(
+@dataclass(frozen=True)
+class Order:
+    """How a run is marched: what a step costs of the progress, whether maps are kept, the digest of its heights' file."""
+
+    step_cost: float = 1.0
+    mapped: bool = True
+    surface_sha256: str | None = None
+
+
+def _ordered_piece(
     scene: Scene,
     first: int,
     last: int,
-    step_cost: float,
-    mapped: bool,
+    order: Order,
     stopped: Callable[[], bool],
     progress: Callable[[float], object],
 ) -> Piece:
-    return simulate_piece(scene, first, last, stopped, lambda steps: progress(steps * step_cost), mapped=mapped)
+    """March one piece of a scene on the surface that the order names.
+
+    Raises
+    ------
+    ContactError : as march does, and where the heights were replaced or removed: a run is of one surface.
+    Interrupted : `stopped` said so.
+    """
+    try:
+        z = _surface(scene)
+        fault = other_surface(order.surface_sha256, z.sha256, scene.height_path)
+        if fault:
+            raise ContactError(fault)
+        contact = rolling_contact(scene, z.heights)
+        return simulate_piece(
+            scene, first, last, stopped, lambda steps: progress(steps * order.step_cost), contact, order.mapped
+        )
+    except SceneError as error:
+        raise ContactError(f"the surface that was solved is gone: {error}") from error
 
 
 def simulate(
@@ -236,20 +306,24 @@ def simulate(
     workers: int,
     finished: Callable[[int, Piece], None],
     progress: Callable[[float], object] = lambda cost: None,
-    step_costs: Sequence[float] | None = None,
-    mapped: bool = True,
+    orders: Sequence[Order] | None = None,
     begun: Callable[[int], object] = lambda run: None,
 ) -> pool.Outcome:
     """March pieces (number of the scene, first, last) on `workers` processes; `finished` gets each piece as it is done.
 
-    `progress` gets what a step of its scene costs (`step_costs`; 1), step by step or piece by piece.
+    Each scene has its order. `progress` gets what a step of its scene costs, step by step or piece by piece.
     `begun` gets the number of a scene as each of its pieces is handed out.
 
     A scene that fails does not stop the others. The first Ctrl-C or SIGTERM stops all after the step at hand.
     """
-    costs = step_costs or [1.0] * len(scenes)
+    orders = orders or [Order(surface_sha256=identity_of(scene).heights_sha256) for scene in scenes]
     tasks = [
-        pool.Task(run, _costed_piece, (scenes[run], first, last, costs[run], mapped), (last - first) * costs[run])
+        pool.Task(
+            run,
+            _ordered_piece,
+            (scenes[run], first, last, orders[run]),
+            (last - first) * orders[run].step_cost,
+        )
         for run, first, last in todo
     ]
     return pool.work(tasks, workers, finished, progress, begun)

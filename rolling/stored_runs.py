@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from rolling import new_folder, program, run_record, scene_file, solve, store
+from rolling.result import Result
 from rolling.run_folder import FolderError
 from rolling.run_names import run_name
 from rolling.run_record import RunRecord
-from rolling.scenario import expand, track
+from rolling.scenario import expand
 from rolling.solve import Run
-from rolling.store import Result
 
 KINDS = ("run", "sweep")
 
@@ -25,7 +25,8 @@ def read_runs(folder: Path) -> list[Run]:
 
     Raises
     ------
-    FolderError : it is none, or two of its runs share a folder. SceneError : its scene cannot be read.
+    FolderError : it is none, two of its runs share a folder, or the folder of a run in it says another scene than its sweep.
+    SceneError : its scene cannot be read.
     """
     record = run_record.read(folder)
     if record is not None and record.kind not in KINDS:
@@ -44,23 +45,10 @@ def read_runs(folder: Path) -> list[Run]:
             f"{folder}: several runs share the folder {shared[0]}, because version 0.1.0 gave values that print alike one name;"
             " all but the last of them are lost: run the scene again"
         )
-    return [Run(values, single, folder / name) for (values, single), name in zip(singles, names, strict=True)]
-
-
-def kept_result(one: Run) -> Result:
-    """The result of a run as far as it is solved.
-
-    Raises
-    ------
-    FolderError : it does not fit the scene.
-    """
-    empty = Result.empty(track(one.scene), one.scene.start)
-    if not (one.folder / solve.RESULT).is_file():
-        return empty
-    kept = store.load(one.folder / solve.RESULT)
-    if (kept.steps, kept.solved_steps) != (empty.steps, empty.solved_steps):
-        raise FolderError(f"{one.folder}: result.h5 has {kept.steps} steps, its scene {empty.steps}")
-    return kept
+    runs = [Run(values, single, folder / name) for (values, single), name in zip(singles, names, strict=True)]
+    for one in runs:
+        solve.refuse_other_scene(one)
+    return runs
 
 
 def is_kept(one: Run) -> bool:

@@ -14,9 +14,9 @@ import numpy as np
 
 from acoustics import loudness
 from rolling import check, cost, program, reference, simulate, surface
+from rolling.result import Result
 from rolling.scenario import Scene
 from rolling.sound import ContactSound
-from rolling.store import Result
 
 PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5py", "pydantic")
 UNITS = {"m_s": "m/s", "um": "µm", "mm": "mm", "gpa": "GPa", "n": "N", "s": "s", "m": "m"}

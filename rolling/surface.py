@@ -92,27 +92,47 @@ def read(path: Path) -> Array:
 
     Raises
     ------
-    SurfaceError : not a 2-D array of real numbers, heights that are not finite (the first is named), an Ra above 1 mm.
+    SurfaceError : as `stored` and `usable` do.
+    """
+    return usable(stored(path), path)
+
+
+def stored(path: Path) -> Array:
+    """Read heights [m] from a .npy file in double precision, otherwise as they are there.
+
+    Raises
+    ------
+    SurfaceError : not a 2-D array of real numbers, or heights that are not finite (the first is named).
     """
     try:
-        stored = np.load(path, allow_pickle=False)
+        content = np.load(path, allow_pickle=False)
     except (OSError, ValueError) as error:
         raise SurfaceError(f"{path}: not a readable .npy file of heights ({error})") from error
-    if not isinstance(stored, np.ndarray) or stored.ndim != 2 or not stored.size or stored.dtype.kind not in "fiu":
+    if not isinstance(content, np.ndarray) or content.ndim != 2 or not content.size or content.dtype.kind not in "fiu":
         what = (
-            f"{stored.ndim}-D {stored.dtype} of shape {stored.shape}"
-            if isinstance(stored, np.ndarray)
+            f"{content.ndim}-D {content.dtype} of shape {content.shape}"
+            if isinstance(content, np.ndarray)
             else "an archive"
         )
         raise SurfaceError(f"{path}: got {what}, allowed is one 2-D array of real heights in m, (along track, across)")
-    heights = stored.astype(np.float64)
+    heights = content.astype(np.float64)
     bad = np.argwhere(~np.isfinite(heights))
     if len(bad):
         i, j = bad[0]
         raise SurfaceError(
             f"{path}: {len(bad)} of {heights.size} heights are not numbers, the first at ({i}, {j}); fill them in first"
         )
-    heights -= heights.mean()
+    return heights
+
+
+def usable(heights: Array, path: Path) -> Array:
+    """Take the mean off heights [m] as they are stored in the file at `path`.
+
+    Raises
+    ------
+    SurfaceError : an Ra above 1 mm.
+    """
+    heights = heights - heights.mean()
     ra = np.abs(heights).mean()
     if ra > LARGEST_RA:
         raise SurfaceError(

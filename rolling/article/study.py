@@ -17,13 +17,13 @@ from acoustics import plots as sound_plots
 from acoustics.level import I_REF_W_M2
 from acoustics.spectrum import article_line_level_db
 from acoustics.weighting import a_weighting_db
-from rolling import reference, run_folder, run_record, scene_file, solve, store
+from rolling import reference, run_folder, run_record, scene_file, solve
 from rolling.pool import Outcome
+from rolling.result import Result
 from rolling.run_names import run_names
 from rolling.scenario import Gaussian, Scene, expand, track
 from rolling.solve import Run
 from rolling.sound import contact_sound
-from rolling.store import Result
 
 Array = NDArray[np.float64]
 
@@ -147,12 +147,11 @@ def open_results(runs: Sequence[Run]) -> list[Result]:
             )
     results = []
     for one, text in zip(runs, texts, strict=True):
-        kept = one.folder / solve.RESULT
         one.folder.mkdir(parents=True, exist_ok=True)
         if run_record.read(one.folder) is None:
-            run_record.write(one.folder, run_record.new("run", adopted=kept.is_file()))
+            run_record.write(one.folder, run_record.new("run", adopted=(one.folder / solve.RESULT).is_file()))
         run_folder.write_bytes(one.folder / "resolved.yaml", text.encode())
-        results.append(store.load(kept) if kept.is_file() else Result.empty(track(one.scene), one.scene.start))
+        results.append(solve.stored(one) or Result.empty(track(one.scene), one.scene.start))
     return results
 
 
