@@ -15,7 +15,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from rolling import accuracy, accuracy_plot, accuracy_text, cost, pool, run_folder, scene_file, simulate, summary
+from rolling import accuracy, accuracy_plot, accuracy_text, check, cost, pool, run_folder, scene_file, simulate, summary
 from rolling.accuracy import Findings, Measured
 from rolling.scenario import expand
 from rolling.variants import Study, Variant, study, tasks
@@ -40,6 +40,7 @@ def report(
     runs = expand(scene)
     values, single = runs[0]
     what = study(single, duration, finest)
+    check.refuse_variants_that_cannot_fit(what.scene, finest, workers, out or check.OUTPUTS)
     simulate.rolling_contact(what.scene)  # a surface that cannot be had shows before anything is written
     folder = run_folder.new_folder(Path("outputs") / f"{scene.name}-accuracy", out, force)
     run_folder.write_bytes(folder / "scene.yaml", scene_path.read_bytes())

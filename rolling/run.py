@@ -56,6 +56,7 @@ def run(
     """
     scene = scene_file.load(scene_path, overrides)
     check.refuse_unavailable(scene)
+    check.refuse_what_cannot_fit(scene, workers, out or check.OUTPUTS)
     for _, single in expand(scene):
         simulate.rolling_contact(single)  # a surface that cannot be had shows before anything is written
     folder = run_folder.new_folder(Path("outputs") / scene.name, out, force)
@@ -75,6 +76,7 @@ def resume(folder: Path, workers: int = 0, page: bool = True) -> Report:
     runs = read_runs(folder)
     for one in runs:
         check.refuse_unavailable(one.scene)
+    check.refuse_what_cannot_fit(scene_file.load(folder / "resolved.yaml"), workers, folder)
     results = []
     for one in runs:
         result = Result.empty(track(one.scene), one.scene.start)
@@ -102,6 +104,7 @@ def resound(
     # All is read and checked before the new folder is made.
     scene = scene_file.resound(scene_file.load(folder / "resolved.yaml"), overrides)
     check.refuse_unavailable(scene)
+    check.refuse_what_cannot_fit(scene, 1, out or check.OUTPUTS)
     singles = expand(scene)
     if [values for values, _ in singles] != [one.values for one in stored]:
         raise run_folder.FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
