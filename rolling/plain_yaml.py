@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 import stat
 import warnings
@@ -22,6 +23,7 @@ from rolling._wording import Key, cut, dotted, first_line, shown
 MAX_BYTES = 1_000_000  # of a file
 MAX_VALUES = 100_000  # keys and values of a text, its aliases written out
 MAX_NESTING = 4  # of values in a scene
+_MAX_BITS = 1000  # of a whole number: Python refuses to write much longer ones
 _MAX_DEPTH = 20  # of a text: the places of what is nested deeper than scenes are is not worth naming
 
 _KINDS = (
@@ -174,6 +176,9 @@ def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
         if isinstance(value, TaggedScalar):
             tag = shown(value.tag.value).strip('"')
             raise TextError(f"{where}:{lines[key]}: {cut(dotted(key))}: got the tag {tag}, allowed: plain values")
+        if isinstance(value, int) and value.bit_length() > _MAX_BITS:
+            digits = f"a whole number of more than {_MAX_BITS * math.log10(2):.0f} digits"
+            raise TextError(f"{where}:{lines[key]}: {cut(dotted(key))}: got {digits}, allowed: shorter ones")
         # ruamel keeps how a number was written; bool before int, whose child it is.
         for kind in (bool, int, float, str):
             if isinstance(value, kind):
