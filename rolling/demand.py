@@ -30,11 +30,11 @@ WINDOW = 220.0  # per node of the window: arrays of the contact and transforms o
 RESULT, RESULT_FILE = 112.0, 200.0  # per solved step, as long as it is kept; per step, while result.h5 is written
 TABLE = 180.0  # per number of a CSV, while it is written
 STEP_SOUND, STEP_DENSE = 60.0, 210.0  # per step, for its sound at constant and at varying speed
-SAMPLE_SOUND, FINE_SOUND, LOUDNESS = 262.0, 64.0, 60.0  # per sample, per sample of a varying speed, for loudness
+SAMPLE_SOUND, FINE_SOUND = 262.0, 64.0  # per sample, and of a varying speed; loudness takes less, and afterwards
 AWKWARD = 150.0  # per value of a transform whose length has a large prime factor
 STEP_HEARD, SAMPLE_HEARD, RUN_HEARD = 26.0, 16.0, 4e6  # per step and sample of each run, kept to compare; a run's page
 PAGE_COPIES, LAP_MAP = 5.0, 60.0  # of the page while it is put together; per map in each lap
-EVENTS_PER_NODE = 2.0  # recovery events of a node that the contact passes over, about
+EVENTS_PER_NODE = 0.6  # recovery events of a node that the contact passes over, about
 EVENT = 260.0  # per recovery event, while they are joined
 
 # On disk.
@@ -109,7 +109,6 @@ class Size:
     map_cells: float
     lap_maps: int
     events: float
-    loudness: bool
 
     @property
     def surface(self) -> str:
@@ -150,7 +149,6 @@ def size(scene: Scene, way: Track, rq: float) -> Size:
         map_cells=float(maps * cells),
         lap_maps=math.ceil(way.steps / way.solved_steps) * maps,
         events=events,
-        loudness=scene.sound.loudness,
     )
 
 
@@ -256,8 +254,6 @@ def _finishing(each: Size, sizes: Sequence[Size], workers: int, results: list[tu
 def _sounding(each: Size) -> list[tuple[str, float]]:
     parts = [("sound samples", SAMPLE_SOUND * each.samples + _transform(each.samples))]
     parts.append(("steps", STEP_SOUND * each.steps + _transform(each.steps)))
-    if each.loudness:
-        parts.append(("sound samples", LOUDNESS * each.samples))
     if not each.fine:
         return parts
     dense = [

@@ -26,6 +26,9 @@ MAX_NESTING = 4  # of values in a scene
 _MAX_BITS = 1000  # of a whole number: Python refuses to write much longer ones
 _MAX_DEPTH = 20  # of a text: the places of what is nested deeper than scenes are is not worth naming
 
+# How ruamel.yaml refuses some constructs, and how it stumbles over others, such as a directive of YAML 1.164.
+_STUMBLES = (ArithmeticError, AssertionError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
+
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
     (stat.S_ISFIFO, "a pipe"),
@@ -112,7 +115,7 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
         place = f"{where}:{mark.line + 1}" if mark else where
         problem = getattr(error, "problem", None) or getattr(error, "reason", None) or first_line(error)
         raise TextError(f"{place}: not YAML: {problem.replace('<stream end>', 'the end')}") from error
-    except (ValueError, RecursionError, NotImplementedError) as error:  # how ruamel.yaml refuses some constructs
+    except _STUMBLES as error:
         raise TextError(f"{where}: not YAML: {first_line(error)}") from error
 
 
