@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-import numpy as np
-
-from rolling._wording import fault, first_line, plain_number
+from rolling._npy import HeaderError, header
+from rolling._wording import fault, plain_number
 from rolling.motion import ROUNDING, Motion
 
 MIN_NODES = 8  # along and across
@@ -107,17 +106,17 @@ def _fraction(step_nodes: float) -> Fraction:
 
 def _shape(path: Path, said: str) -> tuple[int, int]:
     """Shape of the height file, from its header."""
-    if not path.is_file():
-        what = "is a folder" if path.is_dir() else "no such file"
-        raise fault(f"{said}: {what} (looked in {path.parent.absolute()})", *_PATH)
     try:
-        stored = np.load(path, mmap_mode="r", allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise fault(f"{said}: no readable .npy file ({first_line(error)})", *_PATH) from error
-    if not isinstance(stored, np.ndarray) or stored.ndim != 2 or stored.dtype.kind not in "fiu":
-        got = f"{stored.ndim}-D {stored.dtype}" if isinstance(stored, np.ndarray) else "an archive"
+        shape, dtype = header(path)
+    except HeaderError as error:
+        looked = f" (looked in {path.parent.absolute()})" if not path.is_file() else ""
+        allowed = (
+            ", allowed: one 2-D array of real heights in m, (along track, across)" if "archive" in str(error) else ""
+        )
+        raise fault(f"{said}: {error}{looked}{allowed}", *_PATH) from error
+    if len(shape) != 2 or dtype.kind not in "fiu":
+        got = f"{len(shape)}-D {dtype}"
         raise fault(f"{said}: got {got}, allowed: one 2-D array of real heights in m, (along track, across)", *_PATH)
-    if min(stored.shape) < MIN_NODES:
-        got = f"{stored.shape[0]} x {stored.shape[1]} nodes"
-        raise fault(f"{said}: got {got}, allowed: at least {MIN_NODES} each way", *_PATH)
-    return int(stored.shape[0]), int(stored.shape[1])
+    if min(shape) < MIN_NODES:
+        raise fault(f"{said}: got {shape[0]} x {shape[1]} nodes, allowed: at least {MIN_NODES} each way", *_PATH)
+    return shape[0], shape[1]

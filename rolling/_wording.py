@@ -27,6 +27,9 @@ class Words:
     allowed: str
 
 
+_LONGEST_SLIP = 100  # letters of a misspelt name; comparing longer ones takes long and finds nothing
+
+
 # ---- faults ----------------------------------------------------------------------------------------------------------
 
 
@@ -74,6 +77,8 @@ def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
 
     Names are compared by their last part, or as a whole when the section is misspelt as well; the unit may be missing.
     """
+    if len(got) > _LONGEST_SLIP:
+        return ""
 
     def norm(name: str) -> str:
         return name.lower().replace("-", "_").replace(" ", "_")
@@ -112,7 +117,13 @@ def shown(value: Any) -> str:
         return "nothing"
     if isinstance(value, float) and not math.isfinite(value):
         return ".nan" if math.isnan(value) else f"{'-' * (value < 0)}.inf"
-    text = json.dumps(value, ensure_ascii=False, default=str)
+    # Of a long value the beginning is enough: a million of them need not be written to show sixty letters.
+    value = value[:60] if isinstance(value, str | list | tuple) else value
+    return cut(json.dumps(value, ensure_ascii=False, default=str))
+
+
+def cut(text: str) -> str:
+    """A text of at most 60 letters, the end of a longer one left out."""
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

@@ -18,6 +18,7 @@ from rolling import (
     accuracy,
     accuracy_plot,
     accuracy_text,
+    check,
     claim,
     cost,
     new_folder,
@@ -53,6 +54,7 @@ def report(
     runs = expand(scene)
     values, single = runs[0]
     what = study(single, duration, finest)
+    check.refuse_variants_that_cannot_fit(what.scene, finest, workers, out or check.OUTPUTS)
     simulate.rolling_contact(what.scene)  # a surface that cannot be had shows before anything is written
     given = scene_path.read_bytes()
     inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]

@@ -1,6 +1,6 @@
 """What a scene will cost and whether it can be believed, said before anything is computed.
 
-Depends on `scenario` (what is asked), `cost`, `reference` (Hertz) and `acoustics.bands`.
+Depends on `scenario` (what is asked), `cost`, `demand`, `machine`, `reference` (Hertz) and `acoustics.bands`.
 """
 
 from __future__ import annotations
@@ -9,9 +9,10 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
+from pathlib import Path
 
 from acoustics import bands
-from rolling import cost, reference
+from rolling import cost, demand, machine, reference
 from rolling.scenario import Gaussian, HeightFile, Scene, SceneError, Track, expand, run_name, track
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
@@ -22,6 +23,11 @@ LEAST_CORRELATION_NODES = 5  # across the correlation length
 GREATEST_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
 GREATEST_CONTACT = 0.2  # contact radius over sphere radius
 RUNS_ABREAST = 5  # columns of the report
+OUTPUTS = Path("outputs")  # where runs are written unless they are told otherwise
+PURPOSES = {
+    "sound samples": "the sound",
+    "runs of the sweep": "the other runs of the sweep",
+}  # parts of a demand in words
 
 
 @dataclass(frozen=True)
@@ -53,6 +59,7 @@ def findings(scene: Scene) -> list[Finding]:
     return [
         *_size(scene, way),
         *_window(scene, way, rq),
+        *_demand(scene, way, rq),
         *_contact(scene, way),
         *_sampling(scene, way),
         *_validity(scene, slope),
@@ -77,6 +84,71 @@ def refuse_unavailable(scene: Scene) -> None:
         )
 
 
+def refuse_what_cannot_fit(scene: Scene, workers: int = 0, folder: Path = OUTPUTS) -> None:
+    """Refuse a scene whose runs need more memory or disk than they may take, before anything large is made or written.
+
+    Parameters
+    ----------
+    workers : processes; 0: one per core.
+    folder : where the files go; those of the run that are there already are not needed again.
+
+    Raises
+    ------
+    SceneError : the runs do not fit, or a height file cannot be used.
+    """
+    scenes = [single for _, single in expand(scene)]
+
+    def needed(roughness: Callable[[Scene], float]) -> demand.Demand:
+        return demand.of_scenes([(single, roughness(single)) for single in scenes], workers or cost.cores())
+
+    written = _written(folder) if (folder / "resolved.yaml").is_file() else 0.0
+    _refuse_excess(scenes, needed, folder, written)
+
+
+def refuse_variants_that_cannot_fit(scene: Scene, finest: int, workers: int = 0, folder: Path = OUTPUTS) -> None:
+    """Refuse the variants of a scene without sweep, as `refuse_what_cannot_fit` its run; `finest` divides the spacing."""
+
+    def needed(roughness: Callable[[Scene], float]) -> demand.Demand:
+        return demand.of_variants(scene, track(scene), roughness(scene), finest, workers or cost.cores())
+
+    _refuse_excess([scene], needed, folder)
+
+
+def _refuse_excess(
+    scenes: Sequence[Scene],
+    needed: Callable[[Callable[[Scene], float]], demand.Demand],
+    folder: Path,
+    written: float = 0.0,
+) -> None:
+    """Refuse a demand, which depends on the rms roughness [m] of each scene, where it does not fit."""
+    known: dict[str, float] = {}
+
+    def read_once(scene: Scene) -> float:
+        key = f"{scene.surface.model_dump_json()} {scene.height_path}"
+        if key not in known:
+            known[key] = cost.roughness(scene)[0]
+        return known[key]
+
+    # By the header of a height file alone, before it is read.
+    first = [lambda scene: 0.0] if any(scene.height_path is not None for scene in scenes) else []
+    for roughness in (*first, read_once):
+        if excess := _excess(needed(roughness), folder, written):
+            raise SceneError([f"{key}: {fault}" for key, fault in excess.items()])
+
+
+def _written(folder: Path) -> float:
+    """Bytes of the files in a folder."""
+    return float(sum(file.stat().st_size for file in folder.rglob("*") if file.is_file()))
+
+
+def _refuse_large_heights(scene: Scene) -> None:
+    """Refuse a height file that does not fit into memory, by its header."""
+    if scene.height_path is not None:
+        excess = _excess(demand.reading(track(scene)), OUTPUTS)
+        if excess:
+            raise SceneError([f"surface.path: {fault}" for fault in excess.values()])
+
+
 def report(scene: Scene) -> str:
     """The findings of a scene as a table: what holds for all its runs, then a column per run, the warnings below.
 
@@ -85,14 +157,21 @@ def report(scene: Scene) -> str:
     SceneError : a height file cannot be used, or something it asks for cannot be had.
     """
     refuse_unavailable(scene)
-    runs = [(run_name(values) or scene.name, findings(run)) for values, run in expand(scene)]
+    singles = expand(scene)
+    for _, single in singles:
+        _refuse_large_heights(single)
+    runs = [(run_name(values) or scene.name, findings(run)) for values, run in singles]
     whats = list(dict.fromkeys(finding.what for _, found in runs for finding in found))
     cells = {what: [next((_cell(f) for f in found if f.what == what), "") for _, found in runs] for what in whats}
     shared = [what for what in whats if len(set(cells[what])) == 1]
     facts = [[what, cells[what][0]] for what in shared]
+    refused: list[str] = []
     if len(runs) > 1:
         seconds = sum(finding.seconds for _, found in runs for finding in found)
         facts.append(["expected time of all", f"about {_clock(seconds)} on {_cores()}, {len(runs)} runs"])
+        needed = demand.of_scenes([(single, cost.roughness(single)[0]) for _, single in singles], cost.cores())
+        facts += [["memory of all", _amount(needed.memory)], ["disk of all", _amount(needed.disk)]]
+        refused = [f"warning: {key} of all: {fault}" for key, fault in _excess(needed, OUTPUTS).items()]
     blocks = [_table(facts)]
     rows = [["", *(name for name, _ in runs)], *([what, *cells[what]] for what in whats if what not in shared)]
     if len(rows) > 1:
@@ -104,7 +183,7 @@ def report(scene: Scene) -> str:
             for finding in found:
                 if finding.what == what and finding.warning:
                     warnings.setdefault(f"{what}: {finding.warning}", []).append(name)
-    lines = []
+    lines = refused
     for warning, names in warnings.items():
         some = names if len(names) <= RUNS_ABREAST else [*names[:RUNS_ABREAST], f"{len(names)} runs in all"]
         lines.append(f"warning: {warning}" + ("" if len(names) == len(runs) else f" ({', '.join(some)})"))
@@ -146,22 +225,52 @@ def _window(scene: Scene, way: Track, rq: float) -> list[Finding]:
             f"the contact is about {_si(across, 'm')} across, the surface has a {side} of {_si(period, 'm')}: choose a"
             f" larger {key}, at least {across * 1e6:.0f} um of surface"
         )
-    memory = cost.memory(scene, way, nodes)
-    machine = cost.machine_memory()
-    too_much = (
-        f"about {_bytes(memory)} are needed, this machine has {_bytes(machine)}: shorten rolling.duration_s or widen"
-        " surface.spacing_um"
-        if memory > machine
-        else None
-    )
     step_ms = cost.expected_step_ms(nodes)
     seconds = way.steps * step_ms * 1e-3 / cost.cores()
     return [
         Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", warning),
-        Finding("memory", "memory", f"about {_bytes(memory)}", too_much),
         Finding("step_time", "time of a step", f"about {step_ms:.2g} ms on 1 core"),
         Finding("expected_time", "expected time", f"about {_clock(seconds)} on {_cores()}", seconds=seconds),
     ]
+
+
+def _demand(scene: Scene, way: Track, rq: float) -> list[Finding]:
+    needed = demand.demand([demand.size(scene, way, rq)], cost.cores())
+    excess = _excess(needed, OUTPUTS)
+    return [
+        Finding(key, key, _amount(amount), f"{excess[key]}; the run will be refused" if key in excess else None)
+        for key, amount in (("memory", needed.memory), ("disk", needed.disk))
+    ]
+
+
+def _amount(amount: demand.Amount) -> str:
+    part, size = amount.largest
+    return f"about {_bytes(amount.total)}, {_bytes(size)} for {PURPOSES.get(part, f'the {part}')}"
+
+
+def _excess(needed: demand.Demand, folder: Path, written: float = 0.0) -> dict[str, str]:
+    """Why a demand does not fit, by "memory" and "disk": the need, the limit, the part that dominates and its keys.
+
+    Parameters
+    ----------
+    folder : where the files go.  written : bytes. Files of the run that are there already.
+    """
+    memory, address_space, disk = machine.memory(), machine.address_space(), machine.free_disk(folder)
+    place = f"free where {folder} is" if folder.exists() else f"free where {folder} will be"
+    limits = [
+        ("memory", needed.memory, memory, "this machine allows"),
+        ("memory", needed.process, address_space, "one process may address"),
+        ("disk", needed.disk, disk + written, place),
+    ]
+    excess: dict[str, str] = {}
+    for key, amount, limit, words in limits:
+        if amount.total > machine.SHARE * limit and key not in excess:
+            part = amount.largest[0]
+            excess[key] = (
+                f"got {_amount(amount)}, allowed: {_bytes(machine.SHARE * limit)}, {machine.SHARE:.0%} of the"
+                f" {_bytes(limit)} {words}; {demand.ADVICE[part]}"
+            )
+    return excess
 
 
 def _contact(scene: Scene, way: Track) -> list[Finding]:

@@ -1,4 +1,7 @@
-"""What a scene will cost: window, time of a step, memory. Depends on `scenario`, `reference` (Hertz) and `surface`."""
+"""What a scene will cost: window and time of a step; memory and disk are the subject of `demand`.
+
+Depends on `scenario`, `reference` (Hertz) and `surface`.
+"""
 
 from __future__ import annotations
 
@@ -84,17 +87,3 @@ def duration(scene: Scene, way: Track) -> float:
 def correlation_lengths(s: Gaussian) -> tuple[float, float]:
     """Along and across [um]."""
     return s.correlation_length_um, s.correlation_length_across_um or s.correlation_length_um
-
-
-def memory(scene: Scene, way: Track, nodes: float) -> float:
-    """Bytes at the peak, about: the surface while it is made, the window's arrays and transforms, the series."""
-    making = 5 if isinstance(scene.surface, Gaussian) else 2
-    return 8.0 * (making * way.n_along * way.n_across + 12 * nodes**2 + 3 * (2 * nodes) ** 2 + 10 * way.steps)
-
-
-def machine_memory() -> float:
-    """Bytes of this machine, infinite where it does not say."""
-    try:
-        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    except (AttributeError, OSError, ValueError):
-        return math.inf

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from rolling import hard_scenes, optimality, run_folder
+from rolling import hard_scenes, lifeline, optimality, run_folder
 from rolling.contact import ContactError
 from rolling.half_space import HalfSpace
 from rolling.hard_scenes import CAPACITY, CASES, ROOM, SOLVED, WIDTH, HardCase
@@ -216,7 +216,8 @@ def _judged(tasks: list[Task], workers: int) -> Iterable[Outcome]:
     if workers == 1:
         yield from map(judge_task, tasks)
         return
-    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, context, lifeline.end_with_parent) as pool:
         yield from pool.map(judge_task, tasks, chunksize=8)
 
 

@@ -1,4 +1,7 @@
-"""Tasks on any number of processes: failures kept apart, stopped by Ctrl-C after what is at hand. Knows ContactError only."""
+"""Tasks on any number of processes: failures kept apart, stopped by Ctrl-C after what is at hand.
+
+Depends on contact (ContactError) and lifeline.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
+from rolling import lifeline
 from rolling.contact import ContactError
 
 
@@ -128,6 +132,7 @@ _worker_stop: Any = None
 
 def _begin_worker(stop: Any) -> None:
     global _worker_stop
+    lifeline.end_with_parent()
     _worker_stop = stop
     # Ctrl-C reaches the whole process group; the parent decides and tells through the event.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

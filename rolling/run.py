@@ -72,6 +72,7 @@ def run(
     """
     scene = scene_file.load(scene_path, overrides)
     check.refuse_unavailable(scene)
+    check.refuse_what_cannot_fit(scene, workers, out or check.OUTPUTS)
     plan = Plan(scene, scene_path.read_bytes())
     for _, single in plan.singles:
         simulate.rolling_contact(single)  # a surface that cannot be had shows before anything is written
@@ -100,6 +101,7 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
                 f"{one.folder}: no such folder, though {folder / 'resolved.yaml'} sweeps it; run a new scene instead"
             )
         check.refuse_unavailable(one.scene)
+    check.refuse_what_cannot_fit(scene_file.load(folder / "resolved.yaml"), workers, folder)
     before = records_of([folder])[0]
     names = [one.folder.name for one in runs] if runs[0].values else []
     with claim.take(folder, "sweep" if names else "run", names, take_over) as held:
@@ -121,6 +123,7 @@ def resound(
     # All is read and checked before the new folder is made.
     scene = scene_file.resound(scene_file.load(folder / "resolved.yaml"), overrides)
     check.refuse_unavailable(scene)
+    check.refuse_what_cannot_fit(scene, 1, out or check.OUTPUTS)
     given = folder / "scene.yaml"
     plan = Plan(scene, given.read_bytes() if given.is_file() else None)
     if [values for values, _ in plan.singles] != [one.values for one in stored]:

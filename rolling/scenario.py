@@ -35,6 +35,7 @@ from rolling._wording import (
     Words,
     all_keys,
     allowed,
+    cut,
     dotted,
     explained,
     fault,
@@ -50,6 +51,7 @@ from rolling.run_names import run_name
 
 SMALLEST = 1e-15  # of any number but zero, in the units of the scene; one over it is the largest
 MAX_RUNS = 10_000  # of a sweep
+MOST_FAULTS = 100  # that are named
 Fault = tuple[Key, str]  # key and message
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 
@@ -355,7 +357,9 @@ class Scene(_Section):
         scene, found = _tried(data)
         if not any(key[:1] == ("sweep",) for key, _ in found):
             found += _swept_faults(data, found)
-        lines = [f"{place(key, places)}: {dotted(key)}: {message}" for key, message in found]
+        lines = [f"{place(key, places)}: {cut(dotted(key))}: {message}" for key, message in found]
+        if len(lines) > MOST_FAULTS:
+            lines[MOST_FAULTS:] = [f"{place((), places)}: more than {MOST_FAULTS} faults, the others are not listed"]
         if faults or lines or scene is None:
             raise SceneError(list(dict.fromkeys([*faults, *lines])))
         scene._folder = folder
@@ -480,14 +484,17 @@ def _sweep(value: Any) -> Any:
             )
         if not isinstance(values, list | tuple) or not values:
             raise fault(f"got {shown(values)}, allowed: a list of numbers, at least one", "sweep", name)
+    runs = math.prod(len(values) for values in value.values())
+    if runs > MAX_RUNS:  # before any of them is looked at
+        raise fault(f"got {runs} runs, allowed: at most {MAX_RUNS}", "sweep")
+    for name, values in value.items():
+        before: set[float] = set()
         for i, number in enumerate(values):
             if not is_number(number):
                 raise fault(f"got {shown(number)}, allowed: a number", "sweep", name, i)
-            if number in values[:i]:
+            if number in before:
                 raise fault(f"got {shown(number)} twice, allowed: different values", "sweep", name, i)
-    runs = math.prod(len(values) for values in value.values())
-    if runs > MAX_RUNS:
-        raise fault(f"got {runs} runs, allowed: at most {MAX_RUNS}", "sweep")
+            before.add(number)
     return {name: tuple(values) for name, values in value.items()}
 
 
@@ -510,22 +517,54 @@ def _swept_faults(data: Mapping[str, Any], found: Sequence[Fault]) -> list[Fault
     """Faults of the runs of a sweep; of those without a swept value only the ones that are not found yet."""
     unswept = {name: value for name, value in data.items() if name != "sweep"}
     sweep = {name: tuple(values) for name, values in data.get("sweep", {}).items()}
+    places = {name: {value: i for i, value in enumerate(values)} for name, values in sweep.items()}
+    known, named = {key for key, _ in found}, set[Fault]()
+    in_words: dict[Any, Fault] = {}  # many runs share a fault, and its words take longer than to find it
     more: list[Fault] = []
     for values in _product(sweep) if sweep else ():
-        for key, message in _tried(_with(unswept, values))[1]:
+        swept = _with(unswept, values)
+        for error in _errors(swept):
+            alike = (error["loc"], error["type"], error["msg"], shown(_plain_input(error)))
+            if alike not in in_words:
+                in_words[alike] = explained(error, swept, Scene)
+            key, message = in_words[alike]
             name = dotted(key)
             if name in values:
-                more.append((("sweep", name, sweep[name].index(values[name])), message))
-            elif all(key != other for other, _ in (*found, *more)):
+                swept_fault = ("sweep", name, places[name][values[name]]), message
+                if swept_fault not in named:
+                    named.add(swept_fault)
+                    more.append(swept_fault)
+            elif key not in known:
+                known.add(key)
                 more.append((key, f"{message} (in the run {run_name(values)} of the sweep)"))
+        if len(more) > MOST_FAULTS:
+            break
     return more
+
+
+def _plain_input(error: Any) -> Any:
+    """The value that a fault is about, None where that is a whole section."""
+    return error["input"] if isinstance(error["input"], bool | int | float | str) else None
 
 
 def _tried(data: Mapping[str, Any]) -> tuple[Scene | None, list[Fault]]:
     try:
         return Scene.model_validate(data), []
     except ValidationError as error:
-        return None, [explained(one, data, Scene) for one in error.errors(include_url=False)]
+        return None, [explained(one, data, Scene) for one in _listed_errors(error)]
+
+
+def _errors(data: Mapping[str, Any]) -> list[Any]:
+    """Faults of a scene, not yet in words."""
+    try:
+        Scene.model_validate(data)
+    except ValidationError as error:
+        return _listed_errors(error)
+    return []
+
+
+def _listed_errors(error: ValidationError) -> list[Any]:
+    return error.errors(include_url=False)[: MOST_FAULTS + 1]
 
 
 def _without_nothing(data: Any) -> Any:

@@ -1,24 +1,24 @@
-"""Scenes read from YAML and written to it, with overrides, and the JSON Schema for editors. Depends on `scenario`."""
+"""Scenes read from YAML and written to it, with overrides, and the JSON Schema for editors.
+
+Depends on `scenario` and `plain_yaml`.
+"""
 
 from __future__ import annotations
 
 import io
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 from ruamel.yaml import YAML
-from ruamel.yaml.comments import CommentedMap, CommentedSeq, TaggedScalar
-from ruamel.yaml.constructor import DuplicateKeyError
-from ruamel.yaml.error import YAMLError
+from ruamel.yaml.comments import CommentedSeq
 
-from rolling._wording import Key, all_keys, dotted, first_line, nearest, numeric_keys, required, shown
+from rolling import plain_yaml
+from rolling._wording import Key, all_keys, nearest, numeric_keys, required, shown
 from rolling.motion import Motion
+from rolling.plain_yaml import TextError
 from rolling.scenario import HeightFile, Rolling, Scene, SceneError, Sound, track
-
-MAX_NESTING = 4  # of values in a scene; aliases of aliases could otherwise grow without end
 
 # ---- reading, writing, overriding ------------------------------------------------------------------------------------
 
@@ -38,22 +38,18 @@ def load(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     """
     path = Path(path)
     try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        raise SceneError([f"{path}:{line}: not UTF-8 text (byte {error.object[error.start]:#04x})"]) from error
-    except FileNotFoundError as error:
-        raise SceneError([f"{path}: no such file"]) from error
-    except IsADirectoryError as error:
-        raise SceneError([f"{path}: is a folder, a scene file is needed"]) from error
-    except OSError as error:
-        raise SceneError([f"{path}: not readable ({error.strerror})"]) from error
+        text = plain_yaml.read_text(path)
+    except TextError as error:
+        raise SceneError([str(error)]) from error
     return loads(text, overrides, str(path), path.parent)
 
 
 def loads(text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()) -> Scene:
     """Read a scene from text; `where` names it in messages, `folder` is what `surface.path` is relative to."""
-    data, lines = _read(text, where)
+    try:
+        data, lines = plain_yaml.parse(text, where)
+    except TextError as error:
+        raise SceneError([str(error)]) from error
     if data is None:
         raise SceneError([f"{where}: empty, a scene needs at least {', '.join(required(Scene))}"])
     if not isinstance(data, dict):
@@ -82,52 +78,6 @@ def _flowing(value: Any) -> Any:
     return value
 
 
-def _read(text: str, where: str) -> tuple[Any, dict[Key, int]]:
-    """Plain values and the line of every key."""
-    lines: dict[Key, int] = {(): 1}
-
-    def plain(value: Any, key: Key) -> Any:
-        if len(key) > MAX_NESTING:
-            raise SceneError([f"{where}:{lines[key]}: {dotted(key)}: nested too deeply"])
-        if isinstance(value, CommentedMap):
-            for name in value:
-                place = (value.lc.data or {}).get(name)  # none for what a merge brought in
-                lines[(*key, str(name))] = place[0] + 1 if place else lines[key]
-            return {str(name): plain(item, (*key, str(name))) for name, item in value.items()}
-        if isinstance(value, CommentedSeq):
-            for i in range(len(value)):
-                place = (value.lc.data or {}).get(i)
-                lines[(*key, i)] = place[0] + 1 if place else lines[key]
-            return [plain(item, (*key, i)) for i, item in enumerate(value)]
-        if isinstance(value, TaggedScalar):
-            raise SceneError(
-                [f"{where}:{lines[key]}: {dotted(key)}: got the tag {value.tag.value}, allowed: plain values"]
-            )
-        # ruamel keeps how a number was written; bool before int, whose child it is.
-        for kind in (bool, int, float, str):
-            if isinstance(value, kind):
-                return kind(value)
-        return value
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of anchors given twice, which YAML 1.2 allows
-            return plain(YAML(typ="rt").load(text), ()), lines
-    except DuplicateKeyError as error:
-        section, second = error.context_mark, error.problem_mark
-        name = second.buffer[second.pointer :].split(":")[0].strip() if second.buffer else "key"
-        raise SceneError(
-            [f"{where}:{second.line + 1}: {name}: given twice in the section that begins in line {section.line + 1}"]
-        ) from error
-    except YAMLError as error:
-        mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
-        place = f"{where}:{mark.line + 1}" if mark else where
-        problem = getattr(error, "problem", None) or getattr(error, "reason", None) or first_line(error)
-        raise SceneError([f"{place}: not YAML: {problem.replace('<stream end>', 'the end')}"]) from error
-    except (ValueError, RecursionError, NotImplementedError) as error:  # how ruamel.yaml refuses some constructs
-        raise SceneError([f"{where}: not YAML: {first_line(error)}"]) from error
-
-
 def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[str]) -> list[str]:
     """Put overrides into `data` and `places`; the faults of those that cannot be."""
     faults = []
@@ -145,11 +95,9 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
             faults.append(f"--set: {name}: unknown key{nearest(name, siblings or known)}{allowed}")
             continue
         try:
-            value, _ = _read(text, "--set")
-        except SceneError as error:
-            faults += [
-                f"--set: {name}: {fault.removeprefix('--set:').lstrip('1234567890: ')}" for fault in error.faults
-            ]
+            value, _ = plain_yaml.parse(text, "--set")
+        except TextError as error:
+            faults.append(f"--set: {name}: {str(error).removeprefix('--set:').lstrip('1234567890: ')}")
             continue
         key = _split(name)
         inside = data

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from acoustics import wav
-from rolling import check, cost, surface
+from rolling import check, cost, machine, surface
 from rolling.check import Finding, findings, report
 from rolling.cost import expected_step_ms, roughness
 from rolling.scenario import Scene, SceneError
@@ -152,10 +152,10 @@ def test_steps_below_a_node() -> None:
 
 def test_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found()["memory"].warning is None
-    monkeypatch.setattr(cost, "machine_memory", lambda: 1e8)
+    monkeypatch.setattr(machine, "memory", lambda: 1e8)
     warning = found()["memory"].warning
     assert warning is not None
-    assert "this machine has 100 MB" in warning
+    assert "allowed: 80 MB, 80% of the 100 MB this machine allows" in warning
 
 
 @pytest.mark.parametrize("law", sorted(surface.AUTOCORRELATIONS))

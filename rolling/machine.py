@@ -1,0 +1,83 @@
+"""What this machine has: memory and disk that a run may take. Depends on the standard library.
+
+Memory is the smallest of what is built in, what the control groups of Linux allow and what the process may address. Quotas of
+users on a disk cannot be seen.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+from pathlib import Path
+
+SHARE = 0.8  # of memory or free disk that a run may take: the rest belongs to the system and to others
+_GROUPS_OF_PROCESS = Path("/proc/self/cgroup")
+_GROUPS = Path("/sys/fs/cgroup")
+
+
+def memory() -> float:
+    """Bytes of memory that all processes of a run share, infinite where nothing says."""
+    return min(_built_in(), group_limit(_GROUPS_OF_PROCESS, _GROUPS))
+
+
+def address_space() -> float:
+    """Bytes that one process may address, infinite without a limit."""
+    try:
+        import resource
+    except ImportError:  # not on Windows
+        return math.inf
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return math.inf if limit == resource.RLIM_INFINITY else float(limit)
+
+
+def free_disk(folder: Path) -> float:
+    """Free bytes where a folder is or will be, infinite where nothing says."""
+    there = next((place for place in (folder, *folder.absolute().parents) if place.exists()), Path())
+    try:
+        return float(shutil.disk_usage(there).free)
+    except OSError:
+        return math.inf
+
+
+def _built_in() -> float:
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, OSError, ValueError):
+        return math.inf
+
+
+def group_limit(of_process: Path, groups: Path) -> float:
+    """Smallest memory limit [bytes] of a process's control groups and of those above them; infinite without any.
+
+    Parameters
+    ----------
+    of_process : lines "number:controllers:path", as in /proc/self/cgroup; no controllers in version 2.
+    groups : folder under which the groups are mounted, as /sys/fs/cgroup.
+    """
+    try:
+        lines = of_process.read_text().splitlines()
+    except (OSError, UnicodeDecodeError):
+        return math.inf
+    limits = [math.inf]
+    for line in lines:
+        _, _, rest = line.partition(":")
+        controllers, _, path = rest.partition(":")
+        if not controllers:
+            tops, file = [groups, groups / "unified"], "memory.max"
+        elif "memory" in controllers.split(","):
+            tops, file = [groups / "memory", groups / controllers], "memory.limit_in_bytes"
+        else:
+            continue
+        parts = [part for part in path.split("/") if part not in ("", "..")]
+        # In a container the path may be that of the host; the top is then the container's own group.
+        limits += [_limit(top.joinpath(*parts[:depth], file)) for top in tops for depth in range(len(parts), -1, -1)]
+    return min(limits)
+
+
+def _limit(file: Path) -> float:
+    """The number in a file; infinite where there is none, or "max" in it."""
+    try:
+        return float(int(file.read_text()))
+    except (OSError, ValueError):
+        return math.inf
