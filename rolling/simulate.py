@@ -1,6 +1,6 @@
 """Scenes to release series: a track is cut into pieces that depend on nothing but the scene, marched by any number of processes.
 
-Depends on march, recovery, surface and pool. Each piece starts cold, so the numbers are the same however many workers there
+Depends on march, recovery, scene_surface and pool. Each piece starts cold, so the numbers are the same however many workers there
 are, and what is done when a run stops is kept and never done again.
 """
 
@@ -10,17 +10,17 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling import pool, surface
+from rolling import pool
 from rolling.half_space import HalfSpace
 from rolling.march import ContactState, RollingContact, march
 from rolling.recovery import EventTable, step_energy
-from rolling.scenario import Gaussian, Scene, SceneError, track
+from rolling.scenario import Scene, track
+from rolling.scene_surface import heights
 
 Array = NDArray[np.float64]
 
@@ -82,39 +82,6 @@ class Piece:
     events: dict[str, NDArray[Any]] | None
     snapshot: Snapshot | None
     maps: list[PressureMap]
-
-
-_kept: dict[tuple[str, Path, int, int], Array] = {}
-
-
-def heights(scene: Scene) -> Array:
-    """Surface heights of a scene [m], (along, across); the last surface made is kept, most runs of a sweep share it.
-
-    Raises
-    ------
-    SceneError : a surface that cannot be made or read.
-    """
-    made = track(scene)
-    key = (scene.surface.model_dump_json(), scene.folder, made.n_along, made.n_across)
-    if key not in _kept:
-        try:
-            z = _make_heights(scene, (made.n_along, made.n_across))
-        except surface.SurfaceError as error:
-            raise SceneError([f"surface: {error}"]) from error
-        _kept.clear()
-        _kept[key] = z
-    return _kept[key]
-
-
-def _make_heights(scene: Scene, shape: tuple[int, int]) -> Array:
-    s = scene.surface
-    if isinstance(s, Gaussian):
-        across = s.correlation_length_across_um or s.correlation_length_um
-        lengths = (s.correlation_length_um * 1e-6, across * 1e-6)
-        return surface.gaussian(shape, scene.spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed)
-    if scene.height_path is not None:
-        return surface.read(scene.height_path)
-    return surface.smooth(shape)
 
 
 def rolling_contact(scene: Scene) -> RollingContact:
