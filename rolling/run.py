@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from rolling import check, run_folder, scene_file, simulate, solve, sound_files, store, summary
 from rolling.heard import Heard, distinct, hear
-from rolling.scenario import Scene, expand, run_name, track
+from rolling.scenario import HeightFile, Scene, expand, run_name, track
 from rolling.solve import Run
 from rolling.store import Result
 
@@ -100,7 +100,7 @@ def resound(
     """
     stored = read_runs(folder)
     # All is read and checked before the new folder is made.
-    scene = scene_file.resound(scene_file.load(folder / "resolved.yaml"), overrides)
+    scene = scene_file.resound(_resolved(folder), overrides)
     check.refuse_unavailable(scene)
     singles = expand(scene)
     if [values for values, _ in singles] != [one.values for one in stored]:
@@ -160,6 +160,15 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     return out
 
 
+def _resolved(folder: Path) -> Scene:
+    """Scene of a run folder; version 0.1.0 did not write `surface.level` and took the heights of a file as they were."""
+    path = folder / "resolved.yaml"
+    scene = scene_file.load(path)
+    if isinstance(scene.surface, HeightFile) and "level" not in scene.surface.model_fields_set:
+        return scene_file.load(path, ["surface.level=none"])
+    return scene
+
+
 def read_runs(folder: Path) -> list[Run]:
     """The runs of a run folder.
 
@@ -169,7 +178,7 @@ def read_runs(folder: Path) -> list[Run]:
     """
     if not (folder / "resolved.yaml").is_file():
         raise run_folder.FolderError(f"{folder}: not a run folder (no resolved.yaml in it)")
-    scene = scene_file.load(folder / "resolved.yaml")
+    scene = _resolved(folder)
     return [Run(values, single, folder / run_name(values)) for values, single in expand(scene)]
 
 
