@@ -87,11 +87,11 @@ def _seam(scene: Scene, way: Track, levelling: Levelling, contact_radius: float,
     warning = None
     if share > 0:
         warning = (
-            f"the step from the last row of the file to the first is {si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')} between"
-            f" neighbouring rows: the file is no period of a surface. The contact is on that step for"
-            f" {si(share * duration, 's')} of the record's {si(duration, 's')} ({100 * share:.2g} %), and far more of the"
-            " sound may lie there; the record does not loop. Roll over the middle of the file only (rolling.start_um,"
-            " rolling.duration_s), or blend the end of the file into its beginning"
+            f"the step from the last row of the file to the first is {si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')}"
+            " between neighbouring rows: the file is no period of a surface. The contact is on that step for"
+            f" {si(share * duration, 's')} of the record's {si(duration, 's')} ({100 * share:.2g} %); the sound of that time"
+            " belongs to the cut and may be louder than the rest, and the record does not loop. Roll over the middle of the file"
+            " only (rolling.start_um, rolling.duration_s), or blend the end of the file into its beginning"
         )
     return Finding("seam", "step across the seam", f"{sizes}, stands out", warning)
 
