@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 BEYOND_GREATEST = 1.2
 # Of the distance from the median to the greatest: a seam that stands out lies further out by this much and by 16 / rows.
 BEYOND_RANGE = 2.0
+# Of the usual rms: less is no tilt by medians, which on coarsely quantized heights are zero or a whole quantum.
+BEYOND_USUAL = 2.0
 
 
 @dataclass(frozen=True)
@@ -96,8 +98,9 @@ def seam(heights: Array, axis: int) -> Seam:
     rms = np.sqrt(np.mean(np.square(differences), axis=1 - axis))
     step = float(np.sqrt(np.mean(last_to_first**2)))
     medians = np.median(differences, axis=1 - axis)
-    stands_out = _stands_out(step, rms) or _stands_out(float(np.median(np.abs(last_to_first))), medians)
-    return Seam(step, float(np.median(rms)), stands_out)
+    usual, middle = float(np.median(rms)), float(np.median(np.abs(last_to_first)))
+    stands_out = _stands_out(step, rms) or (middle > BEYOND_USUAL * usual and _stands_out(middle, medians))
+    return Seam(step, usual, stands_out)
 
 
 def slope(heights: Array, spacing: float, axis: int) -> float:
