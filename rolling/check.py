@@ -1,19 +1,31 @@
 """What a scene will cost and whether it can be believed, said before anything is computed.
 
-Depends on `scenario` (what is asked), `cost`, `demand`, `machine`, `reference` (Hertz) and `acoustics.bands`.
+Depends on `scenario` (what is asked), `cost`, `demand`, `machine`, `reference` (Hertz), `measured` (height files) and
+`acoustics.bands`; `report` on `probe`, which solves.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from acoustics import bands
-from rolling import cost, demand, machine, reference
+from rolling import cost, demand, machine, measured, reference
+from rolling.finding import Finding
+from rolling.finding import byte_size as _bytes
+from rolling.finding import clock as _clock
+from rolling.finding import on_cores as _cores
+from rolling.finding import rounded_down as _down
+from rolling.finding import rounded_up as _up
+from rolling.finding import si as _si
 from rolling.scenario import Gaussian, HeightFile, Scene, SceneError, Track, expand, run_name, track
+
+if TYPE_CHECKING:
+    from rolling.probe import Probe
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
@@ -30,25 +42,12 @@ PURPOSES = {
 }  # parts of a demand in words
 
 
-@dataclass(frozen=True)
-class Finding:
-    """One line of the check.
+def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
+    """Judge one run; a sweep is not looked at.
 
-    key : name for programs, which never changes with the wording.
-    what, value : quantity and its value as text with unit.
-    warning : number that is doubtful and what to change, or None.
-    seconds : of computing, which the runs of a sweep add up.
-    """
-
-    key: str
-    what: str
-    value: str
-    warning: str | None = None
-    seconds: float = 0.0
-
-
-def findings(scene: Scene) -> list[Finding]:
-    """All there is to say about one run; a sweep is not looked at.
+    Parameters
+    ----------
+    solved : positions that were solved; their numbers replace those of the closed forms. None: nothing is solved.
 
     Raises
     ------
@@ -56,16 +55,18 @@ def findings(scene: Scene) -> list[Finding]:
     """
     way = track(scene)
     rq, slope = cost.roughness(scene)
-    return [
+    closed_forms = [
         *_size(scene, way),
         *_window(scene, way, rq),
         *_demand(scene, way, rq),
         *_contact(scene, way),
         *_sampling(scene, way),
+        *measured.findings(scene, way, _contact_radius(scene), LEAST_CORRELATION_NODES, cost.duration(scene, way)),
         *_validity(scene, slope),
         _resonance(scene),
         _record(scene, way),
     ]
+    return closed_forms if solved is None else _replaced(closed_forms, solved.findings(scene))
 
 
 def refuse_unavailable(scene: Scene) -> None:
@@ -149,8 +150,12 @@ def _refuse_large_heights(scene: Scene) -> None:
             raise SceneError([f"surface.path: {fault}" for fault in excess.values()])
 
 
-def report(scene: Scene) -> str:
-    """The findings of a scene as a table: what holds for all its runs, then a column per run, the warnings below.
+def report(scene: Scene, fast: bool = False) -> str:
+    """Write the findings of a scene as a table: values that all its runs share, then a column per run, the warnings below.
+
+    Parameters
+    ----------
+    fast : solve no positions.
 
     Raises
     ------
@@ -160,7 +165,10 @@ def report(scene: Scene) -> str:
     singles = expand(scene)
     for _, single in singles:
         _refuse_large_heights(single)
-    runs = [(run_name(values) or scene.name, findings(run)) for values, run in singles]
+    runs = [
+        (run_name(values) or scene.name, findings(single, solved))
+        for (values, single), solved in zip(singles, _solved([single for _, single in singles], fast), strict=True)
+    ]
     whats = list(dict.fromkeys(finding.what for _, found in runs for finding in found))
     cells = {what: [next((_cell(f) for f in found if f.what == what), "") for _, found in runs] for what in whats}
     shared = [what for what in whats if len(set(cells[what])) == 1]
@@ -188,6 +196,14 @@ def report(scene: Scene) -> str:
         some = names if len(names) <= RUNS_ABREAST else [*names[:RUNS_ABREAST], f"{len(names)} runs in all"]
         lines.append(f"warning: {warning}" + ("" if len(names) == len(runs) else f" ({', '.join(some)})"))
     return "\n\n".join(filter(None, [*blocks, "\n".join(lines)]))
+
+
+def _solved(scenes: Sequence[Scene], fast: bool) -> Sequence[Probe | None]:
+    if fast:
+        return [None] * len(scenes)
+    from rolling import probe  # the solver is slow to import
+
+    return probe.probes(scenes)
 
 
 def _cell(finding: Finding) -> str:
@@ -282,7 +298,7 @@ def _contact(scene: Scene, way: Track) -> list[Finding]:
     if not math.isfinite(scene.hardness):
         result.append(Finding("hardness", "hardness", "none, purely elastic"))
     else:
-        says = "yields" if p0 > scene.hardness else "stays elastic"
+        says = "yields" if p0 > scene.hardness else "above the Hertz pressure of a smooth sphere; asperities may yield"
         result.append(Finding("hardness", "hardness", f"{_si(scene.hardness, 'Pa')}, {says}"))
         capacity = scene.hardness * way.n_along * way.n_across * way.spacing**2
         warning = None
@@ -342,10 +358,7 @@ def _validity(scene: Scene, slope: float) -> list[Finding]:
         advice = "filter the shortest wavelengths out of the heights" if isinstance(scene.surface, HeightFile) else ""
         advice = advice or "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
         steep = f"the rms slope is {slope:.2g}, a half-space holds up to {GREATEST_SLOPE:g}: {advice}"
-    a, _ = _hertz(scene)
-    if math.isfinite(scene.hardness):
-        a = max(a, math.sqrt(scene.load / (math.pi * scene.hardness)))
-    share = a / scene.radius
+    share = _contact_radius(scene) / scene.radius
     if share > GREATEST_CONTACT:
         wide = (
             f"the contact radius is {share:.2g} of the sphere's, a half-space holds up to {GREATEST_CONTACT:g}: lower"
@@ -390,48 +403,25 @@ def _hertz(scene: Scene) -> tuple[float, float]:
     return reference.hertz_radius(*three), reference.hertz_pressure(*three)
 
 
+def _contact_radius(scene: Scene) -> float:
+    """About the radius of the contact [m]: of the elastic one, or of the one that yields everywhere where that is larger."""
+    a, _ = _hertz(scene)
+    return max(a, math.sqrt(scene.load / (math.pi * scene.hardness))) if math.isfinite(scene.hardness) else a
+
+
+def _replaced(findings: Sequence[Finding], better: Sequence[Finding]) -> list[Finding]:
+    """Findings with better ones in the place of those with the same key, whose warnings stay, and the others after these."""
+    by_key = {finding.key: finding for finding in better}
+    result: list[Finding] = []
+    for finding in findings:
+        instead = by_key.pop(finding.key, finding)
+        result.append(replace(instead, warning=instead.warning or finding.warning))
+    return [*result, *by_key.values()]
+
+
 def _speeds(scene: Scene, way: Track) -> tuple[float, float]:
     """Least (not zero) and greatest speed [m/s] of the profile's points while the track lasts."""
     motion, end = scene.motion, cost.duration(scene, way)
     speeds = [v for t, v in zip(motion.times, motion.speeds, strict=True) if t < end] + [float(motion.speed(end))]
     moving = [v for v in speeds if v > 1e-9 * motion.fastest] or [motion.fastest]
     return min(moving), max(moving)
-
-
-def _si(value: float, unit: str) -> str:
-    """Three digits and a prefix: 6.87e-5, "m" gives "68.7 um"."""
-    for prefix, size in (("G", 1e9), ("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9)):
-        if (unit, prefix) not in (("m", "G"), ("m", "M"), ("m", "k")) and abs(value) >= 0.9995 * size:
-            digits = f"{value / size:.3g}"
-            return f"{float(digits):g} {prefix}{unit}"
-    return f"{value:.3g} {unit}"
-
-
-def _bytes(value: float) -> str:
-    return f"{value / 1e9:.2g} GB" if value >= 1e9 else f"{max(value / 1e6, 1):.0f} MB"
-
-
-def _cores() -> str:
-    return f"{cost.cores()} cores" if cost.cores() > 1 else "1 core"
-
-
-def _clock(seconds: float) -> str:
-    for unit, size in (("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2 * size:
-            return f"{seconds / size:.2g} {unit}"
-    return f"{seconds:.2g} s"
-
-
-def _down(value: float) -> str:
-    """Two digits, rounded so that the advice holds."""
-    return f"{_rounded(value, math.floor):g}"
-
-
-def _up(value: float) -> str:
-    return f"{_rounded(value, math.ceil):g}"
-
-
-def _rounded(value: float, towards: Callable[[float], int]) -> float:
-    size = 10.0 ** (math.floor(math.log10(value)) - 1)
-    # What is a whole number but for rounding stays.
-    return towards(round(value / size, 9)) * size

@@ -80,6 +80,9 @@ def _parser() -> argparse.ArgumentParser:
         )
         sub.add_argument("--force", action="store_true", help="replace the page in --out")
 
+    def fast(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument("--fast", action="store_true", help="solve no positions: closed forms and estimates only")
+
     def studied(sub: argparse.ArgumentParser) -> None:
         sub.add_argument(
             "study", choices=("lee2025",), metavar="STUDY", help="lee2025: Lee, Kim & Kim, Inventions 10(1), 17"
@@ -115,7 +118,9 @@ def _parser() -> argparse.ArgumentParser:
         sub.add_argument("--long", action="store_true", help="with --hard: the march of 1e5 steps as well")
 
     command("run", _run, "run a scene: release, sound, levels and plots", scene, settings, target, workers, page)
-    command("check", _check, "validate a scene and say what it will cost and where it is doubtful", scene, settings)
+    command(
+        "check", _check, "validate a scene and say what it will cost and where it is doubtful", scene, settings, fast
+    )
     command("resume", _resume, "go on with a run that was interrupted", folder, workers, page, claimed)
     command("resound", _resound, "new sound from a stored run, without solving again", folder, settings, target, page)
     command("report", _report, "one page to hear, see and read runs: a single HTML file that needs no network", pages)
@@ -240,7 +245,7 @@ def _check(arguments: argparse.Namespace) -> int:
     from rolling.scenario import SceneError
 
     try:
-        print(check.report(scene_file.load(arguments.scene, arguments.set)))
+        print(check.report(scene_file.load(arguments.scene, arguments.set), arguments.fast))
     except SceneError as error:
         _say(str(error))
         return BAD_INPUT

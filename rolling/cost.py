@@ -1,6 +1,6 @@
 """What a scene will cost: window and time of a step; memory and disk are the subject of `demand`.
 
-Depends on `scenario`, `reference` (Hertz) and `surface`.
+Depends on `scenario`, `reference` (Hertz) and `scene_surface`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ import math
 import os
 
 from rolling import reference, surface
-from rolling.scenario import Gaussian, Scene, SceneError, Track, track
+from rolling.scenario import Gaussian, Scene, Track, track
+from rolling.scene_surface import scene_surface
 
 # Rms roughnesses by which the overlap of a rough surface reaches beyond that of a smooth one. Fitted to solved contacts
 # at Ra 0.01 to 5 um and 1 to 100 N, where it lay between 0.2 (elastic, light) and 2.4 (plastic, heavy).
@@ -35,13 +36,9 @@ def roughness(scene: Scene) -> tuple[float, float]:
         # Mean square of a difference over one spacing: 2 (rq^2 - C(spacing)).
         drops = [-math.expm1(-decay * (s.spacing_um / length) ** exponent) for length in correlation_lengths(s)]
         return rq, rq * math.sqrt(2 * sum(drops)) / spacing
-    path = scene.height_path
-    if path is None:
+    if scene.height_path is None:
         return 0.0, 0.0
-    try:
-        statistics = surface.statistics(surface.read(path), spacing)
-    except surface.SurfaceError as error:
-        raise SceneError([f"surface.path: {error}"]) from error
+    statistics = scene_surface(scene).statistics
     return statistics.rq, statistics.rms_slope
 
 

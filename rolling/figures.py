@@ -19,7 +19,7 @@ from acoustics.plots import Lines
 from acoustics.spectrogram import Spectrogram, spectrogram
 from acoustics.spectrum import Psd, article_line_level_db, line_spectrum, welch
 from acoustics.weighting import a_weighting_db
-from rolling import plots, simulate, summary
+from rolling import plots, scene_surface, summary
 from rolling.heard import Heard
 from rolling.picture import BOTTOM_IN, LEFT_IN, RIGHT_IN, WIDTH_IN, Picture, blank, lay_out, single
 from rolling.scenario import track
@@ -309,7 +309,7 @@ def _levels(key: str, runs: Sequence[Heard]) -> Picture:
 
 
 def _surface(one: Heard) -> Picture:
-    heights, spacing = simulate.heights(one.scene), one.scene.spacing
+    heights, spacing = scene_surface.heights(one.scene), one.scene.spacing
     statistics, every = one.numbers["surface"], plots.map_stride(heights, spacing)
     title = f"Surface: {_named([one])}"
     facts = [

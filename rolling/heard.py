@@ -17,6 +17,7 @@ from rolling import summary
 from rolling.recovery_statistics import EventStatistics, event_statistics
 from rolling.result import Result
 from rolling.scenario import Scene, track
+from rolling.scene_surface import scene_surface
 from rolling.sound import ContactSound, contact_sound
 
 
@@ -68,7 +69,7 @@ def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, resul
     began = time.perf_counter()
     closed = result.complete and steps % result.solved_steps == 0 and track(scene).closed
     energy = result.whole("release_energy")[:steps]
-    sound = contact_sound(scene, energy, result.step, closed, result.solved_steps)
+    sound = contact_sound(scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam)
     numbers = summary.summarize(scene, result, sound, time.perf_counter() - began)
     return Heard(label, values, folder, scene, result, sound, numbers)
 

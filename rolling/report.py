@@ -159,7 +159,7 @@ def _played(one: Shown) -> dict[str, Any]:
     return {
         "label": one.label,
         "seconds": len(sound.pressure) / sound.sample_rate,
-        "loops": sound.closed,
+        "loops": sound.loops,
         "playback": asdict(one.playback),
     }
 

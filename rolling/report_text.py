@@ -11,9 +11,10 @@ from matplotlib.ticker import EngFormatter
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
 from acoustics.radiation import RHO_C
-from rolling import check
+from rolling import check, measured
 from rolling.heard import Heard
 from rolling.scenario import Gaussian, HeightFile, Scene
+from rolling.scene_surface import scene_surface
 from rolling.summary import uncertain
 
 NOTHING = "-"
@@ -195,7 +196,7 @@ def _assumed(one: Heard) -> dict[str, str]:
         "rule of that factor": "fixed by the scene"
         if fixed
         else "mean p² over the impedance is the rms of the intensity's fluctuation",
-        "record": f"{sound.duration:.4g} s" + (", closes on itself" if sound.closed else ", faded at both ends"),
+        "record": f"{sound.duration:.4g} s" + f", {'closes on itself' if sound.loops else sound.ends}",
         "resolved up to": f"{min(sound.highest, sound.sample_rate / 2) / 1e3:.4g} kHz",
         "load": f"{scene.load:g} N, constant",
         "speed": speed,
@@ -229,7 +230,11 @@ def surface_words(scene: Scene) -> str:
         length = f"{s.correlation_length_um:g} µm" + (f" along, {across:g} µm across" if across else "")
         law = s.autocorrelation.replace("_", " ")
         return f"random, Ra {s.roughness_ra_um:g} µm, correlation length {length} ({law}), seed {s.seed}"
-    return f"heights of {s.path}" if isinstance(s, HeightFile) else "smooth"
+    if not isinstance(s, HeightFile):
+        return "smooth"
+    levelling = scene_surface(scene).levelling
+    tilt = f", {measured.tilt_text(levelling)}" if levelling and any(levelling.taken) else ""
+    return f"heights of {s.path}{tilt}"
 
 
 def warnings(runs: Sequence[Heard]) -> list[Fact]:

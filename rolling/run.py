@@ -23,7 +23,7 @@ from rolling.run_folder import FolderError, Stopped
 from rolling.run_record import Kind
 from rolling.scenario import track
 from rolling.solve import Run
-from rolling.stored_runs import is_begun, is_kept, read_runs, records_of, warn_of_other_program
+from rolling.stored_runs import is_begun, is_kept, read_runs, records_of, resolved_scene, warn_of_other_program
 
 if TYPE_CHECKING:
     from rolling.report import Exhibit
@@ -101,7 +101,7 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
                 f"{one.folder}: no such folder, though {folder / 'resolved.yaml'} sweeps it; run a new scene instead"
             )
         check.refuse_unavailable(one.scene)
-    check.refuse_what_cannot_fit(scene_file.load(folder / "resolved.yaml"), workers, folder)
+    check.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
     before = records_of([folder])[0]
     names = [one.folder.name for one in runs] if runs[0].values else []
     with claim.take(folder, "sweep" if names else "run", names, take_over) as held:
@@ -121,7 +121,7 @@ def resound(
     """
     stored = read_runs(folder)
     # All is read and checked before the new folder is made.
-    scene = scene_file.resound(scene_file.load(folder / "resolved.yaml"), overrides)
+    scene = scene_file.resound(resolved_scene(folder), overrides)
     check.refuse_unavailable(scene)
     check.refuse_what_cannot_fit(scene, 1, out or check.OUTPUTS)
     given = folder / "scene.yaml"

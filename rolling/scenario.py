@@ -204,13 +204,18 @@ class Smooth(_Made):
 
 
 class HeightFile(_Section):
-    """Measured or made heights, periodic."""
+    """Measured or made heights, read as one period of the surface."""
 
     kind: Literal["file"] = Field(description="Heights from a file; the track is the file")
     path: str = Field(
         min_length=1, description=".npy file of heights [m], shape (along track, across), relative to the scene file"
     )
     spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
+    level: Literal["auto", "plane", "none"] = Field(
+        default="auto",
+        description="Tilt: auto takes the least-squares plane off where the step from the last row to the first stands out"
+        " and the plane lowers it, plane always, none never",
+    )
 
 
 Surface = Annotated[Gaussian | Smooth | HeightFile, Field(discriminator="kind")]

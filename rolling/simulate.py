@@ -1,6 +1,6 @@
 """Scenes to release series: a track is cut into pieces that depend on nothing but the scene, marched by any number of processes.
 
-Depends on march, recovery, surface and pool. Each piece starts cold, so the numbers are the same however many workers there
+Depends on march, recovery, scene_surface and pool. Each piece starts cold, so the numbers are the same however many workers there
 are, and what is done when a run stops is kept and never done again.
 """
 
@@ -10,19 +10,19 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling import pool, surface
+from rolling import pool
 from rolling.contact import ContactError
 from rolling.half_space import HalfSpace
-from rolling.identity import Identity, heights_digest, other_surface
+from rolling.identity import Identity, other_surface
 from rolling.march import ContactState, RollingContact, march
 from rolling.recovery import EventTable, step_energy
-from rolling.scenario import Gaussian, Scene, SceneError, track
+from rolling.scenario import Scene, SceneError, track
+from rolling.scene_surface import heights, scene_surface
 
 Array = NDArray[np.float64]
 
@@ -86,27 +86,6 @@ class Piece:
     maps: list[PressureMap]
 
 
-@dataclass(frozen=True)
-class Surface:
-    """Heights [m], (along, across), and the digest of what their file holds; None where they are made."""
-
-    heights: Array
-    sha256: str | None
-
-
-_kept: dict[tuple[Any, ...], Surface] = {}
-
-
-def heights(scene: Scene) -> Array:
-    """Surface heights of a scene [m], (along, across); the last surface made is kept, most runs of a sweep share it.
-
-    Raises
-    ------
-    SceneError : a surface that cannot be made or read.
-    """
-    return _surface(scene).heights
-
-
 def identity_of(scene: Scene) -> Identity:
     """Identify a scene without a sweep: its physics and the heights as their file holds them now.
 
@@ -114,7 +93,7 @@ def identity_of(scene: Scene) -> Identity:
     ------
     SceneError : heights that cannot be read.
     """
-    return Identity.of(scene, _surface(scene).sha256 if scene.height_path else None)
+    return Identity.of(scene, scene_surface(scene).sha256 if scene.height_path else None)
 
 
 def surface_fault(scene: Scene, solved: str | None) -> str | None:
@@ -122,44 +101,9 @@ def surface_fault(scene: Scene, solved: str | None) -> str | None:
     if scene.height_path is None:
         return None
     try:
-        return other_surface(solved, _surface(scene).sha256, scene.height_path)
+        return other_surface(solved, scene_surface(scene).sha256, scene.height_path)
     except SceneError as error:
         return f"the surface that was solved is gone: {error}"
-
-
-def _surface(scene: Scene) -> Surface:
-    made, path = track(scene), scene.height_path
-    key = (scene.surface.model_dump_json(), scene.folder, made.n_along, made.n_across, _stamp(path))
-    if key not in _kept:
-        try:
-            new = _make_surface(scene, (made.n_along, made.n_across))
-        except surface.SurfaceError as error:
-            raise SceneError([f"surface: {error}"]) from error
-        _kept.clear()
-        _kept[key] = new
-    return _kept[key]
-
-
-def _stamp(path: Path | None) -> tuple[int, ...]:
-    """Tell a file from another one that replaced it: a surface is read again where the file is not the same."""
-    try:
-        status = path.stat() if path else None
-    except OSError:
-        return ()  # the reading says why
-    return (status.st_ino, status.st_size, status.st_mtime_ns) if status else ()
-
-
-def _make_surface(scene: Scene, shape: tuple[int, int]) -> Surface:
-    s = scene.surface
-    if isinstance(s, Gaussian):
-        across = s.correlation_length_across_um or s.correlation_length_um
-        lengths = (s.correlation_length_um * 1e-6, across * 1e-6)
-        made = surface.gaussian(shape, scene.spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed)
-        return Surface(made, None)
-    if scene.height_path is not None:
-        stored = surface.stored(scene.height_path)  # the digest is of the very array that is used
-        return Surface(surface.usable(stored, scene.height_path), heights_digest(stored))
-    return Surface(surface.smooth(shape), None)
 
 
 def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
@@ -288,7 +232,7 @@ def _ordered_piece(
     Interrupted : `stopped` said so.
     """
     try:
-        z = _surface(scene)
+        z = scene_surface(scene)
         fault = other_surface(order.surface_sha256, z.sha256, scene.height_path)
         if fault:
             raise ContactError(fault)

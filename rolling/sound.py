@@ -25,11 +25,12 @@ class ContactSound:
 
     pressure : sound pressure [Pa] at `sample_rate` [Hz], one record for all that is shown, measured and heard.
     factor : from intensity fluctuation to sound pressure [Pa per W/m2].
-    closed : the record closes on itself: it loops without a click. Otherwise it is faded.
+    closed : levels and bands read the record as closed on itself. Otherwise it is faded.
     duration : of the record [s].
     highest : frequency up to which the march resolves sound [Hz], step Nyquist at the greatest speed.
     power : release power [W] at `time` [s], the middle of each step; q is not in it.
     uncertainty : of the levels [dB], from the length of the record.
+    has_seam : the surface does not lead from its end to its beginning, so a closed record clicks where it goes round.
     steady_level : of the mean intensity [dB re 1e-12 W/m2]; None when nothing is released, as is its `steady_uncertainty`.
     """
 
@@ -44,6 +45,19 @@ class ContactSound:
     steady_uncertainty: float | None
     time: Array
     power: Array
+    has_seam: bool = False
+
+    @property
+    def loops(self) -> bool:
+        """The record goes round without a click."""
+        return self.closed and not self.has_seam
+
+    @property
+    def ends(self) -> str:
+        """How the record ends, in words."""
+        if self.closed:
+            return "does not loop, the surface has a seam" if self.has_seam else "loops"
+        return "faded at both ends"
 
     @property
     def sample_rate(self) -> int:
@@ -57,7 +71,12 @@ def middle_speeds(scene: Scene, steps: int, step: float) -> tuple[Array, Array]:
 
 
 def contact_sound(
-    scene: Scene, release_energy: Array, step: float, closed: bool, lap_steps: int | None = None
+    scene: Scene,
+    release_energy: Array,
+    step: float,
+    closed: bool,
+    lap_steps: int | None = None,
+    has_seam: bool = False,
 ) -> ContactSound:
     """Sound of a run from the energy released in each step.
 
@@ -67,6 +86,7 @@ def contact_sound(
     step : length of a step [m].
     closed : the steps are whole laps of the track.
     lap_steps : steps after which the release repeats; None: it does not.
+    has_seam : the step from the end of the surface to its beginning stands out.
     """
     steps = len(release_energy)
     per_metre = release_energy / step
@@ -121,6 +141,7 @@ def contact_sound(
         steady_uncertainty=uncertainty.steady_uncertainty_db(lap, steps / duration),
         time=times,
         power=power,
+        has_seam=has_seam,
     )
 
 

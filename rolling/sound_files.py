@@ -27,7 +27,7 @@ def write(folder: Path, scene: Scene, label: str, sound: ContactSound) -> None:
     s = scene.sound
     facts = (
         f"{scene.name}, {label}; distance {s.distance_m:g} m, q {s.q:g},"
-        f" {sound.factor:.6g} Pa per W/m2 of fluctuation; {'loops' if sound.closed else 'faded at both ends'}"
+        f" {sound.factor:.6g} Pa per W/m2 of fluctuation; {sound.ends}"
     )
     title = f"{scene.name}, {label}"
     gain = wav.listening_gain(sound.pressure)
@@ -73,7 +73,7 @@ def _sidecar(scene: Scene, label: str, sound: ContactSound, gain: float, form: s
         "distance_m": scene.sound.distance_m,
         "q": scene.sound.q,
         "duration_s": len(sound.pressure) / sound.sample_rate,
-        "loops": sound.closed,
+        "loops": sound.loops,
         "laeq_db": sound.levels.laeq_db,
         "lz_peak_db": sound.levels.lz_peak_db,
     }

@@ -14,7 +14,7 @@ from rolling.result import Result
 from rolling.run_folder import FolderError
 from rolling.run_names import run_name
 from rolling.run_record import RunRecord
-from rolling.scenario import expand
+from rolling.scenario import HeightFile, Scene, expand
 from rolling.solve import Run
 
 KINDS = ("run", "sweep")
@@ -33,7 +33,7 @@ def read_runs(folder: Path) -> list[Run]:
         raise FolderError(f"{folder}: not a run folder, but that of another command ({record.kind})")
     if not (folder / "resolved.yaml").is_file():
         raise FolderError(f"{folder}: not a run folder (no resolved.yaml in it){_hint(folder, record)}")
-    singles = expand(scene_file.load(folder / "resolved.yaml"))
+    singles = expand(resolved_scene(folder))
     short = [run_name(values) for values, _ in singles]  # as version 0.1.0 named them
     names = list(record.runs) if record is not None and record.kind == "sweep" else short
     if len(names) != len(singles) or (record is not None and (record.kind == "run") != (singles[0][0] == {})):
@@ -49,6 +49,22 @@ def read_runs(folder: Path) -> list[Run]:
     for one in runs:
         solve.refuse_other_scene(one)
     return runs
+
+
+def resolved_scene(folder: Path) -> Scene:
+    """Read the resolved scene of a run folder.
+
+    Version 0.1.0 did not write `surface.level` and took the heights of a file as they were.
+
+    Raises
+    ------
+    SceneError : it cannot be read.
+    """
+    path = folder / "resolved.yaml"
+    scene = scene_file.load(path)
+    if isinstance(scene.surface, HeightFile) and "level" not in scene.surface.model_fields_set:
+        return scene_file.load(path, ["surface.level=none"])
+    return scene
 
 
 def is_kept(one: Run) -> bool:

@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 
 from acoustics import loudness
-from rolling import check, cost, program, reference, simulate, surface
+from rolling import check, cost, measured, program, reference, simulate
+from rolling.levelling import Levelling
 from rolling.result import Result
 from rolling.scenario import Scene
+from rolling.scene_surface import scene_surface
 from rolling.sound import ContactSound
 
 PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5py", "pydantic")
@@ -40,6 +42,7 @@ def worded(key: str, value: float) -> str:
 def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: float) -> dict[str, Any]:
     """Plain numbers of a run, by name; what has no sound is None. Of a partial run: of what is solved."""
     steps = result.done_steps
+    made = scene_surface(scene)
     series = {name: result.whole(name)[:steps] for name in simulate.STEP_SERIES}
     state = {name: result.whole(name)[: steps + 1] for name in simulate.STATE_SERIES}
     hertz_area = np.pi * reference.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
@@ -69,7 +72,7 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
         "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
         **_loudness(scene, sound),
         "duration_s": sound.duration,
-        "loops": sound.closed,
+        "loops": sound.loops,
         "highest_frequency_hz": sound.highest,
         "factor_pa_per_w_m2": sound.factor,
         "release_power_mean_w": float(sound.power.mean()),
@@ -87,7 +90,25 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
         "seconds": float(solved_time.sum()),
         "sound_seconds": sound_seconds,
         "warnings": [f"{found.what}: {found.warning}" for found in check.findings(scene) if found.warning],
-        "surface": asdict(surface.statistics(simulate.heights(scene), scene.spacing)),
+        "surface": asdict(made.statistics),
+        "levelling": None if made.levelling is None else _levelling(made.levelling),
+    }
+
+
+def _levelling(levelling: Levelling) -> dict[str, Any]:
+    """What was taken off heights from a file, and the seam of those that are used."""
+    (along, across), (rise_along, rise_across), seam = levelling.taken, levelling.rises, levelling.seams[0]
+    return {
+        "slope_along": along,
+        "slope_across": across,
+        "height_along_m": rise_along,
+        "height_across_m": rise_across,
+        "ra_before_m": levelling.ra_before,
+        "ra_after_m": levelling.ra_after,
+        "seam_step_m": seam.step,
+        "seam_neighbours_m": seam.neighbours,
+        "seam_stands_out": seam.stands_out,
+        "text": measured.tilt_text(levelling),
     }
 
 
@@ -162,8 +183,10 @@ def _remarks(summaries: list[dict[str, Any]]) -> list[str]:
         f" kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
         for s in (summary["surface"] for summary in summaries)
     )
+    levelled = [summary["levelling"] for summary in summaries if summary.get("levelling")]
+    tilts = dict.fromkeys(f"tilt: {each['text']}" for each in levelled if each["slope_along"] or each["slope_across"])
     warnings: dict[str, str] = {}
     for summary in summaries:
         for warning in summary["warnings"]:
             warnings.setdefault(warning.partition(":")[0], f"warning: {warning}")
-    return ["", *surfaces, *warnings.values()]
+    return ["", *surfaces, *tilts, *warnings.values()]

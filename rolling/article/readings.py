@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics import plots as sound_plots
-from rolling import simulate, surface
+from rolling import scene_surface, simulate, surface
 from rolling.article.study import Case
 from rolling.scenario import Gaussian, Scene, track
 from rolling.solve import Run
@@ -108,7 +108,7 @@ def gather(name: str, runs: Sequence[Run], results: Sequence[Result], cases: Seq
         assert isinstance(s, Gaussian)
         roughness, length = s.roughness_ra_um, s.correlation_length_um
         if (roughness, length) not in slopes:
-            heights = simulate.heights(scene)
+            heights = scene_surface.heights(scene)
             nodes = round(PATCH_M / scene.spacing)
             slopes[roughness, length] = surface.statistics(heights, scene.spacing).rms_slope
             patches[roughness] = Patch(heights[:nodes, :nodes].copy(), scene.spacing)

@@ -1,0 +1,160 @@
+"""The solved positions of check against marches of the same scene; scenes that Hertz calls elastic yield at their asperities."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rolling import check, cli, march, probe, scene_file, scene_surface, simulate, summary
+from rolling.check import Finding
+from rolling.scenario import Scene, expand, track
+
+TEXT = """\
+name: trial
+sphere: {radius_mm: 5}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 160, seed: 1}
+rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.008}
+"""
+
+
+def scene(*overrides: str) -> Scene:
+    return scene_file.loads(TEXT, overrides)
+
+
+def solved(given: Scene) -> dict[str, Finding]:
+    return {finding.key: finding for finding in check.findings(given, *probe.probes([given]))}
+
+
+def test_a_scene_below_the_hertz_limit_yields_at_its_asperities() -> None:
+    """Hertz's pressure at 1 N is 0.75 GPa, the hardness 2.1 GPa."""
+    closed_forms = {finding.key: finding for finding in check.findings(scene())}
+    assert closed_forms["hardness"].value == (
+        "2.1 GPa, above the Hertz pressure of a smooth sphere; asperities may yield"
+    )
+    assert "contact_area" not in closed_forms
+    got = solved(scene())
+    assert got["hardness"].value.startswith("2.1 GPa, yields on ")
+    assert got["positions"].value == "8 of 8"
+    assert got["max_pressure"].value == "2.1 GPa"
+    smooth = solved(scene("surface.roughness_ra_um=1e-6"))
+    assert smooth["hardness"].value == "2.1 GPa, stays elastic where solved"
+    assert smooth["plastic_area"].value == "0 um2"
+    elastic = solved(scene("plate.hardness_gpa="))
+    assert elastic["hardness"].value == "none, purely elastic" and "plastic_area" not in elastic
+
+
+def test_numbers_are_those_of_a_march() -> None:
+    """Every solved position is one that the march passes; its areas differ by the march's start, a thousandth. The mean of the
+    march, over 400 positions, lies within the range of the eight."""
+    given = scene()
+    (got,) = probe.probes([given])
+    contact = simulate.rolling_contact(given)
+    states = list(march.march(contact, 0, 399, simulate._half_space(contact.spacing, contact.contact_modulus)))
+    places = np.arange(8) * 400 // 8
+    for name in ("contact_area", "plastic_area", "max_pressure"):
+        values, marched = getattr(got, name), np.array([getattr(state, name) for state in states])
+        np.testing.assert_allclose(values, marched[places], rtol=0.02)
+        assert values.min() * (1 - 1e-9) <= marched.mean() <= values.max() * (1 + 1e-9)
+    windows = np.array([(state.window.rows, state.window.columns) for state in states])
+    assert (np.abs(got.window.mean(axis=0) - windows.mean(axis=0)) < 0.15 * windows.mean(axis=0)).all()
+
+
+def test_time_of_a_step_is_that_of_a_run() -> None:
+    """Times of a busy machine vary; compilation or the first transforms would be off by a factor of ten and more."""
+    given = scene("rolling.duration_s=0.004")
+    (got,) = probe.probes([given])
+    piece = simulate.simulate_piece(given, 0, 100)
+    assert 1 / 4 < np.median(got.step_ms) / (1e3 * np.median(piece.steps["step_time"])) < 4
+    finding = next(f for f in got.findings(given) if f.key == "expected_time")
+    cores = check.cost.cores()
+    assert finding.seconds == pytest.approx(got.step_ms.mean() * 1e-3 * track(given).solved_steps / cores)
+
+
+def test_positions_that_fail_are_said(capsys: pytest.CaptureFixture[str]) -> None:
+    # 2.1 GPa times 800 x 160 um is 269 N.
+    text = check.report(scene("rolling.load_n=300"))
+    warning = next(line for line in text.splitlines() if "positions solved: " in line)
+    assert "8 of 8 positions fail, and so will the run" in warning
+    assert "more than the surface can carry" in warning
+
+
+def test_one_position_of_eight_that_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    march_itself = probe.march
+
+    def failing(contact, first, last, half_space):
+        if first == 50:
+            raise probe.ContactError("step 50: no")
+        return march_itself(contact, first, last, half_space)
+
+    monkeypatch.setattr(probe, "march", failing)
+    got = solved(scene())
+    assert got["positions"].value == "7 of 8"
+    assert got["positions"].warning == "1 of 8 positions fail, and so will the run: step 50: no"
+    assert got["hardness"].value.startswith("2.1 GPa, yields on ")
+
+
+def test_fast_solves_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise AssertionError("solved")
+
+    path = tmp_path / "trial.yaml"
+    path.write_text(TEXT)
+    assert cli.main(["check", str(path)]) == 0
+    printed = capsys.readouterr().out
+    assert "yields on" in printed and "contact area" in printed
+    monkeypatch.setattr(probe, "march", refuse)
+    assert cli.main(["check", str(path), "--fast"]) == 0
+    printed = capsys.readouterr().out
+    assert "asperities may yield" in printed
+    assert "stays elastic" not in printed and "contact area" not in printed and "positions solved" not in printed
+    assert any("nodes per" in line for line in printed.splitlines())
+    assert not any("positions" in str(f.warning) for f in summary.check.findings(scene()))
+
+
+def test_large_surfaces_are_left_out_with_the_limit() -> None:
+    large = scene("rolling.duration_s=1.3")  # 65,000 x 80 nodes
+    assert probe._left_out([large]) == [""]
+    larger = scene("rolling.duration_s=3")
+    (got,) = probe.probes([larger])
+    assert got.left_out == "making 1.2e+07 nodes would take long, the limit is 1e+07"
+    told = {finding.key: finding for finding in check.findings(larger, got)}
+    assert told["positions"].value == f"none: {got.left_out}"
+    assert "asperities may yield" in told["hardness"].value
+    slow = scene("rolling.load_n=2000", "surface.spacing_um=0.05", "rolling.duration_s=0.0004", "surface.width_um=100")
+    (reason,) = probe._left_out([slow])
+    assert reason.startswith("it would take about ") and reason.endswith("the limit is 60 s")
+
+
+def test_long_sweeps_solve_the_first_and_the_last_run() -> None:
+    runs = [single for _, single in expand(scene(f"sweep.rolling.load_n={list(range(1, 14))}"))]
+    reasons = probe._left_out(runs)
+    assert reasons[0] == reasons[-1] == ""
+    assert set(reasons[1:-1]) == {"first and last of 13 runs only"}
+    assert probe._left_out(runs[:12]) == [""] * 12
+
+
+def test_runs_that_share_a_surface_make_it_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, make = [], scene_surface._make
+    monkeypatch.setattr(scene_surface, "_make", lambda given: made.append(given) or make(given))
+    monkeypatch.setattr(scene_surface, "_kept", {})
+    runs = [single for _, single in expand(scene("sweep.rolling.load_n=[1, 2]", "sweep.surface.seed=[1, 2]"))]
+    got = probe.probes(runs)
+    assert len(made) == 2
+    # In the order of the runs: seeds fastest.
+    areas = [one.contact_area.mean() for one in got]
+    assert min(areas[2:]) > 1.5 * max(areas[:2])
+
+
+def test_a_track_of_fewer_steps_than_positions(tmp_path: Path) -> None:
+    np.save(tmp_path / "z.npy", np.zeros((100, 80)))
+    text = TEXT[: TEXT.index("surface:")] + "surface: {kind: file, path: z.npy, spacing_um: 2}\n"
+    text += "rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.00006}\n"
+    given = scene_file.loads(text, folder=tmp_path)
+    assert track(given).solved_steps == 3
+    (got,) = probe.probes([given])
+    assert (got.tried, len(got.contact_area)) == (3, 3)
