@@ -15,7 +15,18 @@ from typing import Any
 
 from tqdm import tqdm
 
-from rolling import accuracy, accuracy_plot, accuracy_text, cost, pool, run_folder, scene_file, simulate, summary
+from rolling import (
+    accuracy,
+    accuracy_plot,
+    accuracy_text,
+    cost,
+    long_steps,
+    pool,
+    run_folder,
+    scene_file,
+    simulate,
+    summary,
+)
 from rolling.accuracy import Findings, Measured
 from rolling.scenario import expand
 from rolling.variants import Study, Variant, study, tasks
@@ -39,6 +50,7 @@ def report(
     scene = scene_file.load(scene_path, overrides)
     runs = expand(scene)
     values, single = runs[0]
+    long_steps.refuse_long_steps(single)
     what = study(single, duration, finest)
     simulate.rolling_contact(what.scene)  # a surface that cannot be had shows before anything is written
     folder = run_folder.new_folder(Path("outputs") / f"{scene.name}-accuracy", out, force)

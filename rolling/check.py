@@ -1,6 +1,6 @@
 """What a scene will cost and whether it can be believed, said before anything is computed.
 
-Depends on `scenario` (what is asked), `cost`, `reference` (Hertz) and `acoustics.bands`.
+Depends on `scenario` (what is asked), `cost`, `long_steps`, `resonance`, `reference` (Hertz) and `acoustics.bands`.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 
 from acoustics import bands
-from rolling import cost, reference
+from rolling import cost, long_steps, reference, resonance
 from rolling.scenario import Gaussian, HeightFile, Scene, SceneError, Track, expand, run_name, track
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
-STEEL = 7850.0  # [kg/m3]
+LEAST_SHARE = 0.01  # of a record: a shorter stretch that is too slow for hearing is not worth a word
 LEAST_HERTZ_NODES = 10  # across the Hertz radius
 LEAST_CORRELATION_NODES = 5  # across the correlation length
 GREATEST_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
@@ -56,7 +56,7 @@ def findings(scene: Scene) -> list[Finding]:
         *_contact(scene, way),
         *_sampling(scene, way),
         *_validity(scene, slope),
-        _resonance(scene),
+        _resonance(scene, way),
         _record(scene, way),
     ]
 
@@ -82,9 +82,10 @@ def report(scene: Scene) -> str:
 
     Raises
     ------
-    SceneError : a height file cannot be used, or something it asks for cannot be had.
+    SceneError : a height file cannot be used, something it asks for cannot be had, or its steps are too long.
     """
     refuse_unavailable(scene)
+    long_steps.refuse_long_steps(scene)
     runs = [(run_name(values) or scene.name, findings(run)) for values, run in expand(scene)]
     whats = list(dict.fromkeys(finding.what for _, found in runs for finding in found))
     cells = {what: [next((_cell(f) for f in found if f.what == what), "") for _, found in runs] for what in whats}
@@ -194,26 +195,9 @@ def _contact(scene: Scene, way: Track) -> list[Finding]:
 
 
 def _sampling(scene: Scene, way: Track) -> list[Finding]:
-    slowest, fastest = _speeds(scene, way)
-    low, high = slowest / (2 * way.step), fastest / (2 * way.step)
-    warning = None
-    if low < HEARING[1]:
-        warning = (
-            f"the simulated band ends at {_si(low, 'Hz')} at {slowest:g} m/s, hearing at {_si(HEARING[1], 'Hz')}:"
-            f" choose a step of at most {_down(slowest / (2 * HEARING[1]) * 1e6)} um (numerics.step_nodes or"
-            f" surface.spacing_um) or a speed of at least {_up(2 * HEARING[1] * way.step)} m/s"
-        )
-    nyquist = _si(low, "Hz") if low == high else f"{_si(low, 'Hz')} to {_si(high, 'Hz')}"
-    result = [Finding("nyquist", "simulated Nyquist", nyquist, warning)]
+    result = [_nyquist(scene, way), _step_length(scene, way)]
     if scene.numerics.step_nodes < 1:
-        tone = slowest / scene.spacing
-        audible = None
-        if tone < HEARING[1]:
-            audible = (
-                f"steps below one node sound a tone of the grid at {_si(tone, 'Hz')}: choose numerics.step_nodes 1 or a"
-                f" surface.spacing_um of at most {_down(slowest / HEARING[1] * 1e6)}"
-            )
-        result.append(Finding("grid_tone", "tone of the grid", _si(tone, "Hz"), audible))
+        result.append(_grid_tone(scene, way))
     if isinstance(scene.surface, Gaussian):
         shortest = min(cost.correlation_lengths(scene.surface))
         nodes = shortest / scene.surface.spacing_um
@@ -227,16 +211,84 @@ def _sampling(scene: Scene, way: Track) -> list[Finding]:
     return result
 
 
+def _nyquist(scene: Scene, way: Track) -> Finding:
+    """Say up to where the steps carry sound, and for how much of the record that is below the end of hearing."""
+    motion, duration = scene.motion, cost.duration(scene, way)
+    low, high = (speed / (2 * way.step) for speed in (motion.slowest(duration), motion.fastest(duration)))
+    if motion.is_constant(duration):
+        return Finding("nyquist", "simulated Nyquist", _si(high, "Hz"), _short_band(way, motion.fastest(duration)))
+    wanted = 2 * HEARING[1] * way.step
+    seconds = motion.time_below(wanted, duration)
+    warning = None
+    if seconds >= LEAST_SHARE * duration:
+        warning = (
+            f"for {100 * seconds / duration:.3g} % of the record ({_si(seconds, 's')}) the simulated band ends below"
+            f" {_si(HEARING[1], 'Hz')}, at {_si(low, 'Hz')} when the sphere is slowest ({motion.slowest(duration):.3g} m/s):"
+            " the bands above hold the sound of the faster stretches alone; choose a step of at most"
+            f" {_down(_usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6)} um (numerics.step_nodes or"
+            f" surface.spacing_um) or a speed of at least {_up(wanted)} m/s for {100 - 100 * LEAST_SHARE:g} % of the record"
+        )
+    return Finding("nyquist", "simulated Nyquist", f"{_si(low, 'Hz')} to {_si(high, 'Hz')}", warning)
+
+
+def _short_band(way: Track, speed: float) -> str | None:
+    """Warn of a simulated band that ends below hearing at a constant speed [m/s]."""
+    if speed / (2 * way.step) >= HEARING[1]:
+        return None
+    return (
+        f"the simulated band ends at {_si(speed / (2 * way.step), 'Hz')} at {speed:g} m/s, hearing at"
+        f" {_si(HEARING[1], 'Hz')}: choose a step of at most {_down(speed / (2 * HEARING[1]) * 1e6)} um"
+        f" (numerics.step_nodes or surface.spacing_um) or a speed of at least {_up(2 * HEARING[1] * way.step)} m/s"
+    )
+
+
+def _usual_speed(scene: Scene, duration: float) -> float:
+    """Return the speed [m/s] below which the sphere rolls for less than `LEAST_SHARE` of the record."""
+    low, high = 0.0, scene.motion.fastest(duration)
+    for _ in range(60):
+        middle = (low + high) / 2
+        below = scene.motion.time_below(middle, duration) < LEAST_SHARE * duration
+        low, high = (middle, high) if below else (low, middle)
+    return low or high
+
+
+def _grid_tone(scene: Scene, way: Track) -> Finding:
+    """Name the tone that steps below a node sound."""
+    motion, duration = scene.motion, cost.duration(scene, way)
+    low, high = (speed / scene.spacing for speed in (motion.slowest(duration), motion.fastest(duration)))
+    tone = _si(low, "Hz") if motion.is_constant(duration) else f"{_si(low, 'Hz')} to {_si(high, 'Hz')}"
+    audible = None
+    if motion.time_below(HEARING[1] * scene.spacing, duration) >= LEAST_SHARE * duration:
+        audible = (
+            f"steps below one node sound a tone of the grid at {tone}: choose numerics.step_nodes 1 or a"
+            f" surface.spacing_um of at most {_down(_usual_speed(scene, duration) / HEARING[1] * 1e6)}"
+        )
+    return Finding("grid_tone", "tone of the grid", tone, audible)
+
+
+def _step_length(scene: Scene, way: Track) -> Finding:
+    """Compare the step with the contact, and say what a long one costs."""
+    radius = long_steps.contact_radius(scene)
+    radii = way.step / radius
+    warning = None
+    if radii > long_steps.DOUBTFUL_RADII:
+        lost = long_steps.lost_release(radii)
+        warning = (
+            f"a step is {radii:.2g} contact radii of {_si(radius, 'm')}, at most {long_steps.DOUBTFUL_RADII:g} are wanted:"
+            f" the mean release is up to {100 * lost:.2g} % low, levels are off by up to {long_steps.LEVEL_ERROR_DB * radii:.2g}"
+            f" dB; choose a step of at most {_down(long_steps.DOUBTFUL_RADII * radius * 1e6)} um (numerics.step_nodes or"
+            " surface.spacing_um)"
+        )
+    return Finding("step_length", "step / contact radius", f"{radii:.2g}", warning)
+
+
 def _validity(scene: Scene, slope: float) -> list[Finding]:
     steep = wide = None
     if slope > GREATEST_SLOPE:
         advice = "filter the shortest wavelengths out of the heights" if isinstance(scene.surface, HeightFile) else ""
         advice = advice or "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
         steep = f"the rms slope is {slope:.2g}, a half-space holds up to {GREATEST_SLOPE:g}: {advice}"
-    a, _ = _hertz(scene)
-    if math.isfinite(scene.hardness):
-        a = max(a, math.sqrt(scene.load / (math.pi * scene.hardness)))
-    share = a / scene.radius
+    share = long_steps.contact_radius(scene) / scene.radius
     if share > GREATEST_CONTACT:
         wide = (
             f"the contact radius is {share:.2g} of the sphere's, a half-space holds up to {GREATEST_CONTACT:g}: lower"
@@ -248,17 +300,30 @@ def _validity(scene: Scene, slope: float) -> list[Finding]:
     ]
 
 
-def _resonance(scene: Scene) -> Finding:
-    a, _ = _hertz(scene)
-    mass = STEEL * 4 / 3 * math.pi * scene.radius**3
-    frequency = math.sqrt(2 * scene.contact_modulus * a / mass) / (2 * math.pi)
-    warning = None
-    if HEARING[0] < frequency < HEARING[1]:
-        warning = (
-            f"a free steel ball would bounce on its contact at {_si(frequency, 'Hz')}, inside hearing, and the load is"
-            " held constant here: do not trust levels about that frequency, or choose another sphere.radius_mm or"
-            " rolling.load_n"
+def _resonance(scene: Scene, way: Track) -> Finding:
+    """Name the frequency at which the ball bounces, and weigh its part by the greatest speed, where the record holds it."""
+    frequency = resonance.frequency(scene)
+    speed = scene.motion.fastest(cost.duration(scene, way))
+    highest = min(HEARING[1], speed / (2 * way.step))
+    if not HEARING[0] < frequency < highest:
+        return Finding("resonance", "contact resonance", _si(frequency, "Hz"))
+    density = scene.sphere.density_kg_m3
+    ball = "as if of steel, 7850 kg/m3 (sphere.density_kg_m3)" if density is None else f"of {density:g} kg/m3"
+    radii = resonance.wave_radii(scene, speed)
+    if radii < resonance.FELT_RADII:
+        part = "its part is some 30 dB or more below the release, and the levels hold"
+    elif radii < resonance.DOMINANT_RADII:
+        part = "its part is heard: do not trust the bands about that frequency"
+    else:
+        part = (
+            "it is a large part of the sound or most of it: do not trust levels, nor bands from a half of that frequency up,"
+            " or choose a lower rolling.speed_m_s"
         )
+    warning = (
+        f"a free ball {ball} would bounce on its contact at {_si(frequency, 'Hz')}, inside hearing and the"
+        f" simulated band, and the load is held constant here; at {speed:.3g} m/s waves of {_si(speed / frequency, 'm')},"
+        f" {radii:.2g} contact radii, feed it: {part}"
+    )
     return Finding("resonance", "contact resonance", _si(frequency, "Hz"), warning)
 
 
@@ -279,14 +344,6 @@ def _hertz(scene: Scene) -> tuple[float, float]:
     """Radius [m] and peak pressure [Pa] of the smooth elastic contact."""
     three = (scene.load, scene.radius, scene.contact_modulus)
     return reference.hertz_radius(*three), reference.hertz_pressure(*three)
-
-
-def _speeds(scene: Scene, way: Track) -> tuple[float, float]:
-    """Least (not zero) and greatest speed [m/s] of the profile's points while the track lasts."""
-    motion, end = scene.motion, cost.duration(scene, way)
-    speeds = [v for t, v in zip(motion.times, motion.speeds, strict=True) if t < end] + [float(motion.speed(end))]
-    moving = [v for v in speeds if v > 1e-9 * motion.fastest] or [motion.fastest]
-    return min(moving), max(moving)
 
 
 def _si(value: float, unit: str) -> str:

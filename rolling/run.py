@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling import check, run_folder, scene_file, simulate, solve, sound_files, store, summary
+from rolling import check, long_steps, run_folder, scene_file, simulate, solve, sound_files, store, summary
 from rolling.heard import Heard, distinct, hear
 from rolling.scenario import Scene, expand, run_name, track
 from rolling.solve import Run
@@ -56,6 +56,7 @@ def run(
     """
     scene = scene_file.load(scene_path, overrides)
     check.refuse_unavailable(scene)
+    long_steps.refuse_long_steps(scene)
     for _, single in expand(scene):
         simulate.rolling_contact(single)  # a surface that cannot be had shows before anything is written
     folder = run_folder.new_folder(Path("outputs") / scene.name, out, force)

@@ -31,9 +31,11 @@ def write(folder: Path, scene: Scene, label: str, sound: ContactSound) -> None:
     )
     title = f"{scene.name}, {label}"
     gain = wav.listening_gain(sound.pressure)
+    bounded = gain >= wav.MOST_GAIN  # the record is below 0 dB(A)
+    loudness = "the largest gain there is" if bounded else "equal loudness"
     files = {
         "signal": wav.calibrated(sound.pressure, f"1.0 = 1 Pa; {facts}", title),
-        "listen": wav.listening(sound.pressure, gain, f"{gain:.6g} full scale per Pa, equal loudness; {facts}", title),
+        "listen": wav.listening(sound.pressure, gain, f"{gain:.6g} full scale per Pa, {loudness}; {facts}", title),
     }
     sidecars = {
         "signal": _sidecar(
@@ -51,7 +53,12 @@ def write(folder: Path, scene: Scene, label: str, sound: ContactSound) -> None:
             gain,
             "24-bit PCM",
             "Samples times pascal_per_full_scale are sound pressure in Pa at the distance given;"
-            " the gain makes runs equally loud, so compare their levels by the numbers, not by ear.",
+            + (
+                " the gain is the largest there is, that of a record at 0 dB(A): this one is below and stays quieter than"
+                " others."
+                if bounded
+                else " the gain makes runs equally loud, so compare their levels by the numbers, not by ear."
+            ),
         ),
     }
     for name, content in files.items():

@@ -21,7 +21,7 @@ from rolling.sound import ContactSound
 from rolling.store import Result
 
 PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5py", "pydantic")
-UNITS = {"m_s": "m/s", "um": "µm", "mm": "mm", "gpa": "GPa", "n": "N", "s": "s", "m": "m"}
+UNITS = {"kg_m3": "kg/m³", "m_s": "m/s", "um": "µm", "mm": "mm", "gpa": "GPa", "n": "N", "s": "s", "m": "m"}
 
 
 def named(key: str) -> tuple[str, str]:
@@ -74,8 +74,10 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
         "loops": sound.closed,
         "highest_frequency_hz": sound.highest,
         "factor_pa_per_w_m2": sound.factor,
-        "release_power_mean_w": float(sound.power.mean()),
-        "release_power_rms_w": float(sound.power.std()),
+        "release_power_mean_w": sound.mean_power,
+        "release_power_rms_w": sound.power_rms,
+        "release_power_audible_rms_w": sound.audible_rms,
+        "release_power_resolved_rms_w": sound.resolved_rms,
         "hertz_area_m2": float(hertz_area),
         "contact_area_mean_m2": float(state["contact_area"].mean()),
         "plastic_area_mean_m2": plastic,
