@@ -6,6 +6,8 @@ than this error holds no sound of the surface: it counts as silent.
 
 from __future__ import annotations
 
+import math
+
 from rolling import reference
 from rolling.scenario import Scene
 
@@ -16,6 +18,7 @@ SOLVER_ERROR = 20.0
 # tolerance: up to 2.7e-6 on smooth yielding spheres in steps of whole nodes, 4e-4 in fractions of a node.
 RESTART_ERROR = 1e-5
 RESTART_ERROR_BELOW_A_NODE = 1e-3
+DOUBTFUL_DB = 10.0  # above the solver's error: levels are off by up to 1.5 dB there
 
 
 def resolved_fluctuation(scene: Scene) -> float:
@@ -32,3 +35,28 @@ def _restart_error(scene: Scene) -> float:
     if not yields or scene.numerics.edges != "blended":
         return 0.0
     return RESTART_ERROR if scene.numerics.step_nodes >= 1 else RESTART_ERROR_BELOW_A_NODE
+
+
+def doubt(scene: Scene, audible_rms: float, resolved_rms: float) -> str | None:
+    """Say that a record is hidden by the solver's error or stands little above it; None where neither is so.
+
+    Parameters
+    ----------
+    audible_rms : float, W. Fluctuation of the release power within hearing.
+    resolved_rms : float, W. The solver's error there.
+    """
+    tolerance = f"numerics.tolerance, {scene.numerics.tolerance:g} here"
+    if audible_rms == 0 or scene.surface.kind == "smooth":  # no sound is there to be hidden
+        return None
+    if audible_rms <= resolved_rms:
+        return (
+            f"the release fluctuates by {audible_rms:.2g} W rms within hearing, no more than the solver's error of up to"
+            f" {resolved_rms:.2g} W: the record counts as silent; a lower {tolerance}, tells whether it is"
+        )
+    above = 20 * math.log10(audible_rms / resolved_rms) if resolved_rms > 0 else math.inf
+    if above >= DOUBTFUL_DB:
+        return None
+    return (
+        f"the fluctuation within hearing stands {above:.2g} dB above the solver's error, {DOUBTFUL_DB:g} dB are wanted:"
+        f" lower {tolerance}"
+    )

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from acoustics import loudness
-from rolling import check, cost, reference, simulate, surface
+from rolling import check, cost, reference, resolution, simulate, surface
 from rolling.scenario import Scene
 from rolling.sound import ContactSound
 from rolling.store import Result
@@ -90,9 +90,16 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
         "step_ms": float(np.median(solved_time) * 1e3),
         "seconds": float(solved_time.sum()),
         "sound_seconds": sound_seconds,
-        "warnings": [f"{found.what}: {found.warning}" for found in check.findings(scene) if found.warning],
+        "warnings": _warnings(scene, sound),
         "surface": asdict(surface.statistics(simulate.heights(scene), scene.spacing)),
     }
+
+
+def _warnings(scene: Scene, sound: ContactSound) -> list[str]:
+    """List the doubts that follow from the scene, and what the solver's error leaves of the record."""
+    doubts = [f"{finding.what}: {finding.warning}" for finding in check.findings(scene) if finding.warning]
+    hidden = resolution.doubt(scene, sound.audible_rms, sound.resolved_rms)
+    return [*doubts, f"solver: {hidden}"] if hidden else doubts
 
 
 def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
