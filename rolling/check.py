@@ -275,9 +275,9 @@ def _step_length(scene: Scene, way: Track) -> Finding:
         lost = long_steps.lost_release(radii)
         warning = (
             f"a step is {radii:.2g} contact radii of {_si(radius, 'm')}, at most {long_steps.DOUBTFUL_RADII:g} are wanted:"
-            f" the mean release is up to {100 * lost:.2g} % low, levels are off by up to {long_steps.LEVEL_ERROR_DB * radii:.2g}"
-            f" dB; choose a step of at most {_down(long_steps.DOUBTFUL_RADII * radius * 1e6)} um (numerics.step_nodes or"
-            " surface.spacing_um)"
+            f" the mean release is up to about {100 * lost:.2g} % low, levels are off by up to"
+            f" {long_steps.LEVEL_ERROR_DB * radii:.2g} dB; choose a step of at most"
+            f" {_down(long_steps.DOUBTFUL_RADII * radius * 1e6)} um (numerics.step_nodes or surface.spacing_um)"
         )
     return Finding("step_length", "step / contact radius", f"{radii:.2g}", warning)
 
@@ -309,10 +309,10 @@ def _resonance(scene: Scene, way: Track) -> Finding:
         return Finding("resonance", "contact resonance", _si(frequency, "Hz"))
     density = scene.sphere.density_kg_m3
     ball = "as if of steel, 7850 kg/m3 (sphere.density_kg_m3)" if density is None else f"of {density:g} kg/m3"
-    radii = resonance.wave_radii(scene, speed)
-    if radii < resonance.FELT_RADII:
+    wave = resonance.relative_wave(scene, speed)
+    if wave < resonance.FELT:
         part = "its part is some 30 dB or more below the release, and the levels hold"
-    elif radii < resonance.DOMINANT_RADII:
+    elif wave < resonance.DOMINANT:
         part = "its part is heard: do not trust the bands about that frequency"
     else:
         part = (
@@ -321,8 +321,8 @@ def _resonance(scene: Scene, way: Track) -> Finding:
         )
     warning = (
         f"a free ball {ball} would bounce on its contact at {_si(frequency, 'Hz')}, inside hearing and the"
-        f" simulated band, and the load is held constant here; at {speed:.3g} m/s waves of {_si(speed / frequency, 'm')},"
-        f" {radii:.2g} contact radii, feed it: {part}"
+        f" simulated band, and the load is held constant here; at {speed:.3g} m/s waves of {_si(speed / frequency, 'm')} feed"
+        f" it, {wave:.2g} of contact radius and correlation length: {part}"
     )
     return Finding("resonance", "contact resonance", _si(frequency, "Hz"), warning)
 

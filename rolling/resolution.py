@@ -46,7 +46,7 @@ def doubt(scene: Scene, audible_rms: float, resolved_rms: float) -> str | None:
     resolved_rms : float, W. The solver's error there.
     """
     tolerance = f"numerics.tolerance, {scene.numerics.tolerance:g} here"
-    if audible_rms == 0 or scene.surface.kind == "smooth":  # no sound is there to be hidden
+    if scene.surface.kind == "smooth":  # no sound is there to be hidden
         return None
     if audible_rms <= resolved_rms:
         return (

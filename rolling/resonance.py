@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 
 from rolling import reference
-from rolling.scenario import Scene
+from rolling.scenario import Gaussian, Scene
 
-# Length v / f0 of the waves that feed the resonance, in contact radii. A contact averages shorter waves out: by a linear model of
-# the ball on a 10 mm steel plate (Q 20) the release that the bouncing adds stands 31 to 36 dB below the release at 0.2 radii, 10 to
-# 18 dB below at 0.6, and equals it at 2 (Ra 0.01 to 1 um, 5 to 100 N, radii of the ball 1 to 20 mm).
-FELT_RADII = 0.2
-DOMINANT_RADII = 0.6
+# Length v / f0 of the waves that feed the resonance, over contact radius and correlation length together: the contact averages
+# shorter waves out, and the surface has few of them. Release that the bouncing adds, re the release within hearing, by a linear
+# model of the ball on a 10 mm steel plate (Q 20), 2 to 100 N, Ra 0.01 to 1 um, correlation lengths 10 to 100 um, 0.03 to 2 m/s:
+# -25 to -37 dB at 0.2, -5 to -15 dB at 0.7.
+FELT = 0.2
+DOMINANT = 0.7
 
 
 def frequency(scene: Scene) -> float:
@@ -24,6 +25,8 @@ def frequency(scene: Scene) -> float:
     return math.sqrt(2 * scene.contact_modulus * radius / scene.mass) / (2 * math.pi)
 
 
-def wave_radii(scene: Scene, speed: float) -> float:
-    """Return the length of the waves that feed the resonance at a speed [m/s], in contact radii."""
-    return speed / frequency(scene) / reference.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+def relative_wave(scene: Scene, speed: float) -> float:
+    """Return the length of the waves that feed the resonance at a speed [m/s], over contact radius and correlation length."""
+    radius = reference.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    correlation = scene.surface.correlation_length_um * 1e-6 if isinstance(scene.surface, Gaussian) else 0.0
+    return speed / frequency(scene) / (radius + correlation)

@@ -113,8 +113,8 @@ def test_the_usual_scene_is_warned_of_its_resonance_and_record_only() -> None:
             "numerics.step_nodes=8",
             "numerics.step_nodes=32",
             # 64 um and a Hertz radius of 68.75 um.
-            "a step is 0.93 contact radii of 68.8 um, at most 0.25 are wanted: the mean release is up to 5.7 % low, levels are"
-            " off by up to 2.8 dB; choose a step of at most 17 um",
+            "a step is 0.93 contact radii of 68.8 um, at most 0.25 are wanted: the mean release is up to about 5.7 %"
+            " low, levels are off by up to 2.8 dB; choose a step of at most 17 um",
         ),
         (
             "nodes per correlation length",
