@@ -198,7 +198,8 @@ def _assumed(one: Heard) -> dict[str, str]:
         if fixed
         else "mean p² over the impedance is the rms of the intensity's fluctuation",
         "record": f"{sound.duration:.4g} s" + (", closes on itself" if sound.closed else ", faded at both ends"),
-        "resolved up to": f"{min(sound.highest, sound.sample_rate / 2) / 1e3:.4g} kHz",
+        "resolved up to": f"{min(sound.highest, sound.sample_rate / 2) / 1e3:.4g} kHz"
+        + ("" if sound.constant_speed else " at the greatest speed, less while it is slower"),
         "load": f"{scene.load:g} N, constant",
         "speed": speed,
         "sphere": f"R {sphere.radius_mm:g} mm" + (elastic or ", rigid"),
