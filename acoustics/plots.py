@@ -247,9 +247,14 @@ def spectrogram(ax: Axes, bar: Axes, shown: Spectrogram, duration_s: float, limi
 
 
 def power(
-    ax: Axes, time_s: np.ndarray, power_w: np.ndarray, duration_s: float, share: tuple[float, float] | None = None
+    ax: Axes,
+    time_s: np.ndarray,
+    power_w: np.ndarray,
+    mean_w: float,
+    duration_s: float,
+    share: tuple[float, float] | None = None,
 ) -> Axes:
-    """Release power against time with its mean, in units that suit the numbers.
+    """Draw release power against time with its mean, in units that suit the numbers.
 
     The power axis spans at least 2 % of the mean, so that a steady power looks steady. Of more than 3,000 values the least
     and the greatest in each of 1,500 columns are drawn.
@@ -262,13 +267,15 @@ def power(
         Time (n,), s.
     power_w
         Release power (n,), W.
+    mean_w
+        Its mean over time, W: that of the values only where they are evenly spaced.
     duration_s
         Duration of the record, s: the whole width of the axes.
     share
         Least and greatest power shown as shares of the mean; otherwise those of the power, see `power_share`.
     """
     time_unit, power_unit = _prefix(duration_s), _prefix(np.max(np.abs(power_w)))
-    mean = float(np.mean(power_w)) / power_unit[0]
+    mean = mean_w / power_unit[0]
     time, shown = power_envelope(time_s, power_w)
     ax.plot(
         time / time_unit[0],
@@ -278,7 +285,7 @@ def power(
         label="release power",
     )
     ax.axhline(mean, color=COLOURS[1], linestyle="--", linewidth=1.5, label=f"mean {mean:.4g} {power_unit[1]}W")
-    low, high = (edge * mean for edge in share or power_share(power_w))
+    low, high = (edge * mean for edge in share or power_share(power_w, mean_w))
     room = 0.05 * (high - low) or 1.0
     ax.set_ylim(low - room, high + room)
     ax.set_xlim(0.0, duration_s / time_unit[0])
@@ -287,9 +294,9 @@ def power(
     return _finish(ax, f"release power [{power_unit[1]}W]")
 
 
-def power_share(power_w: np.ndarray) -> tuple[float, float]:
-    """Least and greatest power as shares of the mean, no nearer to it than 1 %; those of several give a common axis."""
-    mean = float(np.mean(power_w)) or 1.0
+def power_share(power_w: np.ndarray, mean_w: float) -> tuple[float, float]:
+    """Return least and greatest power as shares of the mean, no nearer to it than 1 %; several give a common axis."""
+    mean = mean_w or 1.0
     return min(float(power_w.min()) / mean, 0.99), max(float(power_w.max()) / mean, 1.01)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import soundfile
 
 from acoustics.level import a_weighted_rms
+from acoustics.radiation import P_REF_PA
 from acoustics.spectrum import check_record
 
 SAMPLE_RATE_HZ = 48000
@@ -22,6 +23,9 @@ _LONGEST_TEXT = 2000
 
 _TARGET_RMS = 10.0 ** (-23.0 / 20.0)  # the programme loudness of EBU R 128, here as A-weighted rms
 PEAK = 10.0 ** (-1.0 / 20.0)  # largest sample of a record for the ear, of full scale
+# The threshold of hearing, 0 dB(A), comes to the target and no higher: below it a record keeps its distance from the others,
+# because a gain that grows without bound makes the rounding of a silent record as loud as a sound.
+MOST_GAIN = _TARGET_RMS / P_REF_PA  # full scale per pascal
 
 
 def calibrated(pressure_pa: np.ndarray, comment: str, title: str = "") -> bytes:
@@ -94,7 +98,9 @@ def listening(pressure_pa: np.ndarray, gain: float, comment: str, title: str = "
 
 
 def listening_gain(pressure_pa: np.ndarray, target_rms: float = _TARGET_RMS, peak: float = PEAK) -> float:
-    """Gain, full scale per pascal, that makes a record equally loud as others without clipping.
+    """Return the gain, full scale per pascal, that makes a record as loud as others without clipping.
+
+    A record below 0 dB(A) gets `MOST_GAIN`, which takes 0 dB(A) to the default target: it stays quieter than the others.
 
     Parameters
     ----------
@@ -107,13 +113,13 @@ def listening_gain(pressure_pa: np.ndarray, target_rms: float = _TARGET_RMS, pea
 
     Returns
     -------
-    The gain; 1 for a silent record.
+    The gain, at most `MOST_GAIN`; 1 for a silent record.
     """
     largest = float(np.max(np.abs(pressure_pa), initial=0.0))
     if largest < np.finfo(float).tiny:  # the gain would be no number
         return 1.0
     weighted = a_weighted_rms(pressure_pa, SAMPLE_RATE_HZ)
-    return min(target_rms / weighted if weighted > 0.0 else np.inf, peak / largest)
+    return min(target_rms / weighted if weighted > 0.0 else MOST_GAIN, peak / largest, MOST_GAIN)
 
 
 def read(path: str | os.PathLike[str]) -> tuple[np.ndarray, int, str]:

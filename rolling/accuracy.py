@@ -41,7 +41,7 @@ class Measured:
     """A variant marched and heard.
 
     intensity : (samples,) fluctuation in the audible band [W/m2] at 48 kHz. laeq_db, third_octave_db : as a run reports them.
-    release : mean release power [W]. raw_rms : of the release power of each step about its mean [W], unfiltered.
+    release : mean release power over time [W]. raw_rms : of the release power of each step about its mean [W], unfiltered.
     contact_area, plastic_area : means over the track [m2]. max_pressure : the greatest [Pa].
     step_ms : median of a step. seconds_per_second : of computing per second of sound, by the mean of a step without the
     slowest twentieth, which prepares transforms for those that follow. iterations, convolutions : per step.
@@ -68,7 +68,9 @@ def measured(what: Study, variant: Variant, pieces: Sequence[simulate.Piece]) ->
     pieces = sorted(pieces, key=lambda piece: piece.first)
     step = {name: np.concatenate([piece.steps[name] for piece in pieces]) for name in simulate.STEP_SERIES}
     state = {name: np.concatenate([piece.states[name] for piece in pieces])[1:] for name in simulate.STATE_SERIES}
-    sound = contact_sound(what.scene, step["release_energy"], variant.step_nodes * what.scene.spacing, what.closed)
+    sound = contact_sound(
+        what.as_solved(variant), step["release_energy"], variant.step_nodes * what.scene.spacing, what.closed
+    )
     steps = len(step["release_energy"])
     usual = np.sort(step["step_time"])[: math.ceil(0.95 * steps)]
     return Measured(
@@ -77,8 +79,8 @@ def measured(what: Study, variant: Variant, pieces: Sequence[simulate.Piece]) ->
         intensity=sound.pressure / (sound.factor or 1.0),
         laeq_db=sound.levels.laeq_db,
         third_octave_db=sound.levels.third_octave_db,
-        release=float(sound.power.mean()),
-        raw_rms=float(sound.power.std()),
+        release=sound.mean_power,
+        raw_rms=sound.power_rms,
         contact_area=float(state["contact_area"].mean()),
         plastic_area=float(state["plastic_area"].mean()),
         max_pressure=float(state["max_pressure"].max()),

@@ -21,6 +21,7 @@ from rolling import (
     check,
     claim,
     cost,
+    long_steps,
     new_folder,
     pool,
     run_folder,
@@ -53,6 +54,7 @@ def report(
     scene = scene_file.load(scene_path, overrides)
     runs = expand(scene)
     values, single = runs[0]
+    long_steps.refuse_long_steps(single)
     what = study(single, duration, finest)
     check.refuse_variants_that_cannot_fit(what.scene, finest, workers, out or check.OUTPUTS)
     simulate.rolling_contact(what.scene)  # a surface that cannot be had shows before anything is written

@@ -1,7 +1,7 @@
 """What a scene will cost and whether it can be believed, said before anything is computed.
 
-Depends on `scenario` (what is asked), `cost`, `demand`, `machine`, `reference` (Hertz), `measured` (height files) and
-`acoustics.bands`; `report` on `probe`, which solves.
+Depends on `scenario` (what is asked), `cost`, `demand`, `machine`, `long_steps`, `resonance`, `reference` (Hertz), `measured`
+(height files) and `acoustics.bands`; `report` on `probe`, which solves.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from acoustics import bands
-from rolling import cost, demand, machine, measured, reference
+from rolling import cost, demand, long_steps, machine, measured, reference, resonance
 from rolling.finding import Finding
 from rolling.finding import byte_size as _bytes
 from rolling.finding import clock as _clock
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
-STEEL = 7850.0  # [kg/m3]
+LEAST_SHARE = 0.01  # of a record: a shorter stretch that is too slow for hearing is not worth a word
 LEAST_HERTZ_NODES = 10  # across the Hertz radius
 LEAST_CORRELATION_NODES = 5  # across the correlation length
 GREATEST_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
@@ -61,9 +61,11 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
         *_demand(scene, way, rq),
         *_contact(scene, way),
         *_sampling(scene, way),
-        *measured.findings(scene, way, _contact_radius(scene), LEAST_CORRELATION_NODES, cost.duration(scene, way)),
+        *measured.findings(
+            scene, way, long_steps.contact_radius(scene), LEAST_CORRELATION_NODES, cost.duration(scene, way)
+        ),
         *_validity(scene, slope),
-        _resonance(scene),
+        _resonance(scene, way),
         _record(scene, way),
     ]
     return closed_forms if solved is None else _replaced(closed_forms, solved.findings(scene))
@@ -159,9 +161,10 @@ def report(scene: Scene, fast: bool = False) -> str:
 
     Raises
     ------
-    SceneError : a height file cannot be used, or something it asks for cannot be had.
+    SceneError : a height file cannot be used, something it asks for cannot be had, or its steps are too long.
     """
     refuse_unavailable(scene)
+    long_steps.refuse_long_steps(scene)
     singles = expand(scene)
     for _, single in singles:
         _refuse_large_heights(single)
@@ -319,26 +322,9 @@ def _contact(scene: Scene, way: Track) -> list[Finding]:
 
 
 def _sampling(scene: Scene, way: Track) -> list[Finding]:
-    slowest, fastest = _speeds(scene, way)
-    low, high = slowest / (2 * way.step), fastest / (2 * way.step)
-    warning = None
-    if low < HEARING[1]:
-        warning = (
-            f"the simulated band ends at {_si(low, 'Hz')} at {slowest:g} m/s, hearing at {_si(HEARING[1], 'Hz')}:"
-            f" choose a step of at most {_down(slowest / (2 * HEARING[1]) * 1e6)} um (numerics.step_nodes or"
-            f" surface.spacing_um) or a speed of at least {_up(2 * HEARING[1] * way.step)} m/s"
-        )
-    nyquist = _si(low, "Hz") if low == high else f"{_si(low, 'Hz')} to {_si(high, 'Hz')}"
-    result = [Finding("nyquist", "simulated Nyquist", nyquist, warning)]
+    result = [_nyquist(scene, way), _step_length(scene, way)]
     if scene.numerics.step_nodes < 1:
-        tone = slowest / scene.spacing
-        audible = None
-        if tone < HEARING[1]:
-            audible = (
-                f"steps below one node sound a tone of the grid at {_si(tone, 'Hz')}: choose numerics.step_nodes 1 or a"
-                f" surface.spacing_um of at most {_down(slowest / HEARING[1] * 1e6)}"
-            )
-        result.append(Finding("grid_tone", "tone of the grid", _si(tone, "Hz"), audible))
+        result.append(_grid_tone(scene, way))
     if isinstance(scene.surface, Gaussian):
         shortest = min(cost.correlation_lengths(scene.surface))
         nodes = shortest / scene.surface.spacing_um
@@ -352,13 +338,84 @@ def _sampling(scene: Scene, way: Track) -> list[Finding]:
     return result
 
 
+def _nyquist(scene: Scene, way: Track) -> Finding:
+    """Say up to where the steps carry sound, and for how much of the record that is below the end of hearing."""
+    motion, duration = scene.motion, cost.duration(scene, way)
+    low, high = (speed / (2 * way.step) for speed in (motion.slowest(duration), motion.fastest(duration)))
+    if motion.is_constant(duration):
+        return Finding("nyquist", "simulated Nyquist", _si(high, "Hz"), _short_band(way, motion.fastest(duration)))
+    wanted = 2 * HEARING[1] * way.step
+    seconds = motion.time_below(wanted, duration)
+    warning = None
+    if seconds >= LEAST_SHARE * duration:
+        warning = (
+            f"for {100 * seconds / duration:.3g} % of the record ({_si(seconds, 's')}) the simulated band ends below"
+            f" {_si(HEARING[1], 'Hz')}, at {_si(low, 'Hz')} when the sphere is slowest ({motion.slowest(duration):.3g} m/s):"
+            " the bands above hold the sound of the faster stretches alone; choose a step of at most"
+            f" {_down(_usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6)} um (numerics.step_nodes or"
+            f" surface.spacing_um) or a speed of at least {_up(wanted)} m/s for {100 - 100 * LEAST_SHARE:g} % of the record"
+        )
+    return Finding("nyquist", "simulated Nyquist", f"{_si(low, 'Hz')} to {_si(high, 'Hz')}", warning)
+
+
+def _short_band(way: Track, speed: float) -> str | None:
+    """Warn of a simulated band that ends below hearing at a constant speed [m/s]."""
+    if speed / (2 * way.step) >= HEARING[1]:
+        return None
+    return (
+        f"the simulated band ends at {_si(speed / (2 * way.step), 'Hz')} at {speed:g} m/s, hearing at"
+        f" {_si(HEARING[1], 'Hz')}: choose a step of at most {_down(speed / (2 * HEARING[1]) * 1e6)} um"
+        f" (numerics.step_nodes or surface.spacing_um) or a speed of at least {_up(2 * HEARING[1] * way.step)} m/s"
+    )
+
+
+def _usual_speed(scene: Scene, duration: float) -> float:
+    """Return the speed [m/s] below which the sphere rolls for less than `LEAST_SHARE` of the record."""
+    low, high = 0.0, scene.motion.fastest(duration)
+    for _ in range(60):
+        middle = (low + high) / 2
+        below = scene.motion.time_below(middle, duration) < LEAST_SHARE * duration
+        low, high = (middle, high) if below else (low, middle)
+    return low or high
+
+
+def _grid_tone(scene: Scene, way: Track) -> Finding:
+    """Name the tone that steps below a node sound."""
+    motion, duration = scene.motion, cost.duration(scene, way)
+    low, high = (speed / scene.spacing for speed in (motion.slowest(duration), motion.fastest(duration)))
+    tone = _si(low, "Hz") if motion.is_constant(duration) else f"{_si(low, 'Hz')} to {_si(high, 'Hz')}"
+    audible = None
+    if motion.time_below(HEARING[1] * scene.spacing, duration) >= LEAST_SHARE * duration:
+        audible = (
+            f"steps below one node sound a tone of the grid at {tone}: choose numerics.step_nodes 1 or a"
+            f" surface.spacing_um of at most {_down(_usual_speed(scene, duration) / HEARING[1] * 1e6)}"
+        )
+    return Finding("grid_tone", "tone of the grid", tone, audible)
+
+
+def _step_length(scene: Scene, way: Track) -> Finding:
+    """Compare the step with the contact, and say what a long one costs."""
+    radius = long_steps.contact_radius(scene)
+    radii = way.step / radius
+    warning = None
+    if radii > long_steps.DOUBTFUL_RADII:
+        lost = long_steps.lost_release(radii)
+        warning = (
+            f"a step is {radii:.2g} contact radii of {_si(radius, 'm')}, at most {long_steps.DOUBTFUL_RADII:g} are wanted:"
+            f" the mean release is up to about {100 * lost:.2g} % low, levels are off by up to"
+            f" {long_steps.LEVEL_ERROR_DB * radii:.2g} dB; choose a step of at most"
+            f" {_down(long_steps.DOUBTFUL_RADII * radius * 1e6)} um (numerics.step_nodes or surface.spacing_um)"
+        )
+    return Finding("step_length", "step / contact radius", f"{radii:.2g}", warning)
+
+
 def _validity(scene: Scene, slope: float) -> list[Finding]:
     steep = wide = None
     if slope > GREATEST_SLOPE:
         advice = "filter the shortest wavelengths out of the heights" if isinstance(scene.surface, HeightFile) else ""
         advice = advice or "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
         steep = f"the rms slope is {slope:.2g}, a half-space holds up to {GREATEST_SLOPE:g}: {advice}"
-    share = _contact_radius(scene) / scene.radius
+    share = long_steps.contact_radius(scene) / scene.radius
     if share > GREATEST_CONTACT:
         wide = (
             f"the contact radius is {share:.2g} of the sphere's, a half-space holds up to {GREATEST_CONTACT:g}: lower"
@@ -370,17 +427,30 @@ def _validity(scene: Scene, slope: float) -> list[Finding]:
     ]
 
 
-def _resonance(scene: Scene) -> Finding:
-    a, _ = _hertz(scene)
-    mass = STEEL * 4 / 3 * math.pi * scene.radius**3
-    frequency = math.sqrt(2 * scene.contact_modulus * a / mass) / (2 * math.pi)
-    warning = None
-    if HEARING[0] < frequency < HEARING[1]:
-        warning = (
-            f"a free steel ball would bounce on its contact at {_si(frequency, 'Hz')}, inside hearing, and the load is"
-            " held constant here: do not trust levels about that frequency, or choose another sphere.radius_mm or"
-            " rolling.load_n"
+def _resonance(scene: Scene, way: Track) -> Finding:
+    """Name the frequency at which the ball bounces, and weigh its part by the greatest speed, where the record holds it."""
+    frequency = resonance.frequency(scene)
+    speed = scene.motion.fastest(cost.duration(scene, way))
+    highest = min(HEARING[1], speed / (2 * way.step))
+    if not HEARING[0] < frequency < highest:
+        return Finding("resonance", "contact resonance", _si(frequency, "Hz"))
+    density = scene.sphere.density_kg_m3
+    ball = "as if of steel, 7850 kg/m3 (sphere.density_kg_m3)" if density is None else f"of {density:g} kg/m3"
+    wave = resonance.relative_wave(scene, speed)
+    if wave < resonance.FELT:
+        part = "its part is some 30 dB or more below the release, and the levels hold"
+    elif wave < resonance.DOMINANT:
+        part = "its part is heard: do not trust the bands about that frequency"
+    else:
+        part = (
+            "it is a large part of the sound or most of it: do not trust levels, nor bands from a half of that frequency up,"
+            " or choose a lower rolling.speed_m_s"
         )
+    warning = (
+        f"a free ball {ball} would bounce on its contact at {_si(frequency, 'Hz')}, inside hearing and the"
+        f" simulated band, and the load is held constant here; at {speed:.3g} m/s waves of {_si(speed / frequency, 'm')} feed"
+        f" it, {wave:.2g} of contact radius and correlation length: {part}"
+    )
     return Finding("resonance", "contact resonance", _si(frequency, "Hz"), warning)
 
 
@@ -403,12 +473,6 @@ def _hertz(scene: Scene) -> tuple[float, float]:
     return reference.hertz_radius(*three), reference.hertz_pressure(*three)
 
 
-def _contact_radius(scene: Scene) -> float:
-    """About the radius of the contact [m]: of the elastic one, or of the one that yields everywhere where that is larger."""
-    a, _ = _hertz(scene)
-    return max(a, math.sqrt(scene.load / (math.pi * scene.hardness))) if math.isfinite(scene.hardness) else a
-
-
 def _replaced(findings: Sequence[Finding], better: Sequence[Finding]) -> list[Finding]:
     """Findings with better ones in the place of those with the same key, whose warnings stay, and the others after these."""
     by_key = {finding.key: finding for finding in better}
@@ -417,11 +481,3 @@ def _replaced(findings: Sequence[Finding], better: Sequence[Finding]) -> list[Fi
         instead = by_key.pop(finding.key, finding)
         result.append(replace(instead, warning=instead.warning or finding.warning))
     return [*result, *by_key.values()]
-
-
-def _speeds(scene: Scene, way: Track) -> tuple[float, float]:
-    """Least (not zero) and greatest speed [m/s] of the profile's points while the track lasts."""
-    motion, end = scene.motion, cost.duration(scene, way)
-    speeds = [v for t, v in zip(motion.times, motion.speeds, strict=True) if t < end] + [float(motion.speed(end))]
-    moving = [v for v in speeds if v > 1e-9 * motion.fastest] or [motion.fastest]
-    return min(moving), max(moving)

@@ -129,7 +129,7 @@ def size(scene: Scene, way: Track, rq: float) -> Size:
     """Size a run of one scene whose surface has an rms roughness of rq [m]."""
     duration = cost.duration(scene, way)
     samples = max(2, round(duration * SAMPLE_RATE))
-    dense = max(1, math.ceil(scene.motion.fastest / way.step / SAMPLE_RATE))
+    dense = max(1, math.ceil(scene.motion.fastest(duration) / way.step / SAMPLE_RATE))
     across = 2 * cost.overlap_radius(scene, rq) / scene.spacing
     # The window holds the overlap and what its transforms are padded to; it never exceeds the surface by much.
     side = min(cost.window_nodes(scene, rq), 2.0 * max(way.n_along, way.n_across))
@@ -144,7 +144,7 @@ def size(scene: Scene, way: Track, rq: float) -> Size:
         steps=way.steps,
         solved=way.solved_steps,
         samples=samples,
-        fine=0 if scene.motion.is_constant else samples * dense,
+        fine=0 if scene.motion.is_constant(duration) else samples * dense,
         lines=(round(samples * HEARING_SHARE), min(way.steps // 2, round(duration * 20_000))),
         map_cells=float(maps * cells),
         lap_maps=math.ceil(way.steps / way.solved_steps) * maps,

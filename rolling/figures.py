@@ -128,7 +128,7 @@ def _sound_curves(shown: Sequence[Heard], among: Sequence[Heard]) -> Iterator[Pi
         shown,
         among,
     )
-    steady = [one for one in shown if one.scene.motion.is_constant]
+    steady = [one for one in shown if one.sound.constant_speed]
     if steady:
         q = _common("q =", [one.scene.sound.q for one in steady])
         yield _spectrum(
@@ -138,7 +138,7 @@ def _sound_curves(shown: Sequence[Heard], among: Sequence[Heard]) -> Iterator[Pi
             "A-weighted line level [dB re 1 pW/m²]",
             lambda one: _views(one).article,
             steady,
-            [one for one in among if one.scene.motion.is_constant],
+            [one for one in among if one.sound.constant_speed],
         )
     densities = [_views(one).welch for one in shown]
     yield _spectrum(
@@ -250,7 +250,7 @@ def _spectrogram(one: Heard, among: Sequence[Heard]) -> Picture:
 
 def _release_power(one: Heard, among: Sequence[Heard]) -> Picture:
     sound = one.sound
-    shares = np.array([sound_plots.power_share(other.sound.power) for other in among])
+    shares = np.array([sound_plots.power_share(other.sound.power, other.sound.mean_power) for other in among])
     share = float(shares[:, 0].min()), float(shares[:, 1].max())
     facts = [_record([one]), "q and distance are not in it"]
     if len(among) > 1:
@@ -262,7 +262,7 @@ def _release_power(one: Heard, among: Sequence[Heard]) -> Picture:
         f"Release power: {_named([one])}",
         _note(facts),
         {"time [s]": sound.time, "release power [W]": sound.power},
-        lambda ax: sound_plots.power(ax, sound.time, sound.power, sound.duration, share),
+        lambda ax: sound_plots.power(ax, sound.time, sound.power, sound.mean_power, sound.duration, share),
     )
 
 

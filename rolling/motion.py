@@ -47,20 +47,43 @@ class Motion:
             return cls((0.0,), (float(speed),))
         return cls(tuple(float(t) for t, _ in speed), tuple(float(v) for _, v in speed))
 
-    @property
-    def is_constant(self) -> bool:
-        """The speed never changes."""
-        return len(set(self.speeds)) == 1
+    def is_constant(self, duration: float) -> bool:
+        """Tell whether the speed stays the same from the start to a time [s]."""
+        speeds = self._speeds_until(duration)
+        return bool(np.ptp(speeds) <= ROUNDING * speeds.max())
 
-    @property
-    def slowest(self) -> float:
-        """Least speed [m/s] of the profile's points that is not zero."""
-        return min(v for v in self.speeds if v > 0)
+    def slowest(self, duration: float) -> float:
+        """Return the least speed [m/s] from the start to a time [s]."""
+        return float(self._speeds_until(duration).min())
 
-    @property
-    def fastest(self) -> float:
-        """Greatest speed [m/s]."""
-        return max(self.speeds)
+    def fastest(self, duration: float) -> float:
+        """Return the greatest speed [m/s] that is reached from the start to a time [s]."""
+        return float(self._speeds_until(duration).max())
+
+    def time_below(self, speed: float, duration: float) -> float:
+        """Return the time [s] for which the sphere moves, but slower than a speed [m/s], from the start to a time [s].
+
+        A sphere at rest makes no sound that could be missed, so rests do not count.
+        """
+        knots = self._knots_until(duration)
+        speeds = self.speed(knots)
+        begin, end = speeds[:-1], speeds[1:]
+        change = np.abs(end - begin)
+        part = np.clip(speed - np.minimum(begin, end), 0.0, change)
+        share = np.divide(part, change, out=np.where(begin < speed, 1.0, 0.0), where=change > 0)
+        return float(np.sum(np.diff(knots) * share * (np.maximum(begin, end) > 0)))
+
+    def time_moving(self, duration: float) -> float:
+        """Return the time [s] for which the sphere does not rest, from the start to a time [s]."""
+        return self.time_below(np.inf, duration)
+
+    def _knots_until(self, duration: float) -> Array:
+        """Return the times [s] between which the speed is a straight line, the last of them `duration`."""
+        return np.array([*(t for t in self.times if t < duration), duration])
+
+    def _speeds_until(self, duration: float) -> Array:
+        """Return the speeds [m/s] at those times: the least and the greatest speed are among them."""
+        return self.speed(self._knots_until(duration))
 
     @property
     def final_distance(self) -> float:

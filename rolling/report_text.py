@@ -186,8 +186,10 @@ def _assumed(one: Heard) -> dict[str, str]:
         else ""
     )
     hardness = f"hardness {plate.hardness_gpa:g} GPa" if plate.hardness_gpa else "no hardness: purely elastic"
-    motion = scene.motion
-    speed = f"{motion.fastest:g} m/s" if motion.is_constant else f"{min(motion.speeds):g} to {motion.fastest:g} m/s"
+    slowest, fastest = (
+        f"{v:.4g}" for v in (scene.motion.slowest(sound.duration), scene.motion.fastest(sound.duration))
+    )
+    speed = f"{fastest} m/s" if sound.constant_speed else f"{slowest} to {fastest} m/s"
     return {
         "radiated share q": f"{scene.sound.q:g}" + (", an upper bound: nothing is lost" if scene.sound.q == 1 else ""),
         "distance": f"{scene.sound.distance_m:g} m, spherical spreading",
@@ -197,7 +199,8 @@ def _assumed(one: Heard) -> dict[str, str]:
         if fixed
         else "mean p² over the impedance is the rms of the intensity's fluctuation",
         "record": f"{sound.duration:.4g} s" + f", {'closes on itself' if sound.loops else sound.ends}",
-        "resolved up to": f"{min(sound.highest, sound.sample_rate / 2) / 1e3:.4g} kHz",
+        "resolved up to": f"{min(sound.highest, sound.sample_rate / 2) / 1e3:.4g} kHz"
+        + ("" if sound.constant_speed else " at the greatest speed, less while it is slower"),
         "load": f"{scene.load:g} N, constant",
         "speed": speed,
         "sphere": f"R {sphere.radius_mm:g} mm" + (elastic or ", rigid"),

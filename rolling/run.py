@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling import check, claim, new_folder, run_folder, scene_file, simulate, solve, sound_files, summary
+from rolling import check, claim, long_steps, new_folder, run_folder, scene_file, simulate, solve, sound_files, summary
 from rolling.claim import Claim
 from rolling.heard import Heard, distinct, hear
 from rolling.plan import Plan
@@ -72,6 +72,7 @@ def run(
     """
     scene = scene_file.load(scene_path, overrides)
     check.refuse_unavailable(scene)
+    long_steps.refuse_long_steps(scene)
     check.refuse_what_cannot_fit(scene, workers, out or check.OUTPUTS)
     plan = Plan(scene, scene_path.read_bytes())
     for _, single in plan.singles:

@@ -52,6 +52,7 @@ from rolling.run_names import run_name
 SMALLEST = 1e-15  # of any number but zero, in the units of the scene; one over it is the largest
 MAX_RUNS = 10_000  # of a sweep
 MOST_FAULTS = 100  # that are named
+STEEL_DENSITY = 7850.0  # [kg/m3]
 Fault = tuple[Key, str]  # key and message
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 
@@ -123,6 +124,11 @@ class Sphere(_Section):
     """The rolling sphere: rigid unless it has a modulus."""
 
     radius_mm: float = Field(gt=0, description="Radius [mm]")
+    density_kg_m3: float | None = Field(
+        default=None,
+        gt=0,
+        description="Density [kg/m3], from which the check of the contact resonance has the mass; absent: 7850, as if steel",
+    )
     youngs_modulus_gpa: float | None = Field(
         default=None, gt=0, description="Young's modulus [GPa]; absent: a rigid sphere"
     )
@@ -396,6 +402,11 @@ class Scene(_Section):
     def radius(self) -> float:
         """Radius of the sphere [m]."""
         return self.sphere.radius_mm * 1e-3
+
+    @property
+    def mass(self) -> float:
+        """Mass of the sphere [kg], of steel unless the scene gives a density."""
+        return (self.sphere.density_kg_m3 or STEEL_DENSITY) * 4 / 3 * math.pi * self.radius**3
 
     @property
     def contact_modulus(self) -> float:

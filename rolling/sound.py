@@ -1,6 +1,7 @@
 """Release along the track to sound pressure in time: the bridge from the contact, which knows distance, to acoustics.
 
-Depends on scenario, motion and acoustics. A quasi-static release belongs to a place; only here does speed make power of it.
+Depends on scenario, motion, resolution and acoustics. A quasi-static release belongs to a place; only here does speed make
+power of it.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from numpy.typing import NDArray
 
 from acoustics import level, radiation, resampling, uncertainty, wav
 from acoustics.bands import AUDIBLE_HZ
+from rolling.motion import Motion
+from rolling.resolution import resolved_fluctuation
 from rolling.scenario import Scene
 
 Array = NDArray[np.float64]
@@ -25,10 +28,14 @@ class ContactSound:
 
     pressure : sound pressure [Pa] at `sample_rate` [Hz], one record for all that is shown, measured and heard.
     factor : from intensity fluctuation to sound pressure [Pa per W/m2].
-    closed : levels and bands read the record as closed on itself. Otherwise it is faded.
+    closed : levels and bands take the record as closed: the track closes and the speed stays the same. Otherwise it is faded.
+    constant_speed : the speed stays the same for the whole record.
     duration : of the record [s].
-    highest : frequency up to which the march resolves sound [Hz], step Nyquist at the greatest speed.
-    power : release power [W] at `time` [s], the middle of each step; q is not in it.
+    highest : Nyquist frequency [Hz] of the steps at the greatest speed that the record reaches. While the sphere rolls slower, the
+        march resolves sound up to speed / (2 step) only, and the bands above hold the sound of the faster stretches alone.
+    power : release power [W] at `time` [s], the middle of each step, which lasts `step_duration` [s]; q is not in it.
+    audible_rms : rms [W] of the release power's fluctuation within hearing; 0 where there is only rounding.
+    resolved_rms : rms [W] within hearing that the solver's error reaches; a record with no more than that is silent.
     uncertainty : of the levels [dB], from the length of the record.
     has_seam : the surface does not lead from its end to its beginning, so a closed record clicks where it goes round.
     steady_level : of the mean intensity [dB re 1e-12 W/m2]; None when nothing is released, as is its `steady_uncertainty`.
@@ -37,6 +44,7 @@ class ContactSound:
     pressure: Array
     factor: float
     closed: bool
+    constant_speed: bool
     duration: float
     highest: float
     levels: level.SoundLevels
@@ -44,7 +52,11 @@ class ContactSound:
     steady_level: float | None
     steady_uncertainty: float | None
     time: Array
+    step_duration: Array
     power: Array
+    mean_power: float
+    audible_rms: float
+    resolved_rms: float
     has_seam: bool = False
 
     @property
@@ -63,11 +75,24 @@ class ContactSound:
     def sample_rate(self) -> int:
         return wav.SAMPLE_RATE_HZ
 
+    @property
+    def power_rms(self) -> float:
+        """Rms [W] over time of the release power of the steps about its mean, unfiltered."""
+        return float(np.sqrt(np.average(np.square(self.power - self.mean_power), weights=self.step_duration)))
+
 
 def middle_speeds(scene: Scene, steps: int, step: float) -> tuple[Array, Array]:
     """Time [s] and speed [m/s] at the middle of each step."""
     times = np.asarray(scene.motion.time((np.arange(steps) + 0.5) * step), dtype=float)
     return times, np.asarray(scene.motion.speed(times), dtype=float)
+
+
+def oversampling(motion: Motion, duration: float, step: float) -> int:
+    """Return how many times as dense as the sound samples a record of changing speed is read from the track.
+
+    The greatest speed that is reached within the duration [s] makes the highest frequency of the steps of length `step` [m].
+    """
+    return max(1, int(np.ceil(motion.fastest(duration) / step / wav.SAMPLE_RATE_HZ)))
 
 
 def contact_sound(
@@ -82,6 +107,7 @@ def contact_sound(
 
     Parameters
     ----------
+    scene : motion and sound, and the numerics that the energy was solved with.
     release_energy : (steps,) energy of each step [J].
     step : length of a step [m].
     closed : the steps are whole laps of the track.
@@ -94,45 +120,35 @@ def contact_sound(
     duration = motion.duration(steps * step)
     samples = max(2, round(duration * rate))
     times, speeds = middle_speeds(scene, steps, step)
+    step_duration = np.diff(motion.time(np.arange(steps + 1) * step))
+    constant = motion.is_constant(duration)
+    looped = closed and constant
     power = per_metre * speeds
-    looped = closed and motion.is_constant
-
-    if motion.is_constant:
-        signal = power
-        if not closed:
-            # Without its mean, so that the fade fades the fluctuation only.
-            signal = resampling.fade(power - power.mean(), _fade_length(steps, duration))
-        fluctuation = resampling.resample_closed(resampling.undo_step_mean(signal), samples)
+    if constant:
+        fluctuation = _at_constant_speed(power, closed, duration, samples)
     else:
-        # The mean goes off in distance: multiplied by a changing speed it would sound as loud as the roughness.
-        signal = per_metre - per_metre.mean()
-        # Pieces of a smooth track differ by rounding, which single precision makes 1e-13 of.
-        if np.ptp(per_metre) <= 1e-11 * abs(per_metre.mean()):
-            signal = np.zeros(steps)
-        if not closed:
-            signal = resampling.fade(signal, _fade_length(steps, duration))
-        signal = resampling.undo_step_mean(signal)
-        # Dense enough in time for what the greatest speed makes of the shortest wave on the track.
-        oversampling = max(1, int(np.ceil(motion.fastest / step / rate)))
-        fine = np.arange(samples * oversampling) * duration / (samples * oversampling)
-        index = np.asarray(motion.distance(fine)) / step
-        in_time = resampling.interpolate_closed(signal, index) * np.asarray(motion.speed(fine))
-        in_time = resampling.fade(in_time, _fade_length(len(in_time), duration))
-        fluctuation = resampling.resample_closed(in_time, samples)
+        fluctuation = _at_changing_speed(motion, per_metre, step, closed, samples)
 
-    intensity = radiation.intensity(fluctuation, scene.sound.distance_m, scene.sound.q)
-    audible = resampling.band_limit(intensity, rate, *AUDIBLE_HZ)
+    def intensity(power: Array) -> Array:
+        return radiation.intensity(power, scene.sound.distance_m, scene.sound.q)
+
+    audible = resampling.band_limit(intensity(fluctuation), rate, *AUDIBLE_HZ)
+    audible_rms = float(np.sqrt(np.mean(np.square(audible))) / intensity(np.ones(1))[0])
+    resolved_rms = resolved_fluctuation(scene) * _white_error(per_metre.mean(), speeds, step_duration, step)
+    if audible_rms <= resolved_rms:
+        audible = np.zeros_like(audible)
     pressure, factor = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
-    highest = motion.fastest / (2 * step)
+    highest = motion.fastest(duration) / (2 * step)
     levels = level.sound_levels(pressure, rate, highest, looped)
     own_factor = scene.sound.gain_pa_per_w_m2 is None
     lap = per_metre[:lap_steps]
     mean_power = float(per_metre.mean()) * steps * step / duration
-    mean_intensity = float(radiation.intensity(np.array([mean_power]), scene.sound.distance_m, scene.sound.q)[0])
+    mean_intensity = float(intensity(np.array([mean_power]))[0])
     return ContactSound(
         pressure=pressure,
         factor=float(factor),
         closed=looped,
+        constant_speed=constant,
         duration=duration,
         highest=highest,
         levels=levels,
@@ -140,9 +156,45 @@ def contact_sound(
         steady_level=level.level_db(mean_intensity, level.I_REF_W_M2),
         steady_uncertainty=uncertainty.steady_uncertainty_db(lap, steps / duration),
         time=times,
+        step_duration=step_duration,
         power=power,
+        mean_power=mean_power,
+        audible_rms=audible_rms,
+        resolved_rms=resolved_rms,
         has_seam=has_seam,
     )
+
+
+def _at_constant_speed(power: Array, closed: bool, duration: float, samples: int) -> Array:
+    """Return the release power [W] at the samples of the sound, without its mean if it does not close."""
+    if not closed:
+        # The fade takes in the fluctuation only.
+        power = resampling.fade(power - power.mean(), _fade_length(len(power), duration))
+    return resampling.resample_closed(resampling.undo_step_mean(power), samples)
+
+
+def _at_changing_speed(motion: Motion, per_metre: Array, step: float, closed: bool, samples: int) -> Array:
+    """Return the fluctuation of the release power [W] at the samples of the sound."""
+    duration = motion.duration(len(per_metre) * step)
+    # The mean goes off in distance: multiplied by a changing speed it would sound as loud as the roughness.
+    signal = per_metre - per_metre.mean()
+    if not closed:
+        signal = resampling.fade(signal, _fade_length(len(signal), duration))
+    signal = resampling.undo_step_mean(signal)
+    fine_samples = samples * oversampling(motion, duration, step)
+    fine = np.arange(fine_samples) * duration / fine_samples
+    in_time = resampling.interpolate_closed(signal, np.asarray(motion.distance(fine)) / step)
+    in_time = resampling.fade(in_time * np.asarray(motion.speed(fine)), _fade_length(fine_samples, duration))
+    return resampling.resample_closed(in_time, samples)
+
+
+def _white_error(per_metre: float, speeds: Array, step_duration: Array, step: float) -> float:
+    """Return the rms within hearing [W] of an error as large as the mean release [J/m] that is white along the track.
+
+    At a speed v it fills the band up to v / (2 step).
+    """
+    heard = np.minimum(np.square(speeds), AUDIBLE_HZ[1] * 2 * step * speeds)
+    return float(per_metre * np.sqrt(np.average(heard, weights=step_duration)))
 
 
 def _fade_length(samples: int, duration: float) -> int:

@@ -31,9 +31,10 @@ def write(folder: Path, scene: Scene, label: str, sound: ContactSound) -> None:
     )
     title = f"{scene.name}, {label}"
     gain = wav.listening_gain(sound.pressure)
+    rule, consequence = _rule_of_gain(sound, gain)
     files = {
         "signal": wav.calibrated(sound.pressure, f"1.0 = 1 Pa; {facts}", title),
-        "listen": wav.listening(sound.pressure, gain, f"{gain:.6g} full scale per Pa, equal loudness; {facts}", title),
+        "listen": wav.listening(sound.pressure, gain, f"{gain:.6g} full scale per Pa, {rule}; {facts}", title),
     }
     sidecars = {
         "signal": _sidecar(
@@ -50,13 +51,27 @@ def write(folder: Path, scene: Scene, label: str, sound: ContactSound) -> None:
             sound,
             gain,
             "24-bit PCM",
-            "Samples times pascal_per_full_scale are sound pressure in Pa at the distance given;"
-            " the gain makes runs equally loud, so compare their levels by the numbers, not by ear.",
+            f"Samples times pascal_per_full_scale are sound pressure in Pa at the distance given; {consequence}.",
         ),
     }
     for name, content in files.items():
         run_folder.write_bytes(folder / f"{name}.wav", content)
         run_folder.write_json(folder / f"{name}.json", sidecars[name])
+
+
+def _rule_of_gain(sound: ContactSound, gain: float) -> tuple[str, str]:
+    """Name the rule that the gain of the listening version follows, and say what it means for the ear."""
+    if not sound.pressure.any():
+        return "silence", "the record is silent, and the gain is 1"
+    if gain >= wav.MOST_GAIN:
+        return (
+            "the largest gain",
+            "the gain is the largest there is, that of a record at 0 dB(A): this one is below and stays quieter than others",
+        )
+    return (
+        "equal loudness",
+        "the gain makes runs equally loud, so compare their levels by the numbers, not by ear",
+    )
 
 
 def _sidecar(scene: Scene, label: str, sound: ContactSound, gain: float, form: str, meaning: str) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from acoustics import loudness
-from rolling import check, cost, measured, program, reference, simulate
+from rolling import check, cost, measured, program, reference, resolution, simulate
 from rolling.levelling import Levelling
 from rolling.result import Result
 from rolling.scenario import Scene
@@ -21,7 +21,7 @@ from rolling.scene_surface import scene_surface
 from rolling.sound import ContactSound
 
 PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5py", "pydantic")
-UNITS = {"m_s": "m/s", "um": "µm", "mm": "mm", "gpa": "GPa", "n": "N", "s": "s", "m": "m"}
+UNITS = {"kg_m3": "kg/m³", "m_s": "m/s", "um": "µm", "mm": "mm", "gpa": "GPa", "n": "N", "s": "s", "m": "m"}
 
 
 def named(key: str) -> tuple[str, str]:
@@ -75,8 +75,10 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
         "loops": sound.loops,
         "highest_frequency_hz": sound.highest,
         "factor_pa_per_w_m2": sound.factor,
-        "release_power_mean_w": float(sound.power.mean()),
-        "release_power_rms_w": float(sound.power.std()),
+        "release_power_mean_w": sound.mean_power,
+        "release_power_rms_w": sound.power_rms,
+        "release_power_audible_rms_w": sound.audible_rms,
+        "release_power_resolved_rms_w": sound.resolved_rms,
         "hertz_area_m2": float(hertz_area),
         "contact_area_mean_m2": float(state["contact_area"].mean()),
         "plastic_area_mean_m2": plastic,
@@ -89,7 +91,7 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
         "step_ms": float(np.median(solved_time) * 1e3),
         "seconds": float(solved_time.sum()),
         "sound_seconds": sound_seconds,
-        "warnings": [f"{found.what}: {found.warning}" for found in check.findings(scene) if found.warning],
+        "warnings": _warnings(scene, sound),
         "surface": asdict(made.statistics),
         "levelling": None if made.levelling is None else _levelling(made.levelling),
     }
@@ -110,6 +112,13 @@ def _levelling(levelling: Levelling) -> dict[str, Any]:
         "seam_stands_out": seam.stands_out,
         "text": measured.tilt_text(levelling),
     }
+
+
+def _warnings(scene: Scene, sound: ContactSound) -> list[str]:
+    """List the doubts that follow from the scene, and what the solver's error leaves of the record."""
+    doubts = [f"{finding.what}: {finding.warning}" for finding in check.findings(scene) if finding.warning]
+    hidden = resolution.doubt(scene, sound.audible_rms, sound.resolved_rms)
+    return [*doubts, f"solver: {hidden}"] if hidden else doubts
 
 
 def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:

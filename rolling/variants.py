@@ -127,8 +127,20 @@ class Study:
         return self.scene.spacing * 1e6 * variant.step_nodes
 
     def highest(self, variant: Variant) -> float:
-        """Nyquist frequency of the steps [Hz]."""
-        return self.scene.motion.fastest / (2 * variant.step_nodes * self.scene.spacing)
+        """Return the Nyquist frequency of the steps [Hz] at the greatest speed that is reached."""
+        motion = self.scene.motion
+        duration = motion.duration(self.nodes * self.scene.spacing)
+        return motion.fastest(duration) / (2 * variant.step_nodes * self.scene.spacing)
+
+    def as_solved(self, variant: Variant) -> Scene:
+        """Return the scene with the numerics of a variant, which say how far its release is resolved."""
+        changed = {
+            "tolerance": variant.tolerance,
+            "edges": variant.edges,
+            "precision": variant.precision,
+            "step_nodes": variant.step_nodes * variant.times,
+        }
+        return self.scene.model_copy(update={"numerics": self.scene.numerics.model_copy(update=changed)})
 
 
 def study(scene: Scene, duration: float, finest: int) -> Study:

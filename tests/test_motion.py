@@ -20,7 +20,7 @@ def motions(draw: st.DrawFn) -> Motion:
 
 def test_constant_speed() -> None:
     motion = Motion.of(0.2)
-    assert motion.is_constant
+    assert motion.is_constant(1.0)
     assert motion.distance([0.0, 3.0]) == pytest.approx([0.0, 0.6], rel=1e-15)
     assert motion.speed([0.0, 3.0]) == pytest.approx([0.2, 0.2])
     assert motion.time(0.6) == pytest.approx(3.0, rel=1e-15)
@@ -31,15 +31,45 @@ def test_constant_speed() -> None:
 def test_accelerating_ball_by_hand() -> None:
     # 0 to 2 m/s in 4 s: 4 m; then 2 m/s.
     motion = Motion.of([(0, 0), (4, 2)])
-    assert not motion.is_constant
+    assert not motion.is_constant(1.0)
     assert motion.distance([2, 4, 6]) == pytest.approx([1, 4, 8], rel=1e-15)
     assert motion.time([1, 4, 8]) == pytest.approx([2, 4, 6], rel=1e-15)
     assert motion.speed([1, 5]) == pytest.approx([0.5, 2])
-    assert (motion.slowest, motion.fastest) == (2, 2)
+    assert (motion.slowest(5), motion.fastest(5)) == (0, 2)
+    assert (motion.slowest(3), motion.fastest(3)) == (0, 1.5)
 
 
 def test_equal_pairs_are_constant() -> None:
-    assert Motion.of([[0, 0.1], [1, 0.1]]).is_constant
+    assert Motion.of([[0, 0.1], [1, 0.1]]).is_constant(2.0)
+
+
+def test_speeds_after_the_end_do_not_count() -> None:
+    """A record of 20 ms at 0.1 m/s knows nothing of 100 m/s at 20 s, nor does it when rounding ends it a little later."""
+    motion = Motion.of([(0, 0.1), (0.02, 0.1), (20, 100)])
+    for duration in (0.02, motion.duration(0.002), 0.02 * (1 + 1e-14)):
+        assert motion.is_constant(duration)
+        assert motion.fastest(duration) == pytest.approx(0.1, rel=1e-9)
+    assert not motion.is_constant(0.021)
+    # 99.9 m/s in 19.98 s: 5 mm/s in a millisecond.
+    assert motion.fastest(0.021) == pytest.approx(0.105)
+
+
+@settings(deadline=None, max_examples=100)
+@given(motions(), st.floats(1e-3, 8), st.floats(0, 6))
+def test_time_below_a_speed_is_that_of_a_fine_count(motion: Motion, duration: float, speed: float) -> None:
+    """The count errs by a sample at each of at most 2 crossings in each of 6 stretches."""
+    t = (np.arange(20000) + 0.5) * duration / 20000
+    v = motion.speed(t)
+    below = motion.time_below(speed, duration)
+    assert below == pytest.approx(np.mean((v < speed) & (v > 0)) * duration, abs=20 * duration / 20000)
+    assert motion.slowest(duration) <= v.min() + 1e-12 and v.max() <= motion.fastest(duration) + 1e-12
+
+
+def test_a_rest_is_not_slow() -> None:
+    # Nothing sounds at rest: of 3 s only the two seconds of braking and starting count, half of each below 0.5 m/s.
+    motion = Motion.of([(0, 1), (1, 0), (2, 0), (3, 1)])
+    assert motion.time_below(0.5, 3) == pytest.approx(1.0)
+    assert motion.time_below(2.0, 3) == pytest.approx(2.0)
 
 
 def test_a_rest_in_between_is_reached_when_it_begins() -> None:

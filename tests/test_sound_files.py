@@ -18,6 +18,7 @@ from acoustics.bands import BAND_NAMES
 from acoustics.level import laeq_db, peak_pressure
 from acoustics.radiation import P_REF_PA
 from rolling import cli, run_folder, scene_file, sound_files, summary
+from rolling.scenario import Scene
 from rolling.sound import ContactSound, contact_sound
 
 STEP = 2e-6
@@ -83,6 +84,17 @@ def test_silence_is_written_with_no_level(tmp_path: Path) -> None:
     content = written(tmp_path / "a", sound_of(SILENT))
     beside = json.loads(content["listen.json"])
     assert beside["laeq_db"] is None and beside["lz_peak_db"] is None and beside["gain_db_re_1_per_pa"] == 0.0
+
+
+def test_a_record_below_hearing_says_that_its_gain_is_bounded(tmp_path: Path) -> None:
+    # A real record at -22 dB(A), which plays at -45 dB of full scale and not at -23.
+    far = Scene.from_dict(SCENE.to_dict() | {"sound": {"distance_m": 1e3, "q": 0.03}, "sweep": {}})
+    sound = sound_of(noise(3), scene=far)
+    assert sound.levels.laeq_db is not None and -30 < sound.levels.laeq_db < 0
+    content = written(tmp_path / "a", sound, far)
+    beside = json.loads(content["listen.json"])
+    assert beside["gain_full_scale_per_pa"] == wav.MOST_GAIN and "stays quieter than others" in beside["meaning"]
+    assert b"the largest gain" in content["listen.wav"] and b"equal loudness" not in content["listen.wav"]
 
 
 def test_no_half_file_is_left_by_a_full_disk(tmp_path: Path) -> None:

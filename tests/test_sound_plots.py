@@ -167,7 +167,7 @@ def test_spectrogram_places_a_tone(ax):
 
 @pytest.mark.parametrize(("scale", "unit"), [(2.0, "W"), (2e-4, "µW"), (2e-8, "nW"), (0.0, "W")])
 def test_power_in_engineering_units(ax, scale, unit):
-    plots.power(ax, np.arange(100) / 200.0, scale * (1.0 + 0.1 * np.sin(np.arange(100))), 0.5)
+    plots.power(ax, np.arange(100) / 200.0, scale * (1.0 + 0.1 * np.sin(np.arange(100))), scale, 0.5)
     drawn(ax)
     assert ax.get_ylabel() == f"release power [{unit}]" and ax.get_xlabel() == "time [ms]"
     assert legend(ax)[1].startswith("mean ") and legend(ax)[1].endswith(f" {unit}")
@@ -176,7 +176,7 @@ def test_power_in_engineering_units(ax, scale, unit):
 
 def test_a_steady_power_looks_steady(ax):
     # Solver noise of 2e-8 must not fill the axis.
-    plots.power(ax, np.arange(100) / 5e4, 180e-6 * (1.0 + 2e-8 * np.sin(np.arange(100))), 2e-3)
+    plots.power(ax, np.arange(100) / 5e4, 180e-6 * (1.0 + 2e-8 * np.sin(np.arange(100))), 180e-6, 2e-3)
     low, high = drawn(ax).get_ylim()
     assert low < 0.99 * 180.0 and high > 1.01 * 180.0
 

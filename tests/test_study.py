@@ -52,7 +52,7 @@ def test_readings_are_the_articles_cases() -> None:
     for name in READINGS:
         scenes = study.scenes(SCENES / name)
         assert all(one.name == f"lee2025-{name}" for one in scenes)
-        assert all(one.motion.fastest == 0.1 and one.rolling.duration_s == 0.05 for one in scenes)
+        assert all(one.motion.fastest(0.05) == 0.1 and one.rolling.duration_s == 0.05 for one in scenes)
         if name == "correlation-length":
             assert [surface(one).correlation_length_um for one in scenes] == [2, 5, 10, 20, 40]
             assert all(surface(one).spacing_um <= 2 / 5 for one in scenes)

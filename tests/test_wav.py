@@ -9,7 +9,7 @@ import pytest
 import soundfile
 
 from acoustics import wav
-from acoustics.level import a_weighted_rms, laeq_db
+from acoustics.level import P_REF_PA, a_weighted_rms, laeq_db
 from acoustics.resampling import band_limit
 
 NOISE = 0.05 * np.random.default_rng(1).standard_normal(24000)  # 68 dB
@@ -116,6 +116,16 @@ def test_peak_wins_over_loudness():
     click[100] = 1.0  # its rms is 47 dB below its peak
     assert wav.listening_gain(click) == pytest.approx(10.0 ** (-1.0 / 20.0), rel=1e-12)
     assert wav.listening_gain(np.full(100, 2.0)) == pytest.approx(10.0 ** (-1.0 / 20.0) / 2.0, rel=1e-12)  # inaudible
+
+
+def test_a_record_below_hearing_is_not_lifted_to_the_target():
+    # -20 dB(A) plays 20 dB below the target, which 0 dB(A) just reaches: rounding of a silent record stays inaudible.
+    noise = NOISE / a_weighted_rms(NOISE, 48000)
+    for level_db, reached_db in ((-300.0, -323.0), (-20.0, -43.0), (-1.0, -24.0), (0.0, -23.0), (10.0, -23.0)):
+        record = P_REF_PA * 10.0 ** (level_db / 20.0) * noise
+        weighted = a_weighted_rms(wav.listening_gain(record) * record, 48000)
+        assert 20.0 * math.log10(weighted) == pytest.approx(reached_db, abs=1e-6)
+    assert wav.listening_gain(1e-12 * np.full(100, 1.0)) == wav.MOST_GAIN  # inaudible: nothing that A-weighting leaves
 
 
 def test_silence_is_written():
