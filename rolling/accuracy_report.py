@@ -18,6 +18,7 @@ from tqdm import tqdm
 from rolling import accuracy, accuracy_plot, accuracy_text, cost, pool, run_folder, scene_file, simulate, summary
 from rolling.accuracy import Findings, Measured
 from rolling.scenario import expand
+from rolling.solve import Run
 from rolling.variants import Study, Variant, study, tasks
 
 
@@ -43,7 +44,7 @@ def report(
     simulate.rolling_contact(what.scene)  # a surface that cannot be had shows before anything is written
     folder = run_folder.new_folder(Path("outputs") / f"{scene.name}-accuracy", out, force)
     run_folder.write_bytes(folder / "scene.yaml", scene_path.read_bytes())
-    label = ", ".join(summary.worded(k, v) for k, v in (values or {"rolling.load_n": scene.load}).items())
+    label = Run(values, single, folder).label
     if len(runs) > 1:
         print(
             f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set {next(iter(values))}=..."

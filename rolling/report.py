@@ -17,8 +17,10 @@ import numpy as np
 from markupsafe import Markup
 
 from acoustics import wav
-from rolling import citation, figures, playback, reference, report_text, sprites
+from rolling import caveats, citation, figures, playback, reference, report_text, sprites
+from rolling.caveats import Caveat
 from rolling.heard import Heard
+from rolling.labels import printable
 from rolling.picture import Picture
 from rolling.playback import Playback
 from rolling.scenario import track
@@ -74,6 +76,11 @@ class Shown:
     wav: str
     pictures: dict[str, Exhibit]
 
+    @property
+    def repeats(self) -> list[Caveat]:
+        """Caveats of a record that is heard as the tone of its repetition."""
+        return [each for each in caveats.stored(self.heard.numbers) if each.key in caveats.REPEATS]
+
 
 def belongs(one: Heard | None, name: str, runs: int) -> bool:
     """Whether a picture is on the page: curves of one run are not where several are compared."""
@@ -119,14 +126,15 @@ def page(runs: Sequence[Heard], shelf: Sequence[tuple[Heard | None, Exhibit]], u
         .get_template("report.html")
         .render(
             title=", ".join(dict.fromkeys(one.scene.name for one in runs)),
-            descriptions=list(dict.fromkeys(one.scene.description for one in runs if one.scene.description)),
+            descriptions=list(dict.fromkeys(printable(one.scene.description) for one in runs if one.scene.description)),
             text=report_text,
             citation=citation,
             heard=runs,
             runs=shown,
             unheard=list(unheard),
-            partial=[one.label for one in runs if not one.result.complete],
             lengths={round(one.sound.duration, 4) for one in runs},
+            SHORT_S=caveats.SHORT_S,
+            short=any(one["buzzes"] for one in data["runs"]),
             view=maps["view"],
             curves=[each for whose, each in shelf if whose is None or (len(runs) == 1 and each.name not in OWN)],
             surfaces=_surfaces(shown),
@@ -151,6 +159,7 @@ def _played(one: Shown) -> dict[str, Any]:
         "label": one.label,
         "seconds": len(sound.pressure) / sound.sample_rate,
         "loops": sound.closed,
+        "buzzes": any(each.key == "short_loop" for each in one.repeats),
         "playback": asdict(one.playback),
     }
 

@@ -13,8 +13,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling import check, run_folder, scene_file, simulate, solve, sound_files, store, summary
-from rolling.heard import Heard, distinct, hear
+from rolling import check, labels, run_folder, scene_file, simulate, solve, sound_files, store, summary
+from rolling.heard import Heard, hear
 from rolling.scenario import Scene, expand, run_name, track
 from rolling.solve import Run
 from rolling.store import Result
@@ -137,19 +137,18 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
         )
     heard: list[Heard] = []
     unheard: list[str] = []
-    for one in runs:
+    for one, label in zip(runs, labels.labels(runs), strict=True):
         check.refuse_unavailable(one.scene)
         solved = (one.folder / solve.RESULT).is_file()
-        sounding = _heard(one, store.load(one.folder / solve.RESULT)) if solved else None
+        sounding = _heard(one, label, store.load(one.folder / solve.RESULT)) if solved else None
         if sounding is None:
-            unheard.append(f"{one.scene.name}, {one.label}")
+            unheard.append(labels.title(one.scene.name, label))
         else:
             heard.append(sounding)
     if not heard:
         raise run_folder.FolderError(
             f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report"
         )
-    heard = distinct(heard)
     content = pages.page(heard, pages.exhibits(heard), unheard)
     if out is None:
         out = (
@@ -199,7 +198,8 @@ def _seen_from(folder: Path, scene: Scene) -> Scene:
 
 def _work(folder: Path, runs: list[Run], results: list[Result], workers: int, page: bool) -> Report:
     outcome = solve.solve(runs, results, workers, runs[0].scene.name)
-    failures = {runs[number].label: reason for number, reason in outcome.failures.items()}
+    names = labels.labels(runs)
+    failures = {names[number]: reason for number, reason in outcome.failures.items()}
     return _finish(folder, runs, results, failures, outcome.interrupted, page)
 
 
@@ -209,28 +209,31 @@ def _finish(
     """Sound, numbers and plots of every run that has enough steps; of all together when there are several; the page last."""
     heard: list[Heard] = []
     done: list[tuple[Run, dict[str, Any] | None]] = []
-    for one, result in zip(runs, results, strict=True):
-        sounding = _heard(one, result)
+    names = labels.labels(runs)
+    for one, label, result in zip(runs, names, results, strict=True):
+        sounding = _heard(one, label, result)
         done.append((one, sounding.numbers if sounding else None))
         if sounding is None:
             continue
         if not (one.folder / solve.RESULT).exists():  # new sound of a stored run
             solve.keep(one, result)
-        sound_files.write(one.folder, one.scene, one.label, sounding.sound)
+        sound_files.write(one.folder, one.scene, label, sounding.sound, sounding.numbers["caveats"])
         run_folder.write_json(one.folder / "summary.json", sounding.numbers)
         run_folder.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
         heard.append(sounding)
-    heard = distinct(heard)
     shelf = _write_pictures(folder, heard, page)
     if len(runs) > 1:
         run_folder.write_json(
             folder / "sweep.json",
-            [{"values": one.values, "folder": one.folder.name, "summary": numbers} for one, numbers in done],
+            [
+                {"values": one.values, "folder": one.folder.name, "label": label, "summary": numbers}
+                for label, (one, numbers) in zip(names, done, strict=True)
+            ],
         )
     if shelf:
         from rolling import report as pages
 
-        unheard = [one.label for one, numbers in done if numbers is None]
+        unheard = [label for label, (_, numbers) in zip(names, done, strict=True) if numbers is None]
         run_folder.write_bytes(folder / PAGE, pages.page(heard, shelf, unheard))
     if not failures and not interrupted and all(result.complete for result in results):
         for finished in {one.folder for one in runs} | {folder}:
@@ -240,8 +243,8 @@ def _finish(
     return Report(folder, done, failures, interrupted, folder / PAGE if shelf else None)
 
 
-def _heard(one: Run, result: Result) -> Heard | None:
-    return hear(one.label, one.values, one.folder, one.scene, result)
+def _heard(one: Run, label: str, result: Result) -> Heard | None:
+    return hear(label, one.values, one.folder, one.scene, result)
 
 
 def _write_pictures(folder: Path, heard: list[Heard], page: bool) -> list[tuple[Heard | None, Exhibit]]:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from rolling import cost, simulate, store, summary
+from rolling import cost, labels, simulate, store
 from rolling.pool import Outcome
 from rolling.run_folder import Keeper
 from rolling.scenario import Scene
@@ -30,14 +30,8 @@ class Run:
 
     @property
     def label(self) -> str:
-        """What tells it from its neighbours in a plot: the swept values, or the load."""
-        return ", ".join(
-            summary.worded(key, value) for key, value in (self.values or {"rolling.load_n": self.load}).items()
-        )
-
-    @property
-    def load(self) -> float:
-        return self.scene.rolling.load_n
+        """The name of the run alone: its swept values, or its load. Several are named together by `labels.labels`."""
+        return labels.labels([self])[0]
 
 
 def solve(runs: Sequence[Run], results: Sequence[Result], workers: int, name: str, mapped: bool = True) -> Outcome:

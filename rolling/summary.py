@@ -15,28 +15,13 @@ from typing import Any
 import numpy as np
 
 from acoustics import loudness
-from rolling import check, cost, reference, simulate, surface
+from rolling import caveats, check, cost, reference, simulate, surface
+from rolling.labels import printable
 from rolling.scenario import Scene
 from rolling.sound import ContactSound
 from rolling.store import Result
 
 PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5py", "pydantic")
-UNITS = {"m_s": "m/s", "um": "µm", "mm": "mm", "gpa": "GPa", "n": "N", "s": "s", "m": "m"}
-
-
-def named(key: str) -> tuple[str, str]:
-    """Word and unit of a dotted key: rolling.load_n is load in N."""
-    name = key.rpartition(".")[2]
-    for suffix, unit in UNITS.items():
-        if name.endswith("_" + suffix):
-            return name.removesuffix("_" + suffix).replace("_", " "), unit
-    return name.replace("_", " "), ""
-
-
-def worded(key: str, value: float) -> str:
-    """A value as people write it: load 5 N."""
-    word, unit = named(key)
-    return f"{word} {value:g} {unit}".rstrip()
 
 
 def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: float) -> dict[str, Any]:
@@ -88,7 +73,7 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
         "step_ms": float(np.median(solved_time) * 1e3),
         "seconds": float(solved_time.sum()),
         "sound_seconds": sound_seconds,
-        "warnings": [f"{found.what}: {found.warning}" for found in check.findings(scene) if found.warning],
+        "caveats": [asdict(each) for each in caveats.caveats(scene, sound, check.findings(scene), result.complete)],
         "surface": asdict(surface.statistics(simulate.heights(scene), scene.spacing)),
     }
 
@@ -131,13 +116,13 @@ def uncertain(level: float, uncertainty: float | None) -> str:
 def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
     """Levels and cost of runs given by label, folder and summary (None: not enough was solved), for the terminal.
 
-    LAeq stands with its standard uncertainty.
+    LAeq stands with its standard uncertainty, the caveats of all levels right below.
     """
     head = ("run", "LAeq dB(A)", "LZeq dB", "steady dB", "plastic ratio", "steps", "ms/step", "files")
     rows: list[tuple[str, ...]] = [head]
     for label, folder, summary in runs:
         if summary is None:
-            rows.append((label, *["-"] * 6, folder))
+            rows.append((label, *["-"] * 6, printable(folder)))
             continue
 
         def db(name: str, summary: dict[str, Any] = summary) -> str:
@@ -156,23 +141,25 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
                 f"{summary['plastic_ratio']:.3f}",
                 steps,
                 f"{summary['step_ms']:.1f}",
-                folder,
+                printable(folder),
             )
         )
     widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    return "\n".join(lines + _remarks([summary for _, _, summary in runs if summary is not None]))
+    return "\n".join(lines + _remarks([(label, summary) for label, _, summary in runs if summary is not None]))
 
 
-def _remarks(summaries: list[dict[str, Any]]) -> list[str]:
-    """The surfaces, and of each kind of warning the first."""
+def _remarks(runs: list[tuple[str, dict[str, Any]]]) -> list[str]:
+    """Say the caveats of the levels, then the surfaces, what repeats, and each kind of warning once."""
+    remarks = caveats.gathered([(label, caveats.stored(summary)) for label, summary in runs])
+    beside = [each for each in remarks if each.key in caveats.HEADLINE]
+    of_levels = " ".join(each.line for each in beside if each.key != "uncertainty")
+    of_uncertainty = " ".join(each.line for each in beside if each.key == "uncertainty")
     surfaces = dict.fromkeys(
         f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, skewness {s['skewness']:.2f},"
         f" kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
-        for s in (summary["surface"] for summary in summaries)
+        for s in (summary["surface"] for _, summary in runs)
     )
-    warnings: dict[str, str] = {}
-    for summary in summaries:
-        for warning in summary["warnings"]:
-            warnings.setdefault(warning.partition(":")[0], f"warning: {warning}")
-    return ["", *surfaces, *warnings.values()]
+    repeats = [f"note: {each.line}" for each in remarks if each.key in caveats.REPEATS]
+    warnings = [f"warning: {each.line}" for each in remarks if each.key not in caveats.STANDING]
+    return [*filter(None, (of_levels, of_uncertainty)), "", *surfaces, *repeats, *warnings]
