@@ -126,7 +126,7 @@ def page(runs: Sequence[Heard], shelf: Sequence[tuple[Heard | None, Exhibit]], u
         .get_template("report.html")
         .render(
             title=", ".join(dict.fromkeys(one.scene.name for one in runs)),
-            descriptions=list(dict.fromkeys(printable(one.scene.description) for one in runs if one.scene.description)),
+            descriptions=list(dict.fromkeys(_one_line(one.scene.description) for one in runs if one.scene.description)),
             text=report_text,
             citation=citation,
             heard=runs,
@@ -253,6 +253,11 @@ def _surfaces(runs: Sequence[Shown]) -> list[Surface]:
         )
         for members in sharing.values()
     ]
+
+
+def _one_line(text: str) -> str:
+    """Write a text of the scene on one line, in letters that can be printed."""
+    return printable(" ".join(text.split()))
 
 
 def _uri(kind: str, content: bytes) -> str:

@@ -66,9 +66,13 @@ class Runs:
     def smooth(self) -> Path:
         return self._made("smooth", SMOOTH)
 
+    def lap(self) -> Path:
+        """Once round: 6 ms that loop."""
+        return self._made("lap", SCENE.replace("0.9", "0.006"))
+
     def partial(self) -> Path:
         """Stopped after 200 of the 300 steps of its only lap."""
-        out, new = self._copied(self._made("lap", SCENE.replace("0.9", "0.006")), "partial")
+        out, new = self._copied(self.lap(), "partial")
         if new:
             with h5py.File(out / "result.h5", "r+") as file:
                 for name in store.STEP_SERIES:

@@ -138,13 +138,25 @@ def test_names_stand_once_and_long_ones_are_cut_where_they_do_not_differ() -> No
         assert labels.title(name, label).count("load 20 N") == 1
     assert labels.title("quickstart", "quickstart, load 5 N") == "quickstart, load 5 N"
     assert labels.title("quickstart", "load 5 N") == "quickstart, load 5 N"
-    assert labels.title("a" * 30 + "b" * 34, labels.shortened(["a" * 30 + "b" * 34], 20)[0] + ", load 5 N").count("a") < 20
+    assert (
+        labels.title("a" * 30 + "b" * 34, labels.shortened(["a" * 30 + "b" * 34], 20)[0] + ", load 5 N").count("a") < 20
+    )
 
 
 def test_ten_swept_keys_stay_short_and_apart() -> None:
-    keys = ["rolling__load_n", "plate__youngs_modulus_gpa", "plate__hardness_gpa", "sphere__radius_mm", "sound__distance_m"]
+    keys = [
+        "rolling__load_n",
+        "plate__youngs_modulus_gpa",
+        "plate__hardness_gpa",
+        "sphere__radius_mm",
+        "sound__distance_m",
+    ]
     cases = [
-        Case(scene(**{key: 1 + (k >> n & 1) for n, key in enumerate(keys)}, surface__seed=k, surface__roughness_ra_um=k + 1))
+        Case(
+            scene(
+                **{key: 1 + (k >> n & 1) for n, key in enumerate(keys)}, surface__seed=k, surface__roughness_ra_um=k + 1
+            )
+        )
         for k in range(32)
     ]
     found = of(*cases)
@@ -153,9 +165,11 @@ def test_ten_swept_keys_stay_short_and_apart() -> None:
 
 NAMES = st.from_regex(r"\A[A-Za-z0-9][A-Za-z0-9._-]{0,63}\Z")
 # As an operating system gives them: any letters but the slash and nought, bytes that are no UTF-8 as surrogates.
-FOLDERS = st.text(st.characters(exclude_characters="/\0", exclude_categories=["Cs"]), min_size=1, max_size=80) | st.binary(
-    min_size=1, max_size=20
-).map(lambda content: content.replace(b"/", b"_").replace(b"\0", b"$").decode("utf-8", "surrogateescape"))
+FOLDERS = st.text(
+    st.characters(exclude_characters="/\0", exclude_categories=["Cs"]), min_size=1, max_size=80
+) | st.binary(min_size=1, max_size=20).map(
+    lambda content: content.replace(b"/", b"_").replace(b"\0", b"$").decode("utf-8", "surrogateescape")
+)
 KEYS = st.fixed_dictionaries(
     {},
     optional={
