@@ -83,12 +83,15 @@ def test_a_report_of_folders_with_odd_names(runs: Runs, tmp_path: Path, capsys) 
     there = tmp_path / os.fsdecode(b"$x^$ \n \xfe #<b>&\"' \xf0\x9f\x98\x80")
     for folder in (here, there):
         shutil.copytree(runs.smooth(), folder)
+    with (here / "resolved.yaml").open("a") as scene:
+        scene.write('description: "half a letter: \\uD800, $x^$\\n and a bell: \\a"\n')
     assert cli.main(["report", str(here), str(there), "--out", str(here / "page.html")]) == 0
     assert "\\udcff" in capsys.readouterr().out
     page = (here / "page.html").read_text()
     for byte in ("ff", "fe"):
         assert f"load 1 N ($x^$ \\n \\x{byte} #&lt;b&gt;&amp;&#34;&#39; \U0001f600)" in page
     assert "<b>&" not in page
+    assert "half a letter: \\ud800, $x^$ and a bell: \\x07" in page
 
 
 def test_the_terminal_takes_a_folder_of_any_bytes(runs: Runs, tmp_path: Path) -> None:
