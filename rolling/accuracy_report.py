@@ -33,6 +33,7 @@ from rolling import (
 from rolling.accuracy import Findings, Measured
 from rolling.claim import Claim
 from rolling.scenario import expand
+from rolling.solve import Run
 from rolling.variants import Study, Variant, study, tasks
 
 
@@ -65,7 +66,7 @@ def report(
     def fill(folder: Path) -> None:
         run_folder.write_bytes(folder / "scene.yaml", given)
 
-    label = ", ".join(summary.worded(k, v) for k, v in (values or {"rolling.load_n": scene.load}).items())
+    label = Run(values, single, target.folder).label
     if len(runs) > 1:
         print(
             f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set {next(iter(values))}=..."

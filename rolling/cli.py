@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -18,6 +19,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     # The solve is cut into processes; libraries that start threads of their own only get in their way.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a folder's name may be no UTF-8, and a terminal may lack a sign
+            stream.reconfigure(errors="backslashreplace")
     arguments = _parser().parse_args(argv)
     try:
         return int(arguments.command(arguments))
@@ -207,7 +211,7 @@ def _report(arguments: argparse.Namespace) -> int:
 
 
 def _reported(act, page: bool) -> int:
-    from rolling import summary
+    from rolling import labels, summary
     from rolling.run_folder import FolderError
     from rolling.scenario import SceneError
 
@@ -216,7 +220,9 @@ def _reported(act, page: bool) -> int:
     except (SceneError, FolderError) as error:
         _say(str(error))
         return BAD_INPUT
-    print(summary.table([(one.label, str(one.folder), numbers) for one, numbers in report.runs]))
+    names = labels.labels([one for one, _ in report.runs])
+    rows = [(label, str(one.folder), numbers) for label, (one, numbers) in zip(names, report.runs, strict=True)]
+    print(summary.table(rows))
     for label, reason in report.failures.items():
         _say(f"failed: {label}: {reason}")
     if report.exit_code == OK:

@@ -19,7 +19,7 @@ from acoustics.plots import Lines
 from acoustics.spectrogram import Spectrogram, spectrogram
 from acoustics.spectrum import Psd, article_line_level_db, line_spectrum, welch
 from acoustics.weighting import a_weighting_db
-from rolling import plots, scene_surface, summary
+from rolling import caveats, labels, plots, scene_surface
 from rolling.heard import Heard
 from rolling.picture import BOTTOM_IN, LEFT_IN, RIGHT_IN, WIDTH_IN, Picture, blank, lay_out, single
 from rolling.scenario import track
@@ -30,6 +30,7 @@ _BAR_IN = 0.16  # width of a colour bar
 _BAR_ROOM_IN = 1.0  # from the end of its axes to the edge: gap, bar, tick labels, label
 _ENERGIES_PER_DECADE = 5
 _SMALLEST_SHARE = 1e-6  # of the greatest energy: where the axis begins
+_NAMES = 4  # scenes that a title names
 _DURATIONS = 50  # columns of a distribution of durations, at most
 
 
@@ -79,7 +80,10 @@ _views_of: WeakKeyDictionary[Heard, _Views] = WeakKeyDictionary()
 
 
 def gallery(runs: Sequence[Heard]) -> Iterator[tuple[Heard | None, Picture]]:
-    """All pictures of runs that are compared: of each run, with it, and of several together, with None."""
+    """Draw all pictures of runs that are compared: of each run, with it, and of several together, with None.
+
+    The labels of the runs differ, as `labels.labels` makes them.
+    """
     for one in runs:
         for picture in of_run(one, runs):
             yield one, picture
@@ -169,7 +173,7 @@ def _spectrum(
     shown: Sequence[Heard],
     among: Sequence[Heard],
 ) -> Picture:
-    curves = [(label, view(one)) for label, one in zip(_labels(shown), shown, strict=True)]
+    curves = [(one.label, view(one)) for one in shown]
     means = sound_plots.drawn_as_means(curves)
     limits = sound_plots.level_limits(level for one in among for level in view(one).extremes)
     columns = _line_columns([(label, lines.frequency_hz, lines.level_db) for label, lines in curves], "", ylabel)
@@ -182,7 +186,7 @@ def _spectrum(
         sound_plots.spectrum(ax, curves, limits)
         ax.set_ylabel(ylabel)
 
-    return single(name, title, _note(facts), columns, draw)
+    return single(name, title, _note(facts), columns, draw, _remarks(shown))
 
 
 def _line_columns(curves: Iterable[tuple[str, Array, Array]], kind: str, ylabel: str) -> dict[str, Array]:
@@ -203,10 +207,7 @@ def _third_octaves(
     shown: Sequence[Heard],
     among: Sequence[Heard],
 ) -> Picture:
-    curves = [
-        (label, levels(one), one.sound.uncertainty.third_octave_db)
-        for label, one in zip(_labels(shown), shown, strict=True)
-    ]
+    curves = [(one.label, levels(one), one.sound.uncertainty.third_octave_db) for one in shown]
     limits = sound_plots.level_limits(level for one in among for level in levels(one).values())
     columns: dict[str, Array] = {"mid frequency [Hz]": MID_HZ}
     for label, by_name, uncertainty in curves:
@@ -223,6 +224,7 @@ def _third_octaves(
         _note(facts),
         columns,
         lambda ax: sound_plots.third_octaves(ax, curves, shortest, limits),
+        _remarks(shown),
     )
 
 
@@ -275,14 +277,14 @@ def _levels(key: str, runs: Sequence[Heard]) -> Picture:
         return one.scene.name, tuple((name, value) for name, value in one.values.items() if name != key)
 
     x = np.array(sorted({one.values[key] for one in runs}))
-    word, unit = summary.named(key)
+    word, unit = labels.named(key)
     columns: dict[str, Array] = {f"{word} [{unit}]" if unit else word: x}
     panels = []
     for name, number in (("LAeq", "laeq_db"), ("LZeq", "level_db")):
         curves = []
         for same, group in groupby(sorted(runs, key=others), key=others):
             scene, values = same
-            label = ", ".join([scene] * several + [summary.worded(*one) for one in values])
+            label = ", ".join([scene] * several + [labels.worded(*one) for one in values])
             at = {one.values[key]: one.sound for one in group}
             level = [getattr(at[value].levels, number) if value in at else None for value in x]
             spread = [getattr(at[value].uncertainty, number) if value in at else None for value in x]
@@ -305,7 +307,7 @@ def _levels(key: str, runs: Sequence[Heard]) -> Picture:
     title = f"Levels against {word}: {_named(runs)}"
     note = _note([_distance(runs), _record(runs), "bars: standard uncertainty of Gaussian noise of that duration"])
     lay_out(figure, title, note, places)
-    return Picture("levels", f"{title}: {note}", figure, columns)
+    return Picture("levels", f"{title}: {note}", figure, columns, _remarks(runs))
 
 
 def _surface(one: Heard) -> Picture:
@@ -457,21 +459,16 @@ def _level(mean_square: Array) -> Array:
 
 
 def _named(runs: Sequence[Heard]) -> str:
-    """The scene, and the run where it is one."""
+    """Name the scene, and the run where it is one; of many scenes their number."""
     if len(runs) == 1:
         return runs[0].title
-    return ", ".join(dict.fromkeys(one.scene.name for one in runs))
+    names = dict.fromkeys(one.scene.name for one in runs)
+    return ", ".join(names) if len(names) <= _NAMES else f"{len(names)} scenes"
 
 
-def _labels(runs: Sequence[Heard]) -> list[str]:
-    """What tells each run from the others: its label, with the scene where there are several, or else its number."""
-    labels = [one.label for one in runs]
-    if len({one.scene.name for one in runs}) > 1:
-        labels = [f"{one.scene.name}, {one.label}" for one in runs]
-    return [
-        label if labels.count(label) == 1 else f"{label} ({labels[: k + 1].count(label)})"
-        for k, label in enumerate(labels)
-    ]
+def _remarks(runs: Sequence[Heard]) -> tuple[str, ...]:
+    """List what belongs beside the levels of runs."""
+    return tuple(each.line for each in caveats.gathered([(one.label, caveats.stored(one.numbers)) for one in runs]))
 
 
 def _distance(runs: Iterable[Heard]) -> str:

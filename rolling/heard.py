@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling import summary
+from rolling import labels, summary
 from rolling.recovery_statistics import EventStatistics, event_statistics
 from rolling.result import Result
 from rolling.scenario import Scene, track
@@ -57,8 +55,7 @@ class Heard:
     @property
     def title(self) -> str:
         """The scene and what tells the run from its neighbours."""
-        name = self.scene.name
-        return self.label if self.label.startswith(f"{name}, ") else f"{name}, {self.label}"
+        return labels.title(self.scene.name, self.label)
 
 
 def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, result: Result) -> Heard | None:
@@ -72,18 +69,3 @@ def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, resul
     sound = contact_sound(scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam)
     numbers = summary.summarize(scene, result, sound, time.perf_counter() - began)
     return Heard(label, values, folder, scene, result, sound, numbers)
-
-
-def distinct(runs: Sequence[Heard]) -> list[Heard]:
-    """The runs with labels that tell them apart: with the scene's name, its folder's or a number where they are alike."""
-    labels = [one.label for one in runs]
-    if len({one.scene.name for one in runs}) > 1:
-        labels = [f"{one.scene.name}, {label}" for one, label in zip(runs, labels, strict=True)]
-
-    def told_apart(by: Callable[[int], str]) -> list[str]:
-        count = Counter(labels)
-        return [f"{label} ({by(k)})" if count[label] > 1 else label for k, label in enumerate(labels)]
-
-    labels = told_apart(lambda k: runs[k].home.resolve().name)
-    labels = told_apart(lambda k: str(k + 1))
-    return [one if label == one.label else replace(one, label=label) for one, label in zip(runs, labels, strict=True)]

@@ -18,8 +18,10 @@ import numpy as np
 from markupsafe import Markup
 
 from acoustics import wav
-from rolling import __version__, citation, figures, playback, program, reference, report_text, sprites
+from rolling import __version__, caveats, citation, figures, playback, program, reference, report_text, sprites
+from rolling.caveats import Caveat
 from rolling.heard import Heard
+from rolling.labels import printable
 from rolling.picture import Picture
 from rolling.playback import Playback
 from rolling.scenario import track
@@ -76,6 +78,11 @@ class Shown:
     wav: str
     pictures: dict[str, Exhibit]
 
+    @property
+    def repeats(self) -> list[Caveat]:
+        """Caveats of a record that is heard as the tone of its repetition."""
+        return [each for each in caveats.stored(self.heard.numbers) if each.key in caveats.REPEATS]
+
 
 def is_page(path: Path) -> bool:
     """Return whether a file is a page of this program, of version 0.2.0 or later."""
@@ -128,14 +135,15 @@ def page(runs: Sequence[Heard], shelf: Sequence[tuple[Heard | None, Exhibit]], u
         .render(
             generator=GENERATOR,
             title=", ".join(dict.fromkeys(one.scene.name for one in runs)),
-            descriptions=list(dict.fromkeys(one.scene.description for one in runs if one.scene.description)),
+            descriptions=list(dict.fromkeys(_one_line(one.scene.description) for one in runs if one.scene.description)),
             text=report_text,
             citation=citation,
             heard=runs,
             runs=shown,
             unheard=list(unheard),
-            partial=[one.label for one in runs if not one.result.complete],
             lengths={round(one.sound.duration, 4) for one in runs},
+            SHORT_S=caveats.SHORT_S,
+            short=any(one["buzzes"] for one in data["runs"]),
             view=maps["view"],
             curves=[each for whose, each in shelf if whose is None or (len(runs) == 1 and each.name not in OWN)],
             surfaces=_surfaces(shown),
@@ -160,6 +168,7 @@ def _played(one: Shown) -> dict[str, Any]:
         "label": one.label,
         "seconds": len(sound.pressure) / sound.sample_rate,
         "loops": sound.loops,
+        "buzzes": any(each.key == "short_loop" for each in one.repeats),
         "playback": asdict(one.playback),
     }
 
@@ -253,6 +262,11 @@ def _surfaces(runs: Sequence[Shown]) -> list[Surface]:
         )
         for members in sharing.values()
     ]
+
+
+def _one_line(text: str) -> str:
+    """Write a text of the scene on one line, in letters that can be printed."""
+    return printable(" ".join(text.split()))
 
 
 def _uri(kind: str, content: bytes) -> str:

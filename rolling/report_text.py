@@ -11,8 +11,11 @@ from matplotlib.ticker import EngFormatter
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
 from acoustics.radiation import RHO_C
-from rolling import check, measured
+from rolling import caveats, check, measured
+from rolling.caveats import Remark
 from rolling.heard import Heard
+from rolling.labels import printable
+from rolling.picture import comment, quoted
 from rolling.scenario import Gaussian, HeightFile, Scene
 from rolling.scene_surface import scene_surface
 from rolling.summary import uncertain
@@ -108,7 +111,10 @@ def levels(runs: Sequence[Heard]) -> Table:
 
 
 def tsv(runs: Sequence[Heard]) -> str:
-    """The same numbers for a spreadsheet: tabs between them, uncertainties in columns of their own, nothing for silence."""
+    """Write the same numbers for a spreadsheet, the caveats above them.
+
+    Tabs separate the cells, uncertainties have columns of their own, silence leaves a cell empty.
+    """
     columns = _columns(runs)
     uncertain = [column for column in columns if any(_uncertainty(one, column) is not None for one in runs)]
     lines = [["run"]]
@@ -124,7 +130,8 @@ def tsv(runs: Sequence[Heard]) -> str:
                 uncertainty = _uncertainty(one, column)
                 row.append("" if uncertainty is None else f"{uncertainty:.3g}")
         lines.append(row)
-    return "".join("\t".join(cell.replace("\t", " ") for cell in row) + "\n" for row in lines)
+    rows = ["\t".join(quoted(cell, "\t") for cell in row) for row in lines]
+    return "".join(f"{line}\n" for line in [*(comment(each.line) for each in remarks(runs)), *rows])
 
 
 def significant(value: float) -> str:
@@ -162,9 +169,8 @@ BANDS_NOTE = (
 
 
 LEVELS_NOTE = (
-    "Levels re 20 µPa of the fluctuation, which is what sounds, over the whole record; the steady level is of the mean"
-    " intensity, which is silent. ± is the standard uncertainty that the record's length leaves, taking it for a stretch of"
-    " stationary Gaussian noise; it holds no error of model or grid."
+    "Levels re 20 µPa of the fluctuation, which is what sounds, over the whole record, with their standard uncertainty; the"
+    " steady level is of the mean intensity, which is silent."
 )
 
 
@@ -191,7 +197,7 @@ def _assumed(one: Heard) -> dict[str, str]:
     )
     speed = f"{fastest} m/s" if sound.constant_speed else f"{slowest} to {fastest} m/s"
     return {
-        "radiated share q": f"{scene.sound.q:g}" + (", an upper bound: nothing is lost" if scene.sound.q == 1 else ""),
+        "radiated share q": f"{scene.sound.q:g}",
         "distance": f"{scene.sound.distance_m:g} m, spherical spreading",
         "impedance of air": f"{RHO_C:g} Pa s/m (20 °C)",
         "sound pressure per intensity": f"{significant(sound.factor)} Pa per W/m²" if sound.factor else "none: silent",
@@ -237,22 +243,33 @@ def surface_words(scene: Scene) -> str:
         return "smooth"
     levelling = scene_surface(scene).levelling
     tilt = f", {measured.tilt_text(levelling)}" if levelling and any(levelling.taken) else ""
-    return f"heights of {s.path}{tilt}"
+    return f"heights of {printable(s.path)}{tilt}"
 
 
-def warnings(runs: Sequence[Heard]) -> list[Fact]:
-    """Each kind of warning once, in the numbers of the first run it concerns, with all it concerns (none named: all)."""
-    by_kind: dict[str, dict[str, str]] = {}
-    for one in runs:
-        for warning in one.numbers["warnings"]:
-            by_kind.setdefault(warning.partition(":")[0], {})[one.label] = warning
-    found = []
-    for texts in by_kind.values():
-        first, text = next(iter(texts.items()))
-        if len(set(texts.values())) > 1:
-            text += f" (in the numbers of {first})"
-        found.append(Fact(text, [] if len(texts) == len(runs) else [(label, "") for label in texts]))
-    return found
+def remarks(runs: Sequence[Heard]) -> list[Remark]:
+    """List all caveats of runs, each once."""
+    return caveats.gathered([(one.label, caveats.stored(one.numbers)) for one in runs])
+
+
+def headline(runs: Sequence[Heard]) -> str:
+    """Say what belongs beside every level."""
+    return " ".join(each.line for each in remarks(runs) if each.key in caveats.HEADLINE)
+
+
+def partial(runs: Sequence[Heard]) -> list[Remark]:
+    """Say which runs are partial, if any are."""
+    return [each for each in remarks(runs) if each.key == "partial"]
+
+
+def standing(runs: Sequence[Heard]) -> list[Remark]:
+    """List the caveats that hold of any run like these and are not said at the top."""
+    said = (*caveats.HEADLINE, "partial")
+    return [each for each in remarks(runs) if each.key in caveats.STANDING and each.key not in said]
+
+
+def warnings(runs: Sequence[Heard]) -> list[Remark]:
+    """List the warnings of the check, each kind once."""
+    return [each for each in remarks(runs) if each.key not in caveats.STANDING]
 
 
 def events(one: Heard) -> list[Fact]:

@@ -7,16 +7,27 @@ Several runs of one scene (a sweep) share a folder, their plots, a table and the
 from __future__ import annotations
 
 import os
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling import check, claim, long_steps, new_folder, run_folder, scene_file, simulate, solve, sound_files, summary
+from rolling import (
+    check,
+    claim,
+    labels,
+    long_steps,
+    new_folder,
+    run_folder,
+    scene_file,
+    simulate,
+    solve,
+    sound_files,
+    summary,
+)
 from rolling.claim import Claim
-from rolling.heard import Heard, distinct, hear
+from rolling.heard import Heard, hear
 from rolling.plan import Plan
 from rolling.result import Result
 from rolling.run_folder import FolderError, Stopped
@@ -162,17 +173,16 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
         raise FolderError(f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare")
     heard: list[Heard] = []
     unheard: list[str] = []
-    for one in runs:
+    for one, label in zip(runs, labels.labels(runs), strict=True):
         check.refuse_unavailable(one.scene)
         result = solve.stored(one)
-        sounding = _heard(one, result) if result else None
+        sounding = _heard(one, label, result) if result else None
         if sounding is None:
-            unheard.append(f"{one.scene.name}, {one.label}")
+            unheard.append(labels.title(one.scene.name, label))
         else:
             heard.append(sounding)
     if not heard:
         raise FolderError(f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report")
-    heard = distinct(heard)
     content = pages.page(heard, pages.exhibits(heard), unheard)
     records_of(folders)
     if out is None:
@@ -241,36 +251,37 @@ def _finish(
     folder = held.folder
     heard: list[Heard] = []
     done: list[tuple[Run, dict[str, Any] | None]] = []
-    for one, result in zip(runs, results, strict=True):
+    names = labels.labels(runs)
+    for one, label, result in zip(runs, names, results, strict=True):
         # Numbers of another surface would not be the run's.
-        sounding = None if solve.other_surface(one, result) else _heard(one, result)
+        sounding = None if solve.other_surface(one, result) else _heard(one, label, result)
         done.append((one, sounding.numbers if sounding else None))
         if sounding is None:
             continue
         solve.keep(one, result, sounding.sound)
-        sound_files.write(one.folder, one.scene, one.label, sounding.sound)
+        sound_files.write(one.folder, one.scene, label, sounding.sound, sounding.numbers["caveats"])
         run_folder.write_json(one.folder / "summary.json", sounding.numbers)
         run_folder.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
         heard.append(sounding)
-    heard = distinct(heard)
     shelf = _write_pictures(folder, heard, page)
     if len(runs) > 1:
         run_folder.write_json(
             folder / "sweep.json",
-            [{"values": one.values, "folder": one.folder.name, "summary": numbers} for one, numbers in done],
+            [
+                {"values": one.values, "folder": one.folder.name, "label": label, "summary": numbers}
+                for label, (one, numbers) in zip(names, done, strict=True)
+            ],
         )
     if shelf:
         from rolling import report as pages
 
-        unheard = [one.label for one, numbers in done if numbers is None]
+        unheard = [label for label, (_, numbers) in zip(names, done, strict=True) if numbers is None]
         run_folder.write_bytes(folder / PAGE, pages.page(heard, shelf, unheard))
     stays = _mark_all(held, runs, results, failures, interrupted)
-    count = Counter(one.label for one in runs)
-    named = [one.label if count[one.label] == 1 else f"{one.label} ({one.folder.name})" for one in runs]
     return Report(
         folder,
         done,
-        {named[number]: reason for number, reason in failures.items()},
+        {names[number]: reason for number, reason in failures.items()},
         interrupted,
         folder / PAGE if shelf else None,
         any(map(is_begun, results)),
@@ -307,8 +318,8 @@ def _mark_all(
     return new_folder.previous(held.folder) if held.record.replaces else None
 
 
-def _heard(one: Run, result: Result) -> Heard | None:
-    return hear(one.label, one.values, one.folder, one.scene, result)
+def _heard(one: Run, label: str, result: Result) -> Heard | None:
+    return hear(label, one.values, one.folder, one.scene, result)
 
 
 def _write_pictures(folder: Path, heard: list[Heard], page: bool) -> list[tuple[Heard | None, Exhibit]]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from rolling import cost, scene_file, simulate, store, summary
+from rolling import cost, labels, scene_file, simulate, store
 from rolling.identity import Identity, changes, differences, said
 from rolling.pool import Outcome
 from rolling.result import Result
@@ -32,14 +32,8 @@ class Run:
 
     @property
     def label(self) -> str:
-        """What tells it from its neighbours in a plot: the swept values, or the load."""
-        return ", ".join(
-            summary.worded(key, value) for key, value in (self.values or {"rolling.load_n": self.load}).items()
-        )
-
-    @property
-    def load(self) -> float:
-        return self.scene.rolling.load_n
+        """The name of the run alone: its swept values, or its load. Several are named together by `labels.labels`."""
+        return labels.labels([self])[0]
 
 
 def solve(

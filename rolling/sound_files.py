@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +13,14 @@ from rolling.scenario import Scene
 from rolling.sound import ContactSound
 
 
-def write(folder: Path, scene: Scene, label: str, sound: ContactSound) -> None:
+def write(folder: Path, scene: Scene, label: str, sound: ContactSound, caveats: Sequence[Mapping[str, str]]) -> None:
     """signal.wav (1.0 = 1 Pa) and listen.wav (for the ear), each with a JSON of the same name; the same bytes every time.
 
     Parameters
     ----------
     folder : an existing run folder.
     label : what tells the run from its neighbours.
+    caveats : Key and text of each, as in summary.json.
 
     Raises
     ------
@@ -56,7 +58,7 @@ def write(folder: Path, scene: Scene, label: str, sound: ContactSound) -> None:
     }
     for name, content in files.items():
         run_folder.write_bytes(folder / f"{name}.wav", content)
-        run_folder.write_json(folder / f"{name}.json", sidecars[name])
+        run_folder.write_json(folder / f"{name}.json", sidecars[name] | {"caveats": [*caveats]})
 
 
 def _rule_of_gain(sound: ContactSound, gain: float) -> tuple[str, str]:

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from acoustics import loudness
-from rolling import check, cost, measured, program, reference, resolution, simulate
+from rolling import caveats, check, cost, measured, program, reference, simulate
+from rolling.labels import printable
 from rolling.levelling import Levelling
 from rolling.result import Result
 from rolling.scenario import Scene
@@ -21,22 +22,6 @@ from rolling.scene_surface import scene_surface
 from rolling.sound import ContactSound
 
 PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5py", "pydantic")
-UNITS = {"kg_m3": "kg/m³", "m_s": "m/s", "um": "µm", "mm": "mm", "gpa": "GPa", "n": "N", "s": "s", "m": "m"}
-
-
-def named(key: str) -> tuple[str, str]:
-    """Word and unit of a dotted key: rolling.load_n is load in N."""
-    name = key.rpartition(".")[2]
-    for suffix, unit in UNITS.items():
-        if name.endswith("_" + suffix):
-            return name.removesuffix("_" + suffix).replace("_", " "), unit
-    return name.replace("_", " "), ""
-
-
-def worded(key: str, value: float) -> str:
-    """A value as people write it: load 5 N."""
-    word, unit = named(key)
-    return f"{word} {value:g} {unit}".rstrip()
 
 
 def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: float) -> dict[str, Any]:
@@ -91,7 +76,7 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
         "step_ms": float(np.median(solved_time) * 1e3),
         "seconds": float(solved_time.sum()),
         "sound_seconds": sound_seconds,
-        "warnings": _warnings(scene, sound),
+        "caveats": [asdict(each) for each in caveats.caveats(scene, sound, check.findings(scene), result.complete)],
         "surface": asdict(made.statistics),
         "levelling": None if made.levelling is None else _levelling(made.levelling),
     }
@@ -112,13 +97,6 @@ def _levelling(levelling: Levelling) -> dict[str, Any]:
         "seam_stands_out": seam.stands_out,
         "text": measured.tilt_text(levelling),
     }
-
-
-def _warnings(scene: Scene, sound: ContactSound) -> list[str]:
-    """List the doubts that follow from the scene, and what the solver's error leaves of the record."""
-    doubts = [f"{finding.what}: {finding.warning}" for finding in check.findings(scene) if finding.warning]
-    hidden = resolution.doubt(scene, sound.audible_rms, sound.resolved_rms)
-    return [*doubts, f"solver: {hidden}"] if hidden else doubts
 
 
 def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
@@ -152,13 +130,13 @@ def uncertain(level: float, uncertainty: float | None) -> str:
 def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
     """Levels and cost of runs given by label, folder and summary (None: not enough was solved), for the terminal.
 
-    LAeq stands with its standard uncertainty.
+    LAeq stands with its standard uncertainty, the caveats of all levels right below.
     """
     head = ("run", "LAeq dB(A)", "LZeq dB", "steady dB", "plastic ratio", "steps", "ms/step", "files")
     rows: list[tuple[str, ...]] = [head]
     for label, folder, summary in runs:
         if summary is None:
-            rows.append((label, *["-"] * 6, folder))
+            rows.append((label, *["-"] * 6, printable(folder)))
             continue
 
         def db(name: str, summary: dict[str, Any] = summary) -> str:
@@ -177,25 +155,27 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
                 f"{summary['plastic_ratio']:.3f}",
                 steps,
                 f"{summary['step_ms']:.1f}",
-                folder,
+                printable(folder),
             )
         )
     widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    return "\n".join(lines + _remarks([summary for _, _, summary in runs if summary is not None]))
+    return "\n".join(lines + _remarks([(label, summary) for label, _, summary in runs if summary is not None]))
 
 
-def _remarks(summaries: list[dict[str, Any]]) -> list[str]:
-    """The surfaces, and of each kind of warning the first."""
+def _remarks(runs: list[tuple[str, dict[str, Any]]]) -> list[str]:
+    """Say the caveats of the levels, then the surfaces, what repeats, and each kind of warning once."""
+    remarks = caveats.gathered([(label, caveats.stored(summary)) for label, summary in runs])
+    beside = [each for each in remarks if each.key in caveats.HEADLINE]
+    of_levels = " ".join(each.line for each in beside if each.key != "uncertainty")
+    of_uncertainty = " ".join(each.line for each in beside if each.key == "uncertainty")
     surfaces = dict.fromkeys(
         f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, skewness {s['skewness']:.2f},"
         f" kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
-        for s in (summary["surface"] for summary in summaries)
+        for s in (summary["surface"] for _, summary in runs)
     )
-    levelled = [summary["levelling"] for summary in summaries if summary.get("levelling")]
+    levelled = [summary["levelling"] for _, summary in runs if summary.get("levelling")]
     tilts = dict.fromkeys(f"tilt: {each['text']}" for each in levelled if each["slope_along"] or each["slope_across"])
-    warnings: dict[str, str] = {}
-    for summary in summaries:
-        for warning in summary["warnings"]:
-            warnings.setdefault(warning.partition(":")[0], f"warning: {warning}")
-    return ["", *surfaces, *tilts, *warnings.values()]
+    repeats = [f"note: {each.line}" for each in remarks if each.key in caveats.REPEATS]
+    warnings = [f"warning: {each.line}" for each in remarks if each.key not in caveats.STANDING]
+    return [*filter(None, (of_levels, of_uncertainty)), "", *surfaces, *tilts, *repeats, *warnings]

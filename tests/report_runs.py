@@ -65,9 +65,13 @@ class Runs:
     def smooth(self) -> Path:
         return self._made("smooth", SMOOTH)
 
+    def lap(self) -> Path:
+        """Once round: 6 ms that loop."""
+        return self._made("lap", SCENE.replace("0.9", "0.006"))
+
     def partial(self) -> Path:
         """Stopped after 200 of the 300 steps of its only lap."""
-        out, new = self._copied(self._made("lap", SCENE.replace("0.9", "0.006")), "partial")
+        out, new = self._copied(self.lap(), "partial")
         if new:
             run_of = run.read_runs(out)[0]
             result = store.load(out / "result.h5")

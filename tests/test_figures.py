@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from rolling import figures, run, store
+from rolling import figures, labels, run, store
 from rolling.heard import Heard, hear
 from rolling.picture import DPI, SIDE_IN, Picture
 from rolling.scenario import Scene
@@ -70,6 +70,11 @@ def by_name(pictures: Iterator[Picture]) -> dict[str, Picture]:
 
 def note(picture: Picture) -> str:
     return picture.figure.texts[1].get_text()
+
+
+def labelled(runs: list[Heard]) -> list[Heard]:
+    """The runs with labels made together."""
+    return [replace(one, label=label) for one, label in zip(runs, labels.labels(runs), strict=True)]
 
 
 def renamed(one: Heard, name: str) -> Scene:
@@ -134,7 +139,8 @@ def test_the_same_run_gives_the_same_bytes(runs: list[Heard]) -> None:
 
 
 def columns(picture: Picture) -> dict[str, np.ndarray]:
-    head, *rows = csv.reader(io.StringIO(picture.csv().decode()))
+    lines = (line for line in io.StringIO(picture.csv().decode()) if not line.startswith("#"))
+    head, *rows = csv.reader(lines)
     cells = np.array([[float(cell or "nan") for cell in row] for row in rows])
     return {name: cells[:, k][np.isfinite(cells[:, k])] for k, name in enumerate(head)}
 
@@ -218,7 +224,7 @@ def test_long_names_and_twelve_runs_stay_within_the_figure(runs: list[Heard]) ->
     many = [
         replace(
             one,
-            label=f"load {k + 1} N, correlation length {k} µm, roughness ra 0.{k} µm",
+            label=f"load {k + 1} N, correlation length {k} µm, Ra 0.{k} µm",
             values={"rolling.load_n": k // 4 + 1.0, "surface.correlation_length_um": k % 4 + 10.0},
         )
         for k in range(12)
@@ -306,14 +312,15 @@ def test_maps_and_events_only_where_there_are_any(runs: list[Heard]) -> None:
 def test_runs_alike_in_name_stay_apart(runs: list[Heard]) -> None:
     """The same run heard from elsewhere, and a run of another scene: no curve takes the place of another."""
     far = Scene.from_dict(runs[0].scene.to_dict() | {"sound": {"distance_m": 4}}, runs[0].scene.folder)
-    for others, labels in (
-        ([replace(runs[0], scene=far)], ["load 0.5 N (1)", "load 0.5 N (2)"]),
-        ([replace(runs[0], scene=renamed(runs[0], "other"))], ["small, load 0.5 N", "other, load 0.5 N"]),
+    for other, expected in (
+        (replace(runs[0], scene=far), ["load 0.5 N, distance 1 m", "load 0.5 N, distance 4 m"]),
+        (replace(runs[0], scene=renamed(runs[0], "other")), ["small, load 0.5 N", "other, load 0.5 N"]),
+        (runs[0], ["load 0.5 N (1)", "load 0.5 N (2)"]),
     ):
-        pictures = by_name(figures.of_runs([runs[0], *others]))
+        pictures = by_name(figures.of_runs(labelled([runs[0], other])))
         assert "levels" not in pictures
         for name in ("spectrum", "psd", "third_octaves"):
-            assert [text.get_text() for text in pictures[name].figure.legends[0].get_texts()][:2] == labels
+            assert [text.get_text() for text in pictures[name].figure.legends[0].get_texts()][:2] == expected
         assert sum("dB re 20" in column for column in pictures["third_octaves"].columns) == 2
     sweeps = [*runs, *(replace(one, scene=renamed(one, "other")) for one in runs)]
     found = by_name(figures.of_runs(sweeps))["levels"].columns

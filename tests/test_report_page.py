@@ -177,7 +177,8 @@ def play(page) -> None:
 
 
 @pytest.mark.parametrize(
-    "names", [("three",), ("one",), ("smooth",), ("partial",), ("old",), ("one", "old"), ("one", "fast", "braking")]
+    "names",
+    [("three",), ("one",), ("smooth",), ("partial",), ("old",), ("lap",), ("one", "old"), ("one", "fast", "braking")],
 )
 def test_opens_quietly_and_fits_a_phone(names, pages, opened) -> None:
     with opened(pages(*names), viewport={"width": 360, "height": 740}) as page:
@@ -458,12 +459,16 @@ def test_downloads_are_what_is_shown_and_the_table_can_be_copied(runs, pages, op
         assert saved["svg"] == base64.b64decode(shown) and b"<svg" in saved["svg"]
         image = Image.open(io.BytesIO(saved["png"]))
         assert image.size[0] == 1700 and np.ptp(np.asarray(image.convert("L"))) > 200
-        header, first = saved["csv"].decode().splitlines()[:2]
+        lines = saved["csv"].decode().splitlines()
+        assert "microphone" in "".join(line for line in lines if line.startswith("# "))
+        header, first = [line for line in lines if not line.startswith("#")][:2]
         assert header.startswith("mid frequency [Hz]") and float(first.split(",")[0]) == pytest.approx(19.95, abs=0.01)
         page.context.grant_permissions(["clipboard-read", "clipboard-write"])
         page.click("#copy-levels")
         until(page, "document.querySelector('#said').textContent === 'copied'")
-        rows = [row.split("\t") for row in page.evaluate("navigator.clipboard.readText()").splitlines()]
+        copied = page.evaluate("navigator.clipboard.readText()").splitlines()
+        assert "upper bound" in "".join(line for line in copied if line.startswith("# "))
+        rows = [row.split("\t") for row in copied if not row.startswith("#")]
     assert [row[0] for row in rows] == ["run", "load 0.5 N", "load 1 N", "load 2 N"]
     assert len({len(row) for row in rows}) == 1
     column = rows[0].index("LAeq [dB]")
@@ -510,6 +515,73 @@ def test_alike_runs_are_told_apart_and_old_ones_say_they_have_no_maps(pages, ope
         assert labels == ["load 1 N (one)", "load 1 N (old)"]
         page.check("input[name=run][value='1']")
         assert page.text_content("#map-number") == "no maps kept"
+
+
+def test_a_short_record_does_not_loop_unasked_and_says_why(pages, opened) -> None:
+    """6 ms repeat 167 times a second. Played, it ends; with Loop on it goes on."""
+    with opened(pages("lap")) as page:
+        assert not page.is_checked("#loop")
+        said = page.locator("[data-repeats]")
+        assert said.count() == 1 and said.is_visible()
+        assert "repeats 167 times a second" in said.text_content()
+        assert "the repetition, not the contact" in said.text_content()
+        page.click("#play")
+        until(page, "document.querySelector('#play').textContent === 'Play'")
+        assert time_of(page) == pytest.approx(0.006)
+        page.check("#loop")
+        page.click("#play")
+        page.wait_for_timeout(150)
+        assert page.text_content("#play") == "Pause"
+
+
+def test_a_short_record_among_long_ones_goes_round_only_when_asked_to(pages, opened) -> None:
+    """0.9 s, 0.45 s, and 6 ms that are chosen: silent after them until Loop is on, and again when it is off."""
+    path = pages("one", "fast", "lap")
+    assert [one["buzzes"] for one in data_of(path)["runs"]] == [False, False, True]
+    loudest = """async () => {
+      const block = new Float32Array(2048);
+      let greatest = 0;
+      for (let k = 0; k < 8; k++) {
+        await new Promise((done) => setTimeout(done, 15));
+        tap.analyser.getFloatTimeDomainData(block);
+        greatest = Math.max(greatest, ...block.map(Math.abs));
+      }
+      return greatest;
+    }"""
+    with opened(path) as page:
+        assert not page.is_checked("#loop")
+        page.check("input[name=run][value='2']")
+        assert page.locator("[data-repeats='2']").is_visible() and not page.locator("[data-repeats='0']").is_visible()
+        seek(page, 0.5)
+        assert float(page.text_content("#map-time").split()[0]) == pytest.approx(0.006)  # over
+        seek(page, 0.1)
+        page.click("#play")
+        page.wait_for_timeout(100)
+        assert page.evaluate(loudest) < 1e-6
+        page.check("#loop")
+        page.wait_for_timeout(80)
+        assert page.evaluate(loudest) > 1e-3
+        page.uncheck("#loop")
+        page.wait_for_timeout(80)
+        if page.text_content("#play") == "Pause":  # not at its end yet
+            assert page.evaluate(loudest) < 1e-6
+
+
+def test_caveats_stand_beside_the_headline_and_the_levels(pages, opened) -> None:
+    """Every level is read within sight of its caveats; they are escaped as all text is."""
+    for names in (("three",), ("one", "smooth")):
+        with opened(pages(*names), viewport={"width": 360, "height": 740}) as page:
+            near = page.text_content("#caveats")
+            for words in (
+                "an upper bound",
+                "q = 1",
+                "validated against a microphone",
+                "± covers the record's length alone",
+            ):
+                assert words in near
+            assert near in page.text_content("section[aria-labelledby=levels] .note")
+            headline, caveats = (page.locator(name).bounding_box() for name in (".result", "#caveats"))
+            assert 0 <= caveats["y"] - headline["y"] - headline["height"] < 40
 
 
 def test_records_of_other_lengths_go_round_or_fall_silent(pages, opened) -> None:

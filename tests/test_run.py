@@ -63,9 +63,12 @@ def test_sweep_makes_a_folder_per_run_and_a_table(scene: Path, tmp_path: Path, c
         assert (out / picture).stat().st_size > 5000
     entries = json.loads((out / "sweep.json").read_text())
     assert [entry["values"] for entry in entries] == [{"rolling.load_n": 0.5}, {"rolling.load_n": 2}]
+    assert [entry["label"] for entry in entries] == ["load 0.5 N", "load 2 N"]
     assert entries[1]["summary"]["release_power_mean_w"] > entries[0]["summary"]["release_power_mean_w"]
     printed = capsys.readouterr().out
     assert "load 0.5 N" in printed and "load 2 N" in printed
+    head, *_ = printed.split("\n\n")
+    assert "upper bound" in head and "microphone" in head and "± covers" in head  # right under the levels
 
 
 def test_outputs_are_never_overwritten_without_force(scene: Path, tmp_path: Path, capsys) -> None:

@@ -34,12 +34,13 @@ def noise(seed: int, n: int = 25000) -> np.ndarray:
     return 1e-9 * (1.0 + 0.1 * np.random.default_rng(seed).standard_normal(n))
 
 
+CAVEATS = [{"key": "unvalidated", "text": "No level has been validated against a microphone."}]
 SILENT = np.full(25000, 1e-9)
 
 
 def written(folder: Path, sound: ContactSound, scene=SCENE) -> dict[str, bytes]:
     folder.mkdir()
-    sound_files.write(folder, scene, "load 20 N", sound)
+    sound_files.write(folder, scene, "load 20 N", sound, CAVEATS)
     return {file.name: file.read_bytes() for file in sorted(folder.iterdir())}
 
 
@@ -70,7 +71,7 @@ def test_the_numbers_beside_a_file_are_those_of_the_file(closed, tmp_path: Path)
         gain = beside["gain_full_scale_per_pa"]
         assert gain * beside["pascal_per_full_scale"] == pytest.approx(1.0, rel=1e-15)
         assert beside["gain_db_re_1_per_pa"] == pytest.approx(20.0 * math.log10(gain), abs=1e-12)
-        assert beside["loops"] is closed
+        assert beside["loops"] is closed and beside["caveats"] == CAVEATS
         assert beside["factor_pa_per_w_m2"] == sound.factor and (beside["distance_m"], beside["q"]) == (1.0, 1.0)
         for said in (f"{sound.factor:.6g} Pa per W/m2", "distance 1 m", "q 1", "loops" if closed else "faded"):
             assert said in comment
@@ -173,7 +174,7 @@ def test_summary_and_table_hold_levels_with_uncertainty(tmp_path: Path, capsys) 
 
 def test_a_table_of_silence_has_no_uncertainty() -> None:
     numbers = {"laeq_db": None, "level_db": None, "steady_level_db": 70.0, "uncertainty_db": {"laeq": None}}
-    numbers |= {"plastic_ratio": 0.1, "steps": 5, "complete": True, "step_ms": 1.0, "warnings": []}
+    numbers |= {"plastic_ratio": 0.1, "steps": 5, "complete": True, "step_ms": 1.0, "caveats": []}
     numbers["surface"] = dict.fromkeys(("ra", "rq", "skewness", "kurtosis", "rms_slope"), 0.0)
     row = summary.table([("run", "folder", numbers)]).splitlines()[1]
     assert row.split()[:4] == ["run", "silent", "silent", "70.0"]

@@ -15,7 +15,7 @@
   // All that changes. The playhead rests at `at`, or moves with the audio clock from `from` to `end`, zero at `origin`. While
   // looping it runs on beyond `total`, so that records of other lengths go round in their own time.
   const state = {
-    run: 0, mode: "calibrated", loop: runs.every((run) => run.loops), wanted: false, playing: false,
+    run: 0, mode: "calibrated", loop: runs.every((run) => run.loops && !run.buzzes), wanted: false, playing: false,
     at: 0, from: 0, end: total, origin: 0,
     context: null, master: null, decoding: null, buffers: [], voices: [], sheets: [], drawn: "",
   };
@@ -30,10 +30,13 @@
 
   const sharedTime = () => (position() === state.end ? total : modulo(position(), total));
 
+  /** Whether a record goes round again within the longest one; one so short that it buzzes does so only when asked to. */
+  const goesRound = ({ loops, buzzes }) => loops && (state.loop || !buzzes);
+
   /** Time within a run's own record: round again if it loops, at its end if it is over. */
   function ownTime(number) {
-    const { loops, seconds } = runs[number];
-    return loops && seconds < total ? modulo(position(), seconds) : Math.min(sharedTime(), seconds);
+    const { seconds } = runs[number];
+    return goesRound(runs[number]) && seconds < total ? modulo(position(), seconds) : Math.min(sharedTime(), seconds);
   }
 
   // ---- sound ----
@@ -45,14 +48,15 @@
     return bytes;
   }
 
-  /** The samples of a player; what does not loop is filled up with silence, so that all go round together. */
+  /** The samples of a player, alone if they loop, and filled up with silence, so that all go round together. */
   async function decodeOne(player) {
     const offline = new OfflineAudioContext(1, 1, RATE); // may be had before the user has clicked anything
     const buffer = await offline.decodeAudioData(bytesOf(player.src).buffer);
-    if (runs[Number(player.dataset.run)].loops) return buffer;
-    const longer = new AudioBuffer({ length: Math.round(total * RATE), sampleRate: RATE });
-    longer.copyToChannel(buffer.getChannelData(0), 0);
-    return longer;
+    const { loops, buzzes } = runs[Number(player.dataset.run)];
+    if (loops && !buzzes) return { round: buffer };
+    const once = new AudioBuffer({ length: Math.round(total * RATE), sampleRate: RATE });
+    once.copyToChannel(buffer.getChannelData(0), 0);
+    return { round: loops ? buffer : once, once };
   }
 
   const decode = () => (state.decoding ??= Promise.all($$("audio").map(decodeOne)));
@@ -74,7 +78,8 @@
     const { context, buffers } = state;
     const when = context.currentTime;
     Object.assign(state, { playing: true, from: at, origin: when - at });
-    state.voices = buffers.map((buffer) => {
+    state.voices = buffers.map(({ round, once }, number) => {
+      const buffer = goesRound(runs[number]) ? round : once;
       const source = new AudioBufferSourceNode(context, { buffer, loop: true });
       const gain = new GainNode(context, { gain: 0 });
       source.connect(gain).connect(state.master);
@@ -155,6 +160,7 @@
     for (const radio of $$("input[name=run]")) radio.checked = Number(radio.value) === number;
     if ($("#choose")) $("#choose").value = String(number);
     for (const figure of $$("[data-name=release_power]")) figure.hidden = Number(figure.dataset.run) !== number;
+    for (const note of $$("[data-repeats]")) note.hidden = Number(note.dataset.repeats) !== number;
     say(runs[number].label);
     render();
   }
@@ -173,8 +179,12 @@
   }
 
   function setLoop(loop) {
+    const changes = state.playing && runs.some((run) => run.buzzes); // records that now go round, or no longer do
+    const at = position();
+    if (changes) stopVoices();
     state.loop = $("#loop").checked = loop;
-    if (state.playing) setEnd();
+    if (changes) startVoices(at);
+    else if (state.playing) setEnd();
     say(loop ? "loop" : "no loop");
   }
 
