@@ -79,31 +79,14 @@ def test_free_disk_is_that_of_the_nearest_folder_there_is(tmp_path: Path) -> Non
 # ---- the estimate ----------------------------------------------------------------------------------------------------
 
 # Measured: the peak of the resident memory of all processes, and the size of the folder without the copy of result.h5 that
-# stands beside it while it is written [MB]. Half of the scenes served to fit the constants, the others were not looked at.
+# stands beside it while it is written [MB]. The constants were fitted to the first nine; the others were predicted.
 LAPS = "{load_n: 0.5, speed_m_s: %s, duration_s: %s}"
+FORTY = f"sweep: {{rolling.load_n: {[round(0.01 * k, 2) for k in range(1, 41)]}}}"
 MEASURED = [
     ("laps", FILE, LAPS % (0.1, 10), 1, 555, 109),
     ("many laps", FILE, LAPS % (10, 1), 1, 2132, 947),
     ("long and slow", FILE, LAPS % (0.001, 300), 1, 4015, 332),
     ("varying speed", FILE, LAPS % ("[[0, 0.01], [10, 0.01], [10.001, 1]]", 10.05), 1, 531, 26),
-    ("loudness", FILE, LAPS % (0.02, 60) + "\nsound: {loudness: true}", 1, 1061, 182),
-    (
-        "events",
-        MADE.replace("spacing_um: 2", "spacing_um: 1"),
-        "{load_n: 5, speed_m_s: 0.1, duration_s: 0.02}\nrecovery: {events: true}",
-        1,
-        371,
-        7,
-    ),
-    (
-        "coarse",
-        MADE.replace("0.1, corr", "0.05, corr").replace("_um: 10", "_um: 40").replace("_um: 2,", "_um: 8,"),
-        "{load_n: 0.2, speed_m_s: 0.4, duration_s: 1}",
-        2,
-        714,
-        13,
-    ),
-    ("eight runs", FILE, LAPS % (0.1, 3) + "\nsweep: {rolling.load_n: [1, 2, 3, 4, 5, 6, 7, 8]}", 1, 542, 289),
     (
         "oversampling",
         MADE.replace("width_um: 200", "width_um: 100"),
@@ -112,16 +95,37 @@ MEASURED = [
         1194,
         4,
     ),
-    (
-        "wide",
-        MADE.replace("width_um: 200", "width_um: 20000"),
-        "{load_n: 1, speed_m_s: 0.1, duration_s: 0.02}",
-        2,
-        1360,
-        3,
-    ),
+    ("wide", MADE.replace("200", "20000"), "{load_n: 1, speed_m_s: 0.1, duration_s: 0.02}", 2, 1360, 3),
     ("wide, smooth", "surface: {kind: smooth, spacing_um: 2, width_um: 40000}\n", LAPS % (0.1, 0.02), 2, 608, 2),
-    ("quickstart", MADE, "{load_n: 1, speed_m_s: 0.1, duration_s: 0.009}", 2, 626, 2),
+    (
+        "large window",
+        MADE.replace("0.1, corr", "1, corr").replace("_um: 2,", "_um: 0.5,").replace("width_um: 200", "width_um: 640"),
+        "{load_n: 100, speed_m_s: 0.1, duration_s: 0.0064}\nnumerics: {step_nodes: 16}",
+        1,
+        662,
+        17,
+    ),
+    (
+        "events",
+        MADE.replace("spacing_um: 2", "spacing_um: 1"),
+        "{load_n: 5, speed_m_s: 0.1, duration_s: 0.02}\nrecovery: {events: true}",
+        1,
+        371,
+        7,
+    ),
+    ("one short run", MADE, "{load_n: 1, speed_m_s: 0.1, duration_s: 0.009}", 2, 626, 2),
+    ("loudness", FILE, LAPS % (0.02, 60) + "\nsound: {loudness: true}", 1, 1061, 182),
+    ("eight runs", FILE, LAPS % (0.1, 3) + "\nsweep: {rolling.load_n: [1, 2, 3, 4, 5, 6, 7, 8]}", 1, 542, 289),
+    ("forty runs", MADE.replace("200", "100"), "{load_n: 1, speed_m_s: 0.1, duration_s: 0.003}\n" + FORTY, 2, 643, 50),
+    ("wider", MADE.replace("200", "40000"), "{load_n: 1, speed_m_s: 0.1, duration_s: 0.04}", 2, 4162, 3),
+    (
+        "coarse",
+        MADE.replace("0.1, corr", "0.05, corr").replace("_um: 10", "_um: 40").replace("_um: 2,", "_um: 8,"),
+        "{load_n: 0.2, speed_m_s: 0.4, duration_s: 1}",
+        2,
+        714,
+        13,
+    ),
 ]
 
 
@@ -140,7 +144,7 @@ def test_estimate_is_the_measured_size_to_twice_of_it(
     if disk_mb > 100:
         assert disk_mb <= needed.disk.total / 1e6 <= 2 * disk_mb
     else:  # pictures, mostly: a few megabytes more or less
-        assert disk_mb <= needed.disk.total / 1e6 <= 2 * disk_mb + 10
+        assert disk_mb <= needed.disk.total / 1e6 <= 2 * disk_mb + 20
 
 
 @pytest.fixture(scope="module")
