@@ -184,6 +184,13 @@ def _save_events(file: h5py.File, result: Result) -> None:
             group[column].attrs["units"] = units[column]
 
 
+def _states(file: h5py.File, name: str, count: int) -> Array:
+    """Read a state series; NaN for the greatest deflection, which files of version 0.1.0 lack."""
+    if name == "max_deflection" and name not in file:
+        return np.full(count, np.nan)
+    return np.asarray(file[name][:count], dtype=float)
+
+
 def load(path: Path) -> Result:
     """Read result.h5.
 
@@ -200,7 +207,7 @@ def load(path: Path) -> Result:
                 step=float(file.attrs["step_m"]),
                 start=float(file.attrs["start_m"]),
                 series={name: file[name][:solved] for name in STEP_SERIES}
-                | {name: file[name][: solved + 1] for name in STATE_SERIES},
+                | {name: _states(file, name, solved + 1) for name in STATE_SERIES},
             )
             if "snapshot" in file:
                 group = file["snapshot"]

@@ -27,6 +27,7 @@ from rolling.store import Result
 SCENES = Path(__file__).parents[2] / "scenarios"
 CASES = "cases.json"
 CLAIMS = "claims.md"
+TABLES = "tables.md"
 PAGE = "index.html"
 
 
@@ -79,9 +80,11 @@ def reproduce(
         if results[one.folder].complete
     ]
     run_folder.write_json(folder / CASES, [_plain(asdict(case)) for case in cases])
-    table = claims.table(cases, {one.name: study.description(one) for one in folders})
+    departures = {reading: study.departures(found) for reading, found in scenes.items()}
+    table = claims.table(cases, {one.name: study.description(one) for one in folders}, departures)
     run_folder.write_json(folder / "claims.json", table)
     run_folder.write_bytes(folder / CLAIMS, claims_text.markdown(table).encode())
+    run_folder.write_bytes(folder / TABLES, claims_text.tables(table).encode())
     if not outcome.interrupted:
         _write_pictures(folder, runs, results, cases, table)
     flat = [one for each in runs.values() for one in each]
@@ -113,7 +116,7 @@ def _write_pictures(
     found = []
     for name, each in tqdm(runs.items(), disable=None, desc="surfaces", bar_format=solve.BAR):
         solved = [one for one in each if results[one.folder].complete]
-        if solved:
+        if solved and name not in table["twins"]:
             own = [case for case in cases if case.reading == name]
             found.append(readings.gather(name, solved, [results[one.folder] for one in solved], own))
     if not found:
@@ -124,7 +127,7 @@ def _write_pictures(
         pictures[one.name] = list(figures.gallery(one, scales))
         for picture in pictures[one.name]:
             picture.write(folder / one.name)
-    run_folder.write_bytes(folder / PAGE, page.page(list(pictures), table, pictures))
+    run_folder.write_bytes(folder / PAGE, page.page(page.ordered(pictures, table), table, pictures))
 
 
 def _plain(value: Any) -> Any:
