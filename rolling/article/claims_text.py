@@ -69,14 +69,14 @@ def headline(table: Mapping[str, Any]) -> str:
     judged = sum(len(keys) for name, keys in found.items() if name != standing.UNKNOWN)
     if not names or not judged:
         return "No reading was run that tells."
-    if len(names) == 1:
-        every, none = f"hold in {names[0]}", "do not"
-    else:
-        every, none = f"hold in each of {len(names)} readings", "in none"
-    differ = "depend on the reading or on the scale of levels" if len(names) > 1 else "depend on the scale of levels"
-    words = {standing.PART: "hold in part", standing.DIFFERS: differ, standing.OPEN: "are undecided"}
-    rest = [f"{len(found[name])} {what}" for name, what in words.items() if found[name]]
-    counts = [f"{len(found[standing.EVERY])} {every}", f"{len(found[standing.NONE])} {none}", *rest]
+    several = len(names) > 1
+    counts = [
+        f"{len(found[standing.EVERY])} hold in {f'each of {len(names)} readings' if several else names[0]}",
+        f"{len(found[standing.PART])} in part",
+        f"{len(found[standing.NONE])} {'in none' if several else 'not at all'}",
+        f"{len(found[standing.DIFFERS])} depending on {'the reading or on ' if several else ''}the scale of levels",
+        f"{len(found[standing.OPEN])} undecided",
+    ]
     return f"Of {judged} judged statements {', '.join(counts)}."
 
 
@@ -163,21 +163,17 @@ def _scores(table: dict[str, Any]) -> list[str]:
         words += (
             f"**No reading leads by {standing.LEAD:g} statements or more: none is said to explain the article best.**"
         )
+    parts = ["### How much each explains", words, _score_table(of_readings)]
+    rest = [one for one in table["scores"] if one not in of_readings]
+    return [*parts, "Variations, which take part in no comparison:", _score_table(rest)] if rest else parts
+
+
+def _score_table(scores: Sequence[dict[str, Any]]) -> str:
     rows = [
-        [
-            one["reading"],
-            table["readings"][one["reading"]]["kind"],
-            f"{one['scale']} lg",
-            _range(one),
-            *(f"{count}" for count in one["counts"].values()),
-        ]
-        for one in table["scores"]
+        [one["reading"], f"{one['scale']} lg", _range(one), *(f"{count}" for count in one["counts"].values())]
+        for one in scores
     ]
-    return [
-        "### How much each explains",
-        words,
-        _table(["reading", "kind", "levels", "score", *standing.WORDS], rows),
-    ]
+    return _table(["folder", "levels", "score", *standing.WORDS], rows)
 
 
 def _range(score: dict[str, Any]) -> str:
