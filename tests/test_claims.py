@@ -15,10 +15,10 @@ import pytest
 from acoustics.bands import MID_HZ
 from acoustics.spectrum import article_line_level_db
 from rolling.article import claims, claims_text, grid_error, measures, standing, verdicts
+from rolling.article.checks import GRID, NOT, NOT_RUN, PARTLY, RECORD, REPRODUCED, SURFACES, UNDECIDED
 from rolling.article.claims import CLAIMS, LOADS, OUTLOOK, ROUGHNESSES
 from rolling.article.grid_error import GridError
 from rolling.article.study import Case
-from rolling.article.verdicts import GRID, NOT, NOT_RUN, PARTLY, RECORD, REPRODUCED, SURFACES, UNDECIDED
 
 LINE_HZ = np.geomspace(100.0, 18000.0, 40)
 SMOOTH_DB = 72.0  # of the greatest line at Ra 0.01 um and 5 N: with 0.05 s, records of half a second still pass 70 dB

@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any
 
 from rolling.article import grid_error, standing, twins, verdicts
+from rolling.article.checks import NOT_RUN, Finding
 from rolling.article.measures import (
     AUDIBLE,
     CENTROID,
@@ -30,8 +31,6 @@ from rolling.article.verdicts import (
     LARGEST_STEP,
     LENGTHS,
     NO_AREA,
-    NOT_RUN,
-    Finding,
     newton,
     ra,
 )
@@ -81,7 +80,7 @@ RECORD_CAUTION = (
     " The verdict names, for each roughness, the length at which it would turn."
 )
 LEVEL_CAUTION = (
-    "The grid of 2 µm makes rough surfaces louder than they are: between 2 and 1 µm LAeq falls by 0.1 and 0.8 dB as stated at Ra 1 µm"
+    "The grid of 2 µm makes rough surfaces louder than they are: from 2 to 1 µm LAeq falls by 0.1 and 0.8 dB as stated at Ra 1 µm"
     " (20 and 5 N), by 1.1 and 2.0 dB in hardness-3y-exponential, by less than 0.1 and by 0.3 dB at Ra 0.1 µm."
 )
 _UP = "Every step up by more than twice its standard error over the surfaces, with one surface by more than 0"
@@ -337,7 +336,8 @@ def table(
     -------
     readings : by name: kind (reading, variation or sweep), what it takes for granted, what it changes, what it lacks.
     twins : the names of those without hardness, which others are compared with and nothing else is judged of.
-    claims : each with key, where, statement, tolerance, caution, and findings of each reading and scale (10 or 20 lg; None
+    claims : each with key, where, statement, tolerance, caution, what a sweep varies for it,
+    and findings of each reading and scale (10 or 20 lg; None
     where no level is judged). standing : as in `standing`, of readings only. scores : of readings, then of variations, each
     from the highest down.
     """
@@ -353,6 +353,7 @@ def table(
             "tolerance": claim.tolerance,
             "caution": claim.caution,
             "outlook": claim in OUTLOOK,
+            "swept": claim.varied,
             "findings": [
                 {"reading": name, "scale": scale if claim.level else None}
                 | asdict(_judged(claim, Cases(group, scale, without, grid_error.MEASURED.get(name, grid_error.NONE))))

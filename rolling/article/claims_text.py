@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from rolling.article import standing
+from rolling.article.checks import UNDECIDED
 from rolling.article.claims import READING, SWEEP, VARIATION
-from rolling.article.verdicts import UNDECIDED
 
 DOCS_MARK = "<!-- From here on: tables.md, as `rolling reproduce lee2025` writes it into its folder. -->"
 
@@ -90,15 +90,14 @@ def _standing(table: dict[str, Any]) -> list[str]:
 
 
 def _verdicts(table: dict[str, Any], kind: str, heading: str, words: str) -> list[str]:
-    """A table of the verdicts of the readings of a kind, without the statements that none of them can tell of."""
+    """A table of the verdicts of the readings of a kind on the statements that such readings are about."""
     names = [name for name, one in table["readings"].items() if one["kind"] == kind]
     if not names:
         return []
     rows = [
         [f"*{claim['key']}*: {claim['statement']}", *(_cell(claim, name) for name in names)]
         for claim in table["claims"]
-        if any(one["numbers"] or not claim["outlook"] for one in claim["findings"] if one["reading"] in names)
-        and (kind != SWEEP or any(one["numbers"] for one in claim["findings"] if one["reading"] in names))
+        if bool(claim["swept"]) == (kind == SWEEP)
     ]
     changes = [
         f"- {name} has {' and '.join(table['readings'][name]['departs'])}."

@@ -1,4 +1,4 @@
-"""What holds of the article over all its readings, and what each explains. Depends on verdicts; judges no single case.
+"""What holds of the article over all its readings, and what each explains. Depends on checks; judges no single case.
 
 A statement stands where every reading says the same of it. No reading is named as the best unless it leads by `LEAD` statements.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from rolling.article.verdicts import NOT, NOT_RUN, PARTLY, REPRODUCED, UNDECIDED
+from rolling.article.checks import NOT, NOT_RUN, PARTLY, REPRODUCED, UNDECIDED
 
 WORTH = {REPRODUCED: 1.0, PARTLY: 0.5, NOT: 0.0}
 WORDS = (REPRODUCED, PARTLY, NOT, UNDECIDED, NOT_RUN)

@@ -11,9 +11,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ, band_uncertainty_db, reliable
+from rolling.article.checks import GRID, NOT_RUN, Check, Finding, concluded, doubt
 from rolling.article.measures import AUDIBLE, Cases, Measure
 from rolling.article.study import Case
-from rolling.article.verdicts import GRID, NOT_RUN, Check, Finding, concluded, doubt, newton, ra
+from rolling.article.verdicts import newton, ra
 
 HIGHEST_BAND_HZ = 4500.0  # third octaves up to 4 kHz: above, a grid of 2 um reads too high where the plate yields
 LEAST_SHARE = 1 / 3  # of the third octaves; one in twenty differs by more than twice its uncertainty by chance
