@@ -399,7 +399,7 @@ def test_a_ratio_that_a_fine_grid_may_turn_is_undecided(
 ) -> None:
     """The plastic ratio at Ra 0.1 um grows by these factors on a fine grid, and 0.3 / 0.2 with it."""
     assert verdict("plastic-ratio-1-over-0.1", study()) == REPRODUCED
-    with_grid(monkeypatch, plastic={0.1: fine})
+    with_grid(monkeypatch, plastic={0.1: {20: fine}})  # of one load: taken for all
     found = finding("plastic-ratio-1-over-0.1", study())
     assert found["verdict"] == expected
     if expected == UNDECIDED:
@@ -408,21 +408,32 @@ def test_a_ratio_that_a_fine_grid_may_turn_is_undecided(
         assert f"{UNDECIDED} (the grid)" in claims_text.markdown(claims.table(study()))
 
 
+def test_errors_of_loads_between_measured_ones_are_those_of_both() -> None:
+    error = GridError(plastic={0.1: {5: (1.1, 1.6), 20: (1.0, 1.3)}}, level_db={1.0: {5: (-3.0, 0.1)}})
+    assert [error.factor("plastic", 0.1, w) for w in (1, 5, 10, 20, 100)] == [
+        (1.1, 1.6), (1.1, 1.6), (1.0, 1.6), (1.0, 1.3), (1.0, 1.3)
+    ]  # fmt: skip
+    assert error.factor("plastic", 1.0, 5) == (1.0, 1.0) and error.factor("", 0.1, 5) == (1.0, 1.0)
+    assert error.ratio("plastic", 1.0, 0.1, 5) == (1 / 1.6, 1.0)  # with the study's own grid in it
+    assert error.shift_db("level_db", (1.0, 5), (0.1, 5), 20) == (-6.0, 0.2)
+    assert error.shift_db("level_db", (0.1, 5), (1.0, 5), 10) == (-0.1, 3.0)
+
+
 def test_a_failed_ratio_may_hold_on_a_fine_grid(monkeypatch: pytest.MonkeyPatch) -> None:
     changed = when(on(1.0), put("plastic_ratio", lambda c: 0.38 * (1.0 + c.load_n / 200.0)))  # 1.9
     assert verdict("plastic-ratio-1-over-0.1", study(changed=changed)) == NOT
-    with_grid(monkeypatch, plastic={0.1: (1.0, 1.25)})  # 1.9 to 1.52
+    with_grid(monkeypatch, plastic={0.1: {20: (1.0, 1.25)}})  # 1.9 to 1.52
     assert verdict("plastic-ratio-1-over-0.1", study(changed=changed)) == UNDECIDED
-    with_grid(monkeypatch, plastic={0.1: (1.0, 1.05)})  # 1.9 to 1.81
+    with_grid(monkeypatch, plastic={0.1: {20: (1.0, 1.05)}})  # 1.9 to 1.81
     assert verdict("plastic-ratio-1-over-0.1", study(changed=changed)) == NOT
 
 
 def test_steps_smaller_than_the_grids_error_are_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
     """Plastic area 0.30 to 0.31, deflection 0.18 to 0.1 per newton, levels by 0.5 dB from Ra 1 to 5 um."""
-    with_grid(monkeypatch, plastic={5.0: (0.99, 1.0)}, deflection={5.0: (1.0, 1.02)}, level_db={5.0: (-0.4, 0.0)})
+    with_grid(monkeypatch, plastic={5: {5: (0.99, 1)}}, deflection={5: {5: (1, 1.02)}}, level_db={5: {5: (-0.4, 0)}})
     keys = ("plastic-area-roughness", "deflection-roughness", "deflection-roughest", "level-roughness")
     assert [verdict(key, study()) for key in keys] == [REPRODUCED] * 4
-    with_grid(monkeypatch, plastic={5.0: (0.96, 1.0)}, deflection={5.0: (1.0, 1.9)}, level_db={5.0: (-0.6, 0.0)})
+    with_grid(monkeypatch, plastic={5: {5: (0.96, 1)}}, deflection={5: {5: (1, 1.9)}}, level_db={5: {5: (-0.6, 0)}})
     assert [verdict(key, study()) for key in keys] == [UNDECIDED] * 4
     assert verdict("level-roughness", study(), 20) == UNDECIDED  # both double
     assert finding("level-roughness", study())["between"] == [PARTLY, REPRODUCED]
@@ -500,7 +511,7 @@ def test_yielding_is_heard_by_the_level_or_by_the_bands(monkeypatch: pytest.Monk
         assert verdict("yielding-noise", off(db, bands)) == word, (db, bands)
         assert verdict("yielding-noise", off(db, bands), 20) == word
     assert verdict("yielding-louder", off(1.2, 0)) == REPRODUCED and verdict("yielding-louder", off(-1.2, 0)) == NOT
-    with_grid(monkeypatch, level_db={0.1: (-0.2, 1.5), 1.0: (-0.2, 1.5)})
+    with_grid(monkeypatch, level_db={0.1: {5: (-0.2, 1.5)}, 1.0: {5: (-0.2, 1.5)}})
     assert finding("yielding-noise", off(1.2, 0))["decided_by"] == GRID
     assert verdict("yielding-noise", off(1.6, 0)) == REPRODUCED
 

@@ -80,8 +80,9 @@ RECORD_CAUTION = (
     " The verdict names, for each roughness, the length at which it would turn."
 )
 LEVEL_CAUTION = (
-    "The grid of 2 µm makes rough surfaces louder than they are: from 2 to 1 µm LAeq falls by 0.1 and 0.8 dB as stated at Ra 1 µm"
-    " (20 and 5 N), by 1.1 and 2.0 dB in hardness-3y-exponential, by less than 0.1 and by 0.3 dB at Ra 0.1 µm."
+    "The grid of 2 µm makes rough surfaces louder than they are. From 2 to 1 µm LAeq falls by 0.8 and 0.1 dB as stated at Ra 1 µm"
+    " (5 and 20 N), by 1.9 dB at Ra 5 µm (5 N), by 2.0 and 1.1 dB in hardness-3y-exponential at Ra 1 µm, by 0.3 dB at most at"
+    " Ra 0.1 µm; greatest lines move by 0.4 dB at most."
 )
 _UP = "Every step up by more than twice its standard error over the surfaces, with one surface by more than 0"
 

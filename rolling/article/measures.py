@@ -166,7 +166,7 @@ PLASTIC_AREA = Measure(
 )
 CONTACT_AREA = Measure(lambda case, factor: case.contact_ratio * case.load_n ** (2 / 3), "Hertz areas of 1 N")
 DEFLECTION = Measure(lambda case, factor: case.deflection * 1e6, "µm", ".3f", grid="deflection")
-MAXIMUM = Measure(_maximum_db, "dB", ".1f", level=True, grid="level_db")
+MAXIMUM = Measure(_maximum_db, "dB", ".1f", level=True, grid="line_db")
 AUDIBLE = Measure(_audible_db, "dB", ".1f", level=True, grid="level_db")
 HIGH_BAND = Measure(_high_band_db, "dB", ".1f", level=True, grid="high_db")
 CENTROID = Measure(_centroid_hz, "Hz", ".0f")

@@ -30,7 +30,8 @@ def influences(study: Cases) -> Finding:
         step, error = _audible_step(study, pairs)
         bands, off, uncertain = _band_steps(study, pairs)
         grid_db, grid_band_db = (
-            study.factor / 10 * reach for reach in (_reach(study, roughness), study.grid.band_db.get(roughness, 0.0))
+            study.factor / 10 * reach
+            for reach in (_reach(study, roughness, load), study.grid.band_db.get(roughness, 0.0))
         )
 
         def differs(level_grid: float, band_grid: float, step=step, error=error, off=off, uncertain=uncertain) -> bool:
@@ -57,7 +58,7 @@ def louder(study: Cases) -> Finding:
     checks = []
     for roughness, load, pairs in _pairs(study):
         step, error = _audible_step(study, pairs)
-        grid = _reach(study, roughness) * study.factor / 10
+        grid = _reach(study, roughness, load) * study.factor / 10
         holds = step > 2 * error
         told = f"{AUDIBLE.told(step, '+')} ± {error:.1f} dB"
         place = f"{ra(roughness)}, {newton(load)}"
@@ -113,6 +114,6 @@ def _band_steps(study: Cases, pairs: Sequence[Pair]) -> tuple[list[str], np.ndar
     return [name for name, reads in zip(BAND_NAMES, there, strict=True) if reads], off, uncertain
 
 
-def _reach(study: Cases, roughness: float) -> float:
-    """Return the most that the grid moves a level on this roughness [dB, 10 lg]; a twin's own error is far smaller."""
-    return max(abs(end) for end in study.grid.level_db.get(roughness, (0.0, 0.0)))
+def _reach(study: Cases, roughness: float, load: float) -> float:
+    """Return the most that the grid moves a level there [dB, 10 lg]; a twin's own error is far smaller."""
+    return max(abs(end) for end in study.grid.change_db(AUDIBLE.grid, roughness, load))

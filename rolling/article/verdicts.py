@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -23,32 +24,44 @@ LARGE_GAP_DB = 6.0
 LARGEST_STEP = 1.5  # 20 to 50 N is 2.5 times the load, the other steps twice: 1.3 of them come without any jump
 
 
-def _step_on_grid(study: Cases, measure: Measure, step: Change, base: float | None, over: float, under: float) -> float:
-    """Return by how much at most the grid may move the step from one roughness to another against its sign."""
+@dataclass(frozen=True)
+class _Step:
+    """A change at a load [N] from one roughness [um] to another; `base`: the mean that it starts from."""
+
+    change: Change
+    base: float
+    over: float
+    under: float
+    load: float
+
+
+def _step(study: Cases, measure: Measure, under: float, over: float, load: float) -> _Step | None:
+    """Find the change from one roughness to another at a load; None where cases are missing."""
+    first, then = study.at(under, load), study.at(over, load)
+    found = change(measure, first, then, study.factor)
+    base = measure.mean(first, study.factor)
+    return None if found is None or base is None else _Step(found, base, over, under, load)
+
+
+def _turns_on_grid(study: Cases, measure: Measure, step: _Step) -> bool:
+    """Judge whether the grid may move a step against its sign."""
+    mean = step.change.mean
     if measure.level:
-        low, high = study.grid.shift(measure.grid, over, under, study.factor)
-    elif base is None:
-        return 0.0
+        places = (step.over, step.load), (step.under, step.load)
+        low, high = study.grid.shift_db(measure.grid, *places, study.factor)
     else:
-        low, high = ((factor - 1) * (base + step.mean) for factor in study.grid.ratio(measure.grid, over, under))
-    return -low if step.mean > 0 else high
+        factors = study.grid.ratio(measure.grid, step.over, step.under, step.load)
+        low, high = ((factor - 1) * (step.base + mean) for factor in factors)
+    return 0 < mean <= -low or 0 < -mean <= high
 
 
-def _sign_on_grid(
-    study: Cases, measure: Measure, steps: dict[str, tuple[Change, float | None, float, float]], rises: bool
-) -> tuple[bool, str]:
-    """Judge whether all steps rise (or fall), and whether the grid could turn that.
-
-    steps : by name: the change, the mean that it starts from, the roughness it leads to and the one it comes from.
-    """
-    nominal, at_best, at_worst = [], [], []
-    for step, base, over, under in steps.values():
-        holds = step.rises if rises else step.falls
-        turned = 0 < abs(step.mean) <= _step_on_grid(study, measure, step, base, over, under)
-        nominal.append(holds)
-        at_best.append(holds or turned)
-        at_worst.append(holds and not turned)
-    return all(nominal), GRID if all(at_best) != all(at_worst) else ""
+def _sign(study: Cases, measure: Measure, steps: Sequence[_Step], rises: bool) -> tuple[bool, str]:
+    """Judge whether all steps rise (or fall), and whether the grid may turn that."""
+    holds = [step.change.rises if rises else step.change.falls for step in steps]
+    turns = [_turns_on_grid(study, measure, step) for step in steps]
+    at_best = all(held or turned for held, turned in zip(holds, turns, strict=True))
+    at_worst = all(held and not turned for held, turned in zip(holds, turns, strict=True))
+    return all(holds), GRID if at_best != at_worst else ""
 
 
 def _all(parts: Sequence[bool | None]) -> bool | None:
@@ -110,22 +123,16 @@ def along_roughness(study: Cases, measure: Measure, roughnesses: Sequence[float]
     """Every step of roughness raises it (or lowers it) at every load; a part for each step."""
     checks = []
     for a, b in pairwise(roughnesses):
-        steps = {
-            newton(load): (step, measure.mean(study.at(a, load), study.factor), b, a)
-            for load in study.loads
-            if (step := change(measure, study.at(a, load), study.at(b, load), study.factor))
-        }
-        holds, unsure = _sign_on_grid(study, measure, steps, rises)
-        told = ", ".join(measure.told(step.mean, "+") for step, *_ in steps.values())
-        checks.append(
-            Check(
-                f"{ra(a)} to {b:g}",
-                holds if steps else None,
-                f"{told} {measure.unit} ({', '.join(steps)})",
-                {name: step.mean for name, (step, *_) in steps.items()},
-                unsure=unsure if steps else "",
-            )
-        )
+        steps = [step for load in study.loads if (step := _step(study, measure, a, b, load))]
+        place = f"{ra(a)} to {b:g}"
+        if not steps:
+            checks.append(Check(place, None))
+            continue
+        holds, unsure = _sign(study, measure, steps, rises)
+        loads = [newton(step.load) for step in steps]
+        means = [step.change.mean for step in steps]
+        told = f"{', '.join(measure.told(mean, '+') for mean in means)} {measure.unit} ({', '.join(loads)})"
+        checks.append(Check(place, holds, told, dict(zip(loads, means, strict=True)), unsure=unsure))
     return concluded(checks)
 
 
@@ -133,17 +140,12 @@ def lowest_of_all(study: Cases, measure: Measure, roughness: float) -> Finding:
     """At each load less than on every other roughness."""
     checks = []
     for load in study.loads:
-        lowest = study.at(roughness, load)
-        steps = {}
-        for other in study.roughnesses:
-            group = study.at(other, load)
-            step = change(measure, group, lowest, study.factor) if other != roughness else None
-            if step:
-                steps[ra(other)] = step, measure.mean(group, study.factor), roughness, other
+        others = [other for other in study.roughnesses if other != roughness]
+        steps = [step for other in others if (step := _step(study, measure, other, roughness, load))]
         if not steps:
             checks.append(Check(newton(load), None))
             continue
-        holds, unsure = _sign_on_grid(study, measure, steps, rises=False)
+        holds, unsure = _sign(study, measure, steps, rises=False)
         words, numbers = _series(study, measure, [(ra(one), study.at(one, load)) for one in study.roughnesses])
         checks.append(Check(newton(load), holds, words, numbers, unsure=unsure))
     return concluded(checks)
@@ -161,7 +163,7 @@ def ratio_at_each_load(study: Cases, measure: Measure, over: float, under: float
             checks.append(Check(newton(load), False, f"nothing on {ra(under)}"))
             continue
         ratio = above / below
-        least, most = study.grid.ratio(measure.grid, over, under)
+        least, most = study.grid.ratio(measure.grid, over, under, load)
         errors = [measure.relative_error(study.at(one, load), study.factor) for one in (over, under)]
         unsure = doubt(
             ratio, lambda x: low <= x <= high, ((least - 1) * ratio, (most - 1) * ratio), ratio * math.hypot(*errors)
@@ -219,8 +221,7 @@ def exceeds(study: Cases, measure: Measure, roughnesses: Sequence[float], least_
         duration = max(case.duration_s for _, group in groups for case in group)
         times = 10 ** ((greatest - least_db) / LG_LENGTH_DB)
         words += f", turns at a record of {times * duration:.2g} s instead of {duration:.2g} s"
-        unsure = doubt(greatest, lambda x: x > least_db, study.grid.shift(measure.grid, roughness, math.nan, 10), 0.0)
-        unsure = RECORD if 1 / LENGTHS <= times <= LENGTHS else unsure
+        unsure = RECORD if 1 / LENGTHS <= times <= LENGTHS else ""
         numbers |= {"turns at [s]": times * duration}
         checks.append(Check(ra(roughness), greatest > least_db, words, numbers, unsure=unsure))
     return concluded(checks)
@@ -232,11 +233,12 @@ def gap_over(
     """How far each rougher surface lies above the smooth one, in the mean over the loads."""
     checks = []
     for roughness in roughnesses:
-        gaps = {}
+        gaps, loads = {}, []
         for load in study.loads:
             step = change(measure, study.at(smooth, load), study.at(roughness, load), study.factor)
             if step:
                 gaps[newton(load)] = step
+                loads.append(load)
         if not gaps:
             checks.append(Check(ra(roughness), None))
             continue
@@ -244,11 +246,17 @@ def gap_over(
         error = float(np.mean([step.error for step in gaps.values()]))  # the same surfaces under all loads
         each = ", ".join(measure.told(step.mean, "+") for step in gaps.values())
         told = f"{measure.told(mean, '+')} dB ({each} at {', '.join(gaps)})"
-        grid = study.grid.shift(measure.grid, roughness, smooth, study.factor)
+        grid = _mean_range(
+            [study.grid.shift_db(measure.grid, (roughness, one), (smooth, one), study.factor) for one in loads]
+        )
         unsure = doubt(mean, lambda x: low_db <= x <= high_db, grid, error)
         numbers = {"mean": mean} | {name: step.mean for name, step in gaps.items()}
         checks.append(Check(ra(roughness), low_db <= mean <= high_db, told, numbers, unsure=unsure))
     return concluded(checks)
+
+
+def _mean_range(ranges: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    return float(np.mean([low for low, _ in ranges])), float(np.mean([high for _, high in ranges]))
 
 
 def rise_over_loads(
@@ -265,13 +273,10 @@ def rise_over_loads(
         return concluded([Check(place, None)])
     mean = float(np.mean([step.mean for step in steps.values()]))
     error = math.hypot(*(step.error for step in steps.values())) / len(steps)
-    grids = [study.grid.shift(measure.grid, one, one, study.factor) for one in steps]
-    unsure = doubt(
-        mean,
-        lambda x: low_db <= x <= high_db,
-        (float(np.mean([low for low, _ in grids])), float(np.mean([high for _, high in grids]))),
-        error,
+    grid = _mean_range(
+        [study.grid.shift_db(measure.grid, (one, greatest), (one, least), study.factor) for one in steps]
     )
+    unsure = doubt(mean, lambda x: low_db <= x <= high_db, grid, error)
     inside = [low_db <= step.mean <= high_db for step in steps.values()]
     each = ", ".join(f"{measure.told(step.mean, '+')} {ra(one)}" for one, step in steps.items())
     told = f"{measure.told(mean, '+')} dB ({each})"
@@ -319,7 +324,7 @@ def stands_apart(study: Cases, measure: Measure, roughness: float, low: float, h
                 unsure=doubt(
                     gap,
                     lambda x: x >= LARGE_GAP_DB,
-                    study.grid.shift(measure.grid, roughness, roughness, study.factor),
+                    study.grid.shift_db(measure.grid, (roughness, high), (roughness, low), study.factor),
                     0.0,
                 ),
             ),
@@ -343,7 +348,8 @@ def loudest(study: Cases, measure: Measure, roughness: float, loads: Sequence[fl
         near = first != roughness and step is not None and not step.rises
         over, under = (roughness, second) if first == roughness else (first, roughness)
         lead = means[over] - means[under]
-        unsure = GRID if lead <= -study.grid.shift(measure.grid, over, under, study.factor)[0] else ""
+        least, _ = study.grid.shift_db(measure.grid, (over, load), (under, load), study.factor)
+        unsure = GRID if least < 0 and lead <= -least else ""
         checks.append(Check(newton(load), first == roughness, f"{ra(first)} of {words}", numbers, near, unsure))
     return concluded(checks)
 
@@ -360,7 +366,7 @@ def within(study: Cases, measure: Measure, roughnesses: Sequence[float], most_db
         top, bottom = max(known, key=lambda one: known[one]), min(known, key=lambda one: known[one])
         span = known[top] - known[bottom]
         step = change(measure, study.at(bottom, load), study.at(top, load), study.factor)
-        grid = study.grid.shift(measure.grid, top, bottom, study.factor)
+        grid = study.grid.shift_db(measure.grid, (top, load), (bottom, load), study.factor)
         unsure = doubt(span, lambda x: x <= most_db, grid, step.error if step else 0.0)
         checks.append(Check(newton(load), span <= most_db, f"{measure.told(span)} dB", span, unsure=unsure))
     return concluded(checks)
