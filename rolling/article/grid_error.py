@@ -62,8 +62,8 @@ class GridError:
 
 NONE = GridError()
 
-# Ranges reach from the finest grid, edges sharp and blended (0.5 um in hardness-3y-exponential at Ra 0.1 and 1 um, else 1 um), to what
-# order 1.4 makes of the last two grids. Levels: blended edges only. Third octaves: 1.6 times the change from 2 to 1 um, by that order.
+# Ranges reach from the finest grid, edges sharp and blended (0.5 um in hardness-3y-exponential at Ra 0.1 and 1 um, else 1 um), to
+# what order 1.4 makes of the last two grids. Levels: blended edges only. Third octaves: 1.6 times the change from 2 to 1 um.
 MEASURED = {
     "as-stated": GridError(
         plastic={
