@@ -56,8 +56,8 @@ def case(roughness: float, load: float, seed: int = 1, length: float = 10.0, **o
     line_hz = 20.0 * 2 ** (np.arange(100) / 12)
     return replace(
         Case(
-            "synthetic", roughness, load, seed, length, 256, 0.05, 0.1 * roughness * seed, 1.0, 2.1e9, 1e-6, maximum + 3,
-            maximum, 2 * maximum, line_hz, maximum - 0.1 * np.arange(100.0), np.full(31, np.nan), 1e-4,
+            "synthetic", roughness, load, seed, length, 2.1, "R 5 mm", 256, 0.05, 0.1 * roughness * seed, 1.0, 2.1e9, 1e-6,
+            maximum + 3, 0.4, 0.8, maximum, 2 * maximum, line_hz, maximum - 0.1 * np.arange(100.0), np.full(31, np.nan), 1e-4,
         ),
         **others,
     )  # fmt: skip
@@ -268,16 +268,22 @@ def test_correlation_lengths_have_a_figure_of_their_own() -> None:
 
 def test_page_has_a_column_for_each_reading_and_asks_for_nothing(synthetic: Reading) -> None:
     findings = [
+        {"reading": "synthetic", "scale": 10, "verdict": "undecided", "measured": "14 dB", "decided_by": "the grid"},
         {"reading": "synthetic", "scale": 10, "verdict": "reproduced", "measured": "14 dB"},
         {"reading": "synthetic", "scale": 20, "verdict": "not run", "measured": HOSTILE},
         {"reading": HOSTILE, "scale": None, "verdict": "partly", "measured": ""},
     ]
     claim = {"key": "k", "where": "section 3", "statement": HOSTILE, "tolerance": "3 dB", "findings": findings}
-    scores = [{"reading": "synthetic", "scale": 10, "score": 1.0, "rank": 1, "counts": {"reproduced": 1}}]
+    claim["caution"] = HOSTILE + "1.6 at 2 µm, 1.2 at 0.5 µm"
+    scores = [{"reading": "synthetic", "scale": 10, "least": 1.0, "most": 2.5, "counts": {"reproduced": 1}}]
     pictures = [*drawn(synthetic).values()]
     html = page.page(
         ["synthetic", HOSTILE],
-        {"claims": [claim], "scores": scores, "readings": {"synthetic": {"lacks": ["50 N"]}}},
+        {
+            "claims": [claim],
+            "scores": scores,
+            "readings": {"synthetic": {"kind": "variation", "what": "x", "departs": [HOSTILE], "lacks": ["50 N"]}},
+        },
         {"synthetic": pictures, HOSTILE: pictures},
     ).decode()
     assert HOSTILE not in html and "<img src=x" not in html
@@ -288,8 +294,17 @@ def test_page_has_a_column_for_each_reading_and_asks_for_nothing(synthetic: Read
     policy = re.search(r'Content-Security-Policy" content="([^"]+)"', html)
     assert policy and policy[1].startswith("default-src 'none'")
     assert "<script" not in html and not re.search(r"<link|@import|url\(", html)
+    assert '<p class="caution">' in html and "1.6 at 2 µm, 1.2 at 0.5 µm</p>" in html
+    assert '<th scope="col" class="variation">synthetic<span class="kind">variation</span></th>' in html
+    assert '</span> undecided <span class="scale">(the grid)</span>' in html and "<td>1 to 2.5</td>" in html
     for text in ("✓</span> reproduced", "◐</span> partly", "○</span> not run", "10 lg", "not solved: 50 N"):
         assert text in html
+
+
+def test_variations_stand_after_the_readings() -> None:
+    kinds = {"a": "sweep", "b": "variation", "c": "reading", "d": "variation", "e": "reading"}
+    order = page.ordered(kinds, {"readings": {name: {"kind": kind} for name, kind in kinds.items()}})
+    assert order == ["c", "e", "b", "d", "a"]
 
 
 def test_page_takes_a_table_without_scores_or_findings(synthetic: Reading) -> None:

@@ -10,11 +10,13 @@ from pathlib import Path
 
 from rolling import cli, simulate, store
 from rolling.article import study
-from rolling.article.claims import CLAIMS, OUTLOOK, WORTH
+from rolling.article.claims import CLAIMS, OUTLOOK
+from rolling.article.standing import WORDS
 
 SHORT = study.Part(seeds=1, loads=(5, 10), duration_s=0.01, strides=2)  # a track longer than contact is wide
 READINGS = ("as-stated", "hardness-3y-exponential")
-COMMAND = ("reproduce", "lee2025", "--quick", "--readings", *READINGS, "--workers", "1")
+TWIN = "elastic-gaussian"  # 5 N at two roughnesses
+COMMAND = ("reproduce", "lee2025", "--quick", "--readings", *READINGS, TWIN, "--workers", "1")
 FIGURES = (
     "fig1_surfaces",
     "fig5_contact_pressure",
@@ -54,8 +56,8 @@ def test_a_killed_study_goes_on_and_answers_for_each_statement(tmp_path: Path, m
     monkeypatch.setattr(study, "QUICK", SHORT)
     assert cli.main([*COMMAND, "--out", str(out)]) == 0
     printed = capsys.readouterr().out
-    assert "16 cases. " in printed and "judged statements" in printed and str(out / "index.html") in printed
-    assert len(set(solved)) == 16 - len(before) < 16
+    assert "18 cases. " in printed and "judged statements" in printed and str(out / "index.html") in printed
+    assert len(set(solved)) == 18 - len(before) < 18
     assert all(file.read_bytes() == content for file, content in before.items())
 
     table = json.loads((out / "claims.json").read_text())
@@ -64,13 +66,21 @@ def test_a_killed_study_goes_on_and_answers_for_each_statement(tmp_path: Path, m
     for claim in table["claims"]:
         found = claim["findings"]
         assert {one["reading"] for one in found} == set(READINGS)
-        assert all(one["verdict"] in WORTH and one["measured"] for one in found)
+        assert all(one["verdict"] in WORDS and one["measured"] for one in found)
     # 5 and 10 N are enough to judge most of it; what needs more says so.
     words = {claim["key"]: {one["verdict"] for one in claim["findings"]} for claim in table["claims"]}
     unknown = {key for key, found in words.items() if found == {"not run"}}
     assert unknown == {
         "high-frequency-gap", "maximum-load", "maximum-flattens", "loudest-20-50", "loudest-100", "length-frequency", "length-level"
     }  # fmt: skip
+    yielding = {
+        one["reading"]: one["verdict"]
+        for one in next(c for c in table["claims"] if c["key"] == "yielding-noise")["findings"]
+    }
+    assert yielding["hardness-3y-exponential"] == "not run" != yielding["as-stated"]  # whose twin was named
+    assert table["twins"] == [TWIN] and not [*(out / TWIN).glob("fig*")]
+    tables = (out / "tables.md").read_text()
+    assert tables.startswith("<!--") and "### Readings" in tables and "Of " in tables
     said = (out / "claims.md").read_text()
     page = (out / "index.html").read_text()
     for claim in (*CLAIMS, *OUTLOOK):

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -21,6 +23,8 @@ from rolling.sound import contact_sound
 
 SCENES = Path(__file__).parent.parent / "scenarios" / "lee2025"
 READINGS = sorted(folder.name for folder in SCENES.iterdir())
+VARIATIONS = ("two-bodies-gaussian", "two-bodies-gaussian-10pct")
+TWINS = {"elastic-gaussian": "as-stated", "elastic-exponential": "hardness-3y-exponential"}  # of which reading
 TEXT = """\
 name: small
 sphere: {radius_mm: 5}
@@ -48,9 +52,11 @@ def surface(scene: Scene) -> Gaussian:
 
 def test_readings_are_the_articles_cases() -> None:
     """Four roughnesses, five loads, in two readings five surfaces; 256 nodes across at 2 um or more where contact is wider."""
-    assert len(READINGS) == 6
+    assert len(READINGS) == 8
     for name in READINGS:
         scenes = study.scenes(SCENES / name)
+        if name in TWINS:
+            continue
         assert all(one.name == f"lee2025-{name}" for one in scenes)
         assert all(one.motion.fastest(0.05) == 0.1 and one.rolling.duration_s == 0.05 for one in scenes)
         if name == "correlation-length":
@@ -68,9 +74,37 @@ def test_readings_are_the_articles_cases() -> None:
             assert surface(one).n_across == 256 or surface(one).roughness_ra_um >= 1
 
 
+def test_variations_are_told_by_the_scenes_themselves() -> None:
+    """The article states a rigid sphere of 10 mm diameter: a reading that has another one is a variation, and says so."""
+    departures = {name: study.departures(study.scenes(SCENES / name)) for name in READINGS}
+    for name, found in departures.items():
+        if name in VARIATIONS:
+            assert found == [
+                "a radius of 10 mm (stated: a diameter of 10 mm)",
+                "an elastic sphere (stated: a rigid one)",
+            ]
+            assert study.description(SCENES / name).startswith("A variation: a radius of 10 mm, two elastic bodies")
+        else:
+            assert found == (["no hardness (stated: 2.1 GPa)"] if name in TWINS else [])
+
+
+def test_twins_are_scenes_of_a_reading_without_hardness() -> None:
+    """Ra 0.1 and 1 um at 5, 20 and 100 N, on the same surfaces: nothing but hardness and tolerance differs."""
+    for name, of in TWINS.items():
+        scenes = study.scenes(SCENES / name)
+        assert [study.varied(one)[:3] for one in scenes] == [(ra, w, 1) for ra in (0.1, 1) for w in (5, 20, 100)]
+        others = {study.varied(one): one for one in study.scenes(SCENES / of)}
+        for one in scenes:
+            ours, theirs = one.to_dict(), others[study.varied(one)].to_dict()
+            assert theirs["plate"].pop("hardness_gpa") and "hardness_gpa" not in ours["plate"]
+            for data in (ours, theirs):
+                del data["name"], data["numerics"]["tolerance"]
+            assert ours == theirs
+
+
 def test_each_reading_says_what_it_takes_for_granted(tmp_path: Path) -> None:
     said = {name: study.description(SCENES / name) for name in READINGS}
-    assert all(len(words) > 20 and words.endswith(".") for words in said.values()) and len({*said.values()}) == 6
+    assert all(len(words) > 20 and words.endswith(".") for words in said.values()) and len({*said.values()}) == 8
     for name in READINGS:  # all files of a reading say the same
         firsts = {file.read_text(encoding="utf-8").splitlines()[0] for file in (SCENES / name).glob("*.yaml")}
         assert firsts == {f"# {said[name]}"}
@@ -108,8 +142,38 @@ def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
     inside = (line_hz >= 17.8) & (line_hz < 22387)
     unweighted = line_db - a_weighting_db(line_hz)
     assert case.maximum_20_db == pytest.approx((2 * unweighted + a_weighting_db(line_hz))[inside].max(), abs=1e-9)
+    # Mean over all positions, not one of them; each is the greatest of its window.
+    assert case.deflection == result.series["max_deflection"].mean()
+    assert result.snapshot and result.snapshot.deflection.max() == result.series["max_deflection"][200]
+    assert 0 < case.laeq_uncertainty_db < case.weighted_uncertainty_db
     stored = json.loads((tmp_path / "out" / "cases.json").read_text())
     assert len(stored) == 4 and stored[0]["plastic_ratio"] == case.plastic_ratio
+
+
+def test_a_result_without_deflections_is_read_and_has_none(small: Path, tmp_path: Path) -> None:
+    """Files of version 0.1.0 lack the series: the rest of the case is there, and no deflection is made up."""
+    out = tmp_path / "out"
+    first = reproduce.reproduce("lee2025", out=out, workers=1).cases
+    for file in (out / "only").rglob("result.h5"):
+        with h5py.File(file, "r+") as content:
+            del content["max_deflection"]
+    again = reproduce.reproduce("lee2025", out=out, workers=1).cases
+    assert all(math.isnan(case.deflection) for case in again)
+    assert [case.laeq_db for case in again] == [case.laeq_db for case in first]
+    table = json.loads((out / "claims.json").read_text())
+    words = {row["key"]: {one["verdict"] for one in row["findings"]} for row in table["claims"]}
+    assert words["deflection-roughest"] == words["deflection-roughness"] == {"not run"}
+
+
+def test_keys_that_came_with_a_later_version_do_not_make_another_case(small: Path, tmp_path: Path) -> None:
+    """A resolved scene that lacks a key with a default, and one with another comment or title, is the same case."""
+    out = tmp_path / "out"
+    reproduce.reproduce("lee2025", out=out, workers=1)
+    for file in (out / "only").rglob("resolved.yaml"):
+        text = file.read_text()
+        assert "precision: single" in text
+        file.write_text("# an earlier version\n" + text.replace("  precision: single\n", ""))
+    assert len(reproduce.reproduce("lee2025", out=out, workers=1).cases) == 4
 
 
 def test_what_is_solved_is_not_solved_again(small: Path, tmp_path: Path, monkeypatch) -> None:

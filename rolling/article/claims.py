@@ -1,6 +1,6 @@
 """What Lee, Kim & Kim (2025) state, judged by the cases of a study: measured under each reading, with verdict and tolerance.
 
-Numbers only: claims_text writes them down. Depends on verdicts; solves nothing.
+Numbers only: claims_text writes them down. Depends on verdicts, twins and grid_error; solves nothing.
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
-from rolling.article import verdicts
+from rolling.article import grid_error, standing, twins, verdicts
+from rolling.article.checks import NOT_RUN, Finding
 from rolling.article.measures import (
     AUDIBLE,
     CENTROID,
@@ -28,17 +29,11 @@ from rolling.article.study import Case
 from rolling.article.verdicts import (
     LARGE_GAP_DB,
     LARGEST_STEP,
+    LENGTHS,
     NO_AREA,
-    NOT,
-    NOT_RUN,
-    PARTLY,
-    REPRODUCED,
-    Finding,
     newton,
     ra,
 )
-
-WORTH = {REPRODUCED: 1.0, PARTLY: 0.5, NOT: 0.0, NOT_RUN: 0.0}
 
 SMOOTH, MIDDLE, ROUGH, ROUGHEST = 0.01, 0.1, 1.0, 5.0  # Ra [um] of the article
 ROUGHNESSES = (SMOOTH, MIDDLE, ROUGH, ROUGHEST)
@@ -47,6 +42,7 @@ LOADS = (5.0, 10.0, 20.0, 50.0, 100.0)  # [N]
 SCALES = (10, 20)  # a level is that many times the logarithm of a release power
 LIMIT = 2.1e9  # [Pa] where the article's plate yields
 SQUEAL_DB = 70.0
+READING, VARIATION, SWEEP = "reading", "variation", "sweep"
 
 
 @dataclass(frozen=True)
@@ -54,7 +50,7 @@ class Claim:
     """A statement of the article in our words: where it stands, when it counts as reproduced, and what judges it.
 
     level : judged with 10 lg and with 20 lg. varied : the field of Case that a sweep must vary for it; None for the
-    study of roughness and load.
+    study of roughness and load. caution : what to know beside the verdict, with numbers.
     """
 
     key: str
@@ -64,9 +60,30 @@ class Claim:
     judge: Callable[[Cases], Finding]
     level: bool = False
     varied: str | None = None
+    caution: str = ""
 
 
 _WHOLE = "A-weighted level of the whole: LAeq, or 20 lg of the weighted fluctuation."
+# Cautions: numbers measured as docs/accuracy.md says.
+PLASTIC_CAUTION = (
+    "Under the exponential law the grid decides it, since much of what yields at Ra 0.1 µm is smaller than 2 µm. In"
+    " hardness-3y-exponential, on the same places of the same surfaces at 5, 20, 100 N: sharp edges 1.69, 1.50, 1.32 at 2 µm; 1.32,"
+    " 1.26, 1.18 at 1 µm; 1.20, 1.16, 1.11 at 0.5 µm; blended edges, as in the study, 1.61, 1.29, 1.12; 1.21, 1.12, 1.07; 1.15,"
+    " 1.12, 1.08. As stated it moves by 0.03 at most between 2 and 1 µm."
+)
+TWIN_CAUTION = (
+    "The uncertainty is that of two independent records, an upper bound: both roll over the same surface. Purely elastic"
+    " contact at Ra 5 µm is far beyond half-space theory and was not run."
+)
+RECORD_CAUTION = (
+    "A line of noise falls by 5 dB (10 lg of an amplitude) as the record becomes ten times as long; the article gives no length."
+    " The verdict names, for each roughness, the length at which it would turn."
+)
+LEVEL_CAUTION = (
+    "The grid of 2 µm makes rough surfaces louder than they are. From 2 to 1 µm LAeq falls by 0.8 and 0.1 dB as stated at Ra 1 µm"
+    " (5 and 20 N), by 1.9 dB at Ra 5 µm (5 N), by 2.0 and 1.1 dB in hardness-3y-exponential at Ra 1 µm, by 0.3 dB at most at"
+    " Ra 0.1 µm; greatest lines move by 0.4 dB at most."
+)
 _UP = "Every step up by more than twice its standard error over the surfaces, with one surface by more than 0"
 
 CLAIMS = (
@@ -117,7 +134,7 @@ CLAIMS = (
         "section 3, Fig. 5",
         "The rougher the surface, the larger the area that yields.",
         f"{_UP}, at each load; partly: some steps of roughness.",
-        partial(verdicts.rises_with_roughness, measure=PLASTIC_AREA, roughnesses=ROUGHNESSES),
+        partial(verdicts.along_roughness, measure=PLASTIC_AREA, roughnesses=ROUGHNESSES),
     ),
     Claim(
         "plastic-ratio-load",
@@ -130,8 +147,9 @@ CLAIMS = (
         "plastic-ratio-1-over-0.1",
         "section 3, Fig. 7; conclusions",
         "At any load about half as much again yields at Ra 1 µm as at Ra 0.1 µm.",
-        "Ratio of the means 1.3 to 1.7 at each load; partly: at some loads.",
+        "Ratio of the means 1.3 to 1.7 at each load; partly: at some loads. Undecided where a fine grid may turn it.",
         partial(verdicts.ratio_at_each_load, measure=PLASTIC_RATIO, over=ROUGH, under=MIDDLE, low=1.3, high=1.7),
+        caution=PLASTIC_CAUTION,
     ),
     Claim(
         "plastic-ratio-5-like-1",
@@ -144,17 +162,46 @@ CLAIMS = (
         "deflection-roughest",
         "section 3, Fig. 6",
         "The roughest plate (Ra 5 µm) is deflected least.",
-        "Greatest deflection lower than on each other roughness by more than twice the standard error, with one surface by"
+        "Mean over the track of the greatest deflection lower than on each other roughness by more than twice the standard"
+        " error, with one surface by"
         " more than 0, at each load; partly: at some loads.",
         partial(verdicts.lowest_of_all, measure=DEFLECTION, roughness=ROUGHEST),
+    ),
+    Claim(
+        "deflection-roughness",
+        "section 3, Fig. 6",
+        "The rougher the surface, the less the plate is deflected.",
+        "Mean over the track of the greatest deflection: every step of roughness down by more than twice its standard error"
+        " over the surfaces, with one surface by more than 0, at each load; partly: some steps of roughness.",
+        partial(verdicts.along_roughness, measure=DEFLECTION, roughnesses=ROUGHNESSES, rises=False),
+    ),
+    Claim(
+        "yielding-deflection",
+        "section 3, Fig. 6",
+        "Where the plate yields it is deflected less than an elastic one would be.",
+        "Mean over the track of the greatest deflection below that of the same scene without hardness, at Ra 0.1 and 1 µm, at"
+        " 5, 20 and 100 N; partly: some of them.",
+        partial(twins.less, measure=DEFLECTION),
+    ),
+    Claim(
+        "yielding-noise",
+        "abstract",
+        "The change from elastic to plastic deformation alters the noise considerably.",
+        "Against the same scene without hardness, at Ra 0.1 and 1 µm, at 5, 20 and 100 N: A-weighted level of the whole, or a"
+        " third of the third octaves from the lowest that the record is long enough for up to 4 kHz, off by more than twice"
+        " the uncertainty of the difference; partly: some of them.",
+        twins.influences,
+        level=True,
+        caution=TWIN_CAUTION,
     ),
     Claim(
         "level-roughness",
         "abstract; section 3, Fig. 8",
         "Within hearing, a rougher surface is louder.",
         f"{_WHOLE} {_UP}, at each load; partly: some steps of roughness.",
-        partial(verdicts.rises_with_roughness, measure=AUDIBLE, roughnesses=ROUGHNESSES),
+        partial(verdicts.along_roughness, measure=AUDIBLE, roughnesses=ROUGHNESSES),
         level=True,
+        caution=LEVEL_CAUTION,
     ),
     Claim(
         "level-load",
@@ -169,10 +216,10 @@ CLAIMS = (
         "abstract; section 3, Fig. 8; conclusions",
         "From Ra 0.1 µm on levels pass the 70 dB of a squeal.",
         "Greatest line above 70 dB at some load (the article does not say at which) on each roughness; partly: some"
-        " roughnesses. Lines depend on the length of the record, which the article does not give: 5 dB less for one ten"
-        " times as long.",
+        f" roughnesses. Undecided where a record up to {LENGTHS:g} times as long or as short would turn it.",
         partial(verdicts.exceeds, measure=MAXIMUM, roughnesses=YIELDING, least_db=SQUEAL_DB),
         level=True,
+        caution=RECORD_CAUTION,
     ),
     Claim(
         "high-frequency-gap",
@@ -190,6 +237,7 @@ CLAIMS = (
         "Mean over the loads 8 to 17 dB on each roughness; partly: some roughnesses.",
         partial(verdicts.gap_over, measure=MAXIMUM, smooth=SMOOTH, roughnesses=YIELDING, low_db=8.0, high_db=17.0),
         level=True,
+        caution=LEVEL_CAUTION,
     ),
     Claim(
         "maximum-load",
@@ -218,6 +266,7 @@ CLAIMS = (
         " error.",
         partial(verdicts.loudest, measure=MAXIMUM, roughness=ROUGH, loads=(20.0, 50.0)),
         level=True,
+        caution=LEVEL_CAUTION,
     ),
     Claim(
         "loudest-100",
@@ -226,6 +275,7 @@ CLAIMS = (
         "Highest mean of the greatest line; partly: another's lead is within twice its standard error.",
         partial(verdicts.loudest, measure=MAXIMUM, roughness=ROUGHEST, loads=(100.0,)),
         level=True,
+        caution=LEVEL_CAUTION,
     ),
     Claim(
         "little-influence",
@@ -234,12 +284,23 @@ CLAIMS = (
         "At each load the three lie within 5 dB, the width of the article's own 10 to 15 dB; partly: at some loads.",
         partial(verdicts.within, measure=MAXIMUM, roughnesses=YIELDING, most_db=5.0),
         level=True,
+        caution=LEVEL_CAUTION,
     ),
 )
 
 _DOWN = "Every step up of the length lowers it by more than twice the standard error, with one surface by more than 0"
 
 OUTLOOK = (
+    Claim(
+        "yielding-louder",
+        "section 3, outlook",
+        "Energy released where the plate yields can make it louder.",
+        "A-weighted level of the whole above that of the same scene without hardness by more than twice the uncertainty of the"
+        " difference, at Ra 0.1 and 1 µm, at 5, 20 and 100 N; partly: some of them.",
+        twins.louder,
+        level=True,
+        caution=TWIN_CAUTION,
+    ),
     Claim(
         "length-frequency",
         "section 3, outlook",
@@ -260,43 +321,72 @@ OUTLOOK = (
 )
 
 
-def table(cases: Sequence[Case], descriptions: Mapping[str, str] | None = None) -> dict[str, Any]:
-    """All statements judged under all readings, for JSON: numbers are finite or None.
+def table(
+    cases: Sequence[Case],
+    descriptions: Mapping[str, str] | None = None,
+    departures: Mapping[str, Sequence[str]] | None = None,
+) -> dict[str, Any]:
+    """Judge all statements under all readings and variations, for JSON: numbers are finite or None.
 
     Parameters
     ----------
     descriptions : what each reading takes for granted, in words.
+    departures : what each changes of what the article states; a reading that does is a variation.
 
     Returns
     -------
-    claims : each with key, where, statement, tolerance, and findings of each reading and scale (10 or 20 lg; None where
-    no level is judged). readings : what there is of each and what of the article's it lacks. scores : the readings and
-    scales from best to worst, without those that are about the outlook only.
+    readings : by name: kind (reading, variation or sweep), what it takes for granted, what it changes, what it lacks.
+    twins : the names of those without hardness, which others are compared with and nothing else is judged of.
+    claims : each with key, where, statement, tolerance, caution, what a sweep varies for it,
+    and findings of each reading and scale (10 or 20 lg; None
+    where no level is judged). standing : as in `standing`, of readings only. scores : of readings, then of variations, each
+    from the highest down.
     """
-    readings = {name: tuple(c for c in cases if c.reading == name) for name in dict.fromkeys(c.reading for c in cases)}
+    groups = {name: tuple(c for c in cases if c.reading == name) for name in dict.fromkeys(c.reading for c in cases)}
+    elastic = {name: group for name, group in groups.items() if all(c.hardness_gpa is None for c in group)}
+    without = tuple(case for group in elastic.values() for case in group)
+    judged = {name: group for name, group in groups.items() if name not in elastic}
     rows = [
         {
             "key": claim.key,
             "where": claim.where,
             "statement": claim.statement,
             "tolerance": claim.tolerance,
-            "outlook": claim.varied is not None,
+            "caution": claim.caution,
+            "outlook": claim in OUTLOOK,
+            "swept": claim.varied,
             "findings": [
-                {"reading": name, "scale": scale if claim.level else None} | asdict(_judged(claim, Cases(group, scale)))
-                for name, group in readings.items()
+                {"reading": name, "scale": scale if claim.level else None}
+                | asdict(_judged(claim, Cases(group, scale, without, grid_error.MEASURED.get(name, grid_error.NONE))))
+                for name, group in judged.items()
                 for scale in (SCALES if claim.level else SCALES[:1])
             ],
         }
         for claim in (*CLAIMS, *OUTLOOK)
     ]
-    return {
-        "readings": {
-            name: {"what": (descriptions or {}).get(name, "")} | _extent(Cases(group))
-            for name, group in readings.items()
-        },
-        "claims": rows,
-        "scores": _scores(rows, [name for name, group in readings.items() if _swept(Cases(group)) is None]),
+    changes = {name: list((departures or {}).get(name, ())) for name in judged}
+    readings = {
+        name: {"kind": _kind(Cases(group), changes[name]), "what": (descriptions or {}).get(name, "")}
+        | {"departs": changes[name]}
+        | _extent(Cases(group))
+        for name, group in judged.items()
     }
+    strict = [name for name, one in readings.items() if one["kind"] == READING]
+    return {
+        "readings": readings,
+        "twins": list(elastic),
+        "claims": rows,
+        "standing": standing.standing(rows, strict),
+        "scores": [
+            score
+            for kind in (READING, VARIATION)
+            for score in standing.scores(rows, [name for name, one in readings.items() if one["kind"] == kind], SCALES)
+        ],
+    }
+
+
+def _kind(study: Cases, departs: Sequence[str]) -> str:
+    return SWEEP if _swept(study) else VARIATION if departs else READING
 
 
 def _swept(study: Cases) -> str | None:
@@ -329,23 +419,3 @@ def _extent(study: Cases) -> dict[str, Any]:
         "swept": swept,
         "lacks": lacks,
     }
-
-
-def _scores(rows: Sequence[dict[str, Any]], readings: Sequence[str]) -> list[dict[str, Any]]:
-    """1 for each statement reproduced, half for partly, of those that were judged; equal scores share a rank."""
-    scores: list[dict[str, Any]] = []
-    for reading in readings:
-        for scale in SCALES:
-            found = {
-                row["key"]: one["verdict"]
-                for row in rows
-                for one in row["findings"]
-                if not row["outlook"] and one["reading"] == reading and one["scale"] in (None, scale)
-            }
-            score = {"reading": reading, "scale": scale, "score": sum(WORTH[word] for word in found.values())}
-            counts = {word: list(found.values()).count(word) for word in WORTH}
-            scores.append(score | {"counts": counts, "judged": len(found) - counts[NOT_RUN], "verdicts": found})
-    scores.sort(key=lambda one: -one["score"])
-    for one in scores:
-        one["rank"] = 1 + sum(other["score"] > one["score"] for other in scores)
-    return scores

@@ -1,20 +1,22 @@
-"""The readings of the article side by side on one HTML page that needs no network. Depends on report.
+"""The readings of the article side by side on one HTML page that needs no network. Depends on report and claims_text.
 
 The claims come first, then a row for each figure with a column for each reading; how it looks is in `page/article.html`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from rolling import citation, report
+from rolling.article import claims_text
+from rolling.article.claims import READING, SWEEP, VARIATION
 from rolling.picture import Picture
 from rolling.report import Exhibit
 
 # Told apart by sign and word, not by colour alone.
-SIGNS = {"reproduced": "✓", "partly": "◐", "not": "✗", "not run": "○"}
+SIGNS = {"reproduced": "✓", "partly": "◐", "not": "✗", "undecided": "?", "not run": "○"}
 _HEADINGS = {
     "fig1_surfaces": "Fig. 1: surfaces",
     "fig5_contact_pressure": "Fig. 5: contact pressure",
@@ -28,15 +30,19 @@ _HEADINGS = {
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a reading makes of a claim; scale is `10 lg`, `20 lg` or empty where no level is judged."""
+    """What a reading makes of a claim; scale is `10 lg`, `20 lg` or empty where no level is judged.
+
+    decided_by : what decides an undecided verdict; else empty.
+    """
 
     scale: str
     word: str
     measured: str
+    decided_by: str = ""
 
     @property
     def sign(self) -> str:
-        return SIGNS.get(self.word, "?")
+        return SIGNS.get(self.word, "")
 
     @property
     def style(self) -> str:
@@ -51,6 +57,7 @@ class Row:
     where: str
     statement: str
     tolerance: str
+    caution: str
     verdicts: list[list[Verdict]]
 
 
@@ -62,6 +69,12 @@ class Shelf:
     exhibits: list[tuple[str, Exhibit]]
 
 
+def ordered(names: Iterable[str], table: Mapping[str, Any]) -> list[str]:
+    """Sort names of readings: readings first, then variations and what sweeps something else."""
+    kinds = [READING, VARIATION, SWEEP]
+    return sorted(names, key=lambda name: kinds.index(table["readings"].get(name, {}).get("kind", SWEEP)))
+
+
 def page(readings: Sequence[str], table: Mapping[str, Any], pictures: Mapping[str, Sequence[Picture]]) -> bytes:
     """The page of a study.
 
@@ -69,8 +82,9 @@ def page(readings: Sequence[str], table: Mapping[str, Any], pictures: Mapping[st
     ----------
     readings : their names, in the order of the columns.
     table : `claims`, each with key, where, statement, tolerance and `findings` (reading, scale, verdict, measured);
-        `scores` (reading, scale, score and, where given, rank, judged and counts), best first; `readings`, with `what` each
-        takes for granted and what it `lacks`. What is missing is left out.
+        `scores` (reading, scale, least, most and, where given, counts), highest first; `readings`, with the `kind` of each,
+        `what` it takes for granted, how it `departs` from the article and what it `lacks`; `standing`. What is missing is
+        left out.
     pictures : of each reading, as `figures.gallery` gives them; readings without any have no column.
     """
     rows = [_row(claim, readings) for claim in table.get("claims", [])]
@@ -81,7 +95,10 @@ def page(readings: Sequence[str], table: Mapping[str, Any], pictures: Mapping[st
             readings=list(readings),
             rows=rows,
             signs=SIGNS,
-            scores=[_score(one) for one in table.get("scores", [])],
+            scores=[_score(one, table) for one in table.get("scores", [])],
+            headline=claims_text.headline(table) if "standing" in table else "",
+            kinds={name: table.get("readings", {}).get(name, {}).get("kind", READING) for name in readings},
+            departs=dict(_of_each(table, readings, "departs")),
             what=_of_each(table, readings, "what"),
             lacks=_of_each(table, readings, "lacks"),
             shelves=_shelves(readings, pictures),
@@ -98,13 +115,17 @@ def _row(claim: Mapping[str, Any], readings: Sequence[str]) -> Row:
         str(claim.get("where", "")),
         str(claim.get("statement", claim.get("key", ""))),
         str(claim.get("tolerance", "")),
+        str(claim.get("caution", "")),
         [[_verdict(one) for one in findings if one.get("reading") == name] for name in readings],
     )
 
 
 def _verdict(finding: Mapping[str, Any]) -> Verdict:
     return Verdict(
-        _scale(finding.get("scale")), str(finding.get("verdict", "not run")), str(finding.get("measured") or "")
+        _scale(finding.get("scale")),
+        str(finding.get("verdict", "not run")),
+        str(finding.get("measured") or ""),
+        str(finding.get("decided_by") or ""),
     )
 
 
@@ -112,13 +133,14 @@ def _scale(scale: object) -> str:
     return f"{scale} lg" if scale else ""
 
 
-def _score(one: Mapping[str, Any]) -> dict[str, Any]:
+def _score(one: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any]:
     counts = {word: one["counts"].get(word, 0) for word in SIGNS} if "counts" in one else {}
+    name = one.get("reading", "")
     return {
-        "rank": one.get("rank", ""),
-        "reading": one.get("reading", ""),
+        "reading": name,
+        "kind": table.get("readings", {}).get(name, {}).get("kind", READING),
         "scale": _scale(one.get("scale")),
-        "score": one.get("score", ""),
+        "score": " to ".join(dict.fromkeys(f"{one[end]:g}" for end in ("least", "most") if end in one)),
         "counts": counts,
     }
 

@@ -29,6 +29,7 @@ from rolling.stored_runs import records_of
 SCENES = Path(__file__).parents[2] / "scenarios"
 CASES = "cases.json"
 CLAIMS = "claims.md"
+TABLES = "tables.md"
 PAGE = "index.html"
 
 
@@ -134,9 +135,11 @@ def _reproduced(
         if results[one.folder].complete
     ]
     run_folder.write_json(folder / CASES, [_plain(asdict(case)) for case in cases])
-    table = claims.table(cases, {one.name: study.description(one) for one in folders})
+    departures = {reading: study.departures([one.scene for one in each]) for reading, each in runs.items()}
+    table = claims.table(cases, {one.name: study.description(one) for one in folders}, departures)
     run_folder.write_json(folder / "claims.json", table)
     run_folder.write_bytes(folder / CLAIMS, claims_text.markdown(table).encode())
+    run_folder.write_bytes(folder / TABLES, claims_text.tables(table).encode())
     if not outcome.interrupted:
         _write_pictures(folder, runs, results, cases, table)
     flat = [one for each in runs.values() for one in each]
@@ -169,7 +172,7 @@ def _write_pictures(
     found = []
     for name, each in tqdm(runs.items(), disable=None, desc="surfaces", bar_format=solve.BAR):
         solved = [one for one in each if results[one.folder].complete]
-        if solved:
+        if solved and name not in table["twins"]:
             own = [case for case in cases if case.reading == name]
             found.append(readings.gather(name, solved, [results[one.folder] for one in solved], own))
     if not found:
@@ -180,7 +183,7 @@ def _write_pictures(
         pictures[one.name] = list(figures.gallery(one, scales))
         for picture in pictures[one.name]:
             picture.write(folder / one.name)
-    run_folder.write_bytes(folder / PAGE, page.page(list(pictures), table, pictures))
+    run_folder.write_bytes(folder / PAGE, page.page(page.ordered(pictures, table), table, pictures))
 
 
 def _plain(value: Any) -> Any:

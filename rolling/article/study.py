@@ -1,6 +1,7 @@
 """A study of an article: its readings, each a folder of scene files, solved case by case and put into numbers.
 
-A reading is one way to understand what the article leaves open. Depends on solve and sound; knows nothing of claims or figures.
+A reading is one way to understand what the article leaves open; a variation changes what it states; a twin is the scene of a
+reading without hardness. Depends on solve and sound; knows nothing of claims or figures.
 """
 
 from __future__ import annotations
@@ -9,11 +10,13 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from acoustics import plots as sound_plots
+from acoustics import uncertainty
 from acoustics.level import I_REF_W_M2
 from acoustics.spectrum import article_line_level_db
 from acoustics.weighting import a_weighting_db
@@ -21,7 +24,7 @@ from rolling import reference, run_folder, run_record, scene_file, solve
 from rolling.pool import Outcome
 from rolling.result import Result
 from rolling.run_names import run_names
-from rolling.scenario import Gaussian, Scene, expand, track
+from rolling.scenario import Gaussian, Scene, SceneError, expand, track
 from rolling.solve import Run
 from rolling.sound import contact_sound
 
@@ -45,14 +48,21 @@ WHOLE = Part()
 # The widest contact, of two bodies at Ra 5 um and 100 N, reaches over 1.29 mm: the track must be longer.
 QUICK = Part(seeds=1, loads=(5, 20, 100), duration_s=0.015, strides=3)
 
+# What the article states of the bodies (section 3): a rigid sphere of 10 mm diameter on steel.
+STATED_RADIUS_MM, STATED_MODULUS_GPA, STATED_POISSON = 5.0, 210.0, 0.3
+
 
 @dataclass(frozen=True)
 class Case:
     """One surface under one load in one reading, in numbers.
 
+    hardness_gpa : None: purely elastic, a twin.  bodies : what a case and its twin have in common, in words.
     plastic_ratio, contact_ratio : mean plastic and contact area over the Hertz area.
-    max_pressure : greatest along the track [Pa].  deflection : greatest at one position [m].
+    max_pressure : greatest along the track [Pa].
+    deflection : mean over the track of the greatest deflection at each position [m]; NaN in results of earlier versions.
     laeq_db : of the sound, energy-true [dB re 20 uPa].
+    laeq_uncertainty_db, weighted_uncertainty_db : standard uncertainty from the length of the record [dB] of laeq_db and of
+    20 lg of a_weighted_w; NaN without sound.
     line_hz, line_db : the article's A-weighted line spectrum [dB re 1e-12 W/m2], means over 1/12 octave.
     maximum_db : its greatest line.  maximum_20_db : with 20 lg of the release, which doubles the levels but not their weighting.
     band_w : rms of the release power's fluctuation in each third octave [W] (31,), NaN where there is none.
@@ -64,6 +74,8 @@ class Case:
     load_n: float
     seed: int
     correlation_um: float
+    hardness_gpa: float | None
+    bodies: str
     nodes_across: int
     duration_s: float
     plastic_ratio: float
@@ -71,6 +83,8 @@ class Case:
     max_pressure: float
     deflection: float
     laeq_db: float | None
+    laeq_uncertainty_db: float
+    weighted_uncertainty_db: float
     maximum_db: float
     maximum_20_db: float
     line_hz: Array
@@ -102,6 +116,35 @@ def description(folder: Path) -> str:
     with sorted(folder.glob("*.yaml"))[0].open(encoding="utf-8") as file:
         line = file.readline()
     return line.strip("# \n") if line.startswith("#") else ""
+
+
+def departures(scenes: Sequence[Scene]) -> list[str]:
+    """List the differences of some scenes from the bodies that the article states; empty for a reading.
+
+    A twin, which has no hardness, differs by that.
+    """
+    found = []
+    for scene in scenes:
+        sphere, plate = scene.sphere, scene.plate
+        if sphere.radius_mm != STATED_RADIUS_MM:
+            found.append(f"a radius of {sphere.radius_mm:g} mm (stated: a diameter of {2 * STATED_RADIUS_MM:g} mm)")
+        if sphere.youngs_modulus_gpa is not None:
+            found.append("an elastic sphere (stated: a rigid one)")
+        if (plate.youngs_modulus_gpa, plate.poissons_ratio) != (STATED_MODULUS_GPA, STATED_POISSON):
+            found.append(f"a plate of {plate.youngs_modulus_gpa:g} GPa (stated: {STATED_MODULUS_GPA:g} GPa)")
+        if plate.hardness_gpa is None:
+            found.append("no hardness (stated: 2.1 GPa)")
+    return list(dict.fromkeys(found))
+
+
+def _bodies(scene: Scene) -> str:
+    """Name everything that a case has in common with its twin without hardness, apart from what a study varies."""
+    surface, numerics = scene.surface, scene.numerics
+    assert isinstance(surface, Gaussian)
+    return (
+        f"R {scene.sphere.radius_mm:g} mm, contact modulus {scene.contact_modulus / 1e9:.4g} GPa, {surface.autocorrelation},"
+        f" {surface.width_um:g} um across, nodes of {surface.spacing_um:g} um, steps of {numerics.step_nodes:g}"
+    )
 
 
 def _load(file: Path, part: Part) -> Scene:
@@ -141,7 +184,7 @@ def open_results(runs: Sequence[Run]) -> list[Result]:
     texts = [scene_file.dump(one.scene) for one in runs]
     for one, text in zip(runs, texts, strict=True):
         said = one.folder / "resolved.yaml"
-        if said.is_file() and said.read_text(encoding="utf-8") != text:
+        if said.is_file() and said.read_text(encoding="utf-8") != text and not _same(said, one.scene):
             raise run_folder.FolderError(
                 f"{one.folder}: holds a case that was made with other settings; take another --out"
             )
@@ -153,6 +196,19 @@ def open_results(runs: Sequence[Run]) -> list[Result]:
         run_folder.write_bytes(one.folder / "resolved.yaml", text.encode())
         results.append(solve.stored(one) or Result.empty(track(one.scene), one.scene.start))
     return results
+
+
+def _same(said: Path, scene: Scene) -> bool:
+    """Whether a resolved scene file of an earlier version says the same: keys that it lacks count with their defaults."""
+    try:
+        before = scene_file.load(said)
+    except SceneError:
+        return False
+
+    def physics(one: Scene) -> dict[str, Any]:
+        return {key: value for key, value in one.to_dict().items() if key not in ("name", "title", "description")}
+
+    return physics(before) == physics(scene)
 
 
 def solve_all(
@@ -181,6 +237,10 @@ def case(reading: str, one: Run, result: Result) -> Case:
     # Sound pressure is linear in the fluctuation: back from its levels to watts.
     watts = 4 * math.pi * scene.sound.distance_m**2 / scene.sound.q
 
+    unfactored = uncertainty.level_uncertainty(
+        sound.pressure, sound.sample_rate, sound.levels, own_factor=False, laps=result.steps / result.solved_steps
+    )
+
     def fluctuation(level_db: float | None) -> float:
         return (
             math.nan if level_db is None or not sound.factor else 20e-6 * 10 ** (level_db / 20) / sound.factor * watts
@@ -192,13 +252,17 @@ def case(reading: str, one: Run, result: Result) -> Case:
         load_n=load,
         seed=seed,
         correlation_um=length,
+        hardness_gpa=scene.plate.hardness_gpa,
+        bodies=_bodies(scene),
         nodes_across=way.n_across,
         duration_s=sound.duration,
         plastic_ratio=float(result.whole("plastic_area").mean()) / hertz,
         contact_ratio=float(result.whole("contact_area").mean()) / hertz,
         max_pressure=float(result.whole("max_pressure").max()),
-        deflection=float(result.snapshot.deflection.max()) if result.snapshot else math.nan,
+        deflection=float(result.whole("max_deflection").mean()),
         laeq_db=sound.levels.laeq_db,
+        laeq_uncertainty_db=_number(sound.uncertainty.laeq_db),
+        weighted_uncertainty_db=_number(unfactored.laeq_db),
         maximum_db=float(lines.level_db.max()),
         maximum_20_db=float((2 * (lines.level_db - weighting) + weighting).max()),
         line_hz=mean_hz,
@@ -206,6 +270,10 @@ def case(reading: str, one: Run, result: Result) -> Case:
         band_w=np.array([fluctuation(level) for level in sound.levels.third_octave_db.values()]),
         a_weighted_w=fluctuation(sound.levels.laeq_db),
     )
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
 
 
 def power_level_db(power: Array | float, factor: int, distance_m: float = 1.0) -> Array:

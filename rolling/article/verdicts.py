@@ -1,64 +1,67 @@
 """The shapes of what an article states, such as "rises with load", each judged by the cases of a reading.
 
-Depends on measures; which roughnesses, loads and bounds a statement names is told by claims.
+Depends on measures and checks; which roughnesses, loads and bounds a statement names is told by claims.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from rolling.article.checks import GRID, NOT_RUN, RECORD, Check, Finding, concluded, doubt
 from rolling.article.measures import PLASTIC_RATIO, PRESSURE, Cases, Change, Measure, change
 from rolling.article.study import Case
 
-REPRODUCED, PARTLY, NOT, NOT_RUN = "reproduced", "partly", "not", "not run"
+LENGTHS = 10.0  # a verdict that stays in records up to so many times longer and shorter does not depend on it
+LG_LENGTH_DB = 5.0  # a line of noise falls by so much as the record becomes ten times as long (10 lg of an amplitude)
 NO_AREA = 0.005  # of the Hertz area: less than a mark in a figure from 0 to 1
 LARGE_GAP_DB = 6.0
 LARGEST_STEP = 1.5  # 20 to 50 N is 2.5 times the load, the other steps twice: 1.3 of them come without any jump
 
 
 @dataclass(frozen=True)
-class Check:
-    """A part of a statement. holds : None where there are no cases to tell. near : it does not, but is not far from it."""
+class _Step:
+    """A change at a load [N] from one roughness [um] to another; `base`: the mean that it starts from."""
 
-    place: str
-    holds: bool | None
-    measured: str = ""
-    numbers: Any = None
-    near: bool = False
-
-
-@dataclass(frozen=True)
-class Finding:
-    """Verdict on a statement, what was measured in words, and in numbers: values by place, and which of these hold, fail, miss."""
-
-    verdict: str
-    measured: str
-    numbers: dict[str, Any] = field(default_factory=dict)
+    change: Change
+    base: float
+    over: float
+    under: float
+    load: float
 
 
-def concluded(checks: Sequence[Check]) -> Finding:
-    """Reproduced if all parts hold that can be told, partly if some hold or are near, not if none, else not run."""
-    known = [check for check in checks if check.holds is not None]
-    missing = [check.place for check in checks if check.holds is None]
-    if not known:
-        return Finding(NOT_RUN, f"no cases to tell: {', '.join(missing)}" if missing else "no cases to tell")
-    kept = [check.place for check in known if check.holds]
-    failed = [check.place for check in known if not check.holds]
-    verdict = REPRODUCED if not failed else PARTLY if kept or any(check.near for check in known) else NOT
-    words = ["; ".join(f"{check.place}: {check.measured}" for check in known)]
-    if kept and failed:
-        words.append(f"holds: {', '.join(kept)}; does not: {', '.join(failed)}")
-    if missing:
-        words.append(f"no cases to tell: {', '.join(missing)}")
-    values = {check.place: check.numbers for check in known}
-    numbers = {"values": values, "holds": kept, "fails": failed, "missing": missing}
-    return Finding(verdict, ". ".join(words), numbers)
+def _step(study: Cases, measure: Measure, under: float, over: float, load: float) -> _Step | None:
+    """Find the change from one roughness to another at a load; None where cases are missing."""
+    first, then = study.at(under, load), study.at(over, load)
+    found = change(measure, first, then, study.factor)
+    base = measure.mean(first, study.factor)
+    return None if found is None or base is None else _Step(found, base, over, under, load)
+
+
+def _turns_on_grid(study: Cases, measure: Measure, step: _Step) -> bool:
+    """Judge whether the grid may move a step against its sign."""
+    mean = step.change.mean
+    if measure.level:
+        places = (step.over, step.load), (step.under, step.load)
+        low, high = study.grid.shift_db(measure.grid, *places, study.factor)
+    else:
+        factors = study.grid.ratio(measure.grid, step.over, step.under, step.load)
+        low, high = ((factor - 1) * (step.base + mean) for factor in factors)
+    return 0 < mean <= -low or 0 < -mean <= high
+
+
+def _sign(study: Cases, measure: Measure, steps: Sequence[_Step], rises: bool) -> tuple[bool, str]:
+    """Judge whether all steps rise (or fall), and whether the grid may turn that."""
+    holds = [step.change.rises if rises else step.change.falls for step in steps]
+    turns = [_turns_on_grid(study, measure, step) for step in steps]
+    at_best = all(held or turned for held, turned in zip(holds, turns, strict=True))
+    at_worst = all(held and not turned for held, turned in zip(holds, turns, strict=True))
+    return all(holds), GRID if at_best != at_worst else ""
 
 
 def _all(parts: Sequence[bool | None]) -> bool | None:
@@ -116,24 +119,20 @@ def rises_with_load(study: Cases, measure: Measure, roughnesses: Sequence[float]
     return concluded(checks)
 
 
-def rises_with_roughness(study: Cases, measure: Measure, roughnesses: Sequence[float]) -> Finding:
-    """Every step of roughness raises it at every load; a part for each step."""
+def along_roughness(study: Cases, measure: Measure, roughnesses: Sequence[float], rises: bool = True) -> Finding:
+    """Every step of roughness raises it (or lowers it) at every load; a part for each step."""
     checks = []
     for a, b in pairwise(roughnesses):
-        steps = {
-            load: step
-            for load in study.loads
-            if (step := change(measure, study.at(a, load), study.at(b, load), study.factor))
-        }
-        told = ", ".join(measure.told(step.mean, "+") for step in steps.values())
-        checks.append(
-            Check(
-                f"{ra(a)} to {b:g}",
-                _all([step.rises for step in steps.values()]),
-                f"{told} {measure.unit} ({', '.join(map(newton, steps))})",
-                {newton(load): step.mean for load, step in steps.items()},
-            )
-        )
+        steps = [step for load in study.loads if (step := _step(study, measure, a, b, load))]
+        place = f"{ra(a)} to {b:g}"
+        if not steps:
+            checks.append(Check(place, None))
+            continue
+        holds, unsure = _sign(study, measure, steps, rises)
+        loads = [newton(step.load) for step in steps]
+        means = [step.change.mean for step in steps]
+        told = f"{', '.join(measure.told(mean, '+') for mean in means)} {measure.unit} ({', '.join(loads)})"
+        checks.append(Check(place, holds, told, dict(zip(loads, means, strict=True)), unsure=unsure))
     return concluded(checks)
 
 
@@ -141,11 +140,14 @@ def lowest_of_all(study: Cases, measure: Measure, roughness: float) -> Finding:
     """At each load less than on every other roughness."""
     checks = []
     for load in study.loads:
-        lowest = study.at(roughness, load)
-        others = [study.at(other, load) for other in study.roughnesses if other != roughness]
-        steps = [change(measure, group, lowest, study.factor) for group in others]
+        others = [other for other in study.roughnesses if other != roughness]
+        steps = [step for other in others if (step := _step(study, measure, other, roughness, load))]
+        if not steps:
+            checks.append(Check(newton(load), None))
+            continue
+        holds, unsure = _sign(study, measure, steps, rises=False)
         words, numbers = _series(study, measure, [(ra(one), study.at(one, load)) for one in study.roughnesses])
-        checks.append(Check(newton(load), _all([_falls(step) for step in steps]), words, numbers))
+        checks.append(Check(newton(load), holds, words, numbers, unsure=unsure))
     return concluded(checks)
 
 
@@ -156,11 +158,20 @@ def ratio_at_each_load(study: Cases, measure: Measure, over: float, under: float
         above, below = (measure.mean(study.at(one, load), study.factor) for one in (over, under))
         if above is None or below is None:
             checks.append(Check(newton(load), None))
-        elif not below:
+            continue
+        if not below:
             checks.append(Check(newton(load), False, f"nothing on {ra(under)}"))
-        else:
-            ratio = above / below
-            checks.append(Check(newton(load), low <= ratio <= high, f"{ratio:.2f}", ratio))
+            continue
+        ratio = above / below
+        least, most = study.grid.ratio(measure.grid, over, under, load)
+        errors = [measure.relative_error(study.at(one, load), study.factor) for one in (over, under)]
+        unsure = doubt(
+            ratio, lambda x: low <= x <= high, ((least - 1) * ratio, (most - 1) * ratio), ratio * math.hypot(*errors)
+        )
+        told = f"{ratio:.2f}"
+        if (least, most) != (1.0, 1.0):
+            told += f" (fine grid: {least * ratio:.2f} to {most * ratio:.2f})"
+        checks.append(Check(newton(load), low <= ratio <= high, told, ratio, unsure=unsure))
     return concluded(checks)
 
 
@@ -196,15 +207,23 @@ def hardness_reached(study: Cases, roughnesses: Sequence[float]) -> Finding:
 
 
 def exceeds(study: Cases, measure: Measure, roughnesses: Sequence[float], least_db: float) -> Finding:
-    """Above a level at some load; a part for each roughness."""
+    """Above a level at some load; a part for each roughness. Says at what length of the record that would change."""
     if study.factor != 10:
         return Finding(NOT_RUN, f"{study.factor} lg of a power has no absolute value")
     checks = []
     for roughness in roughnesses:
         groups = [(newton(load), study.at(roughness, load)) for load in study.loads]
         words, numbers = _series(study, measure, groups)
-        holds = any(one["mean"] > least_db for one in numbers.values()) if numbers else None
-        checks.append(Check(ra(roughness), holds, words, numbers))
+        if not numbers:
+            checks.append(Check(ra(roughness), None))
+            continue
+        greatest = max(one["mean"] for one in numbers.values())
+        duration = max(case.duration_s for _, group in groups for case in group)
+        times = 10 ** ((greatest - least_db) / LG_LENGTH_DB)
+        words += f", turns at a record of {times * duration:.2g} s instead of {duration:.2g} s"
+        unsure = RECORD if 1 / LENGTHS <= times <= LENGTHS else ""
+        numbers |= {"turns at [s]": times * duration}
+        checks.append(Check(ra(roughness), greatest > least_db, words, numbers, unsure=unsure))
     return concluded(checks)
 
 
@@ -214,38 +233,57 @@ def gap_over(
     """How far each rougher surface lies above the smooth one, in the mean over the loads."""
     checks = []
     for roughness in roughnesses:
-        gaps = {}
+        gaps, loads = {}, []
         for load in study.loads:
             step = change(measure, study.at(smooth, load), study.at(roughness, load), study.factor)
             if step:
-                gaps[newton(load)] = step.mean
+                gaps[newton(load)] = step
+                loads.append(load)
         if not gaps:
             checks.append(Check(ra(roughness), None))
             continue
-        mean = float(np.mean(list(gaps.values())))
-        each = ", ".join(measure.told(gap, "+") for gap in gaps.values())
+        mean = float(np.mean([step.mean for step in gaps.values()]))
+        error = float(np.mean([step.error for step in gaps.values()]))  # the same surfaces under all loads
+        each = ", ".join(measure.told(step.mean, "+") for step in gaps.values())
         told = f"{measure.told(mean, '+')} dB ({each} at {', '.join(gaps)})"
-        checks.append(Check(ra(roughness), low_db <= mean <= high_db, told, {"mean": mean} | gaps))
+        grid = _mean_range(
+            [study.grid.shift_db(measure.grid, (roughness, one), (smooth, one), study.factor) for one in loads]
+        )
+        unsure = doubt(mean, lambda x: low_db <= x <= high_db, grid, error)
+        numbers = {"mean": mean} | {name: step.mean for name, step in gaps.items()}
+        checks.append(Check(ra(roughness), low_db <= mean <= high_db, told, numbers, unsure=unsure))
     return concluded(checks)
+
+
+def _mean_range(ranges: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    return float(np.mean([low for low, _ in ranges])), float(np.mean([high for _, high in ranges]))
 
 
 def rise_over_loads(
     study: Cases, measure: Measure, least: float, greatest: float, low_db: float, high_db: float
 ) -> Finding:
     """From one load to another, in the mean over the roughnesses; near if one of them does."""
-    rises = {}
+    steps = {}
     for roughness in study.roughnesses:
         step = change(measure, study.at(roughness, least), study.at(roughness, greatest), study.factor)
         if step:
-            rises[ra(roughness)] = step.mean
+            steps[roughness] = step
     place = f"{newton(least)} to {newton(greatest)}"
-    if not rises:
+    if not steps:
         return concluded([Check(place, None)])
-    mean = float(np.mean(list(rises.values())))
-    inside = [low_db <= value <= high_db for value in rises.values()]
-    each = ", ".join(f"{measure.told(value, '+')} {name}" for name, value in rises.items())
+    mean = float(np.mean([step.mean for step in steps.values()]))
+    error = math.hypot(*(step.error for step in steps.values())) / len(steps)
+    grid = _mean_range(
+        [study.grid.shift_db(measure.grid, (one, greatest), (one, least), study.factor) for one in steps]
+    )
+    unsure = doubt(mean, lambda x: low_db <= x <= high_db, grid, error)
+    inside = [low_db <= step.mean <= high_db for step in steps.values()]
+    each = ", ".join(f"{measure.told(step.mean, '+')} {ra(one)}" for one, step in steps.items())
     told = f"{measure.told(mean, '+')} dB ({each})"
-    return concluded([Check(place, low_db <= mean <= high_db, told, {"mean": mean} | rises, near=any(inside))])
+    numbers = {"mean": mean} | {ra(one): step.mean for one, step in steps.items()}
+    return concluded(
+        [Check(place, low_db <= mean <= high_db, told, numbers, near=any(inside), unsure=unsure)],
+    )
 
 
 def flattens(study: Cases, measure: Measure, least: float, knee: float, greatest: float, most: float) -> Finding:
@@ -278,7 +316,18 @@ def stands_apart(study: Cases, measure: Measure, roughness: float, low: float, h
     larger = gap > 0 and all(gap >= LARGEST_STEP * value for value in others.values()) if others else None
     return concluded(
         [
-            Check(f"gap of {LARGE_GAP_DB:g} dB", gap >= LARGE_GAP_DB, f"{measure.told(gap, '+')} dB", gap),
+            Check(
+                f"gap of {LARGE_GAP_DB:g} dB",
+                gap >= LARGE_GAP_DB,
+                f"{measure.told(gap, '+')} dB",
+                gap,
+                unsure=doubt(
+                    gap,
+                    lambda x: x >= LARGE_GAP_DB,
+                    study.grid.shift_db(measure.grid, (roughness, high), (roughness, low), study.factor),
+                    0.0,
+                ),
+            ),
             Check("larger than other steps", larger, told, others),
         ]
     )
@@ -293,11 +342,15 @@ def loudest(study: Cases, measure: Measure, roughness: float, loads: Sequence[fl
         if roughness not in means or len(means) < 2:
             checks.append(Check(newton(load), None))
             continue
-        first = max(means, key=lambda one: means[one])
+        first, second = sorted(means, key=lambda one: -means[one])[:2]
         words, numbers = _series(study, measure, [(ra(one), group) for one, group in groups.items()])
         step = change(measure, groups[roughness], groups[first], study.factor)
         near = first != roughness and step is not None and not step.rises
-        checks.append(Check(newton(load), first == roughness, f"{ra(first)} of {words}", numbers, near))
+        over, under = (roughness, second) if first == roughness else (first, roughness)
+        lead = means[over] - means[under]
+        least, _ = study.grid.shift_db(measure.grid, (over, load), (under, load), study.factor)
+        unsure = GRID if least < 0 and lead <= -least else ""
+        checks.append(Check(newton(load), first == roughness, f"{ra(first)} of {words}", numbers, near, unsure))
     return concluded(checks)
 
 
@@ -305,13 +358,17 @@ def within(study: Cases, measure: Measure, roughnesses: Sequence[float], most_db
     """Highest less lowest mean of the roughnesses, at each load."""
     checks = []
     for load in study.loads:
-        means = [measure.mean(study.at(one, load), study.factor) for one in roughnesses]
-        known = [mean for mean in means if mean is not None]
+        means = {one: measure.mean(study.at(one, load), study.factor) for one in roughnesses}
+        known = {one: mean for one, mean in means.items() if mean is not None}
         if len(known) < 2:
             checks.append(Check(newton(load), None))
             continue
-        span = max(known) - min(known)
-        checks.append(Check(newton(load), span <= most_db, f"{measure.told(span)} dB", span))
+        top, bottom = max(known, key=lambda one: known[one]), min(known, key=lambda one: known[one])
+        span = known[top] - known[bottom]
+        step = change(measure, study.at(bottom, load), study.at(top, load), study.factor)
+        grid = study.grid.shift_db(measure.grid, (top, load), (bottom, load), study.factor)
+        unsure = doubt(span, lambda x: x <= most_db, grid, step.error if step else 0.0)
+        checks.append(Check(newton(load), span <= most_db, f"{measure.told(span)} dB", span, unsure=unsure))
     return concluded(checks)
 
 
