@@ -124,19 +124,24 @@ def _refuse_excess(
     written: float = 0.0,
 ) -> None:
     """Refuse a demand, which depends on the rms roughness [m] of each scene, where it does not fit."""
+    # By the header of a height file alone, before it is read.
+    first = [lambda scene: 0.0] if any(scene.height_path is not None for scene in scenes) else []
+    for roughness in (*first, _roughness_read_once()):
+        if excess := _excess(needed(roughness), folder, written):
+            raise SceneError([f"{key}: {fault}" for key, fault in excess.items()])
+
+
+def _roughness_read_once() -> Callable[[Scene], float]:
+    """Rms roughness [m] of a scene's surface; a height file that many runs share is read once."""
     known: dict[str, float] = {}
 
-    def read_once(scene: Scene) -> float:
+    def roughness(scene: Scene) -> float:
         key = f"{scene.surface.model_dump_json()} {scene.height_path}"
         if key not in known:
             known[key] = cost.roughness(scene)[0]
         return known[key]
 
-    # By the header of a height file alone, before it is read.
-    first = [lambda scene: 0.0] if any(scene.height_path is not None for scene in scenes) else []
-    for roughness in (*first, read_once):
-        if excess := _excess(needed(roughness), folder, written):
-            raise SceneError([f"{key}: {fault}" for key, fault in excess.items()])
+    return roughness
 
 
 def _written(folder: Path) -> float:
@@ -180,7 +185,8 @@ def report(scene: Scene, fast: bool = False) -> str:
     if len(runs) > 1:
         seconds = sum(finding.seconds for _, found in runs for finding in found)
         facts.append(["expected time of all", f"about {_clock(seconds)} on {_cores()}, {len(runs)} runs"])
-        needed = demand.of_scenes([(single, cost.roughness(single)[0]) for _, single in singles], cost.cores())
+        roughness = _roughness_read_once()
+        needed = demand.of_scenes([(single, roughness(single)) for _, single in singles], cost.cores())
         facts += [["memory of all", _amount(needed.memory)], ["disk of all", _amount(needed.disk)]]
         refused = [f"warning: {key} of all: {fault}" for key, fault in _excess(needed, OUTPUTS).items()]
     blocks = [_table(facts)]
@@ -286,7 +292,7 @@ def _excess(needed: demand.Demand, folder: Path, written: float = 0.0) -> dict[s
         if amount.total > machine.SHARE * limit and key not in excess:
             part = amount.largest[0]
             excess[key] = (
-                f"got {_amount(amount)}, allowed: {_bytes(machine.SHARE * limit)}, {machine.SHARE:.0%} of the"
+                f"needs {_amount(amount)}, allowed: {_bytes(machine.SHARE * limit)}, {100 * machine.SHARE:.0f} % of the"
                 f" {_bytes(limit)} {words}; {demand.ADVICE[part]}"
             )
     return excess

@@ -49,7 +49,9 @@ class Claim:
                 state, reason = self._left(error)
                 for run in [*self._running]:
                     self.mark(run, state, reason)
-                if self.record.state == "running":
+                if self.record.state == "running" and _is_refusal(error) and self._before.state != "running":
+                    run_record.write(self.folder, self._before)  # to the byte: nothing was done
+                elif self.record.state == "running":
                     self.mark(self.folder, state, reason)
         finally:
             _held.difference_update({self.record.id, *(record.id for record in self._running.values())})
@@ -85,12 +87,16 @@ class Claim:
 
     def _left(self, error: BaseException | None) -> tuple[State, str | None]:
         """State and reason of work that ended with an error."""
-        if error is None or isinstance(error, FolderError | SceneError):  # nothing was done
+        if error is None or _is_refusal(error):  # nothing was done
             before = self._before
             return ("waiting", "the process was killed") if before.state == "running" else (before.state, before.reason)
         if isinstance(error, KeyboardInterrupt | SystemExit):
             return "waiting", INTERRUPTED
         return "failed", (str(error).strip().splitlines() or [type(error).__name__])[0]
+
+
+def _is_refusal(error: BaseException | None) -> bool:
+    return isinstance(error, FolderError | SceneError)
 
 
 def take(folder: Path, kind: Kind, runs: Sequence[str] = (), take_over: bool = False) -> Claim:
@@ -116,8 +122,7 @@ def take(folder: Path, kind: Kind, runs: Sequence[str] = (), take_over: bool = F
         for place, other in ((owner, around), *_with_runs(folder, record)):
             if other is not None and place is not None:
                 refuse_in_use(place, other, take_over)
-        record = replace(record, runs=tuple(dict.fromkeys([*record.runs, *runs])))
-        claimed = record.with_state("running")
+        claimed = replace(record, runs=tuple(dict.fromkeys([*record.runs, *runs]))).with_state("running")
         run_record.write(folder, claimed)
         return Claim(folder, claimed, record)
 

@@ -36,8 +36,11 @@ def si(value: float, unit: str) -> str:
 
 
 def byte_size(value: float) -> str:
-    """Two digits in GB, or whole MB."""
-    return f"{value / 1e9:.2g} GB" if value >= 1e9 else f"{max(value / 1e6, 1):.0f} MB"
+    """Two digits in TB or GB, or whole MB."""
+    for unit, size in (("TB", 1e12), ("GB", 1e9)):
+        if value >= 0.995 * size:
+            return f"{float(f'{value / size:.2g}'):,g} {unit}"
+    return f"{max(value / 1e6, 1):.0f} MB"
 
 
 def on_cores() -> str:

@@ -46,14 +46,14 @@ def doubt(scene: Scene, audible_rms: float, resolved_rms: float) -> str | None:
     resolved_rms : float, W. The solver's error there.
     """
     tolerance = f"numerics.tolerance, {scene.numerics.tolerance:g} here"
-    if scene.surface.kind == "smooth":  # no sound is there to be hidden
+    if scene.surface.kind == "smooth" or not resolved_rms:  # no sound is there to be hidden
         return None
     if audible_rms <= resolved_rms:
         return (
             f"the release fluctuates by {audible_rms:.2g} W rms within hearing, no more than the solver's error of up to"
             f" {resolved_rms:.2g} W: the record counts as silent; a lower {tolerance}, tells whether it is"
         )
-    above = 20 * math.log10(audible_rms / resolved_rms) if resolved_rms > 0 else math.inf
+    above = 20 * math.log10(audible_rms / resolved_rms)
     if above >= DOUBTFUL_DB:
         return None
     return (

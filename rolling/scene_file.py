@@ -20,6 +20,9 @@ from rolling.motion import Motion
 from rolling.plain_yaml import TextError
 from rolling.scenario import HeightFile, Rolling, Scene, SceneError, Sound, track
 
+_LONG_TEXT = 100_000  # letters; the resolved form of a shorter one keeps the limits
+
+
 # ---- reading, writing, overriding ------------------------------------------------------------------------------------
 
 
@@ -55,7 +58,14 @@ def loads(text: str, overrides: Sequence[str] = (), where: str = "scene", folder
     if not isinstance(data, dict):
         raise SceneError([f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first being name"])
     places = {key: f"{where}:{line}" for key, line in lines.items()}
-    return Scene.from_dict(data, folder, places, _override(data, places, overrides))
+    scene = Scene.from_dict(data, folder, places, _override(data, places, overrides))
+    if len(text) > _LONG_TEXT or any(len(override) > _LONG_TEXT for override in overrides):
+        try:  # its resolved form, which is longer, is read again to go on with the run
+            plain_yaml.parse(dump(scene), where)
+        except TextError as error:
+            beyond = str(error).removeprefix(f"{where}:").lstrip("1234567890: ")
+            raise SceneError([f"{where}: with every default filled in: {beyond}"]) from error
+    return scene
 
 
 def dump(scene: Scene) -> str:

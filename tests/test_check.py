@@ -172,7 +172,7 @@ def test_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(machine, "memory", lambda: 1e8)
     warning = found()["memory"].warning
     assert warning is not None
-    assert "allowed: 80 MB, 80% of the 100 MB this machine allows" in warning
+    assert "allowed: 80 MB, 80 % of the 100 MB this machine allows" in warning
 
 
 @pytest.mark.parametrize("law", sorted(surface.AUTOCORRELATIONS))

@@ -224,7 +224,8 @@ def test_an_edited_seed_is_refused_in_a_sweep_and_in_its_runs(tmp_path: Path, ca
     (out / "resolved.yaml").write_text(whole.replace("[0.5, 1", "[0.5, 2"))
     before = contents(out)
     assert cli.main(["resume", str(out), "--workers", "1"]) == 2
-    assert "load_n=2" in capsys.readouterr().err and contents(out) == before
+    message = "load_n=1/resolved.yaml: rolling.load_n: got 1, the sweep of the folder above makes 2 of it"
+    assert message in capsys.readouterr().err and contents(out) == before
 
 
 @pytest.mark.parametrize("settings", [(), ("numerics.tolerance=1e-3", "recovery.events=true", "plate.hardness_gpa=")])

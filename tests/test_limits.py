@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scene_text import PLAIN, TEXT, faults
 
-from rolling import check, cli, cost, demand, machine, report, run, scene_file, simulate
+from rolling import check, cli, cost, demand, machine, plain_yaml, report, run, scene_file, simulate
 from rolling.scenario import Scene, SceneError, expand
 
 STEEL = "sphere: {radius_mm: 5}\nplate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}\n"
@@ -90,7 +90,7 @@ MEASURED = [
     (
         "oversampling",
         MADE.replace("width_um: 200", "width_um: 100"),
-        LAPS % ("[[0, 0.001], [2, 0.001], [2.01, 5]]", 2.0005),
+        LAPS % ("[[0, 0.001], [2, 0.001], [2.0004, 5]]", 2.0005),
         1,
         1194,
         4,
@@ -188,10 +188,10 @@ def largest_parts(text: str) -> list[tuple[str, float]]:
         (
             MADE.replace("200", "2e7"),
             "{load_n: 1, speed_m_s: 0.1, duration_s: 2}",
-            ("memory: got about", "surface.width_um"),
+            ("memory: needs about", "surface.width_um"),
         ),
         (FILE, LAPS % (0.0001, 1e5), ("for the sound", "rolling.duration_s")),
-        (FILE, LAPS % (1.0, 1000), ("for the steps", "rolling.duration_s", "disk: got about")),
+        (FILE, LAPS % (1.0, 1000), ("for the steps", "rolling.duration_s", "disk: needs about")),
         (FILE, LAPS % ("[[0, 0.001], [99.9, 0.001], [100, 1000]]", 100), ("oversampling", "rolling.speed_m_s")),
         (
             FILE,
@@ -210,7 +210,7 @@ def test_run_refuses_what_does_not_fit_into_memory_or_on_disk(
     message = refusal(["run", scene_of(tmp_path, surface, rest), "--out", tmp_path / "out"], tmp_path, capsys)
     for part in says:
         assert part in message
-    assert "allowed: 26 GB, 80% of the 32 GB" in message or "allowed: 40 GB, 80% of the 50 GB" in message
+    assert "allowed: 26 GB, 80 % of the 32 GB" in message or "allowed: 40 GB, 80 % of the 50 GB" in message
 
 
 def test_resume_resound_and_accuracy_refuse_alike(
@@ -223,20 +223,20 @@ def test_resume_resound_and_accuracy_refuse_alike(
         ["accuracy", finished / "scene.yaml", "--out", finished.parent / "accuracy"],
     ):
         message = refusal(command, finished.parent, capsys)
-        assert "allowed: 320 MB, 80% of the 400 MB this machine allows; give fewer --workers" in message
+        assert "allowed: 320 MB, 80 % of the 400 MB this machine allows; give fewer --workers" in message
 
 
 def test_resume_does_not_ask_for_disk_twice(finished: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene, needed, written = estimate_and_files(finished)
     monkeypatch.setattr(machine, "free_disk", lambda folder: needed / machine.SHARE - written / 2)
     check.refuse_what_cannot_fit(scene, 1, finished)
-    with pytest.raises(SceneError, match="disk: got about"):
+    with pytest.raises(SceneError, match="disk: needs about"):
         check.refuse_what_cannot_fit(scene, 1, finished.parent / "new")
 
 
 def test_address_space_of_a_process_counts(monkeypatch) -> None:
     monkeypatch.setattr(machine, "address_space", lambda: 3e8)
-    with pytest.raises(SceneError, match="240 MB, 80% of the 300 MB one process may address"):
+    with pytest.raises(SceneError, match="240 MB, 80 % of the 300 MB one process may address"):
         check.refuse_what_cannot_fit(scene_file.loads(PLAIN))
 
 
@@ -247,7 +247,7 @@ def test_check_says_how_much_memory_and_disk(monkeypatch) -> None:
     assert "GB" in rows["memory of all"] or "MB for the program" in rows["memory of all"]
     assert "about" in rows["disk of all"]
     monkeypatch.setattr(machine, "free_disk", lambda folder: 1e6)
-    assert "warning: disk of all: got about" in check.report(scene)
+    assert "warning: disk of all: needs about" in check.report(scene)
 
 
 SPARSE = """\
@@ -368,6 +368,13 @@ def test_aliases_count_as_what_they_stand_for() -> None:
     merges = "".join(f"m{i}: &m{i} {{k{i}: 1, <<: [*m{i - 1}, *m{i - 2}]}}\n" for i in range(2, 40))
     assert faults(f"m0: &m0 {{x: 1}}\nm1: &m1 {{y: 1}}\n{merges}")[0].endswith(too_many)
     assert faults("a: &a [1, *a]\n") == ["s.yaml:1: an alias of what it stands in"]
+
+
+def test_scene_whose_resolved_form_could_not_be_read_again_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(plain_yaml, "MAX_VALUES", 45)  # the scene holds 41 keys and values, with its defaults over 60
+    scene_file.loads(PLAIN)
+    monkeypatch.setattr(scene_file, "_LONG_TEXT", 10)
+    assert faults(PLAIN)[0].startswith("s.yaml: with every default filled in: more than 45 keys and values")
 
 
 def test_stumbles_of_the_reader_are_refusals() -> None:
