@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import metadata
 from typing import Any
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from rolling import __version__
 from rolling.identity import canonical
 from rolling.result import Result
 from rolling.scenario import Gaussian, Scene
@@ -126,7 +126,7 @@ def _attributes(file: h5py.File, result: Result, scene: Scene, scene_text: str) 
     file.attrs.update(
         title=f"rolling contact noise: {scene.name}",
         format=FORMAT,
-        program=metadata.version("rolling-contact-noise"),
+        program=__version__,
         steps=result.steps,
         solved_steps=result.solved_steps,
         step_m=result.step,

@@ -27,7 +27,7 @@ MADE = {"gaussian": 44.0, "file": 50.0, "smooth": 0.0}
 KEPT = {"gaussian": 8.0, "file": 8.0, "smooth": 0.0}
 STATISTICS = {"gaussian": 26.0, "file": 46.0, "smooth": 17.0}
 WINDOW = 720.0  # per node of the window: contact, and transforms of all padded sizes that its windows meet (310 to 660)
-RESULT, RESULT_FILE = 112.0, 200.0  # per solved step, as long as it is kept; per step, while result.h5 is written
+RESULT, RESULT_FILE = 112.0, 270.0  # per solved step, as long as it is kept; per step, while result.h5 is written
 TABLE = 180.0  # per number of a CSV, while it is written
 STEP_SOUND, STEP_DENSE = 60.0, 210.0  # per step, for its sound at constant and at varying speed
 SAMPLE_SOUND, FINE_SOUND = 262.0, 64.0  # per sample, and of a varying speed; loudness takes less, and afterwards
@@ -40,7 +40,7 @@ EVENT = 260.0  # per recovery event, while they are joined
 # On disk.
 STEP_FILE, EVENT_FILE, SNAPSHOT_FILE = 153.0, 41.0, 16.0  # result.h5: per step, event, node of the window
 ROW_FILE = 25.0  # of a table of two columns
-SAMPLE_FILE, SAMPLE_PAGE, LAP_MAP_PAGE = 7.0, 2.7, 13.5  # WAVs; on the page
+SAMPLE_FILE, SAMPLE_PAGE, LAP_MAP_PAGE = 15.0, 2.7, 13.5  # WAVs; on the page
 MAP_FILE = 1.0  # per cell of the pressure maps, compressed
 RUN_FILES, PAGE_RUN, PAGE = (
     1.6e6,

@@ -83,17 +83,17 @@ def test_free_disk_is_that_of_the_nearest_folder_there_is(tmp_path: Path) -> Non
 LAPS = "{load_n: 0.5, speed_m_s: %s, duration_s: %s}"
 FORTY = f"sweep: {{rolling.load_n: {[round(0.01 * k, 2) for k in range(1, 41)]}}}"
 MEASURED = [
-    ("laps", FILE, LAPS % (0.1, 10), 1, 555, 109),
-    ("many laps", FILE, LAPS % (10, 1), 1, 2132, 947),
-    ("long and slow", FILE, LAPS % (0.001, 300), 1, 4015, 332),
-    ("varying speed", FILE, LAPS % ("[[0, 0.01], [10, 0.01], [10.001, 1]]", 10.05), 1, 531, 26),
+    ("laps", FILE, LAPS % (0.1, 10), 1, 592, 106),
+    ("many laps", FILE, LAPS % (10, 1), 1, 2498, 877),
+    ("long and slow", FILE, LAPS % (0.001, 300), 1, 3917, 447),
+    ("varying speed", FILE, LAPS % ("[[0, 0.01], [10, 0.01], [10.001, 1]]", 10.05), 1, 530, 30),
     (
         "oversampling",
-        MADE.replace("width_um: 200", "width_um: 100"),
+        MADE,
         LAPS % ("[[0, 0.001], [2, 0.001], [2.0004, 5]]", 2.0005),
         1,
         1194,
-        4,
+        5,
     ),
     ("wide", MADE.replace("200", "20000"), "{load_n: 1, speed_m_s: 0.1, duration_s: 0.02}", 2, 1360, 3),
     ("wide, smooth", "surface: {kind: smooth, spacing_um: 2, width_um: 40000}\n", LAPS % (0.1, 0.02), 2, 608, 2),
