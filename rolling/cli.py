@@ -177,30 +177,30 @@ def _seconds(text: str) -> float:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from rolling import run
+    from rolling import commands as run
 
     a = arguments
     return _reported(lambda: run.run(a.scene, a.set, a.out, a.force, a.workers, not a.no_report), not a.no_report)
 
 
 def _resume(arguments: argparse.Namespace) -> int:
-    from rolling import run
+    from rolling import commands as run
 
     a = arguments
     return _reported(lambda: run.resume(a.folder, a.workers, not a.no_report, a.take_over), not a.no_report)
 
 
 def _resound(arguments: argparse.Namespace) -> int:
-    from rolling import run
+    from rolling import commands as run
 
     a = arguments
     return _reported(lambda: run.resound(a.folder, a.set, a.out, a.force, not a.no_report), not a.no_report)
 
 
 def _report(arguments: argparse.Namespace) -> int:
-    from rolling import run
-    from rolling.run_folder import FolderError
-    from rolling.scenario import SceneError
+    from rolling import commands as run
+    from rolling.folders.files import FolderError
+    from rolling.scene.scene import SceneError
 
     try:
         print(run.report(arguments.folders, arguments.out, arguments.force))
@@ -211,9 +211,9 @@ def _report(arguments: argparse.Namespace) -> int:
 
 
 def _reported(act, page: bool) -> int:
-    from rolling import labels, summary
-    from rolling.run_folder import FolderError
-    from rolling.scenario import SceneError
+    from rolling.folders.files import FolderError
+    from rolling.scene.scene import SceneError
+    from rolling.simulation import labels, summary
 
     try:
         report = act()
@@ -247,11 +247,12 @@ def _reported(act, page: bool) -> int:
 
 
 def _check(arguments: argparse.Namespace) -> int:
-    from rolling import check, scene_file
-    from rolling.scenario import SceneError
+    from rolling.check import findings
+    from rolling.scene import file
+    from rolling.scene.scene import SceneError
 
     try:
-        print(check.report(scene_file.load(arguments.scene, arguments.set), arguments.fast))
+        print(findings.report(file.load(arguments.scene, arguments.set), arguments.fast))
     except SceneError as error:
         _say(str(error))
         return BAD_INPUT
@@ -271,23 +272,23 @@ def _accuracy(arguments: argparse.Namespace) -> int:
         _say("rolling accuracy: give a SCENE, or --hard")
         return BAD_INPUT
 
-    from rolling import accuracy_report
-    from rolling.run_folder import FolderError
-    from rolling.scenario import SceneError
+    from rolling.accuracy import study
+    from rolling.folders.files import FolderError
+    from rolling.scene.scene import SceneError
 
     given = {name: value for name in ("finest", "duration") if (value := getattr(arguments, name)) is not None}
     try:
-        return accuracy_report.report(
-            arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers, **given
-        )
+        return study.report(arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers, **given)
     except (SceneError, FolderError) as error:
         _say(str(error))
         return BAD_INPUT
 
 
 def _hard_cases(arguments: argparse.Namespace) -> int:
-    from rolling import cost, hard_cases, new_folder, run_record
-    from rolling.run_folder import FolderError
+    from rolling.check import cost
+    from rolling.folders import new_folder, run_record
+    from rolling.folders.files import FolderError
+    from rolling.verification import judge
 
     try:
         target = new_folder.aim(Path("outputs") / "hard-cases", arguments.out, False, ["hard-cases"])
@@ -297,16 +298,16 @@ def _hard_cases(arguments: argparse.Namespace) -> int:
         return BAD_INPUT
     with held:
         workers = arguments.workers or cost.cores()
-        code = hard_cases.main_report(held.folder, arguments.random or 2000, workers, arguments.long)
+        code = judge.main_report(held.folder, arguments.random or 2000, workers, arguments.long)
         held.mark(held.folder, "failed" if code else "done", "not every case holds" if code else None)
     print(f"\ntable, numbers: {held.folder}")
     return code
 
 
 def _reproduce(arguments: argparse.Namespace) -> int:
-    from rolling.article import reproduce
-    from rolling.run_folder import FolderError
-    from rolling.scenario import SceneError
+    from rolling.folders.files import FolderError
+    from rolling.lee2025 import reproduce
+    from rolling.scene.scene import SceneError
 
     a = arguments
     try:
@@ -329,9 +330,9 @@ def _reproduce(arguments: argparse.Namespace) -> int:
 def _schema(arguments: argparse.Namespace) -> int:
     import json
 
-    from rolling import scene_file
+    from rolling.scene import file
 
-    print(json.dumps(scene_file.schema(), indent=2))
+    print(json.dumps(file.schema(), indent=2))
     return OK
 
 

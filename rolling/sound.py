@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from acoustics import level, radiation, resampling, uncertainty, wav
 from acoustics.bands import AUDIBLE_HZ
-from rolling.motion import Motion
-from rolling.resolution import resolved_fluctuation
-from rolling.scenario import Scene
+from rolling.check.resolution import resolved_fluctuation
+from rolling.scene.motion import Motion
+from rolling.scene.scene import Scene
 
 Array = NDArray[np.float64]
 

@@ -6,11 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from rolling import optimality, recovery
-from rolling.half_space import HalfSpace
-from rolling.hard_scenes import STEEL, make_track, rough
-from rolling.march import ContactState, RollingContact, march
-from rolling.optimality import gap_and_deflection
+from rolling.contact import recovery
+from rolling.contact.half_space import HalfSpace
+from rolling.contact.march import ContactState, RollingContact, march
+from rolling.verification import optimality
+from rolling.verification.hard_cases import STEEL, make_track, rough
+from rolling.verification.optimality import gap_and_deflection
 
 __all__ = [
     "STEEL",

@@ -7,8 +7,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from rolling.result import Result
-from rolling.simulate import STATE_SERIES, STEP_SERIES
+from rolling.simulation.result import Result
+from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES
 
 
 def save_old(path: Path, result: Result, deflection: bool) -> None:

@@ -8,7 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling import run, run_record, simulate, solve, store, surface
+from rolling import commands
+from rolling.folders import run_record
+from rolling.simulation import batch, result_file, simulate
+from rolling.surface import heights
 
 STEPS = 300  # once round: 0.6 mm, 6 ms
 HOSTILE = "quoted \"one\" 'two' & </script><img src=x onerror=alert(1)><!-- <script>"
@@ -35,7 +38,7 @@ class Runs:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.heights = folder / "z<i>.npy"
-        np.save(self.heights, surface.gaussian((STEPS, 100), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 3))
+        np.save(self.heights, heights.gaussian((STEPS, 100), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 3))
 
     def _made(self, name: str, text: str, *settings: str) -> Path:
         out = self.folder / name
@@ -43,8 +46,8 @@ class Runs:
             scene = self.folder / f"{name}.yaml"
             scene.write_text(text.replace("PATH", f"'{self.heights}'"))
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr(run, "_write_pictures", lambda *_: [])  # files beside the page, not in it
-                assert run.run(scene, settings, out, workers=1, page=False).exit_code == 0
+                patch.setattr(commands, "_write_pictures", lambda *_: [])  # files beside the page, not in it
+                assert commands.run(scene, settings, out, workers=1, page=False).exit_code == 0
         return out
 
     def _copied(self, source: Path, name: str) -> tuple[Path, bool]:
@@ -73,14 +76,14 @@ class Runs:
         """Stopped after 200 of the 300 steps of its only lap."""
         out, new = self._copied(self.lap(), "partial")
         if new:
-            run_of = run.read_runs(out)[0]
-            result = store.load(out / "result.h5")
+            run_of = commands.read_runs(out)[0]
+            result = result_file.load(out / "result.h5")
             for name in simulate.STEP_SERIES:
                 result.series[name][200:] = np.nan
             for name in simulate.STATE_SERIES:
                 result.series[name][201:] = np.nan
             result.maps = {position: one for position, one in result.maps.items() if position <= 200}
-            solve.keep(run_of, result)
+            batch.keep(run_of, result)
             run_record.write(out, run_record.new("run"))
         return out
 
@@ -88,9 +91,9 @@ class Runs:
         """As run folders were before pressure maps were kept."""
         out, new = self._copied(self.one(), "old")
         if new:
-            result = store.load(out / "result.h5")
+            result = result_file.load(out / "result.h5")
             result.maps = {}
-            solve.keep(run.read_runs(out)[0], result)
+            batch.keep(commands.read_runs(out)[0], result)
         return out
 
     def fast(self) -> Path:
@@ -105,8 +108,8 @@ class Runs:
         out = self.folder / name
         if not out.exists():
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr(run, "_write_pictures", lambda *_: [])
-                assert run.resound(self.one(), [setting], out, page=False).exit_code == 0
+                patch.setattr(commands, "_write_pictures", lambda *_: [])
+                assert commands.resound(self.one(), [setting], out, page=False).exit_code == 0
         return out
 
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from rolling.scenario import SceneError
-from rolling.scene_file import loads
+from rolling.scene.file import loads
+from rolling.scene.scene import SceneError
 
 SCENES = sorted((Path(__file__).parent.parent / "scenarios").glob("*.yaml"))
 

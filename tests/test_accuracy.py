@@ -14,9 +14,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rolling import accuracy, cli, folder_files, hard_cases, run_record, scene_file, surface, variants
-from rolling.accuracy import BANDS, ERRORS, Candidate, recommend
-from rolling.contact import ContactError
+from rolling import cli
+from rolling.accuracy import errors, variants
+from rolling.accuracy.errors import BANDS, ERRORS, Candidate, recommend
+from rolling.contact.solver import ContactError
+from rolling.folders import own_files, run_record
+from rolling.scene import file
+from rolling.surface import heights as surface
+from rolling.verification import judge
 
 SCENE = """\
 name: small
@@ -59,7 +64,7 @@ def test_files(folder: Path, found: dict[str, Any]) -> None:
     assert {f.stem for f in (folder / "variants").iterdir()} == {row["name"] for row in found["variants"]}
     record = run_record.read(folder)
     assert record is not None and record.kind == "accuracy" and record.state == "done"
-    assert folder_files.foreign(folder, record) == []  # --force knows every file
+    assert own_files.foreign(folder, record) == []  # --force knows every file
     assert found["run"] == "load 1 N"
     assert found["track"] == {"nodes": 100, "closed": True, "length_m": pytest.approx(2e-4)}
 
@@ -135,13 +140,13 @@ def test_refining_keeps_the_line_of_the_sphere() -> None:
 @pytest.mark.parametrize("order", [1.0, 2.0])
 def test_extrapolation_finds_the_error_of_the_finest_grid(order: float) -> None:
     value = {times: 7 + 3 * times**-order for times in (1, 2, 4)}
-    left = accuracy.extrapolated({"x": value[1] - value[2]}, {"x": value[2] - value[4]})
+    left = errors.extrapolated({"x": value[1] - value[2]}, {"x": value[2] - value[4]})
     assert left["x"] == pytest.approx(value[4] - 7)
 
 
 def test_order_is_the_slope() -> None:
-    assert accuracy.observed_order([1, 2, 4], [-0.3, 1.2, 4.8]) == pytest.approx(2)
-    assert math.isnan(accuracy.observed_order([1, 2], [0.1, 0.0]))
+    assert errors.observed_order([1, 2, 4], [-0.3, 1.2, 4.8]) == pytest.approx(2)
+    assert math.isnan(errors.observed_order([1, 2], [0.1, 0.0]))
 
 
 def test_recommended_is_the_cheapest_within_the_limits() -> None:
@@ -165,13 +170,13 @@ def test_nothing_is_recommended_when_nothing_keeps_the_limits() -> None:
 
 def test_loosest_tolerance_stays_below_grid_and_limit() -> None:
     off = {1e-2: 0.2, 1e-3: 0.02, 1e-4: 0.002, 1e-5: 0.0002}
-    assert accuracy.loosest_tolerance(off, grid_error=0.5) == 1e-4  # 1e-3 is 28 dB below the grid's, but above -40 dB
-    assert accuracy.loosest_tolerance(off, grid_error=0.003) == 1e-5
-    assert accuracy.loosest_tolerance(off, grid_error=0.0) is None
+    assert errors.loosest_tolerance(off, grid_error=0.5) == 1e-4  # 1e-3 is 28 dB below the grid's, but above -40 dB
+    assert errors.loosest_tolerance(off, grid_error=0.003) == 1e-5
+    assert errors.loosest_tolerance(off, grid_error=0.0) is None
 
 
 def test_the_scene_of_a_yielding_plate_is_tried_with_both_edges(scene: Path) -> None:
-    hard = scene_file.load(scene, ["rolling.load_n=1", "plate.hardness_gpa=2.1", "numerics.step_nodes=3"])
+    hard = file.load(scene, ["rolling.load_n=1", "plate.hardness_gpa=2.1", "numerics.step_nodes=3"])
     what = variants.study(hard, 0.045, 8)
     assert what.nodes % 12 == 0  # whole numbers of the scene's step and of the longest one tried
     every = what.variants()
@@ -202,7 +207,7 @@ def test_a_failed_variant_says_why_and_the_others_go_on(
 def test_interrupted_keeps_what_is_there(
     scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, whole: int
 ) -> None:
-    measured, done = accuracy.measured, []
+    measured, done = errors.measured, []
 
     def interrupted(*arguments):
         done.append(measured(*arguments))
@@ -210,7 +215,7 @@ def test_interrupted_keeps_what_is_there(
             os.kill(os.getpid(), signal.SIGINT)
         return done[-1]
 
-    monkeypatch.setattr(accuracy, "measured", interrupted)
+    monkeypatch.setattr(errors, "measured", interrupted)
     out = tmp_path / "out"
     assert cli.main(["accuracy", str(scene), *QUICK, "--out", str(out)]) == 130
     kept = json.loads((out / "accuracy.json").read_text())["variants"]
@@ -264,6 +269,6 @@ def test_refined_by_powers_of_two_only(capsys: pytest.CaptureFixture[str]) -> No
 
 def test_hard_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple] = []
-    monkeypatch.setattr(hard_cases, "main_report", lambda *arguments: asked.append(arguments) or 1)
+    monkeypatch.setattr(judge, "main_report", lambda *arguments: asked.append(arguments) or 1)
     assert cli.main(["accuracy", "--hard", "--random", "4", "--workers", "2", "--out", str(tmp_path), "--long"]) == 1
     assert asked == [(tmp_path, 4, 2, True)]

@@ -13,11 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling import scene_file, simulate, surface
-from rolling.article import figures, page, readings, study
-from rolling.article.readings import Reading, Scales
-from rolling.article.study import Case
-from rolling.picture import Picture
+from rolling.figures.picture import Picture
+from rolling.lee2025 import figure_data, figures, page, study
+from rolling.lee2025.figure_data import Reading, Scales
+from rolling.lee2025.study import Case
+from rolling.scene import file
+from rolling.simulation import simulate
+from rolling.surface import heights as surface
 
 SCENE = """\
 name: small
@@ -47,7 +49,7 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> Reading:
     results = study.open_results(runs)
     assert not study.solve_all(runs, results, 1, "small").failures
     cases = [study.case("small", one, result) for one, result in zip(runs, results, strict=True)]
-    return readings.gather("small", runs, results, cases)
+    return figure_data.gather("small", runs, results, cases)
 
 
 def case(roughness: float, load: float, seed: int = 1, length: float = 10.0, **others: float) -> Case:
@@ -70,7 +72,7 @@ def synthetic() -> Reading:
 
 
 def drawn(reading: Reading, on: Scales | None = None) -> dict[str, Picture]:
-    on = on or readings.scales([reading])
+    on = on or figure_data.scales([reading])
     return {picture.name: picture for picture in figures.gallery(reading, on)}
 
 
@@ -108,7 +110,7 @@ def test_every_figure_with_ra_5_says_that_theory_ends_there(solved: Reading, syn
 
 def test_warning_is_of_the_slope_measured_on_the_surface(solved: Reading, tmp_path: Path) -> None:
     (tmp_path / "s.yaml").write_text(SCENE)
-    scene = scene_file.load(tmp_path / "s.yaml", ["surface.roughness_ra_um=5", "rolling.load_n=0.5"])
+    scene = file.load(tmp_path / "s.yaml", ["surface.roughness_ra_um=5", "rolling.load_n=0.5"])
     norm = surface.statistics(simulate.heights(scene), scene.spacing).rms_slope
     assert solved.slopes[5.0, 10.0] == norm
     # Ra 5 um, Gaussian with 1/e at 10 um: Rq sqrt(2)/length = 0.89 along each direction; half a percent less over one
@@ -199,7 +201,7 @@ def test_what_is_compared_has_the_same_axes(synthetic: Reading) -> None:
         replace(one, maximum_db=one.maximum_db + 20, line_db=one.line_db + 20, plastic_ratio=2 * one.plastic_ratio)
         for one in synthetic.cases
     ])  # fmt: skip
-    on = readings.scales([synthetic, louder])
+    on = figure_data.scales([synthetic, louder])
     here, there = drawn(synthetic, on), drawn(louder, on)
     alone = drawn(synthetic)
     for name in here:
@@ -215,7 +217,7 @@ def test_missing_cases_leave_gaps(synthetic: Reading, solved: Reading) -> None:
     assert "no axis of 20 lg: Ra 1 µm, 20 N is not solved" in note(pictures["fig8_spectra"])
     assert not pictures["fig9_maximum_level"].figure.axes[0].child_axes
     smooth = [one for one in synthetic.cases if one.roughness_um > 0.1 or one.load_n < 100]  # none of 100 N at Ra 0.1
-    on = readings.scales([replace(synthetic, cases=[*synthetic.cases, case(1.0, 50.0)])])
+    on = figure_data.scales([replace(synthetic, cases=[*synthetic.cases, case(1.0, 50.0)])])
     (legend,) = drawn(replace(synthetic, cases=smooth), on)["fig8_spectra"].figure.legends
     assert [text.get_text() for text in legend.get_texts()][:-1] == ["5 N", "20 N", "100 N"]
     contacts = {key: one for key, one in solved.contacts.items() if key != (1.0, 0.2)}

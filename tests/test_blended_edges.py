@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from conftest import assert_solved, make_track, releases, roll, rough, space_of, step_energies
 
-from rolling import contact
-from rolling.march import RollingContact
-from rolling.variants import refined
+from rolling.accuracy.variants import refined
+from rolling.contact import solver
+from rolling.contact.march import RollingContact
 
 HARDNESS = 2.1e9
 
@@ -84,7 +84,7 @@ def test_no_edge_is_no_change(coarse: RollingContact) -> None:
     track = replace(coarse, tolerance=1e-9)
     sharp = roll(track, 0, 0)[0]
     gap = track.gap(0, sharp.window)
-    again = contact.solve(
+    again = solver.solve(
         space_of(track), gap, track.load, sharp.pressure, 1e-9, HARDNESS, nearby=True, edge=np.zeros_like(gap)
     )
     assert np.abs(again.pressure - sharp.pressure).max() < 1e-6 * HARDNESS

@@ -14,9 +14,14 @@ import pytest
 from report_runs import Runs, runs_in
 from scene_text import PLAIN
 
-from rolling import caveats, check, figures, report_text, run, scene_file, store, summary
-from rolling.caveats import Caveat, Remark
-from rolling.heard import Heard
+from rolling import commands
+from rolling.check import findings as check
+from rolling.figures import run_figures
+from rolling.report import text as report_text
+from rolling.scene import file
+from rolling.simulation import caveats, result_file, summary
+from rolling.simulation.caveats import Caveat, Remark
+from rolling.simulation.run_result import Heard
 from rolling.sound import ContactSound, contact_sound
 
 STEP = 2e-6  # 0.1 m/s: 50,000 steps a second
@@ -29,14 +34,14 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
 
 def heard_in(folder: Path) -> list[Heard]:
     found = [
-        run.hear(one.label, one.values, one.folder, one.scene, store.load(one.folder / "result.h5"))
-        for one in run.read_runs(folder)
+        commands.hear(one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5"))
+        for one in commands.read_runs(folder)
     ]
     return [one for one in found if one]
 
 
 def scene_of(seconds: float, *overrides: str):
-    return scene_file.loads(PLAIN.replace("duration_s: 0.01", f"duration_s: {seconds}"), overrides)
+    return file.loads(PLAIN.replace("duration_s: 0.01", f"duration_s: {seconds}"), overrides)
 
 
 def sound_of(scene, closed: bool = True, silent: bool = False) -> ContactSound:
@@ -131,12 +136,12 @@ def test_summary_sidecars_csv_tsv_and_table_say_the_same(runs: Runs) -> None:
     }
     for name in ("signal", "listen"):
         assert json.loads((one.folder / f"{name}.json").read_text())["caveats"] == numbers["caveats"]
-    of_one = {picture.name: picture.csv().decode() for picture in figures.of_run(one) if picture.columns}
+    of_one = {picture.name: picture.csv().decode() for picture in run_figures.of_run(one) if picture.columns}
     levels = {"spectrum", "article_spectrum", "psd", "third_octaves", "third_octaves_a"}
     for name, content in of_one.items():
         comments = [line.removeprefix("# ") for line in content.splitlines() if line.startswith("#")]
         assert comments == (texts if name in levels else []), name
-    together = {picture.name: picture.csv().decode() for picture in figures.of_runs(heard)}
+    together = {picture.name: picture.csv().decode() for picture in run_figures.of_runs(heard)}
     assert all(texts[0] in content for content in together.values()) and "levels" in together
     assert f"# {texts[0]}\n" in report_text.tsv(heard)
     table = summary.table([(each.label, "folder", each.numbers) for each in heard]).splitlines()
@@ -151,7 +156,7 @@ def test_tables_are_read_by_csv_readers_whatever_the_labels_hold(runs: Runs) -> 
     """Commas, quotation marks and the sign of a comment in a label move no cell."""
     label = 'load 1 N (a,b "c" #d)'
     one = replace(heard_in(runs.three())[0], label=label)
-    for picture in figures.of_run(one):
+    for picture in run_figures.of_run(one):
         if picture.columns:
             lines = [line for line in picture.csv().decode().splitlines() if not line.startswith("#")]
             head, *rows = csv.reader(lines)
@@ -165,7 +170,7 @@ def test_tables_are_read_by_csv_readers_whatever_the_labels_hold(runs: Runs) -> 
 def test_text_of_scenes_in_a_remark_stays_on_its_line(runs: Runs) -> None:
     (one,) = heard_in(runs.lap())
     numbers = one.numbers | {"caveats": [{"key": "x", "text": "first\nsecond,1,2\u2028"}]}
-    for picture in figures.of_run(replace(one, numbers=numbers)):
+    for picture in run_figures.of_run(replace(one, numbers=numbers)):
         if picture.name == "spectrum":
             first, second, *_ = picture.csv().decode().splitlines()
             assert first == "# first\\nsecond,1,2\\u2028" and second.startswith("frequency")

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from acoustics import wav
-from rolling import check, cost, machine, surface
-from rolling.check import Finding, findings, report
-from rolling.cost import expected_step_ms, roughness
-from rolling.scenario import Scene, SceneError
-from rolling.scene_file import load, loads
+from rolling.check import cost, machine
+from rolling.check import findings as check
+from rolling.check.cost import expected_step_ms, roughness
+from rolling.check.findings import Finding, findings, report
+from rolling.scene.file import load, loads
+from rolling.scene.scene import Scene, SceneError
+from rolling.surface import heights as surface
 
 TEXT = """\
 name: trial

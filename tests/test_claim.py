@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from processes import Child
 
-from rolling import claim, process, run_record
-from rolling.run_folder import FolderError
+from rolling.folders import claim, process, run_record
+from rolling.folders.files import FolderError
 
 
 def made(folder: Path, runs: tuple[str, ...] = ()) -> Path:

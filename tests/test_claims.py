@@ -14,11 +14,11 @@ import pytest
 
 from acoustics.bands import MID_HZ
 from acoustics.spectrum import article_line_level_db
-from rolling.article import claims, claims_text, grid_error, measures, standing, verdicts
-from rolling.article.checks import GRID, NOT, NOT_RUN, PARTLY, RECORD, REPRODUCED, SURFACES, UNDECIDED
-from rolling.article.claims import CLAIMS, LOADS, OUTLOOK, ROUGHNESSES
-from rolling.article.grid_error import GridError
-from rolling.article.study import Case
+from rolling.lee2025 import claims, claims_text, criteria, grid_error, measures, standing
+from rolling.lee2025.checks import GRID, NOT, NOT_RUN, PARTLY, RECORD, REPRODUCED, SURFACES, UNDECIDED
+from rolling.lee2025.claims import CLAIMS, LOADS, OUTLOOK, ROUGHNESSES
+from rolling.lee2025.grid_error import GridError
+from rolling.lee2025.study import Case
 
 LINE_HZ = np.geomspace(100.0, 18000.0, 40)
 SMOOTH_DB = 72.0  # of the greatest line at Ra 0.01 um and 5 N: with 0.05 s, records of half a second still pass 70 dB
@@ -465,7 +465,7 @@ def test_lines_of_noise_fall_by_5_db_in_a_record_ten_times_as_long() -> None:
     """10 lg of an amplitude that goes with 1 / sqrt(T). The median of 3000 lines is known to 0.07 dB."""
     noise = np.random.default_rng(1).standard_normal(60000)
     short, long = (article_line_level_db(noise[:n], 48000, 1.0)[1][1:] for n in (6000, 60000))
-    assert np.median(short) - np.median(long) == pytest.approx(verdicts.LG_LENGTH_DB, abs=0.2)
+    assert np.median(short) - np.median(long) == pytest.approx(criteria.LG_LENGTH_DB, abs=0.2)
 
 
 # ---- twins without hardness ------------------------------------------------------------------------------------------

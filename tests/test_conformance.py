@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from acoustics import conformance, standards
 from acoustics.bands import BAND_NAMES, LEAST_BT, band_uncertainty_db
-from acoustics.conformance_bands import least_lines_inside
-from acoustics.conformance_rows import Row, Table
+from acoustics.conformance import __main__, standards
+from acoustics.conformance.bands import least_lines_inside
+from acoustics.conformance.rows import Row, Table
 
 ROOT = Path(__file__).parents[1]
 OPEN = "Third octaves: tones that do not fit the record"
@@ -32,20 +32,20 @@ OUTSIDE = {
 
 @pytest.fixture(scope="module")
 def tables() -> dict[str, Table]:
-    return {table.title: table for table in conformance.tables()}
+    return {table.title: table for table in __main__.tables()}
 
 
 def test_the_page_is_what_the_command_prints_now(tables):
     written = (ROOT / "acoustics" / "CONFORMANCE.md").read_text(encoding="utf-8")
-    now = conformance.page(list(tables.values()))
-    assert written == now, f"acoustics/CONFORMANCE.md is out of date: {conformance.COMMAND}"
+    now = __main__.page(list(tables.values()))
+    assert written == now, f"acoustics/CONFORMANCE.md is out of date: {__main__.COMMAND}"
 
 
 def test_every_row_is_within_its_limits_but_those_the_page_states(tables):
     for title, table in tables.items():
         outside = {named(title, row) for row in table.outside}
         assert outside == OUTSIDE.get(title, set()), title
-        assert ("outside" in conformance.verdict(table)) == (title in OUTSIDE)
+        assert ("outside" in __main__.verdict(table)) == (title in OUTSIDE)
 
 
 def named(title: str, row: Row) -> tuple[str, ...]:
@@ -111,6 +111,6 @@ def test_a_share_is_of_the_limit_on_its_side():
 
 def test_rounding_does_not_show():
     table = Table("t", "class 1", "s", "x", ("what",), "dB", 2, (Row(("a",), 0.0, -1e-13, -1.0, 1.0),))
-    noisy = conformance.page([table])
-    exact = conformance.page([Table("t", "class 1", "s", "x", ("what",), "dB", 2, (Row(("a",), 0.0, 0.0, -1.0, 1.0),))])
+    noisy = __main__.page([table])
+    exact = __main__.page([Table("t", "class 1", "s", "x", ("what",), "dB", 2, (Row(("a",), 0.0, 0.0, -1.0, 1.0),))])
     assert noisy == exact and "-0.00" not in noisy

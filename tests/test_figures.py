@@ -13,10 +13,12 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from rolling import figures, labels, run, store
-from rolling.heard import Heard, hear
-from rolling.picture import DPI, SIDE_IN, Picture
-from rolling.scenario import Scene
+from rolling import commands
+from rolling.figures import run_figures
+from rolling.figures.picture import DPI, SIDE_IN, Picture
+from rolling.scene.scene import Scene
+from rolling.simulation import labels, result_file
+from rolling.simulation.run_result import Heard, hear
 from rolling.sound import contact_sound
 
 SCENE = """\
@@ -47,14 +49,14 @@ def _no_warnings() -> Iterator[None]:
 def heard(text: str, folder: Path) -> list[Heard]:
     """The runs of a scene, run and read again from their folder."""
     (folder / "s.yaml").write_text(text)
-    run.run(folder / "s.yaml", [], folder / "out", workers=1)
+    commands.run(folder / "s.yaml", [], folder / "out", workers=1)
     return read(folder / "out")
 
 
 def read(folder: Path) -> list[Heard]:
     runs = [
-        hear(one.label, one.values, one.folder, one.scene, store.load(one.folder / "result.h5"))
-        for one in run.read_runs(folder)
+        hear(one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5"))
+        for one in commands.read_runs(folder)
     ]
     return [one for one in runs if one is not None]
 
@@ -106,8 +108,8 @@ def test_a_run_folder_has_them_all(runs: list[Heard]) -> None:
 
 
 def test_what_is_compared_has_the_same_axes(runs: list[Heard]) -> None:
-    first, second = (by_name(figures.of_run(one, runs)) for one in runs)
-    both = by_name(figures.of_runs(runs))
+    first, second = (by_name(run_figures.of_run(one, runs)) for one in runs)
+    both = by_name(run_figures.of_runs(runs))
     for name in ("spectrum", "article_spectrum", "psd", "third_octaves", "third_octaves_a"):
         axes = [pictures[name].figure.axes[0] for pictures in (first, second, both)]
         assert len({ax.get_ylim() for ax in axes}) == len({ax.get_xlim() for ax in axes}) == 1
@@ -127,14 +129,14 @@ def test_what_is_compared_has_the_same_axes(runs: list[Heard]) -> None:
         assert maps[0].get_images()[0].get_clim() == maps[1].get_images()[0].get_clim()
         assert np.ptp(maps[0].get_xlim()) == pytest.approx(np.ptp(maps[1].get_xlim()), rel=1e-12)
     # Alone, a run has axes of its own.
-    alone = by_name(figures.of_run(runs[0]))
+    alone = by_name(run_figures.of_run(runs[0]))
     assert alone["spectrum"].figure.axes[0].get_ylim() != both["spectrum"].figure.axes[0].get_ylim()
 
 
 def test_the_same_run_gives_the_same_bytes(runs: list[Heard]) -> None:
     again = read(runs[0].folder.parent)
-    pairs = zip(figures.of_run(runs[0], runs), figures.of_run(again[0], again), strict=True)
-    for one, other in [*pairs, *zip(figures.of_runs(runs), figures.of_runs(again), strict=True)]:
+    pairs = zip(run_figures.of_run(runs[0], runs), run_figures.of_run(again[0], again), strict=True)
+    for one, other in [*pairs, *zip(run_figures.of_runs(runs), run_figures.of_runs(again), strict=True)]:
         assert (one.png(), one.svg(), one.csv()) == (other.png(), other.svg(), other.csv()), one.name
 
 
@@ -147,7 +149,7 @@ def columns(picture: Picture) -> dict[str, np.ndarray]:
 
 def test_curves_in_the_csv_add_up_to_the_levels(runs: list[Heard]) -> None:
     one = runs[0]
-    pictures = by_name(figures.of_run(one, runs))
+    pictures = by_name(run_figures.of_run(one, runs))
     lines = columns(pictures["spectrum"])[f"{one.label}: A-weighted line level [dB re 20 µPa]"]
     # The record is limited to what is drawn; nine digits of a level leave 1e-7 dB.
     assert 10 * np.log10(np.sum(10 ** (lines / 10))) == pytest.approx(one.sound.levels.laeq_db, abs=1e-6)
@@ -169,7 +171,7 @@ def test_curves_in_the_csv_add_up_to_the_levels(runs: list[Heard]) -> None:
 
 
 def test_levels_against_the_load(runs: list[Heard]) -> None:
-    picture = by_name(figures.of_runs(runs))["levels"]
+    picture = by_name(run_figures.of_runs(runs))["levels"]
     found = columns(picture)
     assert found["load [N]"].tolist() == [0.5, 2.0]
     for k, one in enumerate(runs):
@@ -180,7 +182,7 @@ def test_levels_against_the_load(runs: list[Heard]) -> None:
 
 
 def test_notes_say_what_was_assumed(runs: list[Heard]) -> None:
-    pictures = by_name(figures.of_run(runs[0], runs))
+    pictures = by_name(run_figures.of_run(runs[0], runs))
     # 0.009 s: 432 samples; Welch segments of a quarter, 108 samples.
     for name, facts in {
         "spectrum": ("at 1 m", "T = 0.009 s", "lines of 111 Hz"),
@@ -198,13 +200,13 @@ def test_notes_say_what_was_assumed(runs: list[Heard]) -> None:
 
 def test_other_distances_are_named_as_a_range(runs: list[Heard]) -> None:
     far = Scene.from_dict(runs[1].scene.to_dict() | {"sound": {"distance_m": 4}}, runs[1].scene.folder)
-    both = by_name(figures.of_runs([runs[0], replace(runs[1], scene=far)]))
+    both = by_name(run_figures.of_runs([runs[0], replace(runs[1], scene=far)]))
     assert "at 1 to 4 m" in note(both["spectrum"])
 
 
 def test_runs_of_other_scenes_stand_together(runs: list[Heard]) -> None:
     other = replace(runs[1], scene=renamed(runs[1], "other"), values={"sphere.radius_mm": 5.0})
-    pictures = by_name(figures.of_runs([runs[0], other]))
+    pictures = by_name(run_figures.of_runs([runs[0], other]))
     assert "levels" not in pictures  # no swept quantity in common
     assert pictures["psd"].figure.texts[0].get_text().endswith("small, other")
 
@@ -229,7 +231,7 @@ def test_long_names_and_twelve_runs_stay_within_the_figure(runs: list[Heard]) ->
         )
         for k in range(12)
     ]
-    for picture in [*figures.of_runs(many), *figures.of_run(many[-1], many)]:
+    for picture in [*run_figures.of_runs(many), *run_figures.of_run(many[-1], many)]:
         assert edges_are_blank(picture), picture.name
         for legend in picture.figure.legends:
             box = legend.get_window_extent()
@@ -241,7 +243,7 @@ def test_long_names_and_twelve_runs_stay_within_the_figure(runs: list[Heard]) ->
 def test_labels_do_not_change_where_the_plot_lies(runs: list[Heard]) -> None:
     long = replace(runs[0], scene=renamed(runs[0], "W" * 64))
     for name in ("spectrogram", "release_power"):
-        areas = [by_name(figures.of_run(one, runs))[name].plot_area() for one in (runs[0], long)]
+        areas = [by_name(run_figures.of_run(one, runs))[name].plot_area() for one in (runs[0], long)]
         assert areas[0] == areas[1]
 
 
@@ -250,7 +252,7 @@ def test_ten_seconds_stay_small(runs: list[Heard]) -> None:
     energy = 1e-9 * (1.0 + 0.1 * np.random.default_rng(1).standard_normal(500_000))
     sound = contact_sound(runs[0].scene, energy, 2e-6, True, 500_000)
     assert sound.duration == pytest.approx(10.0)
-    pictures = by_name(figures.of_run(replace(runs[0], sound=sound)))
+    pictures = by_name(run_figures.of_run(replace(runs[0], sound=sound)))
     for name, picture in pictures.items():
         assert len(picture.svg()) < 150e3, name
     assert "least and greatest in each of 1,500 columns" in note(pictures["release_power"])
@@ -262,31 +264,31 @@ def test_large_surfaces_are_drawn_from_every_other_node(runs: list[Heard]) -> No
         runs[0].scene.to_dict() | {"surface": runs[0].scene.to_dict()["surface"] | {"width_um": 1200}},
         runs[0].scene.folder,
     )
-    picture = by_name(figures.of_run(replace(runs[0], scene=wide)))["surface"]
+    picture = by_name(run_figures.of_run(replace(runs[0], scene=wide)))["surface"]
     assert "map: every 2 nodes" in note(picture) and len(picture.svg()) < 150e3
 
 
 def test_silence_is_drawn(tmp_path: Path) -> None:
     (one,) = heard(SMOOTH, tmp_path)
     assert one.sound.levels.level_db is None
-    pictures = by_name(figures.of_run(one))
+    pictures = by_name(run_figures.of_run(one))
     assert set(pictures) == ALWAYS
     for name in ("spectrum", "psd", "third_octaves", "spectrogram"):
         assert [text.get_text() for text in pictures[name].figure.axes[0].texts] == ["no sound"]
         assert pictures[name].png() and pictures[name].svg() and pictures[name].csv() is not None
     # Beside a run that sounds, too.
-    for picture in figures.of_runs([one, replace(one, label="again")]):
+    for picture in run_figures.of_runs([one, replace(one, label="again")]):
         assert picture.svg()
 
 
 @pytest.mark.parametrize("steps", [2, 3, 10])
 def test_the_beginning_of_a_run_is_drawn(runs: list[Heard], steps: int) -> None:
     """Two steps are two samples."""
-    result = store.load(runs[0].folder / "result.h5")
+    result = result_file.load(runs[0].folder / "result.h5")
     result.series["release_energy"][steps:] = np.nan
     part = hear("part", {}, runs[0].folder, runs[0].scene, result)
     assert part is not None and len(part.sound.pressure) == max(2, round(steps * 2e-5 * 48000))
-    for picture in [*figures.of_run(part), *figures.of_runs([part, runs[1]])]:
+    for picture in [*run_figures.of_run(part), *run_figures.of_runs([part, runs[1]])]:
         assert picture.png() and picture.svg() and picture.csv() is not None
 
 
@@ -295,7 +297,7 @@ def test_one_band_alone_is_drawn(runs: list[Heard]) -> None:
     steps = len(runs[0].sound.power)
     energy = 1e-9 * (1.0 + 0.1 * np.sin(2 * np.pi * 9 * np.arange(steps) / steps))  # 9 periods in 0.009 s: 1 kHz
     tone = replace(runs[0], sound=contact_sound(runs[0].scene, energy, 2e-6, True, steps))
-    pictures = by_name(figures.of_run(tone))
+    pictures = by_name(run_figures.of_run(tone))
     bands = {name for name, level in tone.sound.levels.third_octave_db.items() if level is not None and level > 0}
     assert "1000" in bands
     low, high = pictures["third_octaves"].figure.axes[0].get_ylim()
@@ -306,7 +308,7 @@ def test_one_band_alone_is_drawn(runs: list[Heard]) -> None:
 
 def test_maps_and_events_only_where_there_are_any(runs: list[Heard]) -> None:
     bare = replace(runs[0].result, snapshot=None, event_pieces={})
-    assert set(by_name(figures.of_run(replace(runs[0], result=bare)))) == ALWAYS - {"contact"}
+    assert set(by_name(run_figures.of_run(replace(runs[0], result=bare)))) == ALWAYS - {"contact"}
 
 
 def test_runs_alike_in_name_stay_apart(runs: list[Heard]) -> None:
@@ -317,11 +319,11 @@ def test_runs_alike_in_name_stay_apart(runs: list[Heard]) -> None:
         (replace(runs[0], scene=renamed(runs[0], "other")), ["small, load 0.5 N", "other, load 0.5 N"]),
         (runs[0], ["load 0.5 N (1)", "load 0.5 N (2)"]),
     ):
-        pictures = by_name(figures.of_runs(labelled([runs[0], other])))
+        pictures = by_name(run_figures.of_runs(labelled([runs[0], other])))
         assert "levels" not in pictures
         for name in ("spectrum", "psd", "third_octaves"):
             assert [text.get_text() for text in pictures[name].figure.legends[0].get_texts()][:2] == expected
         assert sum("dB re 20" in column for column in pictures["third_octaves"].columns) == 2
     sweeps = [*runs, *(replace(one, scene=renamed(one, "other")) for one in runs)]
-    found = by_name(figures.of_runs(sweeps))["levels"].columns
+    found = by_name(run_figures.of_runs(sweeps))["levels"].columns
     assert {"LAeq, small [dB re 20 µPa]", "LAeq, other [dB re 20 µPa]"} < set(found)

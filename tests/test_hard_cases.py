@@ -17,12 +17,14 @@ import numpy as np
 import pytest
 from conftest import STEEL, make_track, roll, rough
 
-from rolling import hard_cases, optimality, reference
-from rolling.contact import ContactError
-from rolling.hard_cases import Outcome, judge
-from rolling.hard_scenes import CAPACITY, CASES, EXTREMES, SOLVED, WIDTH, HardCase
-from rolling.march import ContactState, RollingContact
-from rolling.random_scenes import FAILED_ONCE, found_cases, random_case
+from rolling.contact import closed_forms
+from rolling.contact.march import ContactState, RollingContact
+from rolling.contact.solver import ContactError
+from rolling.verification import judge as hard_cases
+from rolling.verification import optimality
+from rolling.verification.hard_cases import CAPACITY, CASES, EXTREMES, SOLVED, WIDTH, HardCase
+from rolling.verification.judge import Outcome, judge
+from rolling.verification.random_cases import FAILED_ONCE, found_cases, random_case
 
 NAMED = {case.name: case for case in CASES}
 BUILT = {name: lru_cache(case.build) for name, case in NAMED.items()}
@@ -139,7 +141,7 @@ def test_first_touch_on_one_node() -> None:
 def test_extremes_are_of_the_order_of_hertz(name: str) -> None:
     """Whatever the units. Roughness is a tenth of the approach."""
     track, states = solved(f"{name}, elastic")
-    hertz = reference.hertz_approach(track.load, track.radius, track.contact_modulus)
+    hertz = closed_forms.hertz_approach(track.load, track.radius, track.contact_modulus)
     assert states[0].approach == pytest.approx(hertz, rel=0.6)
     assert (track.load, track.radius, track.contact_modulus, track.spacing) == EXTREMES[name]
     assert any(state.plastic_area > 0 for state in solved(f"{name}, capped")[1])

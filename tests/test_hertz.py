@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from conftest import STEEL, assert_solved, make_track, roll
 
-from rolling import reference
+from rolling.contact import closed_forms
 
 LOAD, RADIUS = 20.0, 5e-3
-A = reference.hertz_radius(LOAD, RADIUS, STEEL)  # 69 um
+A = closed_forms.hertz_radius(LOAD, RADIUS, STEEL)  # 69 um
 SPACINGS = (8e-6, 4e-6, 2e-6, 1e-6)
 
 
@@ -31,14 +31,14 @@ def rate(errors: list[float]) -> float:
 
 def test_approach_converges_to_hertz_at_second_order(series: list) -> None:
     """Measured: -5.5e-4, -1.2e-4, -3.1e-5, -8.7e-6 between nodes (rate 1.98), -7.4e-4 ... -8.1e-6 on a node (2.17)."""
-    errors = [s.approach / reference.hertz_approach(LOAD, RADIUS, STEEL) - 1 for s in series]
+    errors = [s.approach / closed_forms.hertz_approach(LOAD, RADIUS, STEEL) - 1 for s in series]
     assert abs(errors[-1]) < 1.5e-5
     assert 1.75 < rate(errors) < 2.4
 
 
 def test_pressure_converges_to_hertz_at_second_order(series: list) -> None:
     """The peak between nodes is missed by (spacing / a)^2 / 4, 1e-3 at 8 um; measured rates 1.98 and 1.83."""
-    errors = [s.max_pressure / reference.hertz_pressure(LOAD, RADIUS, STEEL) - 1 for s in series]
+    errors = [s.max_pressure / closed_forms.hertz_pressure(LOAD, RADIUS, STEEL) - 1 for s in series]
     assert abs(errors[-1]) < 3e-5
     assert 1.6 < rate(errors) < 2.4
 
@@ -57,7 +57,7 @@ def test_pressure_profile_is_the_hertz_ellipse(series: list) -> None:
     x = (state.window.row + np.arange(state.window.rows)) * spacing
     y = (state.window.column + np.arange(state.window.columns) - middle) * spacing
     r2 = (x[:, None] ** 2 + y**2) / A**2
-    p0 = reference.hertz_pressure(LOAD, RADIUS, STEEL)
+    p0 = closed_forms.hertz_pressure(LOAD, RADIUS, STEEL)
     exact = p0 * np.sqrt(np.maximum(1 - r2, 0))
     assert np.abs(state.pressure - exact)[r2 < 0.81].max() < 2e-3 * p0
     assert state.pressure[r2 > (1 + spacing / A) ** 2].max() == 0

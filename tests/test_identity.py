@@ -12,10 +12,14 @@ import numpy as np
 import pytest
 from scene_text import PLAIN
 
-from rolling import cli, identity, run, simulate, solve, store, surface
-from rolling.identity import Identity, differences
-from rolling.scenario import Scene
-from rolling.scene_file import load, loads
+from rolling import cli
+from rolling import commands as run
+from rolling.scene import identity
+from rolling.scene.file import load, loads
+from rolling.scene.identity import Identity, differences
+from rolling.scene.scene import Scene
+from rolling.simulation import batch, result_file, simulate
+from rolling.surface import heights
 
 SCENE = """\
 name: heights
@@ -28,7 +32,7 @@ STEPS = 450  # three pieces
 
 
 def made(seed: int, steps: int = STEPS) -> np.ndarray:
-    return surface.gaussian((steps, 60), 2e-6, 2e-8, (1e-5, 1e-5), "gaussian", seed)
+    return heights.gaussian((steps, 60), 2e-6, 2e-8, (1e-5, 1e-5), "gaussian", seed)
 
 
 @pytest.fixture(autouse=True)
@@ -59,7 +63,7 @@ def stopped(scene: Path, out: Path, monkeypatch: pytest.MonkeyPatch, after: Call
 
     with monkeypatch.context() as patch:
         patch.setattr(simulate, "simulate_piece", piece)
-        patch.setattr(solve.Keeper, "due", lambda self: True)
+        patch.setattr(batch.Keeper, "due", lambda self: True)
         code = cli.main(["run", str(scene), "--out", str(out), "--workers", "1", "--no-report"])
     assert code == (1 if after else 130)
 
@@ -95,7 +99,7 @@ def test_heights_replaced_after_an_interrupt_are_refused(scene: Path, tmp_path: 
     assert cli.main(["resume", str(out), "--workers", "1", "--no-report"]) == 0
     whole = tmp_path / "whole"
     assert cli.main(["run", str(scene), "--out", str(whole), "--workers", "1", "--no-report"]) == 0
-    both = [store.load(folder / "result.h5").series["release_energy"] for folder in (out, whole)]
+    both = [result_file.load(folder / "result.h5").series["release_energy"] for folder in (out, whole)]
     assert np.array_equal(*both)
 
 
@@ -116,7 +120,7 @@ def test_heights_that_change_during_a_run_fail_it(spoil, scene: Path, tmp_path: 
     message = capsys.readouterr().err
     assert "z.npy" in message and "Traceback" not in message
     assert "another surface than the one solved" in message or "the surface that was solved is gone" in message
-    result = store.load(out / "result.h5")
+    result = result_file.load(out / "result.h5")
     solved = np.isfinite(result.series["release_energy"])
     assert solved[:200].all() and not solved[200:].any()
     assert not (out / "summary.json").exists()  # its statistics would be another surface's
@@ -146,7 +150,7 @@ def test_heights_replaced_in_the_last_moment_give_no_numbers(scene: Path, tmp_pa
     out = tmp_path / "out"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
     assert "another surface than the one solved" in capsys.readouterr().err
-    assert store.load(out / "result.h5").complete and not (out / "summary.json").exists()
+    assert result_file.load(out / "result.h5").complete and not (out / "summary.json").exists()
 
 
 def test_the_same_heights_elsewhere_and_written_anew_are_the_same_surface(scene: Path, tmp_path: Path) -> None:
@@ -276,7 +280,7 @@ def test_the_file_says_what_was_solved(scene: Path, tmp_path: Path) -> None:
 def test_a_resounded_run_keeps_its_identity_whatever_its_duration(scene: Path, tmp_path: Path) -> None:
     """Another speed rounds the duration; the steps stay as they were, over files and made surfaces."""
     rng = np.random.default_rng(0)
-    from rolling import scene_file
+    from rolling.scene import file as scene_file
 
     for text in (SCENE.replace("speed_m_s: 0.1", "speed_m_s: 0.1, duration_s: 1"), PLAIN):
         for _ in range(40):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rolling import levelling, surface
+from rolling.surface import heights as surface
+from rolling.surface import levelling
 
 SPACING = 2e-6
 SHAPES = [(8, 8), (8, 60), (33, 8), (64, 64), (120, 50)]

@@ -14,8 +14,13 @@ import numpy as np
 import pytest
 from scene_text import PLAIN, TEXT, faults
 
-from rolling import check, cli, cost, demand, machine, plain_yaml, report, run, scene_file, simulate
-from rolling.scenario import Scene, SceneError, expand
+from rolling import cli, commands
+from rolling.check import cost, demand, findings, machine
+from rolling.report import page
+from rolling.scene import file as scene_file
+from rolling.scene import yaml_text
+from rolling.scene.scene import Scene, SceneError, expand
+from rolling.simulation import simulate
 
 STEEL = "sphere: {radius_mm: 5}\nplate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}\n"
 MADE = "surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}\n"
@@ -151,7 +156,9 @@ def test_estimate_is_the_measured_size_to_twice_of_it(
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of some steps."""
     folder = tmp_path_factory.mktemp("limits")
-    run.run(scene_of(folder, MADE, "{load_n: 1, speed_m_s: 0.1, duration_s: 0.002}"), out=folder / "run", workers=1)
+    commands.run(
+        scene_of(folder, MADE, "{load_n: 1, speed_m_s: 0.1, duration_s: 0.002}"), out=folder / "run", workers=1
+    )
     return folder / "run"
 
 
@@ -169,7 +176,7 @@ def test_files_of_a_run_take_no_more_than_estimated(finished: Path) -> None:
 
 def test_numbers_that_the_estimate_shares_with_slow_modules() -> None:
     assert (demand.MAPS, demand.MAP_CELLS) == (simulate.MAPS, simulate.MAP_CELLS)
-    assert (demand.PIECE_STEPS, demand.PAGE_RUNS) == (simulate.PIECE_STEPS, report.MOST_RUNS)
+    assert (demand.PIECE_STEPS, demand.PAGE_RUNS) == (simulate.PIECE_STEPS, page.MOST_RUNS)
     assert set(demand.ADVICE) >= {part for scene in (TEXT,) for part, _ in largest_parts(scene)}
 
 
@@ -229,25 +236,25 @@ def test_resume_resound_and_accuracy_refuse_alike(
 def test_resume_does_not_ask_for_disk_twice(finished: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene, needed, written = estimate_and_files(finished)
     monkeypatch.setattr(machine, "free_disk", lambda folder: needed / machine.SHARE - written / 2)
-    check.refuse_what_cannot_fit(scene, 1, finished)
+    findings.refuse_what_cannot_fit(scene, 1, finished)
     with pytest.raises(SceneError, match="disk: needs about"):
-        check.refuse_what_cannot_fit(scene, 1, finished.parent / "new")
+        findings.refuse_what_cannot_fit(scene, 1, finished.parent / "new")
 
 
 def test_address_space_of_a_process_counts(monkeypatch) -> None:
     monkeypatch.setattr(machine, "address_space", lambda: 3e8)
     with pytest.raises(SceneError, match="240 MB, 80 % of the 300 MB one process may address"):
-        check.refuse_what_cannot_fit(scene_file.loads(PLAIN))
+        findings.refuse_what_cannot_fit(scene_file.loads(PLAIN))
 
 
 def test_check_says_how_much_memory_and_disk(monkeypatch) -> None:
     scene = scene_file.loads(TEXT)
-    said = check.report(scene)
+    said = findings.report(scene)
     rows = dict(line.split("  ", 1) for line in said.splitlines() if "  " in line)
     assert "GB" in rows["memory of all"] or "MB for the program" in rows["memory of all"]
     assert "about" in rows["disk of all"]
     monkeypatch.setattr(machine, "free_disk", lambda folder: 1e6)
-    assert "warning: disk of all: needs about" in check.report(scene)
+    assert "warning: disk of all: needs about" in findings.report(scene)
 
 
 SPARSE = """\
@@ -324,7 +331,7 @@ def test_only_regular_files_are_heights(tmp_path: Path) -> None:
 
     def fault() -> str:
         with pytest.raises(SceneError) as error:
-            check.report(scene_file.load(path))
+            findings.report(scene_file.load(path))
         return str(error.value)
 
     assert "heights.npy: is a pipe" in fault()
@@ -341,7 +348,7 @@ def test_height_file_shorter_than_its_header_is_refused(tmp_path: Path) -> None:
     content = (tmp_path / "heights.npy").read_bytes()
     (tmp_path / "heights.npy").write_bytes(content[:-1])
     with pytest.raises(SceneError, match="its header says 32,768 bytes of heights, it holds 32,767"):
-        check.report(scene_file.load(scene_of(tmp_path, FILE, LAPS % (0.1, 0.01))))
+        findings.report(scene_file.load(scene_of(tmp_path, FILE, LAPS % (0.1, 0.01))))
 
 
 def test_scene_file_of_more_than_a_megabyte_is_refused(tmp_path: Path) -> None:
@@ -371,7 +378,7 @@ def test_aliases_count_as_what_they_stand_for() -> None:
 
 
 def test_scene_whose_resolved_form_could_not_be_read_again_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(plain_yaml, "MAX_VALUES", 45)  # the scene holds 41 keys and values, with its defaults over 60
+    monkeypatch.setattr(yaml_text, "MAX_VALUES", 45)  # the scene holds 41 keys and values, with its defaults over 60
     scene_file.loads(PLAIN)
     monkeypatch.setattr(scene_file, "_LONG_TEXT", 10)
     assert faults(PLAIN)[0].startswith("s.yaml: with every default filled in: more than 45 keys and values")

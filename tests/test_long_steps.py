@@ -10,10 +10,13 @@ import pytest
 from conftest import STEEL, make_track, rough
 
 from acoustics import resampling
-from rolling import check, cli, long_steps, reference, simulate
-from rolling.article import study
-from rolling.scenario import SceneError, expand
-from rolling.scene_file import load, loads
+from rolling import cli
+from rolling.check import findings, long_steps
+from rolling.contact import closed_forms
+from rolling.lee2025 import study
+from rolling.scene.file import load, loads
+from rolling.scene.scene import SceneError, expand
+from rolling.simulation import simulate
 
 SCENE = """\
 name: long
@@ -23,7 +26,7 @@ surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spaci
 rolling: {load_n: 0.5, speed_m_s: 1, duration_s: 0.002}
 """  # 20.1 um of Hertz radius: four of them are 80.4 um, 40.2 nodes
 LOAD, RADIUS = 20.0, 5e-3
-A = reference.hertz_radius(LOAD, RADIUS, STEEL)
+A = closed_forms.hertz_radius(LOAD, RADIUS, STEEL)
 NODES = 8  # per radius, twice as many for the smooth sphere
 
 
@@ -43,7 +46,7 @@ def per_metre(heights: np.ndarray, nodes: int, hardness: float = np.inf, times: 
 @pytest.mark.parametrize("radii", [0.25, 0.5, 1.0, 2.0, 3.0, 4.0])
 def test_a_smooth_elastic_sphere_loses_what_the_table_says(radii: float) -> None:
     """Against the closed form: 16 nodes per radius leave 0.1 % where the table was marched at 32, straight lines in it 0.1 %."""
-    got = per_metre(np.zeros((256, 80)), round(2 * radii * NODES), times=2)[:2] / reference.smooth_release_power(
+    got = per_metre(np.zeros((256, 80)), round(2 * radii * NODES), times=2)[:2] / closed_forms.smooth_release_power(
         LOAD, 1.0, RADIUS, STEEL
     )
     assert 1 - got == pytest.approx(long_steps.lost_release(radii), abs=0.002)
@@ -104,7 +107,7 @@ def test_commands_refuse_before_anything_is_written(command: str, tmp_path: Path
 
 def test_warning_gives_the_expected_errors() -> None:
     def warning(*overrides: str) -> str | None:
-        return {f.key: f.warning for f in check.findings(loads(SCENE, overrides))}["step_length"]
+        return {f.key: f.warning for f in findings.findings(loads(SCENE, overrides))}["step_length"]
 
     assert warning("numerics.step_nodes=2") is None  # 0.2 radii
     text = str(warning("numerics.step_nodes=10"))

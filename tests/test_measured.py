@@ -8,9 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling import check, cli, cost, run, scene_file, scene_surface, sound, surface
-from rolling.check import Finding
-from rolling.scenario import Scene
+from rolling import cli, commands, sound
+from rolling.check import cost, findings
+from rolling.check.findings import Finding
+from rolling.scene import file
+from rolling.scene.scene import Scene
+from rolling.surface import heights as surface
+from rolling.surface import scene_surface
 
 SPACING = 2e-6
 TEXT = """\
@@ -33,11 +37,11 @@ def tilted_crop() -> np.ndarray:
 
 def scene(folder: Path, heights: np.ndarray, *overrides: str) -> Scene:
     np.save(folder / "heights.npy", heights)
-    return scene_file.loads(TEXT, overrides, folder=folder)
+    return file.loads(TEXT, overrides, folder=folder)
 
 
 def found(folder: Path, heights: np.ndarray, *overrides: str) -> dict[str, Finding]:
-    return {finding.key: finding for finding in check.findings(scene(folder, heights, *overrides))}
+    return {finding.key: finding for finding in findings.findings(scene(folder, heights, *overrides))}
 
 
 # ---- Tilt and seam ---------------------------------------------------------------------------------------------------
@@ -75,7 +79,7 @@ def test_periodic_heights_have_no_finding_but_values(tmp_path: Path) -> None:
     )
     read = surface.read(tmp_path / "heights.npy")
     for mode in ("auto", "none"):
-        given = scene_file.loads(TEXT, [f"surface.level={mode}"], folder=tmp_path)
+        given = file.loads(TEXT, [f"surface.level={mode}"], folder=tmp_path)
         assert np.array_equal(scene_surface.heights(given), read)
 
 
@@ -109,13 +113,13 @@ def test_level_is_a_key_with_three_values(tmp_path: Path) -> None:
     assert found(tmp_path, gaussian(200, 80), "surface.level=plane")["level"].value.startswith("plane taken off")
     with pytest.raises(Exception, match=r"surface\.level: got \"plain\", allowed: .*plane"):
         scene(tmp_path, gaussian(200, 80), "surface.level=plain")
-    assert "level" in json.dumps(scene_file.schema())
+    assert "level" in json.dumps(file.schema())
 
 
 def test_run_over_a_seam_says_so_and_does_not_loop(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(run, "_write_pictures", lambda *_: [])  # slow, and not of the subject
+    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])  # slow, and not of the subject
     scene(tmp_path, tilted_crop())
     (tmp_path / "measured.yaml").write_text(TEXT)
     out = tmp_path / "out"
@@ -133,7 +137,7 @@ def test_run_over_a_seam_says_so_and_does_not_loop(
     resolved = (out / "resolved.yaml").read_text()
     assert "level: auto" in resolved
     (out / "resolved.yaml").write_text(resolved.replace("  level: auto\n", ""))
-    assert run.read_runs(out)[0].scene.surface.level == "none"
+    assert commands.read_runs(out)[0].scene.surface.level == "none"
 
 
 def test_levels_over_a_seam_are_those_of_the_closed_record(tmp_path: Path) -> None:

@@ -8,8 +8,9 @@ import time
 import pytest
 from scene_text import SCENES, TEXT
 
-from rolling import check, scene_file
-from rolling.scenario import SceneError
+from rolling.check import findings
+from rolling.scene import file
+from rolling.scene.scene import SceneError
 
 SECONDS = 2.0  # of processor time for one text
 TEXTS = [TEXT, *(path.read_text(encoding="utf-8") for path in SCENES)]
@@ -86,8 +87,8 @@ def mutated(text: str, chance: random.Random) -> str:
 def outcome(text: str) -> str:
     """Read and check a text; the kind of its outcome."""
     try:
-        scene = scene_file.loads(text, where="s.yaml", folder=SCENES[0].parent)
-        check.report(scene)
+        scene = file.loads(text, where="s.yaml", folder=SCENES[0].parent)
+        findings.report(scene)
     except SceneError as error:
         assert error.faults and all(fault.strip() for fault in error.faults)
         assert len(str(error)) < 100_000

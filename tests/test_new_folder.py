@@ -11,9 +11,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from processes import Child
 
-from rolling import claim, folder_files, new_folder, run_record
-from rolling.run_folder import FolderError
-from rolling.run_record import Kind, RunRecord
+from rolling.folders import claim, new_folder, own_files, run_record
+from rolling.folders.files import FolderError
+from rolling.folders.run_record import Kind, RunRecord
 
 KINDS: tuple[Kind, ...] = ("run", "sweep")
 
@@ -481,7 +481,7 @@ def foreign_by_oracle(folder: Path, names: frozenset[str], runs: tuple[str, ...]
             if not inside:
                 known = base in names or name in runs
             else:
-                known = len(inside) == 1 and inside[0] in runs and base in folder_files.FILES["run"] | {".lock"}
+                known = len(inside) == 1 and inside[0] in runs and base in own_files.FILES["run"] | {".lock"}
             is_folder_of_a_run = path.is_dir() and not path.is_symlink() and len(inside) == 0 and name in runs
             if path.is_symlink() or not known or (path.is_dir() and not is_folder_of_a_run):
                 kept.add(path.relative_to(folder).as_posix())
@@ -505,7 +505,7 @@ def test_forced_over_any_contents_nothing_foreign_is_ever_lost(
     if not runs or "result.h5" not in contents:
         plant(out, contents)
     before = tree(out)
-    names = folder_files.FILES["sweep" if runs else "run"] | {".lock"}
+    names = own_files.FILES["sweep" if runs else "run"] | {".lock"}
     foreign = foreign_by_oracle(out, names, runs)
     try:
         finish(out)

@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 from report_runs import Runs, runs_in
 
-from rolling import cli, labels, summary
-from rolling.picture import DPI, SIDE_IN, WIDTH_IN, Picture, drawable, single
+from rolling import cli
+from rolling.figures.picture import DPI, SIDE_IN, WIDTH_IN, Picture, drawable, single
+from rolling.simulation import labels, summary
 
 NAMES = [
     "$x^$",

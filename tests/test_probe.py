@@ -7,9 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling import check, cli, march, probe, scene_file, scene_surface, simulate, summary
-from rolling.check import Finding
-from rolling.scenario import Scene, expand, track
+from rolling import cli
+from rolling.check import findings, probe
+from rolling.check.findings import Finding
+from rolling.contact import march
+from rolling.scene import file
+from rolling.scene.scene import Scene, expand, track
+from rolling.simulation import simulate, summary
+from rolling.surface import scene_surface
 
 TEXT = """\
 name: trial
@@ -21,16 +26,16 @@ rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.008}
 
 
 def scene(*overrides: str) -> Scene:
-    return scene_file.loads(TEXT, overrides)
+    return file.loads(TEXT, overrides)
 
 
 def solved(given: Scene) -> dict[str, Finding]:
-    return {finding.key: finding for finding in check.findings(given, *probe.probes([given]))}
+    return {finding.key: finding for finding in findings.findings(given, *probe.probes([given]))}
 
 
 def test_a_scene_below_the_hertz_limit_yields_at_its_asperities() -> None:
     """Hertz's pressure at 1 N is 0.75 GPa, the hardness 2.1 GPa."""
-    closed_forms = {finding.key: finding for finding in check.findings(scene())}
+    closed_forms = {finding.key: finding for finding in findings.findings(scene())}
     assert closed_forms["hardness"].value == (
         "2.1 GPa, above the Hertz pressure of a smooth sphere; asperities may yield"
     )
@@ -69,13 +74,13 @@ def test_time_of_a_step_is_that_of_a_run() -> None:
     piece = simulate.simulate_piece(given, 0, 100)
     assert 1 / 4 < np.median(got.step_ms) / (1e3 * np.median(piece.steps["step_time"])) < 4
     finding = next(f for f in got.findings(given) if f.key == "expected_time")
-    cores = check.cost.cores()
+    cores = findings.cost.cores()
     assert finding.seconds == pytest.approx(got.step_ms.mean() * 1e-3 * track(given).solved_steps / cores)
 
 
 def test_positions_that_fail_are_said(capsys: pytest.CaptureFixture[str]) -> None:
     # 2.1 GPa times 800 x 160 um is 269 N.
-    text = check.report(scene("rolling.load_n=300"))
+    text = findings.report(scene("rolling.load_n=300"))
     warning = next(line for line in text.splitlines() if "positions solved: " in line)
     assert "8 of 8 positions fail, and so will the run" in warning
     assert "more than the surface can carry" in warning
@@ -122,7 +127,7 @@ def test_large_surfaces_are_left_out_with_the_limit() -> None:
     larger = scene("rolling.duration_s=3")
     (got,) = probe.probes([larger])
     assert got.left_out == "making 1.2e+07 nodes would take long, the limit is 1e+07"
-    told = {finding.key: finding for finding in check.findings(larger, got)}
+    told = {finding.key: finding for finding in findings.findings(larger, got)}
     assert told["positions"].value == f"none: {got.left_out}"
     assert "asperities may yield" in told["hardness"].value
     slow = scene("rolling.load_n=2000", "surface.spacing_um=0.05", "rolling.duration_s=0.0004", "surface.width_um=100")
@@ -154,7 +159,7 @@ def test_a_track_of_fewer_steps_than_positions(tmp_path: Path) -> None:
     np.save(tmp_path / "z.npy", np.zeros((100, 80)))
     text = TEXT[: TEXT.index("surface:")] + "surface: {kind: file, path: z.npy, spacing_um: 2}\n"
     text += "rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.00006}\n"
-    given = scene_file.loads(text, folder=tmp_path)
+    given = file.loads(text, folder=tmp_path)
     assert track(given).solved_steps == 3
     (got,) = probe.probes([given])
     assert (got.tried, len(got.contact_area)) == (3, 3)

@@ -10,10 +10,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scene_text import PLAIN
 
-from rolling import check
-from rolling.motion import Motion
-from rolling.scenario import Scene
-from rolling.scene_file import load, loads
+from rolling.check import findings
+from rolling.scene.file import load, loads
+from rolling.scene.motion import Motion
+from rolling.scene.scene import Scene
 from rolling.sound import ContactSound, contact_sound, oversampling
 
 STEP = 2e-6
@@ -56,7 +56,7 @@ def test_nothing_that_comes_later_counts(speeds: list[float], last: float, later
     assert sounds[0].highest == sounds[1].highest and sounds[0].closed == sounds[1].closed
     assert np.array_equal(sounds[0].pressure, sounds[1].pressure)
     assert sounds[0].mean_power == sounds[1].mean_power and sounds[0].power_rms == sounds[1].power_rms
-    assert check.findings(scenes[0]) == check.findings(scenes[1])
+    assert findings.findings(scenes[0]) == findings.findings(scenes[1])
 
 
 def at(profile: list[tuple[float, float]], end: float) -> Scene:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from conftest import make_track, releases, roll, rough, step_energies
 
-from rolling import recovery
-from rolling.march import Window
+from rolling.contact import recovery
+from rolling.contact.march import Window
 
 STEPS = 60
 

@@ -14,8 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling import cli, report, run, run_folder, run_names, run_record, simulate, solve, store
-from rolling.run_record import RunRecord
+from rolling import cli, commands
+from rolling.folders import files, run_record
+from rolling.folders.run_record import RunRecord
+from rolling.report import page as report
+from rolling.scene import run_names
+from rolling.simulation import batch, result_file, simulate
 
 SCENE = """\
 name: small
@@ -30,7 +34,7 @@ LONG = ("--set", "rolling.duration_s=2", "--workers", "1")
 
 @pytest.fixture(autouse=True)
 def _without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "_write_pictures", lambda *_: [])
+    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
 
 
 @pytest.fixture
@@ -127,19 +131,19 @@ def test_force_keeps_the_old_run_until_the_new_one_is_done(scene, out, tmp_path,
     before = (out / "result.h5").read_bytes()
     previous = tmp_path / "out.previous"
     again = ["run", str(scene), "--set", "rolling.load_n=0.1", "--out", str(out), "--force", "--workers", "1"]
-    inner = store.save
+    inner = result_file.save
 
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(store, "save", full)
+    monkeypatch.setattr(result_file, "save", full)
     assert cli.main(again) == 1
     message = capsys.readouterr().err
     assert "No space left" in message and "nothing was solved" in message and "is kept" not in message
     assert f"stays in {previous} until this one is done" in message
     assert record(out).state == "failed" and "No space left" in str(record(out).reason)
     assert (previous / "result.h5").read_bytes() == before and record(previous).state == "done"
-    monkeypatch.setattr(store, "save", inner)
+    monkeypatch.setattr(result_file, "save", inner)
     # More than the surface can carry; and once more, over the failed one.
     assert cli.main([*again, "--set", "plate.hardness_gpa=0.00001"]) == 1
     message = capsys.readouterr().err
@@ -154,13 +158,13 @@ def test_a_full_disk_after_some_steps_says_what_is_kept(scene, tmp_path, monkeyp
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(run.sound_files, "write", full)
+    monkeypatch.setattr(commands.sound_files, "write", full)
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 1
     message = capsys.readouterr().err
     assert f"what was solved before is kept in {tmp_path / 'out'}" in message and "rolling resume" in message
     monkeypatch.undo()
     # An error of another command says nothing of runs.
-    monkeypatch.setattr(run, "report", full)
+    monkeypatch.setattr(commands, "report", full)
     assert cli.main(["report", str(tmp_path / "out")]) == 1
     assert capsys.readouterr().err.strip() == "[Errno 28] No space left on device"
 
@@ -233,7 +237,7 @@ def test_each_run_of_a_sweep_has_its_state(scene, tmp_path, capsys) -> None:
 def test_an_interrupted_sweep_waits(scene, tmp_path, monkeypatch, capsys) -> None:
     out = tmp_path / "out"
     seen: list[tuple[str, str]] = []
-    inner = solve.simulate.simulate_piece
+    inner = batch.simulate.simulate_piece
 
     def stop_in_the_second(one, *arguments, **more):
         seen.append((record(out / "load_n=0.1").state, record(out / "load_n=0.2").state))
@@ -241,7 +245,7 @@ def test_an_interrupted_sweep_waits(scene, tmp_path, monkeypatch, capsys) -> Non
             os.kill(os.getpid(), 2)
         return inner(one, *arguments, **more)
 
-    monkeypatch.setattr(solve.simulate, "simulate_piece", stop_in_the_second)
+    monkeypatch.setattr(batch.simulate, "simulate_piece", stop_in_the_second)
     settings = ["--set", "sweep.rolling.load_n=[0.1, 0.2]", "--workers", "1"]
     assert cli.main(["run", str(scene), *settings, "--out", str(out)]) == 130
     assert "rolling resume" in capsys.readouterr().err
@@ -250,12 +254,12 @@ def test_an_interrupted_sweep_waits(scene, tmp_path, monkeypatch, capsys) -> Non
     assert states == [("done", None), ("waiting", "interrupted")]
     assert (record(out).state, record(out).reason, record(out).process) == ("waiting", "interrupted", None)
     monkeypatch.undo()
-    monkeypatch.setattr(run, "_write_pictures", lambda *_: [])
+    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
     # One run by itself; then the sweep, in which nothing is left to solve.
     waiting = next(name for name in record(out).runs if record(out / name).state == "waiting")
     assert cli.main(["resume", str(out / waiting), "--workers", "1"]) == 0
     assert record(out / waiting).state == "done" and record(out).state == "waiting"
-    monkeypatch.setattr(solve.simulate, "simulate_piece", None)
+    monkeypatch.setattr(batch.simulate, "simulate_piece", None)
     assert cli.main(["resume", str(out), "--workers", "1"]) == 0
     assert record(out).state == "done"
 
@@ -267,12 +271,12 @@ def test_values_that_print_alike_have_results_of_their_own(scene, tmp_path) -> N
     assert cli.main(["run", str(scene), "--set", seeds, "--out", str(out), "--workers", "1"]) == 0
     names = ["seed=10000000000000000", "seed=10000000000000001"]
     assert sorted(path.name for path in out.iterdir() if path.is_dir()) == names
-    releases = [store.load(out / name / "result.h5").series["release_energy"] for name in names]
+    releases = [result_file.load(out / name / "result.h5").series["release_energy"] for name in names]
     assert not np.array_equal(*releases)
-    assert [one.folder.name for one in run.read_runs(out)] == names
+    assert [one.folder.name for one in commands.read_runs(out)] == names
     sounds = tmp_path / "far"
     assert cli.main(["resound", str(out), "--set", "sound.distance_m=2", "--out", str(sounds)]) == 0
-    assert np.array_equal(store.load(sounds / names[0] / "result.h5").series["release_energy"], releases[0])
+    assert np.array_equal(result_file.load(sounds / names[0] / "result.h5").series["release_energy"], releases[0])
 
 
 def test_ten_swept_keys_have_a_folder_that_can_be_made(scene, tmp_path) -> None:
@@ -336,15 +340,15 @@ def test_a_damaged_run_json_is_one_message(out, scene, refused) -> None:
 
 
 def test_a_result_begun_by_another_state_of_the_program_is_said(out, capsys) -> None:
-    result = store.load(out / "result.h5")
+    result = result_file.load(out / "result.h5")
     for name in simulate.STEP_SERIES:
         result.series[name][50:] = np.nan
     for name in simulate.STATE_SERIES:
         result.series[name][51:] = np.nan
     result.maps = {position: each for position, each in result.maps.items() if position <= 50}
-    solve.keep(run.read_runs(out)[0], result)
+    batch.keep(commands.read_runs(out)[0], result)
     content = json.loads((out / "run.json").read_text())
-    run_folder.write_json(out / "run.json", content | {"sources": "0" * 64, "version": "0.1.9"})
+    files.write_json(out / "run.json", content | {"sources": "0" * 64, "version": "0.1.9"})
     assert cli.main(["resume", str(out), "--workers", "1"]) == 0
     assert "begun by version 0.1.9 (sources 000000000000), goes on with version" in capsys.readouterr().err
     assert record(out).sources != "0" * 64

@@ -13,11 +13,14 @@ from PIL import Image
 from report_runs import HOSTILE, Runs, runs_in
 from ruamel.yaml import YAML
 
-from rolling import citation, cli, report, report_text, run, run_record, sprites, store
-from rolling.heard import Heard
-from rolling.motion import Motion
-from rolling.playback import PEAK, playbacks
-from rolling.simulate import PressureMap
+from rolling import cli, commands
+from rolling.folders import run_record
+from rolling.report import citation, page, pressure_maps, text
+from rolling.report.playback import PEAK, playbacks
+from rolling.scene.motion import Motion
+from rolling.simulation import result_file
+from rolling.simulation.run_result import Heard
+from rolling.simulation.simulate import PressureMap
 
 SHORT = ("--set", "rolling.duration_s=0.0006", "--workers", "1")
 MARKUP = re.compile(r"<(?P<tag>[a-z]+)[^>]*?(?:src|href)=\"(?P<target>[^\"]*)\"", re.S)
@@ -30,8 +33,8 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
 
 def heard_in(folder: Path) -> list[Heard]:
     found = [
-        run.hear(one.label, one.values, one.folder, one.scene, store.load(one.folder / "result.h5"))
-        for one in run.read_runs(folder)
+        commands.hear(one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5"))
+        for one in commands.read_runs(folder)
     ]
     return [one for one in found if one]
 
@@ -61,8 +64,8 @@ def test_text_of_the_scene_is_escaped_in_markup_and_script(one_page) -> None:
 
 def test_exit_codes_and_nothing_is_overwritten(runs, tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(report, "page", lambda *_: b"the page")  # what is written where, not what
-    monkeypatch.setattr(report, "exhibits", lambda *_: [])
+    monkeypatch.setattr(page, "page", lambda *_: b"the page")  # what is written where, not what
+    monkeypatch.setattr(page, "exhibits", lambda *_: [])
     source = str(runs.smooth())
     out = tmp_path / "new" / "page.html"
     assert cli.main(["report", str(tmp_path / "none")]) == 2
@@ -87,7 +90,7 @@ def test_unsolved_or_too_many_runs_are_refused(runs, tmp_path, capsys, monkeypat
     scene.write_bytes((runs.smooth() / "resolved.yaml").read_bytes())
     assert cli.main(["report", str(tmp_path)]) == 2
     assert "nothing is solved yet" in capsys.readouterr().err
-    monkeypatch.setattr(report, "MOST_RUNS", 2)
+    monkeypatch.setattr(page, "MOST_RUNS", 2)
     assert cli.main(["report", str(runs.three())]) == 2
     assert "3 runs, a page holds 2" in capsys.readouterr().err
     assert [f.name for f in tmp_path.iterdir()] == ["resolved.yaml"]
@@ -95,7 +98,7 @@ def test_unsolved_or_too_many_runs_are_refused(runs, tmp_path, capsys, monkeypat
 
 
 def test_a_sweep_too_large_for_a_page_says_so(runs, tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(report, "MOST_RUNS", 2)
+    monkeypatch.setattr(page, "MOST_RUNS", 2)
     assert cli.main(["resound", str(runs.three()), "--out", str(tmp_path / "out")]) == 0
     assert "3 runs are too many for a page: `rolling report RUN...`" in capsys.readouterr().out
     assert not (tmp_path / "out" / "report.html").exists()
@@ -107,7 +110,7 @@ def test_runs_write_the_page_unless_told_not_to(runs, tmp_path, capsys) -> None:
     first, second, third = tmp_path / "first", tmp_path / "second", tmp_path / "third"
     assert cli.main(["run", str(scene), *SHORT, "--out", str(first)]) == 0
     assert str(first / "report.html") in capsys.readouterr().out
-    assert report.is_page(first / "report.html")
+    assert page.is_page(first / "report.html")
     assert (first / "report.html").stat().st_mtime <= (first / "run.json").stat().st_mtime
     assert cli.main(["run", str(scene), *SHORT, "--out", str(second), "--no-report"]) == 0
     assert not (second / "report.html").exists()
@@ -124,7 +127,7 @@ def test_a_page_that_cannot_be_written_loses_nothing_of_the_run(runs, tmp_path, 
     def full(*_):
         raise OSError("No space left on device")
 
-    monkeypatch.setattr(report, "page", full)
+    monkeypatch.setattr(page, "page", full)
     assert cli.main(["run", str(runs.folder / "smooth.yaml"), *SHORT, "--out", str(out)]) == 1
     assert "No space left" in capsys.readouterr().err
     for name in ("result.h5", "signal.wav", "summary.json", "spectrum.svg"):
@@ -139,9 +142,9 @@ def test_three_records_of_ten_seconds_stay_below_15_mb(runs, tmp_path) -> None:
     """At 0.009 m/s the stored runs last 10 s; nothing is solved for it."""
     slow = tmp_path / "slow"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "_write_pictures", lambda *_: [])
-        assert run.resound(runs.three(), ["rolling.speed_m_s=0.009"], slow, page=False).exit_code == 0
-    assert run.report([slow], tmp_path / "page.html").stat().st_size < 15e6
+        patch.setattr(commands, "_write_pictures", lambda *_: [])
+        assert commands.resound(runs.three(), ["rolling.speed_m_s=0.009"], slow, page=False).exit_code == 0
+    assert commands.report([slow], tmp_path / "page.html").stat().st_size < 15e6
 
 
 # ---- gains -----------------------------------------------------------------------------------------------------------
@@ -179,11 +182,11 @@ def test_sheet_holds_every_pressure_where_it_says() -> None:
         pressure = rng.uniform(0, 2e9, (5 + k, 9 - k)).astype(np.float32)
         pressure[1, 2] = 0
         maps.append(PressureMap(k, k * 1e-4, k * 1e-4 - 1e-5, 4e-5, 2e-6, pressure))
-    sheet = sprites.sheet(maps, 5e-5, 2e9)
+    sheet = pressure_maps.sheet(maps, 5e-5, 2e9)
     picture = Image.open(io.BytesIO(sheet.png))
     assert picture.mode == "P"
     seen = np.asarray(picture.convert("RGBA"))
-    palette = sprites.palette()
+    palette = pressure_maps.palette()
     for one, (left, top, width, height), box in zip(maps, sheet.tiles, sheet.boxes, strict=True):
         assert (width, height) == one.pressure.shape
         # 10 um behind the centre; the uppermost edge is at 40 um + cells, the middle at 50 um.
@@ -197,7 +200,7 @@ def test_sheet_holds_every_pressure_where_it_says() -> None:
                 else:
                     assert pixel[3] == 0
     reach = max(max(10, 2 * one.pressure.shape[0] - 10, 2 * one.pressure.shape[1] - 10) for one in maps)
-    assert sprites.half_width([sheet], [3.0]) == pytest.approx(1.05 * reach)
+    assert pressure_maps.half_width([sheet], [3.0]) == pytest.approx(1.05 * reach)
 
 
 @pytest.mark.parametrize("speed", [0.1, [[0.0, 0.05], [0.01, 0.2], [0.02, 0.1]]])
@@ -207,7 +210,7 @@ def test_map_shown_is_the_nearest_one_at_any_time(speed, laps, closes) -> None:
     motion, lap = Motion.of(speed), 1e-3
     distances = np.array([0, 0.7, 2.1, 4.0, 7.5, 9.2]) * 1e-4
     distances = distances[distances <= laps * lap]
-    begins, order = sprites.showing(distances, lap, laps * lap, closes, motion)
+    begins, order = pressure_maps.showing(distances, lap, laps * lap, closes, motion)
     assert begins[0] == 0 and np.all(np.diff(begins) > 0)
     for t in np.linspace(0, motion.duration(laps * lap), 500)[1:-1]:
         shown = order[np.searchsorted(begins, t, side="right") - 1]
@@ -223,18 +226,18 @@ def test_map_shown_is_the_nearest_one_at_any_time(speed, laps, closes) -> None:
 
 def test_numbers_that_are_missing_or_silent_are_said(runs) -> None:
     (silent,) = heard_in(runs.smooth())
-    table = report_text.levels([silent])
+    table = text.levels([silent])
     assert table.rows[0][1][:5] == ["silent"] * 5
-    assert "No sound" in report_text.sentence([silent])
+    assert "No sound" in text.sentence([silent])
     old = replace(silent, numbers={k: v for k, v in silent.numbers.items() if not k.startswith("la")})
-    assert "-" in report_text.levels([old]).rows[0][1]
-    head, *rows = [line.split("\t") for line in report_text.tsv([old]).splitlines() if not line.startswith("#")]
+    assert "-" in text.levels([old]).rows[0][1]
+    head, *rows = [line.split("\t") for line in text.tsv([old]).splitlines() if not line.startswith("#")]
     assert rows and all(len(row) == len(head) for row in rows)
 
 
 def test_table_gives_levels_with_their_uncertainty(runs) -> None:
     heard = heard_in(runs.three())
-    table = report_text.levels(heard)
+    table = text.levels(heard)
     column = table.heads.index("LAeq [dB]")
     for one, (label, cells) in zip(heard, table.rows, strict=True):
         assert label == one.label
@@ -242,13 +245,13 @@ def test_table_gives_levels_with_their_uncertainty(runs) -> None:
         assert float(value) == pytest.approx(one.numbers["laeq_db"], abs=0.05)
         # Rounded up: never less than it is, never 0.0.
         assert 0.0 <= float(uncertainty) - one.numbers["uncertainty_db"]["laeq"] < 0.1
-    said = report_text.sentence(heard)
+    said = text.sentence(heard)
     assert "at 1 m" in said and heard[0].label in said and heard[-1].label in said
 
 
 def test_each_kind_of_warning_and_equal_assumptions_are_said_once(runs) -> None:
     heard = heard_in(runs.three())
-    warnings = report_text.warnings(heard)
+    warnings = text.warnings(heard)
     keys = [each.key for each in warnings]
     assert keys and len(set(keys)) == len(keys)
     for each in warnings:
@@ -257,7 +260,7 @@ def test_each_kind_of_warning_and_equal_assumptions_are_said_once(runs) -> None:
         first = next(iter(texts))
         assert each.text == texts[first] + (f" (in the numbers of {first})" if len(set(texts.values())) > 1 else "")
     assert any("in the numbers of" in each.text for each in warnings)  # each load has a resonance of its own
-    facts = {fact.what: fact.values for fact in report_text.assumptions(heard)}
+    facts = {fact.what: fact.values for fact in text.assumptions(heard)}
     assert facts["distance"] == [("", "1 m, spherical spreading")]
     assert any("rms slope 0.025 (holds up to 0.3)" in value for _, value in facts["half-space"])
     assert facts["load"] == [(one.label, f"{one.scene.load:g} N, constant") for one in heard]

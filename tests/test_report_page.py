@@ -20,7 +20,12 @@ from PIL import Image
 from report_runs import HOSTILE, Runs, runs_in
 
 from acoustics import level, wav
-from rolling import figures, reference, run, scene_file, sprites, store
+from rolling import commands
+from rolling.contact import closed_forms
+from rolling.figures import run_figures
+from rolling.report import pressure_maps
+from rolling.scene import file
+from rolling.simulation import result_file
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 # Chromium's flags for a machine without screen, sound card or network.
@@ -98,7 +103,7 @@ def pages(runs: Runs, tmp_path_factory: pytest.TempPathFactory):
     def page_of(*names: str) -> Path:
         out = folder / f"{'+'.join(names)}.html"
         if not out.exists():
-            run.report([getattr(runs, name)() for name in names], out)
+            commands.report([getattr(runs, name)() for name in names], out)
         return out
 
     return page_of
@@ -213,7 +218,7 @@ def test_sound_decodes_to_the_record_and_its_level(runs, pages, opened) -> None:
         page.locator("audio").first.evaluate("player => player.play()")
         until(page, "document.querySelector('audio').currentTime > 0.02")
         assert page.locator("audio").first.evaluate("player => player.duration") == pytest.approx(0.9, abs=1e-3)
-    for one, each, shown in zip(run.read_runs(runs.three()), found, data_of(path)["runs"], strict=True):
+    for one, each, shown in zip(commands.read_runs(runs.three()), found, data_of(path)["runs"], strict=True):
         record, _, _ = wav.read(one.folder / "signal.wav")
         assert each["length"] == len(record)
         rms = each["rms"] * shown["playback"]["full_scale_pa"]
@@ -289,7 +294,7 @@ def test_switching_keeps_the_playhead_and_the_sound(pages, opened) -> None:
 
 def expected_map(folder: Path, seconds: float) -> int:
     """The nearest kept position, round a closed lap, from the speed of 0.1 m/s and nothing else."""
-    result = store.load(folder / "result.h5")
+    result = result_file.load(folder / "result.h5")
     lap = result.solved_steps * result.step
     places = np.array(sorted(result.maps)) * result.step
     away = np.abs(places - 0.1 * seconds % lap)
@@ -299,10 +304,10 @@ def expected_map(folder: Path, seconds: float) -> int:
 def test_map_follows_the_playhead_and_shows_the_stored_pressure(runs, pages, opened) -> None:
     path = pages("three")
     view = data_of(path)["view"]
-    one = run.read_runs(runs.three())[1]
-    result = store.load(one.folder / "result.h5")
+    one = commands.read_runs(runs.three())[1]
+    result = result_file.load(one.folder / "result.h5")
     maps = [result.maps[position] for position in sorted(result.maps)]
-    palette = sprites.palette()
+    palette = pressure_maps.palette()
     middle = 49.5 * 2e-6
     with opened(path) as page:
         page.check("input[name=run][value='1']")
@@ -332,8 +337,8 @@ def test_map_follows_the_playhead_and_shows_the_stored_pressure(runs, pages, ope
         assert len(drawn) >= 6
 
 
-def hertz(one: run.Run) -> float:
-    return reference.hertz_radius(one.scene.load, one.scene.radius, one.scene.contact_modulus)
+def hertz(one: commands.Run) -> float:
+    return closed_forms.hertz_radius(one.scene.load, one.scene.radius, one.scene.contact_modulus)
 
 
 def test_maps_move_while_it_plays_unless_motion_is_not_wanted(runs, pages, opened) -> None:
@@ -348,19 +353,19 @@ def test_maps_move_while_it_plays_unless_motion_is_not_wanted(runs, pages, opene
             assert (len(seen) == 1) == few
             page.click("#play")  # paused: the map of where it stands
             until(page, "document.querySelector('#play').textContent === 'Play'")
-            folder = run.read_runs(runs.three())[0].folder
+            folder = commands.read_runs(runs.three())[0].folder
             assert map_of(page) == expected_map(folder, float(page.input_value("#seek")))
 
 
 @pytest.mark.parametrize("name", ["release_power", "spectrogram"])
 def test_playheads_stand_where_the_plot_has_that_time(name, runs, pages, opened) -> None:
     """The line's place on the page against matplotlib's own transform of the axes; within a pixel."""
-    one = run.read_runs(runs.three())[0]
+    one = commands.read_runs(runs.three())[0]
     heard = [
-        run.hear(each.label, each.values, each.folder, each.scene, store.load(each.folder / "result.h5"))
-        for each in run.read_runs(runs.three())
+        commands.hear(each.label, each.values, each.folder, each.scene, result_file.load(each.folder / "result.h5"))
+        for each in commands.read_runs(runs.three())
     ]
-    picture = next((p for p in figures.of_run(heard[0], heard) if p.name == name), None)
+    picture = next((p for p in run_figures.of_run(heard[0], heard) if p.name == name), None)
     assert picture is not None, f"no picture {name} of {one.label}"
     picture.svg()
     axes, (width, _) = picture.figure.axes[0], picture.figure.get_size_inches() * picture.figure.dpi
@@ -472,7 +477,7 @@ def test_downloads_are_what_is_shown_and_the_table_can_be_copied(runs, pages, op
     assert [row[0] for row in rows] == ["run", "load 0.5 N", "load 1 N", "load 2 N"]
     assert len({len(row) for row in rows}) == 1
     column = rows[0].index("LAeq [dB]")
-    for row, one in zip(rows[1:], run.read_runs(runs.three()), strict=True):
+    for row, one in zip(rows[1:], commands.read_runs(runs.three()), strict=True):
         summary = json.loads((one.folder / "summary.json").read_text())
         assert float(row[column]) == pytest.approx(summary["laeq_db"], abs=1e-3)
 
@@ -499,7 +504,7 @@ def test_a_partial_run_is_marked_and_shows_its_part(runs, pages, opened) -> None
     with opened(pages("partial")) as page:
         assert "Partial" in page.text_content(".notice")
         # 200 of 300 steps: the maps at positions 0, 2.5, 5, ... up to 200.
-        kept = sum(position <= 200 for position in store.load(runs.partial() / "result.h5").maps)
+        kept = sum(position <= 200 for position in result_file.load(runs.partial() / "result.h5").maps)
         assert page.text_content("#map-number") == f"map 1 of {kept}"
         seek(page, 0.0039)
         assert map_of(page) >= kept - 3
@@ -612,8 +617,8 @@ def test_without_scripts_records_pictures_and_tables_are_there(pages, browser) -
 
 def test_the_scene_on_the_page_is_the_one_that_was_run(runs, pages, opened) -> None:
     with opened(pages("three")) as page:
-        again = scene_file.loads(page.text_content("#scene-0"))
-        assert again == scene_file.load(runs.three() / "resolved.yaml")
+        again = file.loads(page.text_content("#scene-0"))
+        assert again == file.load(runs.three() / "resolved.yaml")
 
 
 def test_of_a_browser_that_is_not_there_the_tests_say_what_to_install(monkeypatch) -> None:

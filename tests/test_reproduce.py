@@ -8,10 +8,11 @@ import sys
 import time
 from pathlib import Path
 
-from rolling import cli, simulate, store
-from rolling.article import study
-from rolling.article.claims import CLAIMS, OUTLOOK
-from rolling.article.standing import WORDS
+from rolling import cli
+from rolling.lee2025 import study
+from rolling.lee2025.claims import CLAIMS, OUTLOOK
+from rolling.lee2025.standing import WORDS
+from rolling.simulation import result_file, simulate
 
 SHORT = study.Part(seeds=1, loads=(5, 10), duration_s=0.01, strides=2)  # a track longer than contact is wide
 READINGS = ("as-stated", "hardness-3y-exponential")
@@ -29,7 +30,7 @@ FIGURES = (
 
 def complete(out: Path) -> dict[Path, bytes]:
     """Results that are whole, by file; a file that is being replaced is looked at again."""
-    return {file: file.read_bytes() for file in out.rglob("result.h5") if store.load(file).complete}
+    return {file: file.read_bytes() for file in out.rglob("result.h5") if result_file.load(file).complete}
 
 
 def test_a_killed_study_goes_on_and_answers_for_each_statement(tmp_path: Path, monkeypatch, capsys) -> None:

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from acoustics import wav
-from rolling import cli, resolution, run, simulate
-from rolling.scenario import Scene, track
-from rolling.scene_file import load, loads
+from rolling import cli, commands
+from rolling.check import resolution
+from rolling.scene.file import load, loads
+from rolling.scene.scene import Scene, track
+from rolling.simulation import simulate
 from rolling.sound import ContactSound, contact_sound
 
 SMOOTH = """\
@@ -68,7 +70,7 @@ def test_the_sphere_of_the_scenarios_is_silent_at_the_default_tolerance(tmp_path
     """It had -37.6 dB(A), and rounding at -14 dB of full scale in the listening version."""
     path = Path(__file__).parent.parent / "scenarios" / "smooth.yaml"
     out = tmp_path / "out"
-    monkeypatch.setattr(run, "_write_pictures", lambda *_: [])
+    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
     settings = ["--set", "numerics.tolerance=1e-4", "--workers", "1", "--no-report", "--out", str(out)]
     assert cli.main(["run", str(path), *settings]) == 0
     summary = json.loads((out / "summary.json").read_text())

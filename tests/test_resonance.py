@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from rolling import check, resonance
-from rolling.scene_file import loads
+from rolling.check import findings, resonance
+from rolling.scene.file import loads
 
 TEXT = """\
 name: trial
@@ -23,7 +23,7 @@ def frequency(*overrides: str) -> float:
 
 
 def warning(*overrides: str) -> str | None:
-    return {one.key: one.warning for one in check.findings(loads(TEXT, overrides))}["resonance"]
+    return {one.key: one.warning for one in findings.findings(loads(TEXT, overrides))}["resonance"]
 
 
 def test_frequency_by_hand() -> None:

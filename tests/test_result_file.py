@@ -20,9 +20,11 @@ import pytest
 import xarray as xr
 from old_results import save_old
 
-from rolling import _hdf5_probe, cli, run, run_record, simulate, solve, store
-from rolling.result import Result
-from rolling.run_folder import FolderError
+from rolling import cli, commands
+from rolling.folders import run_record
+from rolling.folders.files import FolderError
+from rolling.simulation import _hdf5_probe, batch, result_file, simulate
+from rolling.simulation.result import Result
 
 SCENE = """\
 name: small
@@ -40,7 +42,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("runs")
     (folder / "s.yaml").write_text(SCENE)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "_write_pictures", lambda *_: [])
+        patch.setattr(commands, "_write_pictures", lambda *_: [])
         assert cli.main(["run", str(folder / "s.yaml"), "--out", str(folder / "out"), "--workers", "1"]) == 0
     return folder / "out"
 
@@ -53,7 +55,7 @@ def path(whole: Path, tmp_path: Path) -> Path:
 
 def part(whole: Path) -> Result:
     """The first and the third of the pieces, as an interrupted run on two workers leaves them."""
-    one = run.read_runs(whole)[0]
+    one = commands.read_runs(whole)[0]
     result = Result.empty(simulate.track(one.scene), one.scene.start)
     for first, last in simulate.pieces(result.solved_steps)[::2]:
         result.add(simulate.simulate_piece(one.scene, first, last))
@@ -79,7 +81,7 @@ def same(a: Any, b: Any) -> bool:
 
 def refusal(path: Path) -> str:
     with pytest.raises(FolderError) as error:
-        store.load(path)
+        result_file.load(path)
     message = str(error.value)
     assert message.startswith(str(path)) and "\n" not in message
     return message
@@ -89,27 +91,27 @@ def refusal(path: Path) -> str:
 
 
 def test_all_of_a_result_comes_back_to_the_last_bit(whole: Path, partial: Result, tmp_path: Path) -> None:
-    result = store.load(whole / "result.h5")
+    result = result_file.load(whole / "result.h5")
     assert result.complete and not partial.complete and len(partial.event_pieces) == 2
     assert len({one.pressure.shape for one in result.maps.values()}) > 1  # ragged
-    one = run.read_runs(whole)[0]
+    one = commands.read_runs(whole)[0]
     for given in (result, partial):
-        solve.keep(replace(one, folder=tmp_path), given)
-        assert same(store.load(tmp_path / "result.h5"), given)
+        batch.keep(replace(one, folder=tmp_path), given)
+        assert same(result_file.load(tmp_path / "result.h5"), given)
 
 
 def test_events_of_a_partial_run_join_to_those_of_the_whole(whole: Path, partial: Result, tmp_path: Path) -> None:
-    one = run.read_runs(whole)[0]
-    solve.keep(replace(one, folder=tmp_path), partial)
-    result = store.load(tmp_path / "result.h5")
+    one = commands.read_runs(whole)[0]
+    batch.keep(replace(one, folder=tmp_path), partial)
+    result = result_file.load(tmp_path / "result.h5")
     first, last = simulate.pieces(result.solved_steps)[1]
     result.add(simulate.simulate_piece(one.scene, first, last))
-    assert same(result.events(), store.load(whole / "result.h5").events())
+    assert same(result.events(), result_file.load(whole / "result.h5").events())
     assert list(result.event_pieces) == [0]
 
 
 def test_every_dataset_has_a_checksum_units_and_named_dimensions(whole: Path, partial: Result, tmp_path: Path) -> None:
-    solve.keep(replace(run.read_runs(whole)[0], folder=tmp_path), partial)
+    batch.keep(replace(commands.read_runs(whole)[0], folder=tmp_path), partial)
     for file_path in (whole / "result.h5", tmp_path / "result.h5"):
         names = []
 
@@ -127,7 +129,7 @@ def test_every_dataset_has_a_checksum_units_and_named_dimensions(whole: Path, pa
 
 
 def test_xarray_opens_the_tree(whole: Path) -> None:
-    result = store.load(whole / "result.h5")
+    result = result_file.load(whole / "result.h5")
     with xr.open_datatree(whole / "result.h5", engine="h5netcdf") as tree:
         assert set(tree.children) == {"snapshot", "pressure_maps", "events", "sound"}
         names = [set(map(str, node.to_dataset(inherit=False).dims)) for node in tree.subtree]
@@ -135,7 +137,7 @@ def test_xarray_opens_the_tree(whole: Path) -> None:
         release = tree["release_power"]
         assert set(release.coords) == {"step", "time"} and release.attrs["units"] == "W"
         assert set(tree["approach"].coords) == {"position", "position_time"}
-        scene = run.read_runs(whole)[0].scene
+        scene = commands.read_runs(whole)[0].scene
         assert np.allclose(scene.motion.distance(release["time"].values), release["step"].values, rtol=1e-12, atol=0)
         ends = scene.motion.distance(tree["position_time"].values)
         assert np.allclose(ends, tree["position"].values, rtol=1e-12, atol=1e-18)
@@ -160,7 +162,7 @@ def test_the_sound_in_the_file_is_the_run_s(whole: Path, tmp_path: Path) -> None
     """After run and after resound; Parseval: its mean square is the level in summary.json."""
     out = tmp_path / "far"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "_write_pictures", lambda *_: [])
+        patch.setattr(commands, "_write_pictures", lambda *_: [])
         assert cli.main(["resound", str(whole), "--set", "sound.distance_m=10", "--out", str(out)]) == 0
     for folder in (whole, out):
         with h5py.File(folder / "result.h5") as file:
@@ -171,7 +173,7 @@ def test_the_sound_in_the_file_is_the_run_s(whole: Path, tmp_path: Path) -> None
 
 def test_empty_tables_and_long_scenes_are_kept(partial: Result, whole: Path, tmp_path: Path) -> None:
     """A piece without events, the seed above 64 bits, a description that fills the largest scene file."""
-    one = run.read_runs(whole)[0]
+    one = commands.read_runs(whole)[0]
     data = one.scene.to_dict() | {"description": "ä" * 1_000_000}
     data["surface"]["seed"] = 10**30
     long = type(one.scene).from_dict(data)
@@ -179,8 +181,8 @@ def test_empty_tables_and_long_scenes_are_kept(partial: Result, whole: Path, tmp
     empty.series = {name: np.full_like(values, np.nan) for name, values in partial.series.items()}
     empty.series |= {name: values * 0 for name, values in partial.series.items()}
     empty.event_pieces = {first: {c: v[:0] for c, v in t.items()} for first, t in partial.event_pieces.items()}
-    solve.keep(solve.Run({}, long, tmp_path), empty)
-    assert same(store.load(tmp_path / "result.h5"), empty)
+    batch.keep(batch.Run({}, long, tmp_path), empty)
+    assert same(result_file.load(tmp_path / "result.h5"), empty)
     with h5py.File(tmp_path / "result.h5") as file:
         assert len(file.attrs["scene"]) > 1_000_000 and file.attrs["seed"] == str(10**30)
 
@@ -190,8 +192,8 @@ def test_empty_tables_and_long_scenes_are_kept(partial: Result, whole: Path, tmp
 
 def test_no_changed_byte_is_accepted(path: Path, monkeypatch) -> None:
     """Flips, runs of zeros, truncations, insertions and additions: refused by the digest, the HDF5 library never asked."""
-    monkeypatch.setattr(store, "_probed", lambda path: "the probe was reached")
-    monkeypatch.setattr(store, "_read", lambda path, source: pytest.fail("the damaged file was opened"))
+    monkeypatch.setattr(result_file, "_probed", lambda path: "the probe was reached")
+    monkeypatch.setattr(result_file, "_read", lambda path, source: pytest.fail("the damaged file was opened"))
     good, rng = path.read_bytes(), np.random.default_rng(0)
     for k in range(400):
         at = int(rng.integers(len(good))) if k % 4 else len(good) - 1 - k // 4  # the digest's own bytes, too
@@ -240,7 +242,7 @@ def test_a_file_that_another_program_changed_is_refused(path: Path) -> None:
 def test_damaged_old_files_never_crash_and_never_hang(whole: Path, tmp_path: Path) -> None:
     """Without a digest a flip in a value can pass; in types, shapes and structure it must not end in a traceback."""
     path = tmp_path / "result.h5"
-    save_old(path, store.load(whole / "result.h5"), True)
+    save_old(path, result_file.load(whole / "result.h5"), True)
     good, rng = path.read_bytes(), np.random.default_rng(1)
     for k in range(12):
         bad = bytearray(good)
@@ -251,7 +253,7 @@ def test_damaged_old_files_never_crash_and_never_hang(whole: Path, tmp_path: Pat
                 bad[int(at)] ^= 1 << int(rng.integers(8))
         path.write_bytes(bad)
         try:
-            store.load(path)
+            result_file.load(path)
         except FolderError as error:
             assert str(error).startswith(str(path))
 
@@ -367,9 +369,9 @@ def shorter(group: h5py.Group) -> None:
 @pytest.mark.parametrize(("field", "spoil"), HAND_MADE, ids=[f"{k}-{field}" for k, (field, _) in enumerate(HAND_MADE)])
 def test_hand_made_damage_is_refused_by_its_field(field: str, spoil: Spoil, path: Path, monkeypatch) -> None:
     """In a file of this version and in an old one, which has no digest to betray it."""
-    monkeypatch.setattr(store, "_probed", lambda path: None)  # half a second each; the library reads all of these
+    monkeypatch.setattr(result_file, "_probed", lambda path: None)  # half a second each; the library reads all of these
     old = path.with_name("old.h5")
-    save_old(old, store.load(path), True)
+    save_old(old, result_file.load(path), True)
     for each in (path, old):
         with h5py.File(each, "r+") as file:
             spoil(file)
@@ -393,7 +395,7 @@ def test_hand_made_damage_is_refused_by_its_field(field: str, spoil: Spoil, path
     ],
 )
 def test_hand_made_damage_of_this_format_is_refused(field: str, spoil: Spoil, path: Path, monkeypatch) -> None:
-    monkeypatch.setattr(store, "_probed", lambda path: None)
+    monkeypatch.setattr(result_file, "_probed", lambda path: None)
     with h5py.File(path, "r+") as file:
         spoil(file)
     assert f": {field}" in refusal(path)
@@ -410,19 +412,19 @@ def test_a_result_of_the_future_is_not_read_as_one_of_today(path: Path) -> None:
 
 @pytest.mark.parametrize("deflection", [False, True])
 def test_old_files_are_read_and_gone_on_with(deflection: bool, whole: Path, partial: Result, tmp_path: Path) -> None:
-    for given in (store.load(whole / "result.h5"), partial):
+    for given in (result_file.load(whole / "result.h5"), partial):
         save_old(tmp_path / "result.h5", given, deflection)
-        result = store.load(tmp_path / "result.h5")
+        result = result_file.load(tmp_path / "result.h5")
         assert result.identity is None
         expected = given.series | ({} if deflection else {"max_deflection": np.full(given.steps + 1, np.nan)})
         assert same(result, replace(given, identity=None, series=expected))
     # The missing piece, then the file of today.
     shutil.copy(whole / "resolved.yaml", tmp_path)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "_write_pictures", lambda *_: [])
+        patch.setattr(commands, "_write_pictures", lambda *_: [])
         shutil.copy(whole / "scene.yaml", tmp_path)
         assert cli.main(["resume", str(tmp_path), "--workers", "1"]) == 0
-    result, once = store.load(tmp_path / "result.h5"), store.load(whole / "result.h5")
+    result, once = result_file.load(tmp_path / "result.h5"), result_file.load(whole / "result.h5")
     assert result.complete and result.identity == once.identity
     for name in ("release_energy", "approach", "iterations"):
         assert np.array_equal(result.series[name], once.series[name])
@@ -465,15 +467,15 @@ def test_a_file_that_may_not_grow_ends_in_one_message(whole: Path, tmp_path: Pat
     assert done.returncode == 1, done.stderr
     assert done.stderr.count("could not be written") == 1 and "resume" in done.stderr
     assert "Traceback" not in done.stderr and "HDF5" not in done.stderr
-    result = store.load(tmp_path / "out" / "result.h5")
+    result = result_file.load(tmp_path / "out" / "result.h5")
     assert np.isnan(result.series["release_energy"]).sum() > 0
     assert not list((tmp_path / "out").glob(".*partial"))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "_write_pictures", lambda *_: [])
+        patch.setattr(commands, "_write_pictures", lambda *_: [])
         assert cli.main(["resume", str(tmp_path / "out"), "--workers", "1"]) == 0
     assert np.array_equal(
-        store.load(tmp_path / "out" / "result.h5").series["approach"],
-        store.load(whole / "result.h5").series["approach"],
+        result_file.load(tmp_path / "out" / "result.h5").series["approach"],
+        result_file.load(whole / "result.h5").series["approach"],
     )
 
 
@@ -489,7 +491,7 @@ def test_a_full_disk_ends_in_one_message(whole: Path, tmp_path: Path) -> None:
         done = limited(["run", str(whole.parent / "s.yaml"), "--out", str(disk / "out")], FREE)
         assert done.returncode == 1, done.stderr
         assert done.stderr.count("No space left on device") == 1 and "Traceback" not in done.stderr
-        assert store.load(disk / "out" / "result.h5").done_steps >= 0
+        assert result_file.load(disk / "out" / "result.h5").done_steps >= 0
         assert not list((disk / "out").glob(".*partial"))
     finally:
         subprocess.run(["umount", "-l", str(disk)], check=True)
@@ -498,9 +500,9 @@ def test_a_full_disk_ends_in_one_message(whole: Path, tmp_path: Path) -> None:
 def test_a_long_run_is_kept_in_bounded_time_memory_and_space(whole: Path, tmp_path: Path) -> None:
     """500,000 steps, partial, with 2500 pieces of events: their number must not slow the writing (a group each took minutes)."""
     steps, each = 500_000, 8
-    scene = run.read_runs(whole)[0].scene.to_dict()
+    scene = commands.read_runs(whole)[0].scene.to_dict()
     scene["rolling"] |= {"speed_m_s": 0.1, "duration_s": steps * 2e-5}
-    one = solve.Run({}, type(run.read_runs(whole)[0].scene).from_dict(scene), tmp_path)
+    one = batch.Run({}, type(commands.read_runs(whole)[0].scene).from_dict(scene), tmp_path)
     result = Result.empty(simulate.track(one.scene), 0.0)
     rng = np.random.default_rng(0)
     for name, values in result.series.items():
@@ -520,11 +522,11 @@ def test_a_long_run_is_kept_in_bounded_time_memory_and_space(whole: Path, tmp_pa
     assert len(result.event_pieces) == 2499
     resident = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     began = time.process_time()
-    solve.keep(one, result)
+    batch.keep(one, result)
     written = time.process_time() - began
     assert written < 5  # 1 s measured; the Keeper writes for a twentieth of the time at most
     size = (tmp_path / "result.h5").stat().st_size
     values = 19 * 8 * steps  # of the series, without coordinates
     assert size < 1.1 * values
     assert 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - resident) < 5 * size
-    assert same(store.load(tmp_path / "result.h5"), result)
+    assert same(result_file.load(tmp_path / "result.h5"), result)

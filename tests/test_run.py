@@ -16,8 +16,12 @@ import numpy as np
 import pytest
 
 from acoustics import wav
-from rolling import cli, contact, reference, run, run_folder, run_record, scene_file, simulate, store
-from rolling.scenario import track
+from rolling import cli, commands
+from rolling.contact import closed_forms, solver
+from rolling.folders import files, run_record
+from rolling.scene import file as scene_file
+from rolling.scene.scene import track
+from rolling.simulation import result_file, simulate
 
 SCENE = """\
 name: small
@@ -190,7 +194,7 @@ def test_a_killed_worker_fails_the_run_and_keeps_what_is_solved(scene: Path, tmp
 
 def test_a_full_disk_keeps_what_was_written(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
     out = tmp_path / "out"
-    inner, calls = store.write_bytes, []
+    inner, calls = result_file.write_bytes, []
 
     def full(path: Path, content: bytes) -> None:
         calls.append(path)
@@ -198,8 +202,8 @@ def test_a_full_disk_keeps_what_was_written(scene: Path, tmp_path: Path, monkeyp
             raise OSError(errno.ENOSPC, "No space left on device")
         inner(path, content)
 
-    monkeypatch.setattr(run_folder.Keeper, "due", lambda self: True)
-    monkeypatch.setattr(store, "write_bytes", full)
+    monkeypatch.setattr(files.Keeper, "due", lambda self: True)
+    monkeypatch.setattr(result_file, "write_bytes", full)
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
     message = capsys.readouterr().err
     assert "No space left on device" in message and "resume" in message
@@ -212,7 +216,7 @@ def test_a_full_disk_keeps_what_was_written(scene: Path, tmp_path: Path, monkeyp
 def test_resound_solves_nothing_and_speed_scales(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
     first, fast, far = tmp_path / "first", tmp_path / "fast", tmp_path / "far"
     assert cli.main(["run", str(scene), "--out", str(first), "--workers", "1"]) == 0
-    monkeypatch.setattr(contact, "solve", None)
+    monkeypatch.setattr(solver, "solve", None)
     assert cli.main(["resound", str(first), "--set", "rolling.speed_m_s=0.2", "--out", str(fast)]) == 0
     slow, quick = summary(first), summary(fast)
     # Speed times 2: power times 2, half the time, spectrum at twice the frequency (DESIGN: scaling laws).
@@ -261,7 +265,7 @@ def test_a_smooth_ball_that_accelerates_is_silent(tmp_path: Path) -> None:
     found = summary(out)
     assert found["laeq_db"] is None and found["level_db"] is None
     speed = scene_file.load(out / "resolved.yaml").motion.distance(0.004) / 0.004
-    power = reference.smooth_release_power(5, speed, 5e-3, 210e9 / 0.91)
+    power = closed_forms.smooth_release_power(5, speed, 5e-3, 210e9 / 0.91)
     # 0.3 % of release at a / spacing = 22, and a track rounded to whole nodes
     assert found["steady_level_db"] == pytest.approx(10 * np.log10(power / (4 * np.pi * 1e-12)), abs=0.02)
 
@@ -272,7 +276,7 @@ def test_result_is_dimensioned_and_provenance_names_no_path(scene: Path, tmp_pat
     with h5py.File(out / "result.h5") as file:
         speed = 0.1
         assert np.allclose(file["release_power"], file["release_per_metre"][:] * speed, rtol=1e-12)
-        for name, unit in store.UNITS.items():
+        for name, unit in result_file.UNITS.items():
             assert file[name].attrs["units"] == unit
             assert len(file[name].dims[0].keys()) == 1
     for name in ("provenance.json", "summary.json", "resolved.yaml"):
@@ -283,7 +287,7 @@ def test_result_is_dimensioned_and_provenance_names_no_path(scene: Path, tmp_pat
 
 def test_workers_pin_their_threads_and_leave_the_environment(scene: Path, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setenv("OMP_NUM_THREADS", "7")
-    report = run.run(scene, ["rolling.duration_s=0.01"], tmp_path / "out", workers=2)
+    report = commands.run(scene, ["rolling.duration_s=0.01"], tmp_path / "out", workers=2)
     assert report.exit_code == 0
     assert os.environ["OMP_NUM_THREADS"] == "7"
 
@@ -291,7 +295,7 @@ def test_workers_pin_their_threads_and_leave_the_environment(scene: Path, tmp_pa
 def test_pressure_maps_carry_the_load_whatever_the_pieces(scene: Path, tmp_path: Path) -> None:
     """Along the track and resumed from a file: each map's pressures add up to the load, single precision apart."""
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
-    result = store.load(tmp_path / "out" / "result.h5")
+    result = result_file.load(tmp_path / "out" / "result.h5")
     assert list(result.maps) == simulate.mapped_positions(STEPS).tolist()
     assert len(result.maps) == simulate.MAPS
     for position, one in result.maps.items():
@@ -314,12 +318,12 @@ def test_maps_of_wide_contacts_are_averaged_over_whole_cells(scene: Path, monkey
 
 def test_a_write_that_is_interrupted_leaves_nothing_half_done(tmp_path: Path, monkeypatch) -> None:
     path = tmp_path / "signal.wav"
-    run_folder.write_bytes(path, b"before")
+    files.write_bytes(path, b"before")
 
     def interrupt(number: int) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(run_folder.os, "fsync", interrupt)
+    monkeypatch.setattr(files.os, "fsync", interrupt)
     with pytest.raises(KeyboardInterrupt):
-        run_folder.write_bytes(path, b"after")
+        files.write_bytes(path, b"after")
     assert path.read_bytes() == b"before" and [one.name for one in tmp_path.iterdir()] == ["signal.wav"]

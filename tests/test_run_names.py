@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scene_text import PLAIN
 
-from rolling.run_names import LONGEST, run_name, run_names
-from rolling.scenario import expand
-from rolling.scene_file import loads
+from rolling.scene.file import loads
+from rolling.scene.run_names import LONGEST, run_name, run_names
+from rolling.scene.scene import expand
 
 
 def names_of(*overrides: str) -> list[str]:

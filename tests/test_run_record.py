@@ -14,10 +14,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rolling import process, program, run_record
-from rolling.process import Process
-from rolling.run_folder import FolderError
-from rolling.run_record import RunRecord
+from rolling.folders import process, program, run_record
+from rolling.folders.files import FolderError
+from rolling.folders.process import Process
+from rolling.folders.run_record import RunRecord
 
 RECORDS = {
     "new run": run_record.new("run"),

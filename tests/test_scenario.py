@@ -14,10 +14,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scene_text import PLAIN, SCENES, TEXT, faults
 
-from rolling import surface
-from rolling.run_names import run_name
-from rolling.scenario import STEP_NODES, Gaussian, Scene, SceneError, expand, track
-from rolling.scene_file import dump, load, loads, resound
+from rolling.scene.file import dump, load, loads, resound
+from rolling.scene.run_names import run_name
+from rolling.scene.scene import STEP_NODES, Gaussian, Scene, SceneError, expand, track
+from rolling.surface import heights as surface
 
 NAME = "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in quotes)"
 SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recovery, sound, sweep"

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from ruamel.yaml import YAML
 from scene_text import PLAIN, SCENES, TEXT, faults
 
-from rolling.scenario import STEP_NODES, Scene, SceneError, track
-from rolling.scene_file import RESOUND_KEYS, dump, load, loads, resound, schema
+from rolling.scene.file import RESOUND_KEYS, dump, load, loads, resound, schema
+from rolling.scene.scene import STEP_NODES, Scene, SceneError, track
 
 # ---- Messages --------------------------------------------------------------------------------------------------------
 

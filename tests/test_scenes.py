@@ -12,8 +12,10 @@ import pytest
 from conftest import rough
 
 from acoustics import level, wav
-from rolling import cli, folder_files, run_record, scene_file
-from rolling.scenario import HeightFile, expand
+from rolling import cli
+from rolling.folders import own_files, run_record
+from rolling.scene import file as scene_file
+from rolling.scene.scene import HeightFile, expand
 
 SCENES = sorted((Path(__file__).parent.parent / "scenarios").glob("*.yaml"))
 TRACK_M = 300e-6  # wider than any contact at half a newton
@@ -69,7 +71,7 @@ def test_scene_runs(path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[st
                 assert energy == pytest.approx(file["release_energy"][:].sum(), rel=1e-12)
             else:
                 assert "events" not in file
-    assert folder_files.foreign(out, run_record.read(out)) == []  # --force knows every file that a run writes
+    assert own_files.foreign(out, run_record.read(out)) == []  # --force knows every file that a run writes
     assert "LAeq" in printed.out and str(out) in printed.out
 
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from conftest import STEEL, assert_solved, gap_and_deflection, make_track, releases, roll, space_of, step_energies
 
-from rolling import contact, recovery, reference
+from rolling.contact import closed_forms, recovery, solver
 
 LOAD, RADIUS = 20.0, 5e-3
-A = reference.hertz_radius(LOAD, RADIUS, STEEL)  # 69 um
-PER_METRE = reference.smooth_release_power(LOAD, 1.0, RADIUS, STEEL)
+A = closed_forms.hertz_radius(LOAD, RADIUS, STEEL)  # 69 um
+PER_METRE = closed_forms.smooth_release_power(LOAD, 1.0, RADIUS, STEEL)
 
 
 def smooth_track(spacing: float = 2e-6, width: float = 200e-6, **changes: float):
@@ -66,8 +66,8 @@ def test_sphere_is_silent_in_solves_that_know_nothing_of_each_other(hardness: fl
     solved = []
     for state in states:
         e, _, p = gap_and_deflection(track, state)
-        start = contact.foundation(e * rng.uniform(0.5, 2, e.shape), LOAD, track.spacing, 1e16, hardness)
-        answer = contact.solve(space, e, LOAD, start, track.tolerance, hardness)
+        start = solver.foundation(e * rng.uniform(0.5, 2, e.shape), LOAD, track.spacing, 1e16, hardness)
+        answer = solver.solve(space, e, LOAD, start, track.tolerance, hardness)
         assert answer.iterations > 0
         assert not np.array_equal(answer.pressure, p)
         solved.append(answer)
@@ -96,7 +96,7 @@ def test_left_end_rule_is_high_by_its_first_order_excess(nodes: int) -> None:
     track = smooth_track(step=nodes * 2e-6)
     states = roll(track, 0, 2)
     excess = releases(track, states, left_end=True)[0] / releases(track, states)[0] - 1
-    assert excess == pytest.approx(reference.left_end_excess(track.step, A), abs=(track.step / A) ** 2)
+    assert excess == pytest.approx(closed_forms.left_end_excess(track.step, A), abs=(track.step / A) ** 2)
 
 
 def test_mean_rule_does_not_depend_on_the_step() -> None:
@@ -110,7 +110,7 @@ def test_mean_rule_does_not_depend_on_the_step() -> None:
 
 def test_first_yield_is_at_the_hertz_pressure() -> None:
     """The centre node takes p0 to 1e-4 (Hertz test): no node yields at a hardness 0.1 % above p0, some do 0.1 % below."""
-    p0 = reference.hertz_pressure(LOAD, RADIUS, STEEL)
+    p0 = closed_forms.hertz_pressure(LOAD, RADIUS, STEEL)
     for hardness, yields in ((1.001 * p0, False), (0.999 * p0, True)):
         track = smooth_track(hardness=hardness, width=202e-6)  # an odd number of nodes: one under the centre
         state = roll(track, 0, 0)[0]

@@ -17,8 +17,11 @@ from acoustics import wav
 from acoustics.bands import BAND_NAMES
 from acoustics.level import laeq_db, peak_pressure
 from acoustics.radiation import P_REF_PA
-from rolling import cli, run_folder, scene_file, sound_files, summary
-from rolling.scenario import Scene
+from rolling import cli
+from rolling.folders import files
+from rolling.scene import file as scene_file
+from rolling.scene.scene import Scene
+from rolling.simulation import sound_files, summary
 from rolling.sound import ContactSound, contact_sound
 
 STEP = 2e-6
@@ -101,13 +104,13 @@ def test_a_record_below_hearing_says_that_its_gain_is_bounded(tmp_path: Path) ->
 def test_no_half_file_is_left_by_a_full_disk(tmp_path: Path) -> None:
     resource = pytest.importorskip("resource")  # not on Windows
     path = tmp_path / "signal.wav"
-    run_folder.write_bytes(path, wav.calibrated(np.zeros(100), "the old one"))
+    files.write_bytes(path, wav.calibrated(np.zeros(100), "the old one"))
     before = path.read_bytes()
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, limits[1]))  # the file needs 96 kB
     try:
         with pytest.raises(OSError):
-            run_folder.write_bytes(path, wav.calibrated(np.ones(24000), "the new one"))
+            files.write_bytes(path, wav.calibrated(np.ones(24000), "the new one"))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert list(tmp_path.iterdir()) == [path] and path.read_bytes() == before

@@ -14,11 +14,13 @@ from old_results import save_old
 
 from acoustics.spectrum import article_line_level_db, line_spectrum
 from acoustics.weighting import a_weighting_db
-from rolling import cli, reference, simulate, store
-from rolling.article import reproduce, study
-from rolling.half_space import HalfSpace
-from rolling.march import Window, march
-from rolling.scenario import Gaussian, Scene
+from rolling import cli
+from rolling.contact import closed_forms
+from rolling.contact.half_space import HalfSpace
+from rolling.contact.march import Window, march
+from rolling.lee2025 import reproduce, study
+from rolling.scene.scene import Gaussian, Scene
+from rolling.simulation import result_file, simulate
 from rolling.sound import contact_sound
 
 SCENES = Path(__file__).parent.parent / "scenarios" / "lee2025"
@@ -128,7 +130,7 @@ def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
     (result,) = study.open_results([one])
     case = done.cases[0]
     assert (case.reading, case.load_n, case.seed, case.nodes_across) == ("only", 0.5, 1, 64)
-    hertz = np.pi * reference.hertz_radius(0.5, 5e-3, one.scene.contact_modulus) ** 2
+    hertz = np.pi * closed_forms.hertz_radius(0.5, 5e-3, one.scene.contact_modulus) ** 2
     assert case.plastic_ratio == pytest.approx(result.series["plastic_area"][:-1].mean() / hertz, rel=0.02)
     assert case.max_pressure == result.series["max_pressure"].max()
     sound = contact_sound(one.scene, result.whole("release_energy"), result.step, True, result.solved_steps)
@@ -155,7 +157,7 @@ def test_a_result_without_deflections_is_read_and_has_none(small: Path, tmp_path
     out = tmp_path / "out"
     first = reproduce.reproduce("lee2025", out=out, workers=1).cases
     for file in (out / "only").rglob("result.h5"):
-        save_old(file, store.load(file), deflection=False)
+        save_old(file, result_file.load(file), deflection=False)
     again = reproduce.reproduce("lee2025", out=out, workers=1).cases
     assert all(math.isnan(case.deflection) for case in again)
     assert [case.laeq_db for case in again] == [case.laeq_db for case in first]
@@ -228,7 +230,7 @@ def test_the_articles_own_method_agrees(reading: str, roughness: float) -> None:
     (state,) = march(contact, 0, 0, HalfSpace(contact.spacing, contact.contact_modulus))
     w = state.loaded
     block = Window(w.row - 2, w.column - 2, w.rows + 4, w.columns + 4)
-    pressure, approach = reference.dense_contact(
+    pressure, approach = closed_forms.dense_contact(
         contact.gap(0, block), contact.load, contact.spacing, contact.contact_modulus, contact.hardness
     )
     assert np.abs(state.window.moved(state.pressure, block) - pressure).max() < 1e-6 * pressure.max()

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling import surface
-from rolling.surface import SurfaceError
+from rolling.surface import heights as surface
+from rolling.surface.heights import SurfaceError
 
 SPACING = 1e-6
 LAWS = {  # written out again, so that the table in the package is tested

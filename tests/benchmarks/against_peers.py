@@ -18,8 +18,8 @@ sys.path.insert(0, str(Path(__file__).parent / "peers"))
 import sequences
 from sequences import SEQUENCES, SPACING, N
 
-from rolling.half_space import HalfSpace
-from rolling.march import ContactState, RollingContact, Window, march
+from rolling.contact.half_space import HalfSpace
+from rolling.contact.march import ContactState, RollingContact, Window, march
 
 PEERS = Path(__file__).parent / "peers"
 TOLERANCES = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7)

@@ -28,10 +28,10 @@ import numpy as np
 from against_peers import loosest, ours, quickest, theirs
 from whole_run import scene_20_n
 
-from rolling.half_space import HalfSpace
-from rolling.march import ContactState, RollingContact, Window, march
-from rolling.recovery import step_energy
-from rolling.simulate import STATE_SERIES, STEP_SERIES, rolling_contact
+from rolling.contact.half_space import HalfSpace
+from rolling.contact.march import ContactState, RollingContact, Window, march
+from rolling.contact.recovery import step_energy
+from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, rolling_contact
 
 HERE = Path(__file__).parent
 REFERENCE_TOLERANCE = 1e-8

@@ -15,10 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
-from rolling import scene_file
-from rolling.half_space import HalfSpace
-from rolling.scenario import Scene, expand
-from rolling.simulate import Piece, heights, pieces, simulate
+from rolling.contact.half_space import HalfSpace
+from rolling.scene import file
+from rolling.scene.scene import Scene, expand
+from rolling.simulation.simulate import Piece, heights, pieces, simulate
 
 QUICKSTART = Path(__file__).parent.parent.parent / "scenarios" / "quickstart.yaml"
 SPEED, SPACING = 0.1, 2e-6  # of that scene
@@ -26,7 +26,7 @@ SPEED, SPACING = 0.1, 2e-6  # of that scene
 
 def scene_20_n(*overrides: str) -> Scene:
     """The quickstart's run under 20 N."""
-    runs = expand(scene_file.load(QUICKSTART, overrides))
+    runs = expand(file.load(QUICKSTART, overrides))
     return next(scene for values, scene in runs if values["rolling.load_n"] == 20)
 
 

@@ -1,0 +1,242 @@
+"""The ways one scene is computed for `rolling accuracy`: finer grids, other edges, tolerances, steps and precision.
+
+Depends on simulate and pool. All variants roll over the same stretch of the same surface.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling.contact.march import RollingContact
+from rolling.scene.scene import Scene, track
+from rolling.simulation import pool, simulate
+
+Array = NDArray[np.float64]
+
+TOLERANCES = (1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6)
+FINE_TOLERANCES = (1e-3, 1e-4)  # on finer grids
+REFERENCE_TOLERANCE, SOLVER_REFERENCE_TOLERANCE = 1e-6, 1e-8
+STEP_NODES = (0.5, 1.0, 2.0, 4.0)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """How a scene is computed: its spacing divided by `times`, a step of so many of its nodes, and what the solver is told."""
+
+    times: int
+    step_nodes: float
+    tolerance: float
+    edges: str
+    precision: str
+
+    @property
+    def name(self) -> str:
+        step = f"{self.step_nodes:g}"
+        return f"spacing-over-{self.times}_step-{step}_{tolerance_text(self.tolerance)}_{self.edges}_{self.precision}"
+
+
+def tolerance_text(value: float) -> str:
+    """1e-4, not 0.0001 or 1e-04."""
+    mantissa, exponent = f"{value:.3e}".split("e")
+    return f"{float(mantissa):g}e{int(exponent)}"
+
+
+@dataclass(frozen=True)
+class Study:
+    """What is varied: a scene without sweep, of which `nodes` along the track are rolled over, in all variants the same.
+
+    closed : they are the whole period. finest : what the spacing of the references is divided by.
+    """
+
+    scene: Scene
+    nodes: int
+    closed: bool
+    finest: int
+
+    @property
+    def own(self) -> Variant:
+        """The scene as it stands."""
+        n = self.scene.numerics
+        return Variant(1, n.step_nodes, n.tolerance, n.edges if self.yields else "sharp", n.precision)
+
+    @property
+    def yields(self) -> bool:
+        return math.isfinite(self.scene.hardness)
+
+    @property
+    def all_edges(self) -> tuple[str, ...]:
+        return ("sharp", "blended") if self.yields else ("sharp",)
+
+    @property
+    def ladder(self) -> list[int]:
+        """What the spacing is divided by, the references' own left out."""
+        return [2**k for k in range(round(math.log2(self.finest)))]
+
+    def reference(self, edges: str) -> Variant:
+        return Variant(self.finest, self.own.step_nodes, REFERENCE_TOLERANCE, edges, "single")
+
+    @property
+    def solver_reference(self) -> Variant:
+        """What the tolerance and the precision of the scene's own grid are judged by."""
+        return replace(self.own, tolerance=SOLVER_REFERENCE_TOLERANCE, precision="double")
+
+    def on_grid(self, times: int, edges: str) -> Variant:
+        """Tolerance and spacing shrink together, or the one would hide the other."""
+        return replace(self.own, times=times, edges=edges, tolerance=self.own.tolerance / times)
+
+    def families(self) -> dict[str, list[Variant]]:
+        """Variants that differ in one thing from one to the next, by what that is; the references first."""
+        own, finer = self.own, self.ladder[1:2]
+        found = {"references": [self.reference(e) for e in self.all_edges[::-1]]}
+        for edges in self.all_edges:
+            grids = [self.on_grid(t, edges) for t in self.ladder]
+            found[f"spacing, {edges} edges"] = [*grids, self.reference(edges)]
+        found["tolerance"] = [replace(own, tolerance=t) for t in sorted({*TOLERANCES, own.tolerance}, reverse=True)]
+        for times in finer:
+            found["tolerance, half the spacing"] = [replace(own, times=times, tolerance=t) for t in FINE_TOLERANCES]
+        steps = sorted({*STEP_NODES, own.step_nodes}, reverse=True)
+        found["step"] = [replace(own, step_nodes=s) for s in steps]
+        found["precision"] = [replace(own, precision=p) for p in ("single", "double")]
+        rest = [
+            replace(own, times=t, edges=e, tolerance=loose)
+            for t in self.ladder
+            for e in self.all_edges
+            for loose in FINE_TOLERANCES
+        ]
+        rest += [replace(self.on_grid(t, own.edges), step_nodes=s) for t in finer for s in steps if s < own.step_nodes]
+        rest += [replace(own, tolerance=1e-6, precision=p) for p in ("single", "double")]
+        named = {variant for variants in found.values() for variant in variants}
+        found["others"] = [variant for variant in dict.fromkeys(rest) if variant not in named]
+        return found
+
+    def variants(self) -> list[Variant]:
+        """All there is to march: the finest grids first, since every error waits for them."""
+        every = [*(v for variants in self.families().values() for v in variants), self.solver_reference]
+        return sorted(dict.fromkeys(every), key=lambda v: (-v.times, v != self.solver_reference))
+
+    def spacing_um(self, variant: Variant) -> float:
+        return self.scene.spacing * 1e6 / variant.times
+
+    def step_um(self, variant: Variant) -> float:
+        return self.scene.spacing * 1e6 * variant.step_nodes
+
+    def highest(self, variant: Variant) -> float:
+        """Return the Nyquist frequency of the steps [Hz] at the greatest speed that is reached."""
+        motion = self.scene.motion
+        duration = motion.duration(self.nodes * self.scene.spacing)
+        return motion.fastest(duration) / (2 * variant.step_nodes * self.scene.spacing)
+
+    def as_solved(self, variant: Variant) -> Scene:
+        """Return the scene with the numerics of a variant, which say how far its release is resolved."""
+        changed = {
+            "tolerance": variant.tolerance,
+            "edges": variant.edges,
+            "precision": variant.precision,
+            "step_nodes": variant.step_nodes * variant.times,
+        }
+        return self.scene.model_copy(update={"numerics": self.scene.numerics.model_copy(update=changed)})
+
+
+def study(scene: Scene, duration: float, finest: int) -> Study:
+    """A scene of one run cut to `duration` [s] of rolling: whole numbers of every step that is tried, a closed lap.
+
+    A height file is used as it is: where it is longer, or not a whole number of the longest step, the record does not close.
+    """
+    unit = math.lcm(round(STEP_NODES[-1]), max(1, math.ceil(scene.numerics.step_nodes)))
+    made, motion = track(scene), scene.motion
+    wanted = min(made.distance, made.n_along * made.spacing, float(motion.distance(duration)))
+    nodes = unit * max(math.floor(wanted / made.spacing / unit + 1e-6), math.ceil(8 / unit))
+    data = scene.to_dict()
+    data["recovery"]["events"] = False
+    if scene.height_path is None:
+        data["rolling"]["duration_s"] = motion.duration(nodes * made.spacing)
+    cut = Scene.from_dict(data, scene.folder)
+    return Study(cut, nodes, nodes == track(cut).n_along, finest)
+
+
+# ---- marching --------------------------------------------------------------------------------------------------------
+
+
+def refined(heights: Array, times: int) -> Array:
+    """The same band-limited periodic surface on a grid `times` finer, moved across so that the sphere's line stays put."""
+    along = _padded_lines(heights, times, 0.0)
+    # Mid-width, (n_across - 1) / 2 spacings, lies (times - 1) / 2 fine nodes further on.
+    return np.ascontiguousarray(_padded_lines(along.T, times, (times - 1) / 2).T)
+
+
+def _padded_lines(values: Array, times: int, shift: float) -> Array:
+    n = len(values)
+    lines = np.fft.rfft(values, axis=0) * times
+    if n % 2 == 0 and times > 1:
+        lines[-1] /= 2  # it stands for +Nyquist and -Nyquist, which are two lines on the finer grid
+    frequency = np.arange(len(lines)) / (n * times)
+    return np.fft.irfft(lines * np.exp(-2j * np.pi * frequency * shift)[:, None], n * times, axis=0)
+
+
+_kept: list[tuple[Array, int, Array]] = []  # the last surface refined
+
+
+def rolling_contact(scene: Scene, variant: Variant) -> RollingContact:
+    """What the march needs of a scene computed another way."""
+    coarse = simulate.rolling_contact(scene)
+    if not _kept or _kept[0][0] is not coarse.heights or _kept[0][1] != variant.times:
+        fine = refined(coarse.heights, variant.times) if variant.times > 1 else coarse.heights
+        _kept[:] = [(coarse.heights, variant.times, fine)]
+    return replace(
+        coarse,
+        heights=_kept[0][2],
+        spacing=coarse.spacing / variant.times,
+        step=variant.step_nodes * coarse.spacing,
+        tolerance=variant.tolerance,
+        single=variant.precision == "single",
+        blended=variant.edges == "blended",
+    )
+
+
+_warm: set[tuple[int, bool, bool]] = set()
+
+
+def march_piece(
+    scene: Scene,
+    variant: Variant,
+    first: int,
+    last: int,
+    stopped: Callable[[], bool],
+    progress: Callable[[float], object],
+) -> simulate.Piece:
+    """One piece of a variant's track, from a cold start; compilation and the first transforms are not in its times."""
+    contact = rolling_contact(scene, variant)
+    kind = (variant.times, contact.single, contact.blended)
+    if kind not in _warm:
+        simulate.simulate_piece(scene, first, first + 1, stopped, contact=contact)
+        _warm.add(kind)
+    cost = _step_cost(variant)
+    return simulate.simulate_piece(scene, first, last, stopped, lambda steps: progress(steps * cost), contact)
+
+
+def _step_cost(variant: Variant) -> float:
+    """Expected time of a step, that of the scene's own grid at tolerance 1e-4 being 1."""
+    return variant.times**2.3 * max(0.5, -math.log10(variant.tolerance) / 4)
+
+
+def tasks(what: Study, variants: Sequence[Variant]) -> list[pool.Task]:
+    """The pieces of all variants, as long as those of a run and of the same length in all; run: number of the variant."""
+    unit = math.lcm(round(STEP_NODES[-1]), max(1, math.ceil(what.own.step_nodes)))
+    length = unit * max(1, round(simulate.PIECE_STEPS * what.own.step_nodes / unit))
+    borders = [*range(0, what.nodes, length), what.nodes]
+    return [
+        pool.Task(
+            number,
+            march_piece,
+            (what.scene, v, round(a / v.step_nodes), round(b / v.step_nodes)),
+            (b - a) / v.step_nodes * _step_cost(v),
+        )
+        for number, v in enumerate(variants)
+        for a, b in pairwise(borders)
+    ]

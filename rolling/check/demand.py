@@ -1,0 +1,318 @@
+"""Memory and disk that runs will take, from their scenes alone. Depends on `scenario`, `cost` and `machine`.
+
+The constants are bytes, measured on whole runs (peak of the resident memory of all processes, size of the folder) and a
+little on the safe side: an estimate lies between the measured size and twice of it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+from rolling.check import cost
+from rolling.scene.scene import Scene, Track, track
+
+SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
+MAPS, MAP_CELLS = 120, 96  # pressure maps of a run and cells along their sides, of `simulate`
+PIECE_STEPS = 200  # of `simulate`: the smallest share of the work of a process
+PAGE_RUNS = 24  # most runs on a page, of `report`
+HEARING_SHARE = 20_000 / SAMPLE_RATE  # spectral lines on a picture per sample
+
+# Of a process: the program with its libraries, compiled code and transforms, pictures and page.
+PROGRAM, SOLVER, PICTURES, WORKER, TRACKER = 210e6, 100e6, 110e6, 230e6, 15e6
+# Per node of the surface: while it is made or read, as long as it is kept, while its statistics are taken.
+MADE = {"gaussian": 44.0, "file": 50.0, "smooth": 0.0}
+KEPT = {"gaussian": 8.0, "file": 8.0, "smooth": 0.0}
+STATISTICS = {"gaussian": 26.0, "file": 46.0, "smooth": 17.0}
+WINDOW = 720.0  # per node of the window: contact, and transforms of all padded sizes that its windows meet (310 to 660)
+RESULT, RESULT_FILE = 112.0, 270.0  # per solved step, as long as it is kept; per step, while result.h5 is written
+TABLE = 180.0  # per number of a CSV, while it is written
+STEP_SOUND, STEP_DENSE = 60.0, 210.0  # per step, for its sound at constant and at varying speed
+SAMPLE_SOUND, FINE_SOUND = 262.0, 64.0  # per sample, and of a varying speed; loudness takes less, and afterwards
+AWKWARD = 150.0  # per value of a transform whose length has a large prime factor
+STEP_HEARD, SAMPLE_HEARD, RUN_HEARD = 26.0, 16.0, 4e6  # per step and sample of each run, kept to compare; a run's page
+PAGE_COPIES, LAP_MAP = 5.0, 60.0  # of the page while it is put together; per map in each lap
+EVENTS_PER_NODE = 0.6  # recovery events of a node that the contact passes over, about
+EVENT = 260.0  # per recovery event, while they are joined
+
+# On disk.
+STEP_FILE, EVENT_FILE, SNAPSHOT_FILE = 153.0, 41.0, 16.0  # result.h5: per step, event, node of the window
+ROW_FILE = 25.0  # of a table of two columns
+SAMPLE_FILE, SAMPLE_PAGE, LAP_MAP_PAGE = 15.0, 2.7, 13.5  # WAVs; on the page
+MAP_FILE = 1.0  # per cell of the pressure maps, compressed
+RUN_FILES, PAGE_RUN, PAGE = (
+    1.6e6,
+    0.4e6,
+    0.8e6,
+)  # pictures and short tables of a run, its part of the page, the page itself
+
+ADVICE = {
+    "program": "give fewer --workers",
+    "surface": "choose a smaller surface.width_um or rolling.duration_s, a larger surface.spacing_um, or fewer --workers",
+    "height file": "cut the height file or take every second node of it, or give fewer --workers",
+    "window": "choose a larger surface.spacing_um, or fewer --workers",
+    "steps": "shorten rolling.duration_s, or choose a larger step (numerics.step_nodes, surface.spacing_um)",
+    "sound samples": "shorten rolling.duration_s",
+    "oversampling of the varying speed": "lower the greatest of rolling.speed_m_s, or shorten rolling.duration_s",
+    "recovery events": "set recovery.events to false, or shorten rolling.duration_s",
+    "pressure maps": "shorten rolling.duration_s",
+    "runs of the sweep": "give sweep fewer values",
+}
+
+
+@dataclass(frozen=True)
+class Amount:
+    """Bytes by what they are for: a key of ADVICE."""
+
+    parts: tuple[tuple[str, float], ...]
+
+    @property
+    def total(self) -> float:
+        return sum(size for _, size in self.parts)
+
+    @property
+    def largest(self) -> tuple[str, float]:
+        """The part that dominates; the program itself only where nothing else counts."""
+        sizes: dict[str, float] = {}
+        for name, size in self.parts:
+            sizes[name] = sizes.get(name, 0.0) + size
+        return max(sizes.items(), key=lambda item: item[1])
+
+
+@dataclass(frozen=True)
+class Demand:
+    """Memory of all processes at the worst moment, of the largest of them, and bytes on disk."""
+
+    memory: Amount
+    process: Amount
+    disk: Amount
+
+
+@dataclass(frozen=True)
+class Size:
+    """Numbers of a run that its demand grows with.
+
+    window : nodes. fine : samples of a varying speed, 0 at a constant one. lines : of both spectra that are written.
+    map_cells : of all pressure maps. lap_maps : maps, counted in every lap. events : of recovery, about.
+    """
+
+    kind: str
+    nodes: int
+    window: float
+    steps: int
+    solved: int
+    samples: int
+    fine: int
+    lines: tuple[int, int]
+    map_cells: float
+    lap_maps: int
+    events: float
+
+    @property
+    def surface(self) -> str:
+        return "height file" if self.kind == "file" else "surface"
+
+    @property
+    def numbers(self) -> int:
+        """Numbers in the longest table."""
+        return 2 * max(self.steps, *self.lines)
+
+    @property
+    def solver(self) -> float:
+        """Bytes of a process that solves, apart from the program."""
+        return WINDOW * self.window + (8.0 * self.nodes if self.events else 0.0)
+
+
+def size(scene: Scene, way: Track, rq: float) -> Size:
+    """Size a run of one scene whose surface has an rms roughness of rq [m]."""
+    duration = cost.duration(scene, way)
+    samples = max(2, round(duration * SAMPLE_RATE))
+    dense = max(1, math.ceil(scene.motion.fastest(duration) / way.step / SAMPLE_RATE))
+    across = 2 * cost.overlap_radius(scene, rq) / scene.spacing
+    # The window holds the overlap and what its transforms are padded to; it never exceeds the surface by much.
+    side = min(cost.window_nodes(scene, rq), 2.0 * max(way.n_along, way.n_across))
+    seen = min(across, way.n_along, way.n_across)
+    cells = math.ceil(seen / max(1, math.ceil(seen / MAP_CELLS))) ** 2
+    maps = min(MAPS, way.solved_steps)
+    events = EVENTS_PER_NODE * seen * way.solved_steps * scene.numerics.step_nodes if scene.recovery.events else 0.0
+    return Size(
+        kind=scene.surface.kind,
+        nodes=way.n_along * way.n_across,
+        window=side**2,
+        steps=way.steps,
+        solved=way.solved_steps,
+        samples=samples,
+        fine=0 if scene.motion.is_constant(duration) else samples * dense,
+        lines=(round(samples * HEARING_SHARE), min(way.steps // 2, round(duration * 20_000))),
+        map_cells=float(maps * cells),
+        lap_maps=math.ceil(way.steps / way.solved_steps) * maps,
+        events=events,
+    )
+
+
+def demand(sizes: Sequence[Size], workers: int) -> Demand:
+    """Memory and disk of the runs of a scene, solved by some processes and finished in one."""
+    tasks = sum(math.ceil(each.solved / PIECE_STEPS) for each in sizes)
+    workers = max(1, min(workers, tasks))
+    results = [
+        ("steps", RESULT * sum(each.solved for each in sizes)),
+        ("pressure maps", 4.0 * sum(each.map_cells for each in sizes)),
+    ]
+    moments: list[Amount] = []
+    processes: list[Amount] = []
+    for each in sizes:
+        process = [
+            *_solving(each, workers, results),
+            *_finishing(each, sizes, workers, results),
+        ]
+        processes += process
+        moments += process
+        if workers > 1:
+            main = _parts([("program", PROGRAM + TRACKER), *results, *_keeping(each)])
+            one = [("program", WORKER), *_in_solver(each)]
+            processes.append(_parts(one))
+            moments.append(_parts([*main.parts, *((name, workers * bytes_) for name, bytes_ in one)]))
+    largest = max(processes, key=lambda amount: amount.total)
+    return Demand(max(moments, key=lambda amount: amount.total), largest, _disk(sizes))
+
+
+def of_variants(scene: Scene, way: Track, rq: float, finest: int, workers: int) -> Demand:
+    """Demand of `rolling accuracy`: every process holds the surface on the finest grid and its window."""
+    fine = finest**2
+    one = [
+        ("program", WORKER + SOLVER),
+        ("surface", MADE["gaussian"] * way.n_along * way.n_across * fine),
+        ("window", WINDOW * cost.window_nodes(scene, rq) ** 2 * fine),
+    ]
+    process = _parts(one)
+    every = _parts([("program", PROGRAM + PICTURES), *((name, workers * bytes_) for name, bytes_ in one)])
+    return Demand(every, process, _parts([("program", 10e6)]))
+
+
+def reading(way: Track) -> Demand:
+    """Demand of reading a height file."""
+    amount = _parts([("program", PROGRAM), ("height file", MADE["file"] * way.n_along * way.n_across)])
+    return Demand(amount, amount, _parts([("program", 0.0)]))
+
+
+def _parts(parts: Sequence[tuple[str, float]]) -> Amount:
+    return Amount(tuple(parts))
+
+
+def _in_solver(each: Size) -> list[tuple[str, float]]:
+    made, solving = MADE[each.kind] * each.nodes, KEPT[each.kind] * each.nodes
+    window = each.solver
+    if made > solving + window:
+        return [(each.surface, made)]
+    return [(each.surface, solving), ("window", window)]
+
+
+def _keeping(each: Size) -> list[tuple[str, float]]:
+    """While result.h5 is written."""
+    return [("steps", RESULT_FILE * each.steps), ("pressure maps", 4.0 * each.map_cells)]
+
+
+def _solving(each: Size, workers: int, results: list[tuple[str, float]]) -> list[Amount]:
+    """The main process until all is solved; alone, it solves."""
+    made = _parts([("program", PROGRAM), *results, (each.surface, MADE[each.kind] * each.nodes)])
+    own = [("program", PROGRAM + SOLVER), *_in_solver(each)] if workers == 1 else [("program", PROGRAM)]
+    return [made, _parts([*own, *results, *_keeping(each)])]
+
+
+def _finishing(each: Size, sizes: Sequence[Size], workers: int, results: list[tuple[str, float]]) -> list[Amount]:
+    """The main process while it makes sound, numbers, files and the page of a run, those of the others in mind."""
+    before = [("program", PROGRAM + (SOLVER if workers == 1 else 0.0)), *results]
+    before += [("window", each.solver if workers == 1 else 0.0), (each.surface, KEPT[each.kind] * each.nodes)]
+    others = len(sizes) - 1
+    heard = [
+        ("runs of the sweep", others * (STEP_HEARD * each.steps + SAMPLE_HEARD * each.samples + RUN_HEARD)),
+        ("steps", STEP_HEARD * each.steps),
+        ("sound samples", SAMPLE_HEARD * each.samples),
+    ]
+    statistics = [*before, *heard, (each.surface, (STATISTICS[each.kind] - KEPT[each.kind]) * each.nodes)]
+    sounding = [*before, *heard[:1], *_sounding(each), ("recovery events", EVENT * each.events)]
+    before[0] = ("program", before[0][1] + PICTURES)
+    tables = [*before, *heard, ("recovery events", EVENT * each.events)]
+    longest = "steps" if each.steps >= max(each.lines) else "sound samples"
+    moments = [
+        _parts(statistics),
+        _parts([*before, *heard[:1], *_keeping(each)]),
+        _parts(sounding),
+        _parts([*tables, (longest, TABLE * each.numbers)]),
+    ]
+    if others:  # curves of all runs side by side
+        compared = max(sum(one.lines[k] for one in sizes) for k in (0, 1)) + max(each.lines)
+        moments.append(_parts([*tables, ("runs of the sweep", TABLE * compared)]))
+    if len(sizes) <= PAGE_RUNS:
+        page = [(name, PAGE_COPIES * bytes_) for name, bytes_ in _page(sizes)]
+        moments.append(_parts([*tables, *page, ("steps", LAP_MAP * sum(one.lap_maps for one in sizes))]))
+    return moments
+
+
+def _sounding(each: Size) -> list[tuple[str, float]]:
+    parts = [("sound samples", SAMPLE_SOUND * each.samples + _transform(each.samples))]
+    parts.append(("steps", STEP_SOUND * each.steps + _transform(each.steps)))
+    if not each.fine:
+        return parts
+    dense = [
+        ("steps", STEP_DENSE * each.steps + _transform(8 * each.steps)),
+        ("oversampling of the varying speed", FINE_SOUND * each.fine + _transform(each.fine)),
+    ]
+    return max(parts, dense, key=lambda some: sum(bytes_ for _, bytes_ in some))
+
+
+def _page(sizes: Sequence[Size]) -> list[tuple[str, float]]:
+    return [
+        ("sound samples", SAMPLE_PAGE * sum(each.samples for each in sizes)),
+        ("steps", LAP_MAP_PAGE * sum(each.lap_maps for each in sizes)),
+        ("pressure maps", 0.5 * sum(each.map_cells for each in sizes)),
+        ("program", PAGE + PAGE_RUN * len(sizes)),
+    ]
+
+
+def _disk(sizes: Sequence[Size]) -> Amount:
+    """All files, and the largest result.h5 once more: a new one is whole before it takes the place of the old one."""
+    stored = [
+        [
+            ("steps", STEP_FILE * each.steps),
+            ("recovery events", EVENT_FILE * each.events),
+            ("pressure maps", MAP_FILE * each.map_cells),
+            ("window", SNAPSHOT_FILE * each.window),
+        ]
+        for each in sizes
+    ]
+    parts = [part for each in stored for part in each]
+    parts += max(stored, key=lambda each: sum(bytes_ for _, bytes_ in each))
+    tables = 2 if len(sizes) > 1 else 1  # of each run, and of all side by side
+    for each in sizes:
+        parts += [
+            ("steps", ROW_FILE * each.steps),
+            ("sound samples", (tables * ROW_FILE * HEARING_SHARE + SAMPLE_FILE) * each.samples),
+            ("steps", tables * ROW_FILE * each.lines[1]),
+            ("program", RUN_FILES),
+        ]
+    return _parts([*parts, *(_page(sizes) if len(sizes) <= PAGE_RUNS else ())])
+
+
+def _transform(length: int) -> float:
+    """Bytes that a Fourier transform takes in addition where its length has a large prime factor."""
+    return AWKWARD * length if length > 100_000 and _awkward(length) else 0.0
+
+
+@lru_cache(maxsize=1024)
+def _awkward(length: int) -> bool:
+    """Whether the largest prime factor is above the square root: such lengths go through one of twice the size and more."""
+    rest, factor = length, 2
+    while factor * factor <= rest:
+        if rest % factor:
+            factor += 1 + factor % 2
+        else:
+            rest //= factor
+    return max(rest, factor if rest == 1 else 1) ** 2 > length
+
+
+def of_scenes(scenes: Sequence[tuple[Scene, float]], workers: int) -> Demand:
+    """Demand of runs, each a scene without sweep and the rms roughness [m] of its surface."""
+    return demand([size(scene, track(scene), rq) for scene, rq in scenes], workers)

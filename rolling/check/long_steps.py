@@ -1,0 +1,66 @@
+"""Steps against the width of the contact: how much a long step loses, and from where a scene is refused.
+
+Depends on scenario and reference. The release of a step is the mean pressure of its ends times the fall between them: second
+order in the step, and wrong as soon as the contact at one end knows little of the contact at the other.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rolling.contact import closed_forms
+from rolling.scene.scene import STEP_NODES, Scene, SceneError, expand, run_name
+
+DOUBTFUL_RADII = 0.25  # step over contact radius from which a scene is warned
+MOST_RADII = 4.0  # above which it is refused: half of the release is lost
+
+# Share of the release that a smooth elastic sphere loses, marched at 32 nodes per radius. Rough and yielding contacts are wider
+# than the radius and lose the same to 0.02, or less (twelve scenes, 5 to 100 N, Ra 0 to 1 um, elastic and down to 0.7 GPa).
+_RADII = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
+_LOST = (0.0, 0.0045, 0.0167, 0.0368, 0.0644, 0.1393, 0.2347, 0.3344, 0.4177, 0.5383)
+# Bound of the error of the level up to the Nyquist frequency of the steps [dB per radius], read from the ten rough ones of them.
+LEVEL_ERROR_DB = 3.0
+
+
+def contact_radius(scene: Scene) -> float:
+    """Return the larger of the Hertz radius and the radius of a contact that yields everywhere [m]."""
+    elastic = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    return max(elastic, math.sqrt(scene.load / (math.pi * scene.hardness)))
+
+
+def lost_release(radii: float) -> float:
+    """Return the share of the mean release that steps of so many contact radii lose."""
+    return float(np.interp(radii, _RADII, _LOST))
+
+
+def refuse_long_steps(scene: Scene) -> None:
+    """Refuse a scene, or the runs of its sweep, whose step is longer than `MOST_RADII` contact radii.
+
+    Raises
+    ------
+    SceneError : a line for each run with such a step, with the longest step that is allowed.
+    """
+    faults = []
+    for values, run in expand(scene):
+        radius = contact_radius(run)
+        if run.step > MOST_RADII * radius:
+            fault = _fault(run, radius)
+            faults.append(f"{fault} (in the run {run_name(values)} of the sweep)" if values else fault)
+    if faults:
+        raise SceneError(faults)
+
+
+def _fault(scene: Scene, radius: float) -> str:
+    longest = MOST_RADII * radius
+    fitting = [nodes for nodes in STEP_NODES if nodes * scene.spacing <= longest]
+    if fitting:
+        advice = f"{max(fitting):g}, or a smaller surface.spacing_um"
+    else:
+        advice = f"a smaller surface.spacing_um, {longest * 1e6:.3g} at steps of one node"
+    return (
+        f"numerics.step_nodes: got {scene.numerics.step_nodes:g}, steps of {scene.step * 1e6:.4g} um,"
+        f" {scene.step / radius:.3g} times the contact radius of {radius * 1e6:.3g} um; allowed: steps of at most"
+        f" {MOST_RADII:g} times the radius, {longest * 1e6:.4g} um here; nearest: {advice}"
+    )

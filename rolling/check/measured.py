@@ -1,0 +1,120 @@
+"""Findings on heights from a file: resolution, tilt, seam and form. Depends on scenario, scene_surface and finding."""
+
+from __future__ import annotations
+
+import math
+
+from rolling.check.finding import Finding, rounded_down, si
+from rolling.scene.scene import HeightFile, Scene, Track
+from rolling.surface.levelling import Levelling
+from rolling.surface.scene_surface import SceneSurface, scene_surface
+
+# Of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of it; noise of 4 % doubles that.
+GREATEST_NOISE = 0.05
+GREATEST_FORM = 0.5  # of the variance that a plane and a parabola may make up
+
+
+def findings(scene: Scene, way: Track, contact_radius: float, least_nodes: float, duration: float) -> list[Finding]:
+    """Judge the heights of a file; made surfaces have nothing of the kind.
+
+    Parameters
+    ----------
+    contact_radius : about that of the contact [m].
+    least_nodes : number of nodes per correlation length that is wanted.
+    duration : of the record [s].
+
+    Raises
+    ------
+    SceneError : the height file cannot be used.
+    """
+    if not isinstance(scene.surface, HeightFile):
+        return []
+    surface = scene_surface(scene)
+    assert surface.levelling is not None  # of every file
+    return [
+        *_resolution(surface, least_nodes),
+        Finding("level", "tilt", tilt_text(surface.levelling)),
+        _seam(scene, way, surface.levelling, contact_radius, duration),
+        *_form(surface),
+    ]
+
+
+def tilt_text(levelling: Levelling) -> str:
+    """Slopes that were taken off, with the roughness before and after, or the slopes that the heights keep."""
+    taken = any(levelling.taken)
+    slopes, ways = (levelling.taken if taken else levelling.plane), ("along", "across")
+    each = ", ".join(
+        f"{slope * 1e3:.3g} um/mm {way} ({si(slope * length, 'm')} over the file)"
+        for slope, length, way in zip(slopes, levelling.lengths, ways, strict=True)
+        if slope or not taken
+    )
+    if not taken:
+        return f"nothing taken off, the plane has {each}"
+    return f"plane taken off: {each}; Ra {si(levelling.ra_before, 'm')} before, {si(levelling.ra_after, 'm')} after"
+
+
+def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
+    along, across = surface.correlations
+    length, noise = min(along.length, across.length), max(along.noise, across.noise)
+    if not math.isfinite(length):
+        return []
+    nodes = length / surface.spacing
+    warnings = []
+    if nodes < 1:
+        warnings.append(
+            f"neighbouring heights have nothing in common: less than 1 node per correlation length (1/e of the"
+            f" autocorrelation), {least_nodes:g} are wanted; a finer measurement is needed, or noise must be filtered out"
+        )
+    elif round(nodes, 1) < least_nodes:
+        warnings.append(
+            f"{nodes:.2g} nodes per correlation length ({si(length, 'm')}, 1/e of the autocorrelation), {least_nodes:g} are"
+            f" wanted: a finer measurement is needed, with a spacing of at most {rounded_down(length / least_nodes * 1e6)} um"
+        )
+    if noise > GREATEST_NOISE and nodes >= 1:
+        warnings.append(
+            f"{100 * noise:.2g} % of the variance of the heights changes from each node to the next: noise of the"
+            " measurement, which must be filtered out, or detail that needs a finer measurement"
+        )
+    return [Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}", "; ".join(warnings) or None)]
+
+
+def _seam(scene: Scene, way: Track, levelling: Levelling, contact_radius: float, duration: float) -> Finding:
+    seam = levelling.seams[0]
+    sizes = f"{si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')} between neighbouring rows"
+    if not seam.stands_out:
+        return Finding("seam", "step across the seam", sizes)
+    share = _share_on_seam(scene.start, way, contact_radius)
+    warning = None
+    if share > 0:
+        warning = (
+            f"the step from the last row of the file to the first is {si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')}"
+            " between neighbouring rows: the file is no period of a surface. The contact is on that step for"
+            f" {si(share * duration, 's')} of the record's {si(duration, 's')} ({100 * share:.2g} %); the sound of that time"
+            " belongs to the cut and may be louder than the rest, and the record does not loop. Roll over the middle of the file"
+            " only (rolling.start_um, rolling.duration_s), or blend the end of the file into its beginning"
+        )
+    return Finding("seam", "step across the seam", f"{sizes}, stands out", warning)
+
+
+def _share_on_seam(start: float, way: Track, radius: float) -> float:
+    """Share of the track on which the contact lies on the seam."""
+    lap = way.n_along * way.spacing
+    within = min(2 * radius, lap)
+
+    def rolled(place: float) -> float:
+        """Length from place -radius on that lies within a radius of a seam."""
+        laps, rest = divmod(place + radius, lap)
+        return laps * within + min(rest, within)
+
+    return (rolled(start + way.distance) - rolled(start)) / way.distance
+
+
+def _form(surface: SceneSurface) -> list[Finding]:
+    share = surface.form_share
+    warning = None
+    if share > GREATEST_FORM:
+        warning = (
+            f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights: if they are tilt and form of the"
+            " part, they pass for roughness; take the tilt off with surface.level plane, the form before"
+        )
+    return [Finding("form", "plane and parabola", f"{100 * share:.2g} % of the variance", warning)]

@@ -1,0 +1,220 @@
+"""A few solved positions of a scene: contact areas, pressure and time of a step before anything is run.
+
+Depends on cost, finding, march, recovery, scene_surface and simulate. The closed forms of a smooth sphere cannot say whether
+asperities yield; eight cold starts along the track can, for less than a hundredth of the cost of a run.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from rolling.check import cost
+from rolling.check.finding import Finding, clock, on_cores, si
+from rolling.contact.half_space import HalfSpace
+from rolling.contact.march import ContactState, RollingContact, march
+from rolling.contact.recovery import step_energy
+from rolling.contact.solver import ContactError
+from rolling.scene.scene import HeightFile, Scene, track
+from rolling.simulation.simulate import rolling_contact
+from rolling.surface import scene_surface
+
+Array = NDArray[np.float64]
+
+POSITIONS = 8
+WARM_STEPS = 3  # after each cold start, for the time of a step
+COLD_STEPS = 8  # cost of a cold start in steps, the run-in of blended edges included
+MOST_NODES = 10_000_000  # of a surface that is made: about 4 s and 400 MB
+MOST_SECONDS = 60.0  # expected time of the solved positions, of one run and of all runs of a sweep
+MOST_RUNS = 12  # of a sweep; of more, or of slow ones, the first and the last are solved
+NODE_SECONDS = 4e-7  # per node of a surface that is made
+
+
+@dataclass(frozen=True)
+class Probe:
+    """Solved positions of one run; arrays have an entry per position that was solved.
+
+    tried : number of positions.
+    contact_area, plastic_area : [m2].  max_pressure : [Pa].
+    window : (positions, 2) nodes along and across.
+    step_ms : median time of the warm steps that follow each position [ms].
+    failures : messages of the positions that failed.
+    left_out : reason why no position was solved; empty where some were.
+    """
+
+    tried: int
+    contact_area: Array
+    plastic_area: Array
+    max_pressure: Array
+    window: NDArray[np.int64]
+    step_ms: Array
+    failures: tuple[str, ...] = ()
+    left_out: str = ""
+
+    @classmethod
+    def without(cls, reason: str) -> Probe:
+        """No position, for a reason."""
+        nothing = np.empty(0)
+        return cls(0, nothing, nothing, nothing, np.empty((0, 2), np.int64), nothing, (), reason)
+
+    def findings(self, scene: Scene) -> list[Finding]:
+        """State the numbers of the solved positions; those of the closed forms and of the cost model give way to them."""
+        count = len(self.contact_area)
+        if self.left_out:
+            return [Finding("positions", "positions solved", f"none: {self.left_out}")]
+        failed = None
+        if self.failures:
+            failed = f"{len(self.failures)} of {self.tried} positions fail, and so will the run: {self.failures[0]}"
+        result = [Finding("positions", "positions solved", f"{count} of {self.tried}", failed)]
+        if not count:
+            return result
+        step_ms = float(self.step_ms.mean())
+        seconds = track(scene).solved_steps * step_ms * 1e-3 / cost.cores()
+        return [
+            *result,
+            Finding("window", "window", self._window),
+            Finding("step_time", "time of a step", _ranged(self.step_ms, lambda ms: f"{ms:.2g} ms") + " on 1 core"),
+            Finding("expected_time", "expected time", f"about {clock(seconds)} on {on_cores()}", seconds=seconds),
+            Finding("contact_area", "contact area", _ranged(self.contact_area, _area)),
+            *self._yielding(scene),
+            Finding("max_pressure", "maximum pressure", _ranged(self.max_pressure, _pressure)),
+        ]
+
+    @property
+    def _window(self) -> str:
+        mean, least, most = (
+            "{} x {}".format(*nodes)
+            for nodes in (
+                np.rint(self.window.mean(axis=0)).astype(int),
+                self.window.min(axis=0),
+                self.window.max(axis=0),
+            )
+        )
+        return f"{mean} nodes" + (f" ({least} to {most})" if least != most else "")
+
+    def _yielding(self, scene: Scene) -> list[Finding]:
+        if not math.isfinite(scene.hardness):
+            return []
+        hardness = si(scene.hardness, "Pa")
+        share = self.plastic_area / self.contact_area
+        whole = self.plastic_area.sum() / self.contact_area.sum()
+        range_ = f"{100 * share.min():.2g} to {100 * share.max():.2g} %"
+        says = f"yields on {100 * whole:.2g} % of the contact ({range_})" if whole else "stays elastic where solved"
+        return [
+            Finding("hardness", "hardness", f"{hardness}, {says}"),
+            Finding("plastic_area", "plastic area", _ranged(self.plastic_area, _area)),
+        ]
+
+
+def probes(scenes: Sequence[Scene]) -> list[Probe]:
+    """Solve positions of the runs of a sweep, as far as that takes no more than a minute, with a progress bar on stderr.
+
+    Runs that share a surface are solved one after the other, so that it is made once.
+
+    Raises
+    ------
+    SceneError : a surface cannot be made or read.
+    """
+    reasons = _left_out(scenes)
+    chosen = [k for k, reason in enumerate(reasons) if not reason]
+    chosen.sort(key=lambda k: str(scene_surface.identity(scenes[k])))
+    result = [Probe.without(reason) for reason in reasons]
+    with tqdm(total=POSITIONS * len(chosen), disable=None, desc="solving positions", delay=1, leave=False) as bar:
+        for k in chosen:
+            result[k] = probe(rolling_contact(scenes[k]), track(scenes[k]).solved_steps, bar.update)
+    return result
+
+
+def probe(contact: RollingContact, steps: int, progress: Callable[[int], object] = lambda count: None) -> Probe:
+    """Solve positions evenly along a track of so many steps, each from a cold start, and time the steps that follow.
+
+    The first position is solved once before, so that compilation is not in the times; the cold start at each position
+    prepares the transforms of its window.
+
+    Parameters
+    ----------
+    progress : called with 1 after each of POSITIONS positions.
+    """
+    half_space = HalfSpace(contact.spacing, contact.contact_modulus)
+    places = np.arange(POSITIONS) * steps // POSITIONS
+    solved: dict[int, tuple[ContactState, float]] = {}
+    failures: dict[int, str] = {}
+    with suppress(ContactError):  # it fails once more below
+        _position(contact, 0, half_space)
+    for k in places.tolist():
+        try:
+            if k not in solved:  # a track may have fewer steps than positions
+                solved[k] = _position(contact, k, half_space)
+        except ContactError as error:
+            failures[k] = str(error)
+        progress(1)
+    states = [state for state, _ in solved.values()]
+    return Probe(
+        len(set(places.tolist())),
+        np.array([state.contact_area for state in states]),
+        np.array([state.plastic_area for state in states]),
+        np.array([state.max_pressure for state in states]),
+        np.array([(state.window.rows, state.window.columns) for state in states], np.int64).reshape(-1, 2),
+        np.array([ms for _, ms in solved.values()]),
+        tuple(failures.values()),
+    )
+
+
+def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[ContactState, float]:
+    """Cold state at position k, and the median time of the warm steps after it with their release [ms]."""
+    states: list[ContactState] = []
+    times: list[float] = []
+    began = time.perf_counter()
+    for state in march(contact, k, k + WARM_STEPS, half_space):
+        if states:
+            step_energy(states[-1], state, half_space)
+        times.append(time.perf_counter() - began)
+        states.append(state)
+    return states[0], 1e3 * float(np.median([b - a for a, b in pairwise(times)]))
+
+
+def _left_out(scenes: Sequence[Scene]) -> list[str]:
+    """Reason for each run why none of its positions is solved; empty where they are."""
+    reasons: list[str] = []
+    seconds: list[float] = []
+    seen = set()
+    for scene in scenes:
+        way = track(scene)
+        nodes = 0 if isinstance(scene.surface, HeightFile) else way.n_along * way.n_across
+        key = scene_surface.identity(scene)
+        solving = POSITIONS * (COLD_STEPS + WARM_STEPS) * cost.expected_seconds(scene) / way.solved_steps
+        reason = ""
+        if nodes > MOST_NODES:
+            reason = f"making {nodes:.3g} nodes would take long, the limit is {MOST_NODES:.3g}"
+        elif solving > MOST_SECONDS:
+            reason = f"it would take about {clock(solving)}, the limit is {clock(MOST_SECONDS)}"
+        else:
+            seconds.append(solving + (nodes * NODE_SECONDS if key not in seen else 0.0))
+            seen.add(key)
+        reasons.append(reason)
+    if len(scenes) <= MOST_RUNS and sum(seconds) <= MOST_SECONDS:
+        return reasons
+    only = f"first and last of {len(scenes)} runs only"
+    return [reason or ("" if k in (0, len(scenes) - 1) else only) for k, reason in enumerate(reasons)]
+
+
+def _ranged(values: Array, text: Callable[[float], str]) -> str:
+    """Mean and range in words: 2.1 ms (1.9 to 2.3 ms)."""
+    least, most = text(float(values.min())), text(float(values.max()))
+    return text(float(values.mean())) + (f" ({least} to {most})" if least != most else "")
+
+
+def _area(value: float) -> str:
+    return f"{float(f'{value * 1e12:.3g}'):.15g} um2"
+
+
+def _pressure(value: float) -> str:
+    return si(value, "Pa")

@@ -1,0 +1,192 @@
+"""A figure with the numbers drawn in it, as PNG, SVG and CSV. Depends on matplotlib; the same figure gives the same bytes.
+
+Sizes are fixed in inches instead of fitted to what is drawn: plots of the same kind lie on one another, and drawing takes
+half the time.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from itertools import zip_longest
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties, findfont, get_font
+from matplotlib.text import Text
+from numpy.typing import NDArray
+
+from rolling.folders.files import write_bytes
+from rolling.simulation.labels import printable
+
+Array = NDArray[np.float64]
+
+DPI = 110
+WIDTH_IN = 8.5
+SIDE_IN = 0.12  # of white on either side of titles and legends
+LEFT_IN, RIGHT_IN, BOTTOM_IN, TOP_IN = 0.85, 0.2, 0.6, 0.68  # about the axes: tick labels, axis label, titles
+_ROW_IN = 0.2  # of a legend
+_TALL_IN = 3.5  # the only axes of a picture
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure and its curves.
+
+    name : stem of its files.
+    alt : what it shows, in words, for those who do not see it.
+    columns : every plotted curve, by name with unit; columns of different lengths stand side by side. Maps have none.
+    remarks : lines that its CSV begins with, each behind a `#`; pictures without levels have none.
+    """
+
+    name: str
+    alt: str
+    figure: Figure
+    columns: Mapping[str, Array]
+    remarks: tuple[str, ...] = ()
+
+    def png(self) -> bytes:
+        content = io.BytesIO()
+        self.figure.savefig(content, format="png", dpi=DPI)
+        return content.getvalue()
+
+    def svg(self) -> bytes:
+        return self._svg
+
+    @cached_property  # a file and a page want it, and drawing takes long
+    def _svg(self) -> bytes:
+        content = io.BytesIO()
+        # Ids from the name instead of at random, and no date: the same figure gives the same file.
+        with matplotlib.rc_context({"svg.hashsalt": self.name}):
+            self.figure.savefig(content, format="svg", dpi=DPI, metadata={"Date": None})
+        return content.getvalue()
+
+    def csv(self) -> bytes:
+        """Write the remarks, then the curves as columns under their names; no finite number leaves a cell empty."""
+        return self._csv
+
+    @cached_property
+    def _csv(self) -> bytes:
+        columns = [
+            ["" if gap else f"{value:.9g}" for value, gap in zip(values.tolist(), ~np.isfinite(values), strict=True)]
+            for values in self.columns.values()
+        ]
+        rows = [[quoted(name, ",") for name in self.columns], *zip_longest(*columns, fillvalue="")]
+        return "".join(f"{line}\n" for line in [*map(comment, self.remarks), *map(",".join, rows)]).encode()
+
+    def plot_area(self) -> tuple[float, float, float, float]:
+        """Left, bottom, right and top of the first pair of axes, as shares of the figure."""
+        left, bottom, right, top = self.figure.axes[0].get_position().extents
+        return float(left), float(bottom), float(right), float(top)
+
+    def write(self, folder: Path) -> None:
+        """Write name.png and name.svg into a folder, and name.csv if it has curves."""
+        write_bytes(folder / f"{self.name}.png", self.png())
+        write_bytes(folder / f"{self.name}.svg", self.svg())
+        if self.columns:
+            write_bytes(folder / f"{self.name}.csv", self.csv())
+
+
+def blank() -> Figure:
+    """An empty figure, drawn without a display."""
+    figure = Figure(dpi=DPI)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, tuple[float, float, float, float]]) -> None:
+    """Give axes their places, and the figure its height, a title, a line of what was assumed, and a legend below.
+
+    Title, note and legend are set smaller where they are too long for the width. The legend is that of the first axes. Text is
+    drawn as it stands: a dollar begins no formula.
+
+    Parameters
+    ----------
+    places : left, bottom, width and height of each pair of axes [inches], above the legend and below the titles.
+    """
+    handles, labels = next(iter(places)).get_legend_handles_labels()
+    labels = [drawable(label) for label in labels]
+    room = WIDTH_IN - 2 * SIDE_IN
+    across = max(1, int(room / (0.75 + 0.068 * max(map(len, labels), default=0))))
+    below = 0.08 + _ROW_IN * -(-len(labels) // across) if labels else 0.0
+    height = max(bottom + tall for _, bottom, _, tall in places.values()) + TOP_IN + below
+    figure.set_size_inches(WIDTH_IN, height)
+    for ax, (left, bottom, wide, tall) in places.items():
+        ax.set_position((left / WIDTH_IN, (bottom + below) / height, wide / WIDTH_IN, tall / height))
+    if labels:
+        legend = figure.legend(
+            handles,
+            labels,
+            loc="lower left",
+            bbox_to_anchor=(SIDE_IN / WIDTH_IN, 0.04 / height),
+            borderaxespad=0.0,
+            ncols=across,
+            fontsize=8.5,
+            handlelength=3.4,  # long enough to tell the line styles apart
+            frameon=False,
+        )
+        for text in legend.get_texts():
+            text.set_parse_math(False)
+        _fit(legend, legend.get_texts(), room * figure.dpi)
+    for words, size, colour, from_top in ((title, 12.0, "black", 0.28), (note, 9.0, "0.25", 0.52)):
+        place = SIDE_IN / WIDTH_IN, 1.0 - from_top / height
+        line = figure.text(*place, drawable(words), fontsize=size, color=colour, parse_math=False)
+        _fit(line, [line], room * figure.dpi)
+
+
+def _fit(drawn: Artist, texts: Sequence[Text], room: float) -> None:
+    """Set texts smaller until what is drawn of them is no wider than the room [dots]."""
+    size = float(texts[0].get_fontsize())
+    # Letters are fitted to dots, so that a line does not shrink exactly as its letters do.
+    while (wide := drawn.get_window_extent().width) > room:
+        size *= min(0.99, room / wide)
+        for text in texts:
+            text.set_fontsize(size)
+
+
+def drawable(text: str) -> str:
+    """Escape the letters that the font of the pictures lacks, so that texts which differ look different."""
+    known = _letters()
+    return "".join(x if ord(x) in known else x.encode("unicode_escape").decode("ascii") for x in text)
+
+
+@cache
+def _letters() -> frozenset[int]:
+    """Code points of the letters that the font has."""
+    return frozenset(get_font(findfont(FontProperties())).get_charmap())
+
+
+def single(
+    name: str,
+    title: str,
+    note: str,
+    columns: Mapping[str, Array],
+    draw: Callable[[Axes], object],
+    remarks: Sequence[str] = (),
+) -> Picture:
+    """Make a picture with one pair of axes; `remarks` stand in its CSV."""
+    figure = blank()
+    ax = figure.add_subplot()
+    draw(ax)
+    lay_out(figure, title, note, {ax: (LEFT_IN, BOTTOM_IN, WIDTH_IN - LEFT_IN - RIGHT_IN, _TALL_IN)})
+    return Picture(name, f"{title}: {note}", figure, columns, tuple(remarks))
+
+
+# ---- tables as text --------------------------------------------------------------------------------------------------
+
+
+def comment(remark: str) -> str:
+    """Write a remark as a line that readers of tables pass over, such as pandas with `comment="#"`."""
+    return f"# {printable(remark)}"
+
+
+def quoted(cell: str, separator: str) -> str:
+    """Write a text cell of a table; quotation marks keep separators, quotation marks and the sign of a comment in it."""
+    return '"' + cell.replace('"', '""') + '"' if any(sign in cell for sign in (separator, '"', "#")) else cell

@@ -1,0 +1,229 @@
+"""Claims: a folder is worked on by one process at a time. The claim is the state `running` in run.json.
+
+A run in a sweep and the sweep respect each other's claims. A claim of a process that is gone counts for nothing.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+
+from rolling.folders import run_record
+from rolling.folders.files import FolderError
+from rolling.folders.process import Process, is_alive, this_process
+from rolling.folders.run_record import Kind, RunRecord, State
+from rolling.scene.scene import SceneError
+
+try:
+    import fcntl
+except ImportError:  # Windows: two commands of the same millisecond are not kept apart there
+    fcntl = None  # type: ignore[assignment]
+
+LOCK = ".lock"  # held for milliseconds, while claims are looked at and changed; an empty file
+PATIENCE = 10.0  # [s]
+INTERRUPTED = "interrupted"
+
+_held: set[str] = set()  # ids of the records that this process has claimed and not given back
+
+
+class Claim:
+    """A folder that this process works on. Leaving it gives the folder back with the state that the work came to."""
+
+    def __init__(self, folder: Path, record: RunRecord, before: RunRecord) -> None:
+        self.folder, self.record = folder, record
+        self._before = before
+        self._running: dict[Path, RunRecord] = {}  # runs in the folder
+        _held.add(record.id)
+
+    def __enter__(self) -> Claim:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        try:
+            with suppress(OSError, FolderError):  # a full disk; the claim ends with the process then
+                state, reason = self._left(error)
+                for run in [*self._running]:
+                    self.mark(run, state, reason)
+                if self.record.state == "running" and _is_refusal(error) and self._before.state != "running":
+                    run_record.write(self.folder, self._before)  # to the byte: nothing was done
+                elif self.record.state == "running":
+                    self.mark(self.folder, state, reason)
+        finally:
+            _held.difference_update({self.record.id, *(record.id for record in self._running.values())})
+
+    def mark(self, folder: Path, state: State, reason: str | None = None) -> None:
+        """Write the state of the claimed folder, or of a run in it.
+
+        Raises
+        ------
+        OSError : it cannot be written.
+        """
+        if folder == self.folder:
+            if state != self.record.state:
+                self.record = self.record.with_state(state, reason)
+                run_record.write(folder, self.record)
+            return
+        before = run_record.read(folder) or run_record.new("run", adopted=self.record.adopted)
+        if (before.state, before.reason) == (state, reason) and (state != "running" or folder in self._running):
+            return
+        record = before.with_state(state, reason)
+        run_record.write(folder, record)
+        if state == "running":
+            _held.add(record.id)
+            self._running[folder] = record
+        else:
+            _held.discard(record.id)
+            self._running.pop(folder, None)
+
+    def forget_replaced(self) -> None:
+        """Write that nothing is left beside the folder that it replaces."""
+        self.record = replace(self.record, replaces=None)
+        run_record.write(self.folder, self.record)
+
+    def _left(self, error: BaseException | None) -> tuple[State, str | None]:
+        """State and reason of work that ended with an error."""
+        if error is None or _is_refusal(error):  # nothing was done
+            before = self._before
+            return ("waiting", "the process was killed") if before.state == "running" else (before.state, before.reason)
+        if isinstance(error, KeyboardInterrupt | SystemExit):
+            return "waiting", INTERRUPTED
+        return "failed", (str(error).strip().splitlines() or [type(error).__name__])[0]
+
+
+def _is_refusal(error: BaseException | None) -> bool:
+    return isinstance(error, FolderError | SceneError)
+
+
+def take(folder: Path, kind: Kind, runs: Sequence[str] = (), take_over: bool = False) -> Claim:
+    """Claim an existing folder.
+
+    Parameters
+    ----------
+    kind : of the folder where it has no run.json: one of version 0.1.0, which is given one.
+    runs : folders of the runs in it; a study adds them to those that it has.
+    take_over : claim it from a process that cannot be seen from here, too.
+
+    Raises
+    ------
+    FolderError : another process works on it, on a run in it or on the sweep that it belongs to.
+    """
+    owner = owner_of(folder)
+    with guard(owner or _unmarked_sweep(folder) or folder):
+        if not folder.is_dir():
+            raise FolderError(f"{folder}: no such folder")
+        record = run_record.read(folder) or run_record.new(kind, runs, adopted=True)
+        # A run of a sweep may be worked on while others of the sweep are not.
+        around = run_record.read(owner) if owner else None
+        for place, other in ((owner, around), *_with_runs(folder, record)):
+            if other is not None and place is not None:
+                refuse_in_use(place, other, take_over)
+        claimed = replace(record, runs=tuple(dict.fromkeys([*record.runs, *runs]))).with_state("running")
+        run_record.write(folder, claimed)
+        return Claim(folder, claimed, record)
+
+
+def begin(folder: Path, record: RunRecord) -> Claim:
+    """Claim a folder that this process makes, by the first run.json in it."""
+    claimed = record.with_state("running")
+    run_record.write(folder, claimed)
+    return Claim(folder, claimed, record)
+
+
+def refuse_folder_in_use(folder: Path, record: RunRecord) -> None:
+    """Raise FolderError if a process works on a folder or on a run in it."""
+    for place, other in _with_runs(folder, record):
+        if other is not None:
+            refuse_in_use(place, other, False)
+
+
+def refuse_in_use(folder: Path, record: RunRecord, take_over: bool) -> None:
+    """Raise FolderError if the record is claimed; `take_over` lets claims pass that cannot be judged from here."""
+    process = record.process
+    if process is None:
+        return
+    alive = record.id in _held if process == this_process() else is_alive(process)
+    if alive is False or (alive is None and take_over):
+        return
+    message = f"{folder}: in use by {process} since {record.changed}"
+    if alive:
+        raise FolderError(f"{message}; wait for it to end, or stop it")
+    raise FolderError(f"{message}, which cannot be seen from here; {_way_out(folder, record, process)}")
+
+
+def owner_of(folder: Path) -> Path | None:
+    """Return the folder of the sweep or study that a run belongs to, None for one that stands alone."""
+    own = folder.resolve()
+    for above in (own.parent, own.parent.parent):
+        try:
+            record = run_record.read(above)
+        except FolderError:  # somebody else's
+            continue
+        if record is not None and own.relative_to(above).as_posix() in record.runs:
+            return above
+    return None
+
+
+def _unmarked_sweep(folder: Path) -> Path | None:
+    """The sweep of version 0.1.0 that a run belongs to: it has no record until it is resumed."""
+    above = folder.resolve().parent
+    return above if (above / "resolved.yaml").is_file() and not (above / run_record.FILE).exists() else None
+
+
+@contextmanager
+def guard(folder: Path) -> Iterator[None]:
+    """Keep other processes from looking at the claims of a folder and its runs, or from changing them.
+
+    Raises
+    ------
+    FolderError : another process does so for too long.
+    """
+    deadline = time.monotonic() + PATIENCE
+    while (lock := _locked(folder / LOCK)) == -1:
+        if time.monotonic() > deadline:
+            raise FolderError(f"{folder / LOCK}: held by another process for {PATIENCE:g} s; try again")
+        time.sleep(0.005)
+    try:
+        yield
+    finally:
+        if lock is not None:
+            os.close(lock)
+
+
+def _locked(path: Path) -> int | None:
+    """Descriptor of the locked file; -1: try again; None: the file system has no locks."""
+    if fcntl is None:
+        return None
+    try:
+        lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+    except OSError:  # a folder that cannot be written says so when its run.json is
+        return None
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        # The folder may have got another name since the file was opened.
+        if path.exists() and os.path.samestat(os.fstat(lock), path.stat()):
+            return lock
+    except BlockingIOError:
+        pass
+    except OSError:  # some network file systems
+        os.close(lock)
+        return None
+    os.close(lock)
+    return -1
+
+
+def _with_runs(folder: Path, record: RunRecord) -> Iterator[tuple[Path, RunRecord | None]]:
+    yield folder, record
+    yield from ((folder / name, run_record.read(folder / name)) for name in record.runs)
+
+
+def _way_out(folder: Path, record: RunRecord, process: Process) -> str:
+    if record.kind in ("run", "sweep"):
+        return f"if it is gone, `rolling resume {folder} --take-over` goes on"
+    if record.kind == "study":
+        return "if it is gone, the same command with --take-over goes on"
+    return f"take another --out, or remove {folder} if it is gone"

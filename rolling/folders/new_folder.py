@@ -1,0 +1,352 @@
+"""New folders of this program, and folders that take the place of older ones.
+
+All refusals come before anything is touched. A folder that replaces another is made under a temporary name beside it; the other
+stays as OUT.previous until the new one is done.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import time
+import uuid
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+from rolling.folders import claim, own_files, run_record
+from rolling.folders.claim import Claim
+from rolling.folders.files import FolderError
+from rolling.folders.run_record import Kind, RunRecord
+
+PREVIOUS = ".previous"
+MOMENT = 60.0  # [s]; what has no run.json for longer is no folder that somebody makes just now
+Fill = Callable[[Path], object]  # writes the inputs of a run into its folder
+
+
+@dataclass(frozen=True)
+class Target:
+    """A folder that may be made.
+
+    folder : the folder, or the one below which a folder named after the time is made.
+    kinds : kinds of folders that the command makes, and may replace.
+    inputs : files and folders that the command reads.
+    """
+
+    folder: Path
+    stamped: bool
+    replaces: bool
+    kinds: tuple[Kind, ...]
+    inputs: tuple[Path, ...]
+
+
+def aim(base: Path, out: Path | None, force: bool, kinds: Sequence[Kind], inputs: Sequence[Path] = ()) -> Target:
+    """Check where a new folder may be made: at `out`, or below `base` under a name after the time. Nothing is touched.
+
+    Parameters
+    ----------
+    force : allow a folder of these kinds at `out` to be replaced, if nothing foreign is in it.
+    inputs : files and folders that the command reads; none may be replaced.
+
+    Raises
+    ------
+    FolderError : `out` is taken, or replacing it would lose something.
+    """
+    if out is None:
+        return Target(base, True, False, tuple(kinds), tuple(inputs))
+    try:
+        return _aim(out.resolve() if out.name in ("", "..") else out, force, kinds, inputs)
+    except OSError as error:
+        raise FolderError(f"{out}: cannot be used ({error.strerror or error}); take another --out") from error
+
+
+def _aim(out: Path, force: bool, kinds: Sequence[Kind], inputs: Sequence[Path]) -> Target:
+    target = Target(out, False, False, tuple(kinds), tuple(inputs))
+    if out.is_symlink() and not out.exists():
+        raise FolderError(f"{out}: a symbolic link to nothing; take another --out")
+    if not out.exists():
+        return target
+    if not out.is_dir():
+        raise FolderError(f"{out}: is a file, --out is a folder; take another --out")
+    if _contains(out, Path.cwd()):
+        raise FolderError(f"{out}: is the working directory or holds it; give --out a folder of its own")
+    if is_empty(out):
+        return target
+    record = _marked(out, kinds)
+    if not force:
+        claim.refuse_folder_in_use(out, record)
+        way = ", or --force to replace it" if record.kind in own_files.FILES else ""
+        raise FolderError(f"{out}: holds a {_named([record.kind])} already; take another --out{way}")
+    _refuse_losses(target, record)
+    return replace(target, replaces=True)
+
+
+def make(target: Target, record: RunRecord, fill: Fill = lambda folder: None) -> Claim:
+    """Make the folder of a target, claimed by this process: run.json first, then its inputs.
+
+    Raises
+    ------
+    FolderError : it cannot be made, or another process was faster. OSError : an input cannot be written; nothing is left.
+    """
+    if target.stamped:
+        return _fill(stamped(target.folder), record, fill, True)
+    if target.replaces:
+        return _replace(target, record, fill)
+    return _make_in_place(target.folder, record, fill)
+
+
+def stamped(base: Path) -> Path:
+    """Make a folder named after the time.
+
+    Raises
+    ------
+    FolderError : it cannot be made.
+    """
+    stamp = datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S")
+    for k in range(1, 1000):
+        folder = base / (stamp if k == 1 else f"{stamp}-{k}")
+        with suppress(FileExistsError):
+            _mkdir(folder)
+            return folder
+    raise FolderError(f"{base}: no free folder name")
+
+
+def previous(folder: Path) -> Path:
+    """Return the name of the folder that `folder` replaces."""
+    return folder.with_name(f"{folder.name}{PREVIOUS}")
+
+
+def drop_previous(held: Claim) -> Path | None:
+    """Remove the folder that a claimed one replaces, which is done now; return it if it had to stay."""
+    if held.record.replaces is None:
+        return None
+    old = previous(held.folder)
+    with suppress(FolderError, OSError):
+        record = run_record.read(old)
+        if record is not None and record.id == held.record.replaces:
+            with claim.guard(old):
+                claim.refuse_folder_in_use(old, record)
+                if _contains(old, Path.cwd()) or own_files.foreign(old, record):
+                    return old
+                discarded = _temporary(held.folder)
+                old.rename(discarded)  # so that nobody meets it half removed
+            own_files.remove(discarded, record)
+    held.forget_replaced()
+    return None
+
+
+def is_empty(folder: Path) -> bool:
+    """Return whether nothing is in a folder, apart from traces of a command that was killed before its first file."""
+    traces = {claim.LOCK, f".{run_record.FILE}.partial"}
+    return all(entry.name in traces and entry.is_file() and not entry.is_symlink() for entry in folder.iterdir())
+
+
+# ---- what may be replaced --------------------------------------------------------------------------------------------
+
+
+def _marked(folder: Path, kinds: Sequence[Kind]) -> RunRecord:
+    """The record of a folder of this program.
+
+    Raises
+    ------
+    FolderError : it is none, or of another kind.
+    """
+    record = run_record.read(folder)
+    if record is None:
+        if (folder / "resolved.yaml").is_file() or (folder / "accuracy.json").is_file():
+            raise FolderError(
+                f"{folder}: holds a run of version 0.1.0 (no run.json), which is never replaced;"
+                " take another --out, or remove it yourself"
+            )
+        raise FolderError(f"{folder}: holds something that is no {_named(kinds)} of this program; take another --out")
+    if record.kind not in kinds:
+        raise FolderError(f"{folder}: is the folder of another command ({record.kind}); take another --out")
+    return record
+
+
+def _named(kinds: Sequence[Kind]) -> str:
+    """Word for a folder of the first of these kinds."""
+    return {"accuracy": "study of accuracy", "hard-cases": "table of hard cases"}.get(kinds[0], kinds[0])
+
+
+def _refuse_losses(target: Target, record: RunRecord) -> None:
+    """Raise FolderError if replacing the folder would lose what cannot be computed again, or what somebody works on."""
+    out = target.folder
+    if out.is_symlink():
+        raise FolderError(f"{out}: a symbolic link, which is not replaced; give --out the folder {out.resolve()}")
+    if owner := claim.owner_of(out):
+        raise FolderError(f"{out}: a run of the sweep in {owner}, which would hold two scenes; take another --out")
+    _refuse_loss(out, record, target.inputs)
+    old = previous(out)
+    if os.path.lexists(old):
+        if old.is_symlink() or not old.is_dir():
+            raise FolderError(f"{old}: the name for what --force replaces is taken; move it away")
+        _refuse_loss(old, _marked(old, target.kinds), target.inputs)
+
+
+def _refuse_loss(folder: Path, record: RunRecord, inputs: Sequence[Path]) -> None:
+    if record.adopted:
+        raise FolderError(
+            f"{folder}: made by version 0.1.0 and never replaced; take another --out, or remove it yourself"
+        )
+    for path in inputs:
+        if _contains(folder, path):
+            raise FolderError(f"{folder}: {path}, which this command reads, lies in it; take another --out")
+    if _contains(folder, Path.cwd()):
+        raise FolderError(f"{folder}: holds the working directory; take another --out")
+    claim.refuse_folder_in_use(folder, record)
+    if others := own_files.foreign(folder, record):
+        names = ", ".join(str(path.relative_to(folder)) for path in others[:3])
+        more = f" and {len(others) - 3} more" if len(others) > 3 else ""
+        raise FolderError(
+            f"{folder}: not replaced, because this program did not write {names}{more} in it;"
+            " move that away, or take another --out"
+        )
+
+
+def _contains(folder: Path, path: Path) -> bool:
+    """Whether a folder is the path or holds it, however both are written."""
+    own = path.resolve()
+    for above in (own, *own.parents):
+        with suppress(OSError):
+            if above.samefile(folder):
+                return True
+    return False
+
+
+# ---- making ----------------------------------------------------------------------------------------------------------
+
+
+def _mkdir(folder: Path, exist_ok: bool = False) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=exist_ok)
+    except FileExistsError:
+        raise
+    except OSError as error:
+        raise FolderError(f"{folder}: cannot be made ({error.strerror or error})") from error
+
+
+def _make_in_place(folder: Path, record: RunRecord, fill: Fill) -> Claim:
+    record = replace(record, replaces=_interrupted_swap(folder))
+    new = not folder.exists()
+    _mkdir(folder, exist_ok=True)
+    with claim.guard(folder):
+        if not is_empty(folder):  # another command was faster
+            other = run_record.read(folder)
+            if other is not None:
+                claim.refuse_folder_in_use(folder, other)
+            raise FolderError(f"{folder}: holds something since a moment ago; take another --out")
+        held = claim.begin(folder, record)
+    return _fill(folder, record, fill, new, held)
+
+
+def _fill(folder: Path, record: RunRecord, fill: Fill, new: bool, held: Claim | None = None) -> Claim:
+    """Write run.json and inputs into a folder of ours; leave nothing when that fails."""
+    try:
+        held = held or claim.begin(folder, record)
+        fill(folder)
+        return held
+    except BaseException as error:
+        if held is not None:
+            held.__exit__(type(error), error, None)
+        if own_files.remove(folder, record) and not new:
+            with suppress(OSError):
+                folder.mkdir()
+        raise
+
+
+def _replace(target: Target, record: RunRecord, fill: Fill) -> Claim:
+    """Make the folder under a temporary name, then exchange it for the one that is there."""
+    out = target.folder
+    temporary = _temporary(out)
+    _mkdir(temporary)
+    new = _fill(temporary, record, fill, True)
+    try:
+        with _both_guarded(out):
+            _exchange(target, new)
+    except BaseException as error:
+        new.__exit__(type(error), error, None)
+        own_files.remove(temporary, new.record)
+        raise
+    for left, its_record in _left_over(out):
+        own_files.remove(left, its_record)
+    return new
+
+
+@contextmanager
+def _both_guarded(out: Path) -> Iterator[None]:
+    """Keep other processes from beginning work in a folder and in that which it replaced."""
+    with claim.guard(out), claim.guard(previous(out)) if previous(out).is_dir() else nullcontext():
+        yield
+
+
+def _exchange(target: Target, new: Claim) -> None:
+    """Give the new folder the name OUT, and that which was there the name OUT.previous.
+
+    OUT.previous stays when it was done once and OUT was not: the last run that is done is kept, whatever happened after it. A
+    folder that is not kept is renamed, too; `_left_over` finds it.
+    """
+    out, old = target.folder, previous(target.folder)
+    there = _marked(out, target.kinds)
+    _refuse_losses(target, there)  # nothing has changed since
+    before = _marked(old, target.kinds) if os.path.lexists(old) else None
+    kept = before if before is not None and before.completed and not there.completed else there
+    new.record = replace(new.record, replaces=kept.id)
+    run_record.write(new.folder, new.record)
+    if kept is before:
+        moves = [(out, _temporary(out))]
+    elif before is not None:
+        moves = [(old, _temporary(out)), (out, old)]
+    else:
+        moves = [(out, old)]
+    _rename([*moves, (new.folder, out)])
+    new.folder = out
+
+
+def _rename(moves: Sequence[tuple[Path, Path]]) -> None:
+    """Rename folders one after the other; all of them or none."""
+    done: list[tuple[Path, Path]] = []
+    try:
+        for source, name in moves:
+            source.rename(name)
+            done.append((source, name))
+    except BaseException as error:
+        for source, name in reversed(done):
+            with suppress(OSError):
+                name.rename(source)
+        if isinstance(error, OSError):
+            out = moves[-1][1]
+            raise FolderError(f"{out}: could not be replaced, and is as it was ({error.strerror or error})") from error
+        raise
+
+
+def _temporary(out: Path) -> Path:
+    return out.with_name(f".{out.name}.{uuid.uuid4().hex}.partial")
+
+
+def _left_over(out: Path) -> Iterator[tuple[Path, RunRecord]]:
+    """Folders of ours under temporary names, which commands left beside `out`."""
+    name = re.compile(rf"\.{re.escape(out.name)}\.[0-9a-f]{{32}}\.partial")
+    with suppress(OSError):
+        for path in sorted(out.parent.iterdir()):
+            if name.fullmatch(path.name) and path.is_dir() and not path.is_symlink():
+                with suppress(FolderError):
+                    record = run_record.read(path)
+                    if record is not None:
+                        claim.refuse_folder_in_use(path, record)
+                        yield path, record
+                    elif time.time() - path.stat().st_mtime > MOMENT:
+                        yield path, run_record.new("run")  # the first of a folder, or the last of a removal
+
+
+def _interrupted_swap(out: Path) -> str | None:
+    """Id of OUT.previous where a command was killed after it had moved OUT there and before the new folder got the name."""
+    with suppress(FolderError):
+        old = run_record.read(previous(out))
+        for left, record in _left_over(out):
+            if old is not None and record.replaces == old.id and not out.exists():
+                own_files.remove(left, record)
+                return old.id
+    return None

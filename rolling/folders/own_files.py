@@ -1,0 +1,136 @@
+"""The names that this program gives to the files of its folders; everything else in them is foreign and never removed."""
+
+from __future__ import annotations
+
+import os
+import re
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from rolling.folders import run_record
+from rolling.folders.claim import LOCK
+from rolling.folders.files import FolderError
+from rolling.folders.run_record import RunRecord
+
+_PICTURES = [
+    "spectrum",
+    "article_spectrum",
+    "psd",
+    "third_octaves",
+    "third_octaves_a",
+    "levels",
+    "spectrogram",
+    "release_power",
+    "surface",
+    "contact",
+    "recovery_events",
+]
+_INPUTS = [run_record.FILE, "scene.yaml", "resolved.yaml"]
+_OF_ALL = [*_INPUTS, "report.html", *(f"{name}.{ending}" for name in _PICTURES for ending in ("png", "svg", "csv"))]
+_OF_A_RUN = ["result.h5", "summary.json", "provenance.json", "signal.wav", "signal.json", "listen.wav", "listen.json"]
+
+# By kind of folder. Folders of other kinds are never replaced.
+FILES: dict[str, frozenset[str]] = {
+    "run": frozenset([*_OF_ALL, *_OF_A_RUN]),
+    "sweep": frozenset([*_OF_ALL, "sweep.json"]),
+    "accuracy": frozenset([*_INPUTS, *(f"accuracy.{ending}" for ending in ("json", "md", "png", "svg"))]),
+}
+VARIANTS = "variants"  # folder of an accuracy study
+_VARIANT = re.compile(r"spacing-over-\d+_step-[\d.e+-]+_[\d.]+e-?\d+_[a-z]+_[a-z]+\.json")
+_PARTIAL = re.compile(r"\.(.+)\.partial")
+
+
+@dataclass(frozen=True)
+class Contents:
+    """The contents of a folder of this program: its own files and folders, inner ones first, and foreign entries."""
+
+    files: list[Path]
+    folders: list[Path]
+    foreign: list[Path]
+
+
+def contents(folder: Path, record: RunRecord) -> Contents:
+    """Tell what this program put into a folder of its own, runs in it included, from everything else.
+
+    Raises
+    ------
+    FolderError : the folder cannot be read.
+    """
+    result = Contents([], [], [])
+    _sort_run(folder, record, result)
+    return result
+
+
+def foreign(folder: Path, record: RunRecord) -> list[Path]:
+    """Return what this program did not put into a folder of its own.
+
+    Raises
+    ------
+    FolderError : the folder cannot be read.
+    """
+    return contents(folder, record).foreign
+
+
+def remove(folder: Path, record: RunRecord) -> bool:
+    """Remove a folder of this program, its run.json last; return whether it is gone. Nothing is removed beside foreign files."""
+    with suppress(FolderError, OSError):
+        inside = contents(folder, record)
+        if inside.foreign:
+            return False
+        marker = folder / run_record.FILE
+        for file in inside.files:
+            if file != marker:
+                file.unlink(missing_ok=True)
+        for inner in inside.folders[:-1]:
+            inner.rmdir()
+        marker.unlink(missing_ok=True)
+        folder.rmdir()
+        return True
+    return False
+
+
+def _sort_run(folder: Path, record: RunRecord, into: Contents) -> None:
+    own = FILES.get(record.kind, frozenset())
+    for entry in _entries(folder):
+        path = Path(entry.path)
+        if not entry.is_dir(follow_symlinks=False):
+            (into.files if _is_own(entry, own) else into.foreign).append(path)
+        elif entry.name in record.runs:
+            _sort_inner(path, into)
+        elif record.kind == "accuracy" and entry.name == VARIANTS:
+            for each in _entries(path):
+                (into.files if _is_own(each, None) else into.foreign).append(Path(each.path))
+            into.folders.append(path)
+        else:
+            into.foreign.append(path)
+    into.folders.append(folder)
+
+
+def _sort_inner(folder: Path, into: Contents) -> None:
+    """Sort a run of a sweep; all of it is foreign when its record is."""
+    try:
+        record = run_record.read(folder) or run_record.new("run")  # killed before it was written
+    except FolderError:
+        record = None
+    if record is not None and record.kind == "run" and not record.runs:
+        _sort_run(folder, record, into)
+    else:
+        into.foreign.append(folder)
+
+
+def _is_own(entry: os.DirEntry[str], names: frozenset[str] | None) -> bool:
+    """Whether an entry is a file with one of the names, or of a variant; those of killed writes included."""
+    if not entry.is_file(follow_symlinks=False):
+        return False
+    partial = _PARTIAL.fullmatch(entry.name)
+    name = partial[1] if partial else entry.name
+    return bool(_VARIANT.fullmatch(name)) if names is None else name in names or entry.name == LOCK
+
+
+def _entries(folder: Path) -> list[os.DirEntry[str]]:
+    try:
+        with os.scandir(folder) as entries:
+            return sorted(entries, key=lambda entry: entry.name)
+    except OSError as error:
+        raise FolderError(f"{folder}: not readable ({error.strerror or error})") from error

@@ -1,0 +1,72 @@
+"""Around the axes of a figure: its title, what it shows, and the warning of surfaces too steep for half-space theory.
+
+Depends on readings and picture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import cast
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from rolling.check.findings import GREATEST_SLOPE
+from rolling.figures.picture import SIDE_IN, WIDTH_IN, Picture, lay_out
+from rolling.lee2025.figure_data import Reading
+
+Array = NDArray[np.float64]
+Place = tuple[float, float, float, float]
+
+WARNING = "#B34400"
+_LINE_IN = 0.2  # of warnings below a figure
+
+
+def finish(
+    name: str,
+    title: str,
+    note: str,
+    reading: Reading,
+    shown: Sequence[float],
+    places: dict[Axes, Place],
+    columns: dict[str, Array],
+) -> Picture:
+    """A picture with its warnings below the axes."""
+    figure = cast(Figure, next(iter(places)).figure)
+    too_steep = [text for ra in shown for text in warnings(reading, ra)]
+    room = 0.06 + _LINE_IN * len(too_steep) if too_steep else 0.0
+    lifted: dict[Axes, Place] = {
+        ax: (left, bottom + room, wide, tall) for ax, (left, bottom, wide, tall) in places.items()
+    }
+    if too_steep:
+        strip = figure.add_subplot()
+        strip.set_axis_off()
+        strip.text(0.0, 0.5, "\n".join(too_steep), color=WARNING, fontsize=8.5, va="center", fontweight="bold")
+        lifted[strip] = (SIDE_IN, 0.0, WIDTH_IN - 2 * SIDE_IN, room)
+    full = f"{title}: {reading.name}"
+    lay_out(figure, full, note, lifted)
+    return Picture(name, ". ".join([f"{full}: {note}", *too_steep]), figure, columns)
+
+
+def warnings(reading: Reading, roughness_um: float) -> list[str]:
+    """What half-space theory cannot hold for on surfaces of this Ra, one line for each correlation length."""
+    found = []
+    for (ra, length), norm in sorted(reading.slopes.items()):
+        if ra == roughness_um and norm > GREATEST_SLOPE:
+            of = f"Ra {ra:g} µm" + (f", length {length:g} µm" if len(reading.lengths) > 1 else "")
+            each = norm / np.sqrt(2)  # isotropic
+            found.append(
+                f"{of}: rms slope {each:.2g} along each direction, norm {norm:.2g} > {GREATEST_SLOPE:g}: half-space"
+                " theory does not hold"
+            )
+    return found
+
+
+def steep(reading: Reading, roughness_um: float) -> bool:
+    return bool(warnings(reading, roughness_um))
+
+
+def panel_title(reading: Reading, roughness_um: float) -> str:
+    return f"Ra {roughness_um:g} µm" + (" (not valid: too steep)" if steep(reading, roughness_um) else "")

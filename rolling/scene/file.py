@@ -1,0 +1,189 @@
+"""Scenes read from YAML and written to it, with overrides, and the JSON Schema for editors.
+
+Depends on `scenario` and `plain_yaml`.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedSeq
+
+from rolling.scene import yaml_text
+from rolling.scene.messages import Key, all_keys, nearest, numeric_keys, required, shown
+from rolling.scene.motion import Motion
+from rolling.scene.scene import HeightFile, Rolling, Scene, SceneError, Sound, track
+from rolling.scene.yaml_text import TextError
+
+_LONG_TEXT = 100_000  # letters; the resolved form of a shorter one keeps the limits
+
+
+# ---- reading, writing, overriding ------------------------------------------------------------------------------------
+
+
+def load(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
+    """Read a scene file.
+
+    Parameters
+    ----------
+    path : YAML 1.2 in UTF-8.
+    overrides : "rolling.load_n=50" each, the value in YAML. Nothing (or null) takes an optional key or section out.
+        A key that the scene sweeps leaves the sweep when it is set; "sweep.rolling.load_n=[5, 20]" sweeps it.
+
+    Raises
+    ------
+    SceneError : all faults of file and overrides.
+    """
+    path = Path(path)
+    try:
+        text = yaml_text.read_text(path)
+    except TextError as error:
+        raise SceneError([str(error)]) from error
+    return loads(text, overrides, str(path), path.parent)
+
+
+def loads(text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()) -> Scene:
+    """Read a scene from text; `where` names it in messages, `folder` is what `surface.path` is relative to."""
+    try:
+        data, lines = yaml_text.parse(text, where)
+    except TextError as error:
+        raise SceneError([str(error)]) from error
+    if data is None:
+        raise SceneError([f"{where}: empty, a scene needs at least {', '.join(required(Scene))}"])
+    if not isinstance(data, dict):
+        raise SceneError([f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first being name"])
+    places = {key: f"{where}:{line}" for key, line in lines.items()}
+    scene = Scene.from_dict(data, folder, places, _override(data, places, overrides))
+    if len(text) > _LONG_TEXT or any(len(override) > _LONG_TEXT for override in overrides):
+        try:  # its resolved form, which is longer, is read again to go on with the run
+            yaml_text.parse(dump(scene), where)
+        except TextError as error:
+            beyond = str(error).removeprefix(f"{where}:").lstrip("1234567890: ")
+            raise SceneError([f"{where}: with every default filled in: {beyond}"]) from error
+    return scene
+
+
+def dump(scene: Scene) -> str:
+    """The scene as YAML text with every default filled in; `loads` gives an equal scene back."""
+    yaml = YAML(typ="rt")
+    yaml.width = 4096
+    stream = io.StringIO()
+    yaml.dump(_flowing(scene.to_dict()), stream)
+    return stream.getvalue()
+
+
+def _flowing(value: Any) -> Any:
+    """Lists that YAML writes on one line."""
+    if isinstance(value, dict):
+        return {name: _flowing(item) for name, item in value.items()}
+    if isinstance(value, list):
+        line = CommentedSeq(_flowing(item) for item in value)
+        line.fa.set_flow_style()
+        return line
+    return value
+
+
+def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[str]) -> list[str]:
+    """Put overrides into `data` and `places`; the faults of those that cannot be."""
+    faults = []
+    for override in overrides:
+        name, equals, text = override.partition("=")
+        name = name.strip()
+        known = all_keys(Scene)
+        if not equals or not name:
+            faults.append(f"--set: got {shown(override)}, allowed: key=value, as in rolling.load_n=50")
+            continue
+        if name not in known:
+            section = name.rpartition(".")[0] + "."
+            siblings = [other for other in known if other.startswith(section) and section != "sweep."]
+            allowed = f", allowed: {', '.join(other.removeprefix(section) for other in siblings)}" if siblings else ""
+            faults.append(f"--set: {name}: unknown key{nearest(name, siblings or known)}{allowed}")
+            continue
+        try:
+            value, _ = yaml_text.parse(text, "--set")
+        except TextError as error:
+            faults.append(f"--set: {name}: {str(error).removeprefix('--set:').lstrip('1234567890: ')}")
+            continue
+        key = _split(name)
+        inside = data
+        for depth, part in enumerate(key[:-1]):
+            if inside.get(part) is None:
+                inside[part] = {}
+                places[key[: depth + 1]] = "--set"
+            inside = inside[part]
+            if not isinstance(inside, dict):
+                break  # the file has something else where a section must be, and is told so
+        else:
+            inside[key[-1]] = value
+            for old in [old for old in places if old[: len(key)] == key]:
+                del places[old]
+            places[key] = "--set"
+            sweep = data.get("sweep")
+            if isinstance(sweep, dict) and key[0] != "sweep":
+                sweep.pop(name, None)
+    return faults
+
+
+def _split(name: str) -> tuple[str, ...]:
+    """The key of a dotted name; what follows "sweep." is one name."""
+    first, dot, rest = name.partition(".")
+    return (first, rest) if dot else (first,)
+
+
+# ---- new sound from a stored run -------------------------------------------------------------------------------------
+
+
+RESOUND_KEYS = ("rolling.speed_m_s", *(f"sound.{name}" for name in Sound.model_fields))
+
+
+def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
+    """The scene of a stored run with another speed or sound; track and contact stay as they are.
+
+    `duration_s`, where the scene has one, becomes the time the same track takes.
+
+    Raises
+    ------
+    SceneError : keys that need a new solve, values that are not allowed, a speed that ends before the track does.
+    """
+    known = {override: override.partition("=")[0].strip() for override in overrides}
+    solved = [override for override in overrides if known[override] in set(all_keys(Scene)) - {*RESOUND_KEYS, "sound"}]
+    faults = [
+        f"--set: {known[override]}: needs a new run; without solving again allowed: {', '.join(RESOUND_KEYS)}"
+        for override in solved
+    ]
+    data = scene.to_dict()
+    places: dict[Key, str] = {(): "stored scene"}
+    faults += _override(data, places, [override for override in overrides if override not in solved])
+    if not faults and scene.rolling.duration_s is not None:
+        made = not isinstance(scene.surface, HeightFile)
+        distance = track(scene).distance if made else float(scene.motion.distance(scene.rolling.duration_s))
+        try:
+            motion = Motion.of(Rolling.model_validate(data["rolling"]).speed_m_s)
+            data["rolling"]["duration_s"] = float(f"{motion.duration(distance):.12g}")
+        except ValidationError:
+            pass  # the new speed is not allowed, which `from_dict` tells
+        except ValueError as error:
+            faults.append(f"--set: rolling.speed_m_s: {error}, the end of the stored run")
+    return Scene.from_dict(data, scene.folder, places, faults)
+
+
+# ---- schema ----------------------------------------------------------------------------------------------------------
+
+
+def schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of a scene file, for editors."""
+    result = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
+    result["title"] = "Scene of rolling contact noise"
+    numbers = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "number"}}
+    sweep = result["properties"]["sweep"]
+    sweep["properties"] = {
+        key: {**numbers, "description": f"Values of {key}: {field.description}"}
+        for key, field in numeric_keys(Scene).items()
+    }
+    sweep["additionalProperties"] = False
+    return result

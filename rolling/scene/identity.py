@@ -1,0 +1,153 @@
+"""The identity of a single run: the physics that the march depends on, as plain JSON, and the digest of heights from a file.
+
+A result carries its identity, so that it is never mixed up with another scene or surface. Depends on `scenario`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+from rolling.scene.messages import plain_number, shown
+from rolling.scene.scene import Scene, track
+
+# The march does not depend on these keys. Speed and duration are what `resound` changes: the number of steps stands for
+# both. The path may change with the folder: the digest of the heights stands for it. The density only shifts a resonance.
+NOT_PHYSICS = {
+    "name",
+    "title",
+    "description",
+    "sound",
+    "sweep",
+    "rolling.speed_m_s",
+    "rolling.duration_s",
+    "surface.path",
+    "sphere.density_kg_m3",
+}
+STEPS, KIND = "track.steps", "surface.kind"
+
+
+@dataclass(frozen=True)
+class Identity:
+    """The physics of a single run.
+
+    physics : values by dotted key, all defaults filled in. A section is there with the value true, or null where absent.
+    defaults : defaults by dotted key in the version that wrote the physics.
+    heights_sha256 : digest of the heights that were read from a file; None where the surface is made.
+    """
+
+    physics: dict[str, Any]
+    defaults: dict[str, Any]
+    heights_sha256: str | None
+
+    @classmethod
+    def of(cls, scene: Scene, heights_sha256: str | None) -> Identity:
+        """Take the physics out of a scene without a sweep."""
+        physics = {key: value for key, value in _flat(scene.model_dump(mode="json")).items() if _is_physics(key)}
+        defaults = {key: value for key, value in _flat(_defaults(scene)).items() if _is_physics(key)}
+        return cls(physics | {STEPS: track(scene).steps}, defaults, heights_sha256)
+
+    @cached_property
+    def text(self) -> str:
+        """The physics as canonical JSON."""
+        return canonical(self.physics)
+
+    @property
+    def sha256(self) -> str:
+        """Digest of the canonical JSON."""
+        return hashlib.sha256(self.text.encode()).hexdigest()
+
+
+def canonical(values: Mapping[str, Any]) -> str:
+    """Write values as JSON that is the same for the same values."""
+    return json.dumps(values, sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+
+def heights_digest(heights: NDArray[np.float64]) -> str:
+    """SHA-256 of heights (along, across): of their shape, then of their values in little-endian double precision."""
+    digest = hashlib.sha256(f"{heights.shape[0]} x {heights.shape[1]}\n".encode())
+    digest.update(np.ascontiguousarray(heights, dtype="<f8").data)
+    return digest.hexdigest()
+
+
+def differences(solved: Identity, own: Identity, result: str, height_path: Path | None) -> list[str]:
+    """Name what differs between the identity of a stored result and that of a scene; empty where they are the same.
+
+    Parameters
+    ----------
+    result : name of the result file in the messages.
+    height_path : file of the scene's heights.
+    """
+    found = []
+    changed = changes(solved, own)
+    for key, (old, new) in changed.items():
+        if key == STEPS:
+            found.append(f"rolling.duration_s: {result} has {shown(old)} steps, the scene asks for {shown(new)}")
+        else:
+            found.append(f"{key}: {result} was solved with {said(old)}, the scene says {said(new)}")
+    surface = other_surface(solved.heights_sha256, own.heights_sha256, height_path)
+    return [*found, surface] if surface and KIND not in changed else found
+
+
+def changes(before: Identity, after: Identity) -> dict[str, tuple[Any, Any]]:
+    """Values by key where the physics differs; of a surface of another kind, the kind alone.
+
+    A key that one side lacks has its default in the version of the other side, which knows it.
+    """
+    old, new = {**after.defaults, **before.physics}, {**before.defaults, **after.physics}
+    keys = sorted({*before.physics, *after.physics})
+    if old.get(KIND) != new.get(KIND):
+        keys = [key for key in keys if key == KIND or not key.startswith("surface.")]
+    return {key: (old.get(key), new.get(key)) for key in keys if old.get(key) != new.get(key)}
+
+
+def other_surface(solved: str | None, own: str | None, height_path: Path | None) -> str | None:
+    """Say by the digests that heights are not the solved ones; None where they are, or where the surface is made."""
+    if solved == own:
+        return None
+    digests = [f"{digest[:16]}..." if digest else "none" for digest in (own, solved)]
+    return (
+        f"{height_path} is another surface than the one solved: SHA-256 of its heights {digests[0]},"
+        f" of those solved {digests[1]}"
+    )
+
+
+def _is_physics(key: str) -> bool:
+    return key not in NOT_PHYSICS and key.partition(".")[0] not in NOT_PHYSICS
+
+
+def _flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Values by dotted key; a section is true."""
+    flat: dict[str, Any] = {}
+    for name, value in data.items():
+        if isinstance(value, Mapping):
+            flat |= {f"{prefix}{name}": True, **_flat(value, f"{prefix}{name}.")}
+        else:
+            flat[f"{prefix}{name}"] = value
+    return flat
+
+
+def _defaults(model: BaseModel) -> dict[str, Any]:
+    """Defaults of the optional keys of a model and of the sections it has."""
+    defaults: dict[str, Any] = {}
+    for name, field in type(model).model_fields.items():
+        value = getattr(model, name)
+        if isinstance(value, BaseModel):
+            defaults[name] = _defaults(value)
+        elif not field.is_required():
+            defaults[name] = field.get_default(call_default_factory=True)
+    return defaults
+
+
+def said(value: Any) -> str:
+    """A value of the physics as a scene file has it."""
+    return plain_number(value) if isinstance(value, float) else shown(value)

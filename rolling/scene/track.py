@@ -1,0 +1,122 @@
+"""Where the sphere goes, in whole nodes and whole steps: the arithmetic behind `scenario.track`, in SI."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from rolling.scene.messages import fault, plain_number
+from rolling.scene.motion import ROUNDING, Motion
+from rolling.surface._npy import HeaderError, header
+
+MIN_NODES = 8  # along and across
+MAX_NODES = 10**9  # along the track, and steps: whatever is longer is a slip of the unit
+_DURATION, _SPEED, _PATH = ("rolling", "duration_s"), ("rolling", "speed_m_s"), ("surface", "path")
+
+
+@dataclass(frozen=True)
+class Track:
+    """Where the sphere goes.
+
+    n_along, n_across : nodes of the surface.  steps : positions less one.  step, spacing : [m].
+    lap_steps : steps after which the positions repeat.  closed : the last position is the first one again.
+    """
+
+    n_along: int
+    n_across: int
+    steps: int
+    step: float
+    spacing: float
+    closed: bool
+    lap_steps: int
+
+    @property
+    def solved_steps(self) -> int:
+        """Steps that are different, all there is to solve."""
+        return min(self.steps, self.lap_steps)
+
+    @property
+    def distance(self) -> float:
+        """Distance rolled [m]."""
+        return self.steps * self.step
+
+
+def made_track(n_across: int, spacing: float, step_nodes: float, motion: Motion, duration: float) -> Track:
+    """Track over a made surface: as long as the sphere rolls, rounded so that it closes on itself; raises faults."""
+    step_fraction = _fraction(step_nodes)
+    # The track is counted in the larger of step and node; the smaller then fits in whole numbers.
+    unit_nodes = max(1, math.ceil(step_fraction))
+    unit = unit_nodes * spacing
+    distance = float(motion.distance(duration))
+    got = plain_number(duration)
+    if not distance / min(unit, spacing * float(step_fraction)) < MAX_NODES:
+        raise fault(f"got {got}, which is more than {MAX_NODES:g} nodes or steps", *_DURATION)
+    units = _within_reach(round(distance / unit), unit, motion)
+    least = math.ceil(MIN_NODES / unit_nodes)
+    if units < least:
+        needed = least * unit
+        if needed > motion.final_distance * (1 + ROUNDING):
+            raise fault(
+                f"the sphere comes to rest after {motion.final_distance * 1e6:.4g} um, the shortest track is"
+                f" {needed * 1e6:.4g} um: give it more speed",
+                *_SPEED,
+            )
+        raise fault(
+            f"got {got}, in which the sphere rolls {distance * 1e6:.4g} um; the shortest track is"
+            f" {least * unit_nodes} nodes, {needed * 1e6:.4g} um: at least {motion.duration(needed):.4g}",
+            *_DURATION,
+        )
+    n_along = units * unit_nodes
+    steps = int(n_along / step_fraction)
+    return Track(n_along, n_across, steps, spacing * float(step_fraction), spacing, True, steps)
+
+
+def file_track(
+    path: Path, said: str, spacing: float, step_nodes: float, motion: Motion, duration: float | None
+) -> Track:
+    """Track over the heights of a file, `said` in the scene: once round when no duration is given; raises faults."""
+    n_along, n_across = _shape(path, said)
+    step_fraction, step = _fraction(step_nodes), spacing * step_nodes
+    lap = n_along * spacing
+    if duration is None and motion.final_distance * (1 + ROUNDING) < lap:
+        raise fault(
+            f"the sphere comes to rest after {motion.final_distance:.4g} m, once round the height file is {lap:.4g} m:"
+            " give it more speed or set rolling.duration_s",
+            *_SPEED,
+        )
+    distance = lap if duration is None else float(motion.distance(duration))
+    if not distance / step < MAX_NODES:
+        raise fault(f"the sphere rolls {distance:.4g} m, more than {MAX_NODES:g} steps", *_DURATION)
+    steps = max(1, _within_reach(round(distance / step), step, motion))
+    nodes_round = n_along * step_fraction.denominator
+    lap_steps = nodes_round // math.gcd(step_fraction.numerator, nodes_round)
+    return Track(n_along, n_across, steps, step, spacing, steps % lap_steps == 0, lap_steps)
+
+
+def _within_reach(count: int, length: float, motion: Motion) -> int:
+    """One less where rounding asks a sphere that stops for more."""
+    return count - 1 if count * length > motion.final_distance * (1 + ROUNDING) else count
+
+
+def _fraction(step_nodes: float) -> Fraction:
+    return Fraction(step_nodes).limit_denominator(16)
+
+
+def _shape(path: Path, said: str) -> tuple[int, int]:
+    """Shape of the height file, from its header."""
+    try:
+        shape, dtype = header(path)
+    except HeaderError as error:
+        looked = f" (looked in {path.parent.absolute()})" if not path.is_file() else ""
+        allowed = (
+            ", allowed: one 2-D array of real heights in m, (along track, across)" if "archive" in str(error) else ""
+        )
+        raise fault(f"{said}: {error}{looked}{allowed}", *_PATH) from error
+    if len(shape) != 2 or dtype.kind not in "fiu":
+        got = f"{len(shape)}-D {dtype}"
+        raise fault(f"{said}: got {got}, allowed: one 2-D array of real heights in m, (along track, across)", *_PATH)
+    if min(shape) < MIN_NODES:
+        raise fault(f"{said}: got {shape[0]} x {shape[1]} nodes, allowed: at least {MIN_NODES} each way", *_PATH)
+    return shape[0], shape[1]

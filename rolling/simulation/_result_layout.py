@@ -1,0 +1,237 @@
+"""The layout of result.h5, format 2: a netCDF-4 tree whose every dimension has a name, whose every value has a unit.
+
+Root: series along the track. Groups: snapshot, pressure_maps, events (event_pieces while steps are missing), sound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling import __version__
+from rolling.scene.identity import canonical
+from rolling.scene.scene import Gaussian, Scene
+from rolling.simulation.result import Result
+from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES
+from rolling.sound import ContactSound, middle_speeds
+
+FORMAT = 2
+CHUNK_BYTES = 1 << 19
+UNITS = {
+    "release_energy": "J",
+    "loading_energy": "J",
+    "energy_defect": "J",
+    "step_time": "s",
+    "speed": "m/s",
+    "release_power": "W",
+    "loading_power": "W",
+    "release_per_metre": "J/m",
+    "loading_per_metre": "J/m",
+    "approach": "m",
+    "contact_area": "m2",
+    "plastic_area": "m2",
+    "max_pressure": "Pa",
+    "max_deflection": "m",
+    "stored_energy": "J",
+    "residual": "1",
+    "iterations": "1",
+    "convolutions": "1",
+}
+EVENT_UNITS = {"node": "1", "first": "position", "last": "position", "energy": "J", "peak": "J per step"}
+# How netCDF-4 marks a dimension that has a length and no values.
+_BARE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
+
+
+def image(result: Result, scene: Scene, scene_text: str, sound: ContactSound | None) -> bytes:
+    """Build the file in memory: whatever happens to a disk, the HDF5 library is not there to see it."""
+    with h5py.File("result.h5", "w", driver="core", backing_store=False, block_size=1 << 20) as file:
+        _attributes(file, result, scene, scene_text)
+        _series(file, result, scene)
+        _snapshot(file, result, scene.spacing)
+        _maps(file, result)
+        _events(file, result)
+        if sound is not None:
+            _sound(file, sound)
+        file.flush()
+        return file.id.get_file_image()
+
+
+@dataclass(frozen=True)
+class _Group:
+    """A group of the file and its dimensions."""
+
+    group: h5py.Group
+
+    def dimension(self, name: str, length: int) -> None:
+        """Make a dimension that has a length only."""
+        _dataset(self.group, name, shape=(length,), dtype=">f4").make_scale(_BARE.format(length))
+
+    def coordinate(self, name: str, values: NDArray[Any], units: str, long_name: str) -> None:
+        """Make a dimension with a value at each place."""
+        scale = _dataset(self.group, name, values, packed=True)
+        scale.attrs.update(units=units, long_name=long_name)
+        scale.make_scale(name)
+
+    def add(
+        self,
+        name: str,
+        values: NDArray[Any],
+        dimensions: Sequence[str],
+        units: str,
+        packed: bool = False,
+        **more: str,
+    ) -> None:
+        """Add values along dimensions; `packed` ones are compressed, `more` are attributes."""
+        data = _dataset(self.group, name, values, packed)
+        data.attrs.update(units=units, **more)
+        for axis, dimension in enumerate(dimensions):
+            data.dims[axis].attach_scale(self.group[dimension])
+
+
+def _dataset(
+    group: h5py.Group,
+    name: str,
+    values: NDArray[Any] | None = None,
+    packed: bool = False,
+    shape: tuple[int, ...] = (),
+    dtype: Any = None,
+) -> h5py.Dataset:
+    """Make a dataset with checksums, in even chunks of about half a megabyte, packed ones compressed."""
+    if values is not None:
+        shape, dtype = values.shape, values.dtype
+    row_bytes = max(1, np.dtype(dtype).itemsize * int(np.prod(shape[1:])))
+    pieces = max(1, round(shape[0] * row_bytes / CHUNK_BYTES))
+    chunks = (max(1, -(-shape[0] // pieces)), *(max(1, count) for count in shape[1:]))
+    return group.create_dataset(
+        name,
+        data=values,
+        shape=shape,
+        dtype=dtype,
+        chunks=chunks,
+        # A chunk must not be larger than the data, unless they may grow.
+        maxshape=None if all(shape) else (None,) * len(shape),
+        fletcher32=True,
+        shuffle=packed or None,
+        compression="gzip" if packed else None,
+        compression_opts=1 if packed else None,
+    )
+
+
+def _attributes(file: h5py.File, result: Result, scene: Scene, scene_text: str) -> None:
+    file.attrs.update(
+        title=f"rolling contact noise: {scene.name}",
+        format=FORMAT,
+        program=__version__,
+        steps=result.steps,
+        solved_steps=result.solved_steps,
+        step_m=result.step,
+        start_m=result.start,
+        complete=result.complete,
+        load_n=scene.load,
+        scene=scene_text,
+    )
+    if isinstance(scene.surface, Gaussian):
+        seed = scene.surface.seed
+        file.attrs["seed"] = seed if seed < 1 << 63 else str(seed)
+    if result.identity is not None:
+        file.attrs.update(
+            physics=result.identity.text,
+            physics_defaults=canonical(result.identity.defaults),
+            physics_sha256=result.identity.sha256,
+        )
+        if result.identity.heights_sha256 is not None:
+            file.attrs["heights_sha256"] = result.identity.heights_sha256
+
+
+def _series(file: h5py.File, result: Result, scene: Scene) -> None:
+    root = _Group(file)
+    middles = (np.arange(result.steps) + 0.5) * result.step
+    ends = np.arange(result.steps + 1) * result.step
+    for dimension, distance in (("step", middles), ("position", ends)):
+        root.coordinate(dimension, result.start + distance, "m", f"distance along the track, {dimension}")
+    times, speed = middle_speeds(scene, result.steps, result.step)
+    end_times = np.asarray(scene.motion.time(np.minimum(ends, scene.motion.final_distance)), dtype=float)
+    root.add("time", times, ["step"], "s", packed=True, long_name="time at the middle of each step")
+    root.add("position_time", end_times, ["position"], "s", packed=True, long_name="time at each position")
+    along_step = {name: result.whole(name) for name in STEP_SERIES} | {"speed": speed}
+    for kind in ("release", "loading"):
+        along_step[f"{kind}_per_metre"] = along_step[f"{kind}_energy"] * (1 / result.step)
+        along_step[f"{kind}_power"] = along_step[f"{kind}_energy"] * (speed / result.step)
+    for name, values in along_step.items():
+        root.add(name, values, ["step"], UNITS[name], packed=name == "speed", coordinates="time")
+    for name in STATE_SERIES:
+        root.add(name, result.whole(name), ["position"], UNITS[name], coordinates="position_time")
+
+
+def _snapshot(file: h5py.File, result: Result, spacing: float) -> None:
+    snapshot = result.snapshot
+    if snapshot is None:
+        return
+    group = _Group(file.create_group("snapshot"))
+    group.group.attrs.update(distance_m=snapshot.distance, along_m=snapshot.along, across_m=snapshot.across)
+    for name, corner, count in zip(
+        ("along", "across"), (snapshot.along, snapshot.across), snapshot.pressure.shape, strict=True
+    ):
+        group.coordinate(name, corner + np.arange(count) * spacing, "m", f"place on the plate, {name} the track")
+    group.add("pressure", snapshot.pressure, ["along", "across"], "Pa")
+    group.add("deflection", snapshot.deflection, ["along", "across"], "m")
+
+
+def _maps(file: h5py.File, result: Result) -> None:
+    maps = [result.maps[position] for position in sorted(result.maps)]
+    if not maps:
+        return
+    group = _Group(file.create_group("pressure_maps"))
+    shapes = np.array([one.pressure.shape for one in maps])
+    rows, columns = shapes.max(axis=0).tolist()
+    for name, length in (("map", len(maps)), ("row", rows), ("column", columns)):
+        group.dimension(name, length)
+    for name, values, unit in (
+        ("position", [one.position for one in maps], "1"),
+        ("distance", [one.distance for one in maps], "m"),
+        ("along", [one.along for one in maps], "m"),
+        ("across", [one.across for one in maps], "m"),
+        ("cell", [one.cell for one in maps], "m"),
+        ("rows", shapes[:, 0], "1"),
+        ("columns", shapes[:, 1], "1"),
+    ):
+        group.add(name, np.asarray(values), ["map"], unit)
+    # Each map is as large as its contact: around it there is nothing.
+    padded = np.full((len(maps), rows, columns), np.nan, dtype=np.float32)
+    for one, block in zip(maps, padded, strict=True):
+        block[: one.pressure.shape[0], : one.pressure.shape[1]] = one.pressure
+    group.add("pressure", padded, ["map", "row", "column"], "Pa", packed=True)
+
+
+def _events(file: h5py.File, result: Result) -> None:
+    """Write the events of a complete run as one table, others piece after piece, to be joined when all are there."""
+    if not result.event_pieces:
+        return
+    group = _Group(file.create_group("events" if result.complete else "event_pieces"))
+    if result.complete:
+        table = result.events() or {}
+    else:
+        firsts = sorted(result.event_pieces)
+        pieces = [result.event_pieces[first] for first in firsts]
+        table = {name: np.concatenate([piece[name] for piece in pieces]) for name in EVENT_UNITS}
+        group.dimension("piece", len(firsts))
+        group.add("piece_first", np.array(firsts), ["piece"], "position")
+        group.add("piece_events", np.array([piece["energy"].size for piece in pieces]), ["piece"], "1")
+    group.dimension("event", table["energy"].size)
+    group.dimension("axis", 2)
+    for name, units in EVENT_UNITS.items():
+        exact = table[name].dtype.kind == "i"  # energies do not compress
+        group.add(name, table[name], ["event", "axis"] if name == "node" else ["event"], units, packed=exact)
+
+
+def _sound(file: h5py.File, sound: ContactSound) -> None:
+    group = _Group(file.create_group("sound"))
+    group.group.attrs.update(sample_rate_hz=sound.sample_rate, factor_pa_per_w_m2=sound.factor, closed=sound.closed)
+    samples = np.arange(len(sound.pressure)) / sound.sample_rate
+    group.coordinate("sound_time", samples, "s", "time of each sample")
+    group.add("pressure", sound.pressure, ["sound_time"], "Pa", long_name="sound pressure")

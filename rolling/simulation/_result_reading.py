@@ -1,0 +1,334 @@
+"""Reads an open result.h5, format 2 or older, and checks all of it: type, shape, range, and that its parts agree.
+
+Version 0.1.0 and what followed it wrote no format: no identity, maps one after the other, a group for each piece of events.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling.scene.identity import STEPS, Identity
+from rolling.simulation._result_layout import FORMAT
+from rolling.simulation.result import Result
+from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, PressureMap, Snapshot
+
+Array = NDArray[np.float64]
+
+MOST_STEPS = 10**9
+SIGNED = {"approach", "energy_defect"}  # no other series is ever negative
+WHOLE = {"iterations", "convolutions"}
+SUM_TOLERANCE = 1e-6  # of the energy of all events to the released energy: the same numbers, added in another order
+
+
+class Damage(ValueError):
+    """What is wrong with a file and where, on one line."""
+
+
+def read(file: h5py.File) -> Result:
+    """Read and check a result.
+
+    Raises
+    ------
+    Damage : the first fault that was found, its field first. Files that HDF5 cannot read raise what h5py raises.
+    """
+    steps = _number(file, "steps", 1, MOST_STEPS)
+    solved = _number(file, "solved_steps", 1, steps)
+    step, start = _real(file, "step_m"), _real(file, "start_m")
+    if step <= 0:
+        raise Damage(f"step_m: {step}, a step is longer than 0")
+    result = Result(steps, solved, step, start, _series(file, steps, solved))
+    result.identity = _identity(file, result)
+    done = _checked_series(result)
+    result.snapshot = _snapshot(file)
+    result.maps = _maps(file, result)
+    result.event_pieces = _events(file, result)
+    _check_events(result, done)
+    complete = _attribute(file, "complete")
+    if not isinstance(complete, bool | np.bool_) or bool(complete) != result.complete:
+        raise Damage(f"complete: got {_shown(complete)}, {int((~done).sum())} of {solved} steps are not solved")
+    return result
+
+
+# ---- single values ---------------------------------------------------------------------------------------------------
+
+
+def format_of(file: h5py.File) -> int:
+    """The format of a file; 1 where it does not say, as in version 0.1.0."""
+    return _number(file, "format", 1, 2**31) if "format" in file.attrs else 1
+
+
+def _number(group: h5py.Group, name: str, least: int, most: int) -> int:
+    value = _attribute(group, name)
+    if not isinstance(value, int | np.integer) or isinstance(value, bool) or not least <= value <= most:
+        raise Damage(f"{name}: got {_shown(value)}, allowed is a whole number from {least} to {most}")
+    return int(value)
+
+
+def _real(group: h5py.Group, name: str) -> float:
+    value = _attribute(group, name)
+    if not isinstance(value, int | float | np.integer | np.floating) or not math.isfinite(value):
+        raise Damage(f"{_path(group, name)}: got {_shown(value)}, allowed is a number")
+    return float(value)
+
+
+def _text(group: h5py.Group, name: str) -> str:
+    value = _attribute(group, name)
+    if not isinstance(value, str):
+        raise Damage(f"{name}: got {_shown(value)}, allowed is text")
+    return value
+
+
+def _attribute(group: h5py.Group, name: str) -> Any:
+    if name not in group.attrs:
+        raise Damage(f"{_path(group, name)}: missing")
+    return group.attrs[name]
+
+
+def _array(group: h5py.Group, name: str, kinds: str, shape: tuple[int | None, ...]) -> NDArray[Any]:
+    """Values of one of the kinds (numpy's letters) and of a shape, in which None stands for any length."""
+    where = _path(group, name)
+    link = group.get(name, getlink=True)
+    if link is None:
+        raise Damage(f"{where}: missing")
+    data = group[name] if isinstance(link, h5py.HardLink) else None  # values stand in this file, not in another one
+    if not isinstance(data, h5py.Dataset) or data.is_virtual or data.external:
+        raise Damage(f"{where}: got something else, allowed is a dataset")
+    if data.dtype.kind not in kinds or data.shape is None or len(data.shape) != len(shape):
+        raise Damage(f"{where}: got {data.dtype} of shape {data.shape}, allowed are numbers in {len(shape)} dimensions")
+    if any(want is not None and got != want for got, want in zip(data.shape, shape, strict=True)):
+        wanted = tuple("any" if want is None else want for want in shape)
+        raise Damage(f"{where}: got shape {data.shape}, allowed is {wanted}")
+    return np.asarray(data[()])
+
+
+def _refuse(where: str, bad: NDArray[np.bool_], fault: str) -> None:
+    """Raise a fault of values, with the place of the first."""
+    if bad.any():
+        first = np.argwhere(bad)[0].tolist()
+        place = first[0] if len(first) == 1 else tuple(first)
+        raise Damage(f"{where}: {int(bad.sum())} values {fault}, the first at {place}")
+
+
+def _path(group: h5py.Group, name: str) -> str:
+    return f"{group.name.strip('/')}/{name}".lstrip("/")
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+# ---- identity --------------------------------------------------------------------------------------------------------
+
+
+def _identity(file: h5py.File, result: Result) -> Identity | None:
+    if format_of(file) < FORMAT:
+        return None
+    physics, defaults = (_values(file, name) for name in ("physics", "physics_defaults"))
+    heights = _text(file, "heights_sha256") if "heights_sha256" in file.attrs else None
+    if hashlib.sha256(_text(file, "physics").encode()).hexdigest() != _text(file, "physics_sha256"):
+        raise Damage("physics_sha256: not the digest of physics")
+    if physics.get(STEPS) != result.steps:
+        raise Damage(f"steps: got {result.steps}, the physics has {_shown(physics.get(STEPS))}")
+    return Identity(physics, defaults, heights)
+
+
+def _values(file: h5py.File, name: str) -> dict[str, Any]:
+    try:
+        values = json.loads(_text(file, name))
+    except ValueError as error:
+        raise Damage(f"{name}: not JSON ({error})") from error
+    if not isinstance(values, dict):
+        raise Damage(f"{name}: got {_shown(values)}, allowed are values by key")
+    return values
+
+
+# ---- series ----------------------------------------------------------------------------------------------------------
+
+
+def _series(file: h5py.File, steps: int, solved: int) -> dict[str, Array]:
+    """The series of the solved part."""
+    series = {name: _array(file, name, "f", (steps,))[:solved] for name in STEP_SERIES}
+    for name in STATE_SERIES:
+        if name == "max_deflection" and name not in file and format_of(file) < FORMAT:  # as of version 0.1.0
+            series[name] = np.full(solved + 1, np.nan)
+        else:
+            series[name] = _array(file, name, "f", (steps + 1,))[: solved + 1]
+    return {name: values.astype(np.float64, copy=solved < steps) for name, values in series.items()}
+
+
+def _checked_series(result: Result) -> NDArray[np.bool_]:
+    """Check the series against their ranges and against one another; return which steps are solved."""
+    done = ~np.isnan(result.series["release_energy"])
+    # A state belongs to the step before it; the first one to the first step.
+    states = np.append(done[0], done)
+    for name, values in result.series.items():
+        solved = done if name in STEP_SERIES else states
+        # A run of version 0.1.0 that was gone on with has this series from there on.
+        if name != "max_deflection":
+            _refuse(name, np.isnan(values) & solved, "are NaN where release_energy is solved")
+        _refuse(name, ~np.isnan(values) & ~solved, "are there where release_energy is NaN")
+        _refuse(name, np.isinf(values), "are infinite")
+        if name not in SIGNED:
+            _refuse(name, values < 0, "are negative")
+        if name in WHOLE:
+            _refuse(name, ~np.isnan(values) & (values != np.floor(values)), "are no whole numbers")
+    return done
+
+
+# ---- snapshot and pressure maps --------------------------------------------------------------------------------------
+
+
+def _group(file: h5py.File, name: str) -> h5py.Group | None:
+    if name not in file:
+        return None
+    group = file[name] if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
+    if not isinstance(group, h5py.Group):
+        raise Damage(f"{name}: got something else, allowed is a group")
+    return group
+
+
+def _snapshot(file: h5py.File) -> Snapshot | None:
+    group = _group(file, "snapshot")
+    if group is None:
+        return None
+    distance, along, across = (_real(group, name) for name in ("distance_m", "along_m", "across_m"))
+    pressure = _array(group, "pressure", "f", (None, None))
+    deflection = _array(group, "deflection", "f", pressure.shape)
+    for name, values in (("pressure", pressure), ("deflection", deflection)):
+        if not values.size:
+            raise Damage(f"snapshot/{name}: empty")
+        _refuse(f"snapshot/{name}", ~np.isfinite(values), "are not finite")
+    _refuse("snapshot/pressure", pressure < 0, "are negative")
+    return Snapshot(distance, along, across, pressure.astype(np.float64), deflection.astype(np.float64))
+
+
+def _maps(file: h5py.File, result: Result) -> dict[int, PressureMap]:
+    group = _group(file, "pressure_maps")
+    if group is None:
+        return {}
+    positions = _array(group, "position", "iu", (None,))
+    count = len(positions)
+    places = {name: _array(group, name, "f", (count,)) for name in ("distance", "along", "across", "cell")}
+    for name, values in places.items():
+        _refuse(f"pressure_maps/{name}", ~np.isfinite(values), "are not finite")
+    _refuse("pressure_maps/cell", places["cell"] <= 0, "are not greater than 0")
+    _refuse("pressure_maps/position", (positions < 0) | (positions > result.solved_steps), "are not on the track")
+    _refuse("pressure_maps/position", np.diff(positions.astype(np.int64), prepend=-1) <= 0, "do not increase")
+    unsolved = np.isnan(result.series["approach"][positions.astype(np.int64)])
+    _refuse("pressure_maps/position", unsolved, "are not solved")
+    expected = result.start + positions * result.step
+    wrong = np.abs(places["distance"] - expected) > 1e-6 * result.step + 1e-9 * np.abs(expected)
+    _refuse("pressure_maps/distance", wrong, "are not the distances of their positions")
+    pressures = _padded_pressures(group, count) if "rows" in group else _flat_pressures(group, count)
+    for values in pressures:
+        _refuse("pressure_maps/pressure", ~np.isfinite(values), "are not finite within a map")
+        _refuse("pressure_maps/pressure", values < 0, "are negative")
+    rows = zip(positions.tolist(), *(values.tolist() for values in places.values()), pressures, strict=True)
+    return {row[0]: PressureMap(*row) for row in rows}
+
+
+def _padded_pressures(group: h5py.Group, count: int) -> list[NDArray[np.float32]]:
+    """Maps of format 2: one above the other, the smaller ones with NaN around them."""
+    padded = _array(group, "pressure", "f", (count, None, None)).astype(np.float32, copy=False)
+    sizes = [_array(group, name, "iu", (count,)).astype(np.int64) for name in ("rows", "columns")]
+    for name, values, most in zip(("rows", "columns"), sizes, padded.shape[1:], strict=True):
+        _refuse(f"pressure_maps/{name}", (values < 1) | (values > most), f"are not from 1 to {most}")
+    shapes = list(zip(*(values.tolist() for values in sizes), strict=True))
+    outside = ~np.isnan(padded)
+    for block, (rows, columns) in zip(outside, shapes, strict=True):
+        block[:rows, :columns] = False
+    _refuse("pressure_maps/pressure", outside, "stand outside their map")
+    return [block[:rows, :columns].copy() for block, (rows, columns) in zip(padded, shapes, strict=True)]
+
+
+def _flat_pressures(group: h5py.Group, count: int) -> list[NDArray[np.float32]]:
+    """Maps of older files: one after the other."""
+    shapes = _array(group, "shape", "iu", (count, 2)).astype(np.int64)
+    flat = _array(group, "pressure", "f", (None,)).astype(np.float32, copy=False)
+    _refuse("pressure_maps/shape", (shapes < 1) | (shapes > flat.size), f"are not from 1 to {flat.size}")
+    sizes = [rows * columns for rows, columns in shapes.tolist()]
+    if sum(sizes) != flat.size:
+        raise Damage(f"pressure_maps/pressure: got {flat.size} values, the shapes have {sum(sizes)}")
+    blocks = np.split(flat, np.cumsum(sizes)[:-1])
+    return [block.reshape(shape) for block, shape in zip(blocks, shapes.tolist(), strict=True)]
+
+
+# ---- events ----------------------------------------------------------------------------------------------------------
+
+
+def _events(file: h5py.File, result: Result) -> dict[int, dict[str, NDArray[Any]]]:
+    """Tables of events by the first position of their piece; of a complete run one table."""
+    whole, parts = _group(file, "events"), _group(file, "event_pieces")
+    if whole is not None and parts is not None:
+        raise Damage("events: there beside event_pieces, allowed is one of them")
+    if whole is not None:
+        return {0: _table(whole)}
+    if parts is None:
+        return {}
+    if "piece_first" not in parts:  # as of older files
+        pieces = {}
+        for name in parts:
+            part = _group(file, f"event_pieces/{name}")
+            if part is None or not (name.isascii() and name.isdigit()):
+                raise Damage(f"event_pieces/{name}: not the first position of a piece")
+            pieces[int(name)] = _table(part)
+        return pieces
+    table = _table(parts)
+    firsts = _array(parts, "piece_first", "iu", (None,)).astype(np.int64)
+    counts = _array(parts, "piece_events", "iu", (len(firsts),)).astype(np.int64)
+    _refuse("event_pieces/piece_first", np.diff(firsts, prepend=-1) <= 0, "do not increase")
+    _refuse("event_pieces/piece_events", (counts < 0) | (counts > table["energy"].size), "are not possible")
+    if int(counts.sum()) != table["energy"].size:
+        raise Damage(f"event_pieces/piece_events: got {int(counts.sum())} events, the table has {table['energy'].size}")
+    ends = np.cumsum(counts)
+    return {
+        first: {name: column[end - count : end] for name, column in table.items()}
+        for first, end, count in zip(firsts.tolist(), ends.tolist(), counts.tolist(), strict=True)
+    }
+
+
+def _table(group: h5py.Group) -> dict[str, NDArray[Any]]:
+    where = group.name.strip("/")
+    energy = _array(group, "energy", "f", (None,))
+    count = energy.size
+    table: dict[str, NDArray[Any]] = {
+        "node": _array(group, "node", "i", (count, 2)).astype(np.int32),
+        "first": _array(group, "first", "i", (count,)).astype(np.int64),
+        "last": _array(group, "last", "i", (count,)).astype(np.int64),
+        "energy": energy.astype(np.float64),
+        "peak": _array(group, "peak", "f", (count,)).astype(np.float64),
+    }
+    for name in ("energy", "peak"):
+        _refuse(f"{where}/{name}", ~(np.isfinite(table[name]) & (table[name] > 0)), "are not greater than 0")
+    _refuse(
+        f"{where}/peak", table["peak"] > table["energy"] * (1 + SUM_TOLERANCE), "are greater than the event's energy"
+    )
+    _refuse(f"{where}/node", table["node"] < 0, "are negative")
+    _refuse(f"{where}/last", table["last"] <= table["first"], "are not after the first position")
+    return table
+
+
+def _check_events(result: Result, done: NDArray[np.bool_]) -> None:
+    """Hold the events against the steps that are solved."""
+    for first, table in result.event_pieces.items():
+        where = "events" if first == 0 and result.complete else f"event_pieces/{first}"
+        if first >= result.solved_steps or not done[first]:
+            raise Damage(f"{where}: step {first} is not solved")
+        outside = (table["first"] < first) | (table["last"] > result.solved_steps)
+        _refuse(f"{where}/first", outside, "are not on the piece")
+    asked = result.identity is not None and result.identity.physics.get("recovery.events") is True
+    if asked and done.any() and not result.event_pieces:
+        raise Damage("events: missing, the physics says that they were recorded")
+    if result.event_pieces:
+        energy = math.fsum(float(table["energy"].sum()) for table in result.event_pieces.values())
+        released = float(result.series["release_energy"][done].sum())
+        if not math.isclose(energy, released, rel_tol=SUM_TOLERANCE):
+            raise Damage(f"events: their energy is {energy:.6g} J, {released:.6g} J were released")

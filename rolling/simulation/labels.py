@@ -1,0 +1,280 @@
+"""The words of a scene's keys, and the labels that tell runs apart. Depends on scenario.
+
+Terminal, pictures, tables, page and files all take the names of runs from `labels`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from rolling.scene.scene import Scene
+
+LONGEST = 72  # characters of a label: what a legend holds in one row
+_LONGEST_PART = 28  # characters of a scene's or a folder's name in a label that is too long
+_PROMINENT = 3  # differences that a label names even where fewer tell the runs apart
+_CUT = "…"
+
+
+@dataclass(frozen=True)
+class Word:
+    """The words for a key of the scene.
+
+    name : quantity in the field's term.
+    unit : unit as it is printed, empty for text and for numbers without one.
+    absent : words for a scene that leaves the key out; empty: a label then leaves the quantity out.
+    minor : the key follows from others or hardly changes the sound, so a label names it only where it must.
+    """
+
+    name: str
+    unit: str = ""
+    absent: str = ""
+    minor: bool = False
+
+
+WORDS = {  # in the order in which labels name them
+    "rolling.load_n": Word("load", "N"),
+    "rolling.speed_m_s": Word("speed", "m/s"),
+    "surface.kind": Word("surface"),
+    "surface.path": Word("heights"),
+    "surface.roughness_ra_um": Word("Ra", "µm"),
+    "surface.correlation_length_um": Word("correlation length", "µm"),
+    "surface.correlation_length_across_um": Word(
+        "correlation length across", "µm", "correlation length across as along"
+    ),
+    "surface.autocorrelation": Word("autocorrelation"),
+    "surface.level": Word("levelling"),
+    "surface.seed": Word("seed"),
+    "sphere.radius_mm": Word("sphere radius", "mm"),
+    "sphere.youngs_modulus_gpa": Word("sphere Young's modulus", "GPa", "rigid sphere"),
+    "sphere.poissons_ratio": Word("sphere Poisson's ratio"),
+    "sphere.density_kg_m3": Word("sphere density", "kg/m³", "sphere density as steel"),
+    "plate.youngs_modulus_gpa": Word("Young's modulus", "GPa"),
+    "plate.poissons_ratio": Word("Poisson's ratio"),
+    "plate.hardness_gpa": Word("hardness", "GPa", "no hardness"),
+    "surface.spacing_um": Word("spacing", "µm"),
+    "numerics.step_nodes": Word("step", "nodes"),
+    "numerics.edges": Word("edges"),
+    "recovery.rule": Word("release rule"),
+    "sound.distance_m": Word("distance", "m"),
+    "sound.q": Word("q"),
+    "sound.gain_pa_per_w_m2": Word("gain", "Pa per W/m²", "no fixed gain"),
+    "numerics.tolerance": Word("tolerance"),
+    "surface.width_um": Word("width", "µm", minor=True),
+    "rolling.duration_s": Word("duration", "s", "once round the file", minor=True),
+    "rolling.start_um": Word("start", "µm", minor=True),
+    "numerics.precision": Word("precision", minor=True),
+    "recovery.events": Word("recovery events", minor=True),
+    "sound.loudness": Word("loudness", minor=True),
+}
+
+
+class Labelled(Protocol):
+    """Anything that a label can be made for: a run, solved or not."""
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """What the sweep gave the run, by dotted key."""
+
+    @property
+    def scene(self) -> Scene:
+        """The scene without its sweep."""
+
+    @property
+    def folder(self) -> Path:
+        """The run's own folder."""
+
+
+def named(key: str) -> tuple[str, str]:
+    """Give word and unit of a dotted key: rolling.load_n is load in N."""
+    return WORDS[key].name, WORDS[key].unit
+
+
+def worded(key: str, value: float) -> str:
+    """Write a value as people do: load 5 N."""
+    return f"{WORDS[key].name} {value:g} {WORDS[key].unit}".rstrip()
+
+
+def labels(runs: Sequence[Labelled]) -> list[str]:
+    """Name runs by what tells them apart; all labels differ, are printable and have at most `LONGEST` characters.
+
+    The scene's name comes first where there are several names. Then come the swept values and whatever else differs between
+    the scenes, at least as much as tells the runs apart. Runs of equal scenes are told apart by their folders' names, and at
+    last by a number. A run alone is named by its swept values, or by its load.
+    """
+    names, folders = [run.scene.name for run in runs], _folder_names(runs)
+    parts = _parts(runs)
+    found = _joined(names, folders, parts)
+    if max(map(len, found), default=0) > LONGEST:
+        found = _joined(shortened(names, _LONGEST_PART), shortened(folders, _LONGEST_PART), parts)
+    return _numbered(shortened(found, LONGEST))
+
+
+def title(name: str, label: str) -> str:
+    """Put the scene's name before a label that does not begin with it, whole or cut."""
+    first = label.partition(", ")[0]
+    head, cut, tail = first.partition(_CUT)
+    begins = first == name or bool(cut and name.startswith(head) and name.endswith(tail))
+    return label if begins else f"{name}, {label}"
+
+
+def printable(text: str) -> str:
+    r"""Escape the characters that cannot be printed: control characters, directions of writing, bytes that are no UTF-8.
+
+    A line feed becomes \n, the byte 255 of a file's name \xff.
+    """
+    return "".join(letter if letter.isprintable() else _escaped(letter) for letter in text)
+
+
+def shortened(texts: Sequence[str], longest: int) -> list[str]:
+    """Cut the texts that are too long in the middle, or about the place where they differ.
+
+    Texts that differ stay different wherever a stretch of that length tells them apart.
+    """
+    short: dict[str, str] = {}
+    for text in dict.fromkeys(texts):
+        head = (longest - len(_CUT) + 1) // 2
+        short[text] = text if len(text) <= longest else text[:head] + _CUT + text[head + len(_CUT) - longest :]
+    alike: dict[str, list[str]] = {}
+    for text, cut in short.items():
+        alike.setdefault(cut, []).append(text)
+    for group in alike.values():
+        if len(group) > 1:
+            short |= _windows(group, longest)
+    return [short[text] for text in texts]
+
+
+# ---- the parts of a label --------------------------------------------------------------------------------------------
+
+
+def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
+    """Choose the quantities that labels name: for each the text of every run, empty where it does not apply."""
+    differing = {key: texts for key in WORDS if len(set(texts := _texts(key, runs))) > 1}
+    swept = list(dict.fromkeys(key for run in runs for key in run.values))
+    names = [run.scene.name for run in runs]
+    chosen = [key for key in swept if key in differing] or swept
+    if len(set(names)) == 1:
+        major = [key for key in differing if key not in chosen and not WORDS[key].minor]
+        chosen += major[: max(0, _PROMINENT - len(chosen))]
+    parts = {key: _texts(key, runs) for key in chosen}
+    for key in sorted(differing, key=lambda key: WORDS[key].minor):
+        before = len(set(zip(names, *parts.values(), strict=True)))
+        if key not in parts and len(set(zip(names, *parts.values(), differing[key], strict=True))) > before:
+            parts[key] = differing[key]
+    return list((parts or {"rolling.load_n": _texts("rolling.load_n", runs)}).values())
+
+
+def _texts(key: str, runs: Sequence[Labelled]) -> list[str]:
+    """Write the value of a key for each run, as short as keeps different values apart."""
+    word, values = WORDS[key], [_value(run.scene, key) for run in runs]
+    there = {value for value in values if value is not None}
+    by_word = ({value: write(word, value) for value in there} for write in (_short, _full))
+    ways = _paths(there) if key == "surface.path" else [*by_word]
+    written = next((way for way in ways if len(set(way.values())) == len(there)), ways[-1])
+    return [
+        _absent(run.scene, key) if value is None else written[value] for run, value in zip(runs, values, strict=True)
+    ]
+
+
+def _absent(scene: Scene, key: str) -> str:
+    """Say that a scene leaves a key out; nothing where the key is one of another kind of surface."""
+    section, _, last = key.partition(".")
+    return WORDS[key].absent if hasattr(getattr(scene, section), last) else ""
+
+
+def _value(scene: Scene, key: str) -> Hashable:
+    """Read the value of a dotted key, None where the scene has none; a height file counts by its place on the disk."""
+    if key == "surface.path":
+        return scene.height_path and scene.height_path.resolve()
+    section, _, last = key.partition(".")
+    value: Hashable = getattr(getattr(scene, section), last, None)
+    return value
+
+
+def _short(word: Word, value: Any) -> str:
+    if isinstance(value, bool):
+        return f"{'with' if value else 'without'} {word.name}"
+    if isinstance(value, str):
+        return f"{word.name} {printable(value.replace('_', ' '))}"
+    if isinstance(value, tuple):  # a speed that changes
+        speeds = [speed for _, speed in value]
+        return f"{word.name} {min(speeds):g} to {max(speeds):g} {word.unit}"
+    return f"{word.name} {value:g} {word.unit}".rstrip()
+
+
+def _full(word: Word, value: Any) -> str:
+    """Write a value with all its digits, a speed with all its points."""
+    if isinstance(value, tuple):
+        return f"{word.name} {', '.join(f'{speed!r} {word.unit} at {time!r} s' for time, speed in value)}"
+    return f"{word.name} {value} {word.unit}".rstrip()
+
+
+def _paths(files: set[Hashable]) -> list[dict[Hashable, str]]:
+    """Name files by their names, then with more and more of the folders that they lie in."""
+    paths = [path for path in files if isinstance(path, Path)]
+    deepest = max((len(path.parts) for path in paths), default=1)
+    word = WORDS["surface.path"].name
+    return [{path: f"{word} {printable('/'.join(path.parts[-k:]))}" for path in paths} for k in range(1, deepest + 1)]
+
+
+def _folder_names(runs: Sequence[Labelled]) -> list[str]:
+    """Name the run folders, of the runs of a sweep the folder that they share."""
+    homes = [run.folder.parent if run.values else run.folder for run in runs]
+    return [printable(home.resolve().name) for home in homes]
+
+
+def _joined(names: Sequence[str], folders: Sequence[str], parts: Sequence[Sequence[str]]) -> list[str]:
+    """Join the parts of each label, with the scene's name if there are several, with the folder's where labels are alike."""
+    several = len(set(names)) > 1
+    texts = [
+        ", ".join(filter(None, [name if several else "", *(part[k] for part in parts)])) for k, name in enumerate(names)
+    ]
+    places: dict[str, set[str]] = {}
+    for text, folder in zip(texts, folders, strict=True):
+        places.setdefault(text, set()).add(folder)
+    return [
+        f"{text} ({folder})" if len(places[text]) > 1 else text for text, folder in zip(texts, folders, strict=True)
+    ]
+
+
+# ---- texts that stay different ---------------------------------------------------------------------------------------
+
+
+def _escaped(letter: str) -> str:
+    if 0xDC80 <= ord(letter) <= 0xDCFF:  # how Python reads a byte of a file's name that is no UTF-8
+        return f"\\x{ord(letter) - 0xDC00:02x}"
+    return letter.encode("unicode_escape").decode("ascii")
+
+
+def _windows(texts: Sequence[str], longest: int) -> dict[str, str]:
+    """Cut long texts to the stretch in which they first differ."""
+    begin = next(k for k in range(max(map(len, texts))) if len({text[k : k + 1] for text in texts}) > 1)
+    room = longest - 2 * len(_CUT)
+    start = max(0, begin - room // 2)
+    cut = {text: _CUT * (start > 0) + text[start : start + room] + _CUT * (start + room < len(text)) for text in texts}
+    alike: dict[str, list[str]] = {}
+    for text in texts:
+        alike.setdefault(cut[text], []).append(text)
+    for group in alike.values():
+        if len(group) > 1:
+            cut |= _windows(group, longest)
+    return cut
+
+
+def _numbered(texts: Sequence[str]) -> list[str]:
+    """Put a number behind texts that are equal."""
+    count = Counter(texts)
+    taken, numbers = {text for text in texts if count[text] == 1}, Counter[str]()
+    found = []
+    for text in texts:
+        label = text
+        while count[text] > 1 and (label == text or label in taken):
+            numbers[text] += 1
+            ending = f" ({numbers[text]})"
+            label = text[: LONGEST - len(ending)] + ending
+        taken.add(label)
+        found.append(label)
+    return found

@@ -1,0 +1,110 @@
+"""result.h5: written whole or not at all, sealed by a digest, refused where a byte has changed; opens in xarray.
+
+The last line of the file is a SHA-256 of all before it. HDF5 does not look beyond its own end, so readers of HDF5 do not
+notice the line. It is checked before the HDF5 library sees the file, which damage could crash.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+
+from rolling.folders.files import FolderError, write_bytes
+from rolling.scene.scene import Scene
+from rolling.simulation import _hdf5_probe, _result_layout, _result_reading
+from rolling.simulation._result_layout import UNITS
+from rolling.simulation.result import Result
+from rolling.sound import ContactSound
+
+__all__ = ["UNITS", "Result", "load", "save"]
+
+_SEAL = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
+_SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
+_DAMAGED = "damaged; what was solved cannot be trusted (delete the file, and `rolling resume` solves it again)"
+
+
+def save(path: Path, result: Result, scene: Scene, scene_text: str, sound: ContactSound | None = None) -> None:
+    """Write result.h5.
+
+    Parameters
+    ----------
+    scene : the run's, for time and speed along the track.
+    scene_text : the same as YAML, with paths as they are from the run folder.
+    sound : once it is known.
+
+    Raises
+    ------
+    OSError : the disk is full, or the file cannot be written for another reason. The one that was there is untouched.
+    """
+    content = _result_layout.image(result, scene, scene_text, sound)
+    try:
+        write_bytes(path, content + _seal(content))
+    except OSError as error:
+        raise OSError(f"{path}: could not be written ({error})") from error
+
+
+def load(path: Path) -> Result:
+    """Read result.h5 and check all of it.
+
+    Raises
+    ------
+    FolderError : missing, changed since it was written, or not such a file; the message names the file and the field.
+    """
+    try:
+        content = path.read_bytes() if path.is_file() else None
+    except OSError as error:
+        raise FolderError(f"{path}: not readable ({error.strerror})") from error
+    if content is None:
+        raise FolderError(f"{path}: no such file")
+    if content[-_SEAL_LENGTH:] == _seal(memoryview(content)[:-_SEAL_LENGTH]):
+        result, _ = _read(path, io.BytesIO(content))
+        return result
+    # A file of an older version, or a damaged one. The HDF5 library must survive it elsewhere before it is opened here.
+    if fault := _probed(path):
+        raise FolderError(f"{path}: {_DAMAGED} ({fault})")
+    result, version = _read(path, path)
+    if version >= _result_layout.FORMAT or _SEAL in content:
+        raise FolderError(f"{path}: {_DAMAGED} (the bytes are not the ones that were written: their SHA-256 differs)")
+    return result
+
+
+def _seal(content: bytes | memoryview) -> bytes:
+    return _SEAL + hashlib.sha256(content).hexdigest().encode() + b"\n"
+
+
+def _read(path: Path, source: Path | io.BytesIO) -> tuple[Result, int]:
+    """Read an open file and its format; `path` is for messages."""
+    try:
+        with h5py.File(source, "r") as file:
+            version = _result_reading.format_of(file)
+            if version > _result_layout.FORMAT:
+                raise FolderError(
+                    f"{path}: format {version}, this version of the program reads up to {_result_layout.FORMAT}"
+                )
+            return _result_reading.read(file), version
+    except _result_reading.Damage as damage:
+        raise FolderError(f"{path}: not a result that can be used: {damage}") from damage
+    except FolderError:
+        raise
+    except Exception as error:  # damage has h5py raise about anything
+        text = " ".join(str(error).split()) or type(error).__name__
+        raise FolderError(f"{path}: not a result of this program ({text})") from error
+
+
+def _probed(path: Path) -> str | None:
+    """Say why the HDF5 library cannot read a file, None where it can, from a process of its own."""
+    command = [sys.executable, "-P", str(Path(_hdf5_probe.__file__)), str(path)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=2 * _hdf5_probe.SECONDS)
+    except subprocess.TimeoutExpired:
+        return "reading it does not come to an end"
+    if done.returncode == 0:
+        return None
+    if done.returncode < 0:
+        return "reading it crashes the HDF5 library"
+    return (done.stderr.strip().splitlines() or ["not readable"])[-1]

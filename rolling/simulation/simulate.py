@@ -1,0 +1,280 @@
+"""Scenes to release series: a track is cut into pieces that depend on nothing but the scene, marched by any number of processes.
+
+Depends on march, recovery, scene_surface and pool. Each piece starts cold, so the numbers are the same however many workers there
+are, and what is done when a run stops is kept and never done again.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling.contact.half_space import HalfSpace
+from rolling.contact.march import ContactState, RollingContact, march
+from rolling.contact.recovery import EventTable, step_energy
+from rolling.contact.solver import ContactError
+from rolling.scene.identity import Identity, other_surface
+from rolling.scene.scene import Scene, SceneError, track
+from rolling.simulation import pool
+from rolling.surface.scene_surface import heights, scene_surface
+
+Array = NDArray[np.float64]
+
+PIECE_STEPS = (
+    200  # a cold start costs about three steps, seven with blended edges and their run-in: 1.5 and 3.5 % of a piece
+)
+MAPS = 120  # of a run: about what the eye follows in ten seconds
+MAP_CELLS = 96  # a side, at most
+STEP_SERIES = ("release_energy", "loading_energy", "energy_defect", "step_time")
+STATE_SERIES = (
+    "approach",
+    "contact_area",
+    "plastic_area",
+    "max_pressure",
+    "max_deflection",
+    "stored_energy",
+    "residual",
+    "iterations",
+    "convolutions",
+)
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Pressure [Pa] and deflection [m] at one position, with the plate coordinates [m] of the window's first node."""
+
+    distance: float
+    along: float
+    across: float
+    pressure: Array
+    deflection: Array
+
+
+@dataclass(frozen=True)
+class PressureMap:
+    """Pressure [Pa] on the loaded part of the plate at one position, to be looked at.
+
+    distance : of the sphere along the track [m].
+    along, across : plate coordinates of the first cell's corner [m].
+    cell : side of a square cell [m], over which the pressure is the mean: a node, or several where contact is wide.
+    """
+
+    position: int
+    distance: float
+    along: float
+    across: float
+    cell: float
+    pressure: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Series of the steps first .. last - 1 and of the states first + 1 .. last (and of state 0, in the first piece)."""
+
+    first: int
+    last: int
+    steps: dict[str, Array]
+    states: dict[str, Array]
+    events: dict[str, NDArray[Any]] | None
+    snapshot: Snapshot | None
+    maps: list[PressureMap]
+
+
+def identity_of(scene: Scene) -> Identity:
+    """Identify a scene without a sweep: its physics and the heights as their file holds them now.
+
+    Raises
+    ------
+    SceneError : heights that cannot be read.
+    """
+    return Identity.of(scene, scene_surface(scene).sha256 if scene.height_path else None)
+
+
+def surface_fault(scene: Scene, solved: str | None) -> str | None:
+    """Say why the surface of a scene is not the one with the digest `solved`, None where it is."""
+    if scene.height_path is None:
+        return None
+    try:
+        return other_surface(solved, scene_surface(scene).sha256, scene.height_path)
+    except SceneError as error:
+        return f"the surface that was solved is gone: {error}"
+
+
+def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
+    """Gather what the march needs of a scene, `over` these heights [m] or its own."""
+    return RollingContact(
+        heights=heights(scene) if over is None else over,
+        spacing=scene.spacing,
+        radius=scene.radius,
+        contact_modulus=scene.contact_modulus,
+        hardness=scene.hardness,
+        load=scene.load,
+        step=scene.step,
+        start=scene.start,
+        tolerance=scene.numerics.tolerance,
+        single=scene.numerics.precision == "single",
+        blended=scene.numerics.edges == "blended",
+    )
+
+
+@lru_cache(maxsize=4)
+def _half_space(spacing: float, contact_modulus: float) -> HalfSpace:
+    return HalfSpace(spacing, contact_modulus)
+
+
+def pieces(steps: int) -> list[tuple[int, int]]:
+    """First and last position of each piece of a track of that many steps."""
+    return [(first, min(first + PIECE_STEPS, steps)) for first in range(0, steps, PIECE_STEPS)]
+
+
+def mapped_positions(steps: int) -> NDArray[np.int64]:
+    """Positions whose pressure is kept, evenly along a track of that many steps: all of them on a short one."""
+    return np.unique(np.arange(MAPS) * steps // MAPS)
+
+
+def pressure_map(state: ContactState, distance: float, spacing: float) -> PressureMap:
+    """The loaded part of a state, on cells of as many nodes as keep it small."""
+    loaded, window = state.loaded, state.window
+    across = max(loaded.rows, loaded.columns)
+    nodes = -(-across // MAP_CELLS)
+    # Whole cells: the last ones reach over nodes that bear nothing.
+    rows, columns = (-(-count // nodes) for count in (loaded.rows, loaded.columns))
+    pressure = np.zeros((rows * nodes, columns * nodes))
+    pressure[: loaded.rows, : loaded.columns] = window.moved(state.pressure, loaded)
+    means = pressure.reshape(rows, nodes, columns, nodes).mean(axis=(1, 3))
+    corner = (loaded.row - 0.5) * spacing, (loaded.column - 0.5) * spacing
+    return PressureMap(state.position, distance, *corner, nodes * spacing, means.astype(np.float32))
+
+
+def simulate_piece(
+    scene: Scene,
+    first: int,
+    last: int,
+    stopped: Callable[[], bool] = lambda: False,
+    progress: Callable[[float], object] = lambda steps: None,
+    contact: RollingContact | None = None,
+    mapped: bool = True,
+) -> Piece:
+    """March one piece of a scene, or of the same scene made otherwise, as `contact` says; keep pressure maps if `mapped`.
+
+    Raises
+    ------
+    ContactError : as march does.
+    Interrupted : `stopped` said so.
+    """
+    contact = contact or rolling_contact(scene)
+    half_space = _half_space(contact.spacing, contact.contact_modulus)
+    left_end = scene.recovery is not None and scene.recovery.rule == "left_end"
+    table = EventTable(contact.heights.shape) if scene.recovery is not None and scene.recovery.events else None
+    steps = {name: np.empty(last - first) for name in STEP_SERIES}
+    states = {name: np.empty(last - first + (first == 0)) for name in STATE_SERIES}
+    snapshot = None
+    kept_positions = set(mapped_positions(track(scene).solved_steps).tolist()) if mapped else set()
+    maps: list[PressureMap] = []
+    old: ContactState | None = None
+    began = time.perf_counter()
+    for state in march(contact, first, last, half_space):
+        if stopped():
+            raise pool.Interrupted
+        k = state.position
+        if old is not None:
+            energy = step_energy(old, state, half_space, left_end)
+            if table is not None:
+                table.add(k - 1, energy)
+            now = time.perf_counter()
+            values = (energy.release, energy.loading, energy.defect, now - began)
+            for name, value in zip(STEP_SERIES, values, strict=True):
+                steps[name][k - 1 - first] = value
+            began = now
+            progress(1)
+        if k > first or first == 0:
+            for name in STATE_SERIES:
+                states[name][k - first - (first > 0)] = getattr(state, name)
+            if k in kept_positions:
+                maps.append(pressure_map(state, contact.position(k), contact.spacing))
+        if k == last and first == 0:
+            window, spacing = state.window, contact.spacing
+            snapshot = Snapshot(
+                contact.position(k), window.row * spacing, window.column * spacing, state.pressure, state.deflection
+            )
+        old = state
+    return Piece(first, last, steps, states, table.columns() if table else None, snapshot, maps)
+
+
+@dataclass(frozen=True)
+class Order:
+    """How a run is marched: what a step costs of the progress, whether maps are kept, the digest of its heights' file."""
+
+    step_cost: float = 1.0
+    mapped: bool = True
+    surface_sha256: str | None = None
+
+
+def _ordered_piece(
+    scene: Scene,
+    first: int,
+    last: int,
+    order: Order,
+    stopped: Callable[[], bool],
+    progress: Callable[[float], object],
+) -> Piece:
+    """March one piece of a scene on the surface that the order names.
+
+    Raises
+    ------
+    ContactError : as march does, and where the heights were replaced or removed: a run is of one surface.
+    Interrupted : `stopped` said so.
+    """
+    try:
+        z = scene_surface(scene)
+        fault = other_surface(order.surface_sha256, z.sha256, scene.height_path)
+        if fault:
+            raise ContactError(fault)
+        contact = rolling_contact(scene, z.heights)
+        return simulate_piece(
+            scene, first, last, stopped, lambda steps: progress(steps * order.step_cost), contact, order.mapped
+        )
+    except SceneError as error:
+        raise ContactError(f"the surface that was solved is gone: {error}") from error
+
+
+def simulate(
+    scenes: Sequence[Scene],
+    todo: Sequence[tuple[int, int, int]],
+    workers: int,
+    finished: Callable[[int, Piece], None],
+    progress: Callable[[float], object] = lambda cost: None,
+    orders: Sequence[Order] | None = None,
+    begun: Callable[[int], object] = lambda run: None,
+) -> pool.Outcome:
+    """March pieces (number of the scene, first, last) on `workers` processes; `finished` gets each piece as it is done.
+
+    Each scene has its order. `progress` gets what a step of its scene costs, step by step or piece by piece.
+    `begun` gets the number of a scene as each of its pieces is handed out.
+
+    A scene that fails does not stop the others. The first Ctrl-C or SIGTERM stops all after the step at hand.
+    """
+    orders = orders or [Order(surface_sha256=identity_of(scene).heights_sha256) for scene in scenes]
+    tasks = [
+        pool.Task(
+            run,
+            _ordered_piece,
+            (scenes[run], first, last, orders[run]),
+            (last - first) * orders[run].step_cost,
+        )
+        for run, first, last in todo
+    ]
+    return pool.work(tasks, workers, finished, progress, begun)
+
+
+def missing(steps: int, release: Array) -> Iterator[tuple[int, int]]:
+    """Pieces of a track whose release is not known yet (NaN)."""
+    for first, last in pieces(steps):
+        if np.isnan(release[first:last]).any():
+            yield first, last

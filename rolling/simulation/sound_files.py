@@ -1,0 +1,96 @@
+"""The sound files of a run, and beside each what its numbers mean. Depends on sound, store and acoustics.wav."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from acoustics import wav
+from rolling.folders import files as run_folder
+from rolling.scene.scene import Scene
+from rolling.sound import ContactSound
+
+
+def write(folder: Path, scene: Scene, label: str, sound: ContactSound, caveats: Sequence[Mapping[str, str]]) -> None:
+    """signal.wav (1.0 = 1 Pa) and listen.wav (for the ear), each with a JSON of the same name; the same bytes every time.
+
+    Parameters
+    ----------
+    folder : an existing run folder.
+    label : what tells the run from its neighbours.
+    caveats : Key and text of each, as in summary.json.
+
+    Raises
+    ------
+    OSError : one cannot be written; what was there before is still there.
+    """
+    s = scene.sound
+    facts = (
+        f"{scene.name}, {label}; distance {s.distance_m:g} m, q {s.q:g},"
+        f" {sound.factor:.6g} Pa per W/m2 of fluctuation; {sound.ends}"
+    )
+    title = f"{scene.name}, {label}"
+    gain = wav.listening_gain(sound.pressure)
+    rule, consequence = _rule_of_gain(sound, gain)
+    files = {
+        "signal": wav.calibrated(sound.pressure, f"1.0 = 1 Pa; {facts}", title),
+        "listen": wav.listening(sound.pressure, gain, f"{gain:.6g} full scale per Pa, {rule}; {facts}", title),
+    }
+    sidecars = {
+        "signal": _sidecar(
+            scene,
+            label,
+            sound,
+            1.0,
+            "32-bit float",
+            "Samples are sound pressure in Pa at the distance given; players may clip what exceeds 1, listen.wav is for the ear.",
+        ),
+        "listen": _sidecar(
+            scene,
+            label,
+            sound,
+            gain,
+            "24-bit PCM",
+            f"Samples times pascal_per_full_scale are sound pressure in Pa at the distance given; {consequence}.",
+        ),
+    }
+    for name, content in files.items():
+        run_folder.write_bytes(folder / f"{name}.wav", content)
+        run_folder.write_json(folder / f"{name}.json", sidecars[name] | {"caveats": [*caveats]})
+
+
+def _rule_of_gain(sound: ContactSound, gain: float) -> tuple[str, str]:
+    """Name the rule that the gain of the listening version follows, and say what it means for the ear."""
+    if not sound.pressure.any():
+        return "silence", "the record is silent, and the gain is 1"
+    if gain >= wav.MOST_GAIN:
+        return (
+            "the largest gain",
+            "the gain is the largest there is, that of a record at 0 dB(A): this one is below and stays quieter than others",
+        )
+    return (
+        "equal loudness",
+        "the gain makes runs equally loud, so compare their levels by the numbers, not by ear",
+    )
+
+
+def _sidecar(scene: Scene, label: str, sound: ContactSound, gain: float, form: str, meaning: str) -> dict[str, Any]:
+    return {
+        "meaning": meaning,
+        "scene": scene.name,
+        "run": label,
+        "sample_rate_hz": sound.sample_rate,
+        "format": f"WAV, mono, {form}",
+        "pascal_per_full_scale": 1.0 / gain,
+        "gain_full_scale_per_pa": gain,
+        "gain_db_re_1_per_pa": 20.0 * math.log10(gain),
+        "factor_pa_per_w_m2": sound.factor,
+        "distance_m": scene.sound.distance_m,
+        "q": scene.sound.q,
+        "duration_s": len(sound.pressure) / sound.sample_rate,
+        "loops": sound.loops,
+        "laeq_db": sound.levels.laeq_db,
+        "lz_peak_db": sound.levels.lz_peak_db,
+    }

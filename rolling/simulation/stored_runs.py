@@ -1,0 +1,114 @@
+"""Run folders to the runs in them, of this version and of 0.1.0. Depends on run.json, scene files and store."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from rolling.folders import new_folder, program, run_record
+from rolling.folders.files import FolderError
+from rolling.folders.run_record import RunRecord
+from rolling.scene import file
+from rolling.scene.run_names import run_name
+from rolling.scene.scene import HeightFile, Scene, expand
+from rolling.simulation import batch, result_file
+from rolling.simulation.batch import Run
+from rolling.simulation.result import Result
+
+KINDS = ("run", "sweep")
+
+
+def read_runs(folder: Path) -> list[Run]:
+    """Return the runs of a run folder.
+
+    Raises
+    ------
+    FolderError : it is none, two of its runs share a folder, or the folder of a run in it says another scene than its sweep.
+    SceneError : its scene cannot be read.
+    """
+    record = run_record.read(folder)
+    if record is not None and record.kind not in KINDS:
+        raise FolderError(f"{folder}: not a run folder, but that of another command ({record.kind})")
+    if not (folder / "resolved.yaml").is_file():
+        raise FolderError(f"{folder}: not a run folder (no resolved.yaml in it){_hint(folder, record)}")
+    singles = expand(resolved_scene(folder))
+    short = [run_name(values) for values, _ in singles]  # as version 0.1.0 named them
+    names = list(record.runs) if record is not None and record.kind == "sweep" else short
+    if len(names) != len(singles) or (record is not None and (record.kind == "run") != (singles[0][0] == {})):
+        raise FolderError(
+            f"{folder}: run.json and resolved.yaml do not fit each other; one of them is of another scene"
+        )
+    if shared := [name for name, count in Counter(names).items() if count > 1]:
+        raise FolderError(
+            f"{folder}: several runs share the folder {shared[0]}, because version 0.1.0 gave values that print alike one name;"
+            " all but the last of them are lost: run the scene again"
+        )
+    runs = [Run(values, single, folder / name) for (values, single), name in zip(singles, names, strict=True)]
+    for one in runs:
+        batch.refuse_other_scene(one)
+    return runs
+
+
+def resolved_scene(folder: Path) -> Scene:
+    """Read the resolved scene of a run folder.
+
+    Version 0.1.0 did not write `surface.level` and took the heights of a file as they were.
+
+    Raises
+    ------
+    SceneError : it cannot be read.
+    """
+    path = folder / "resolved.yaml"
+    scene = file.load(path)
+    if isinstance(scene.surface, HeightFile) and "level" not in scene.surface.model_fields_set:
+        return file.load(path, ["surface.level=none"])
+    return scene
+
+
+def is_kept(one: Run) -> bool:
+    """Whether anything solved of a run is in its folder."""
+    try:
+        return (one.folder / batch.RESULT).is_file() and is_begun(result_file.load(one.folder / batch.RESULT))
+    except (FolderError, OSError):
+        return False
+
+
+def is_begun(result: Result) -> bool:
+    return bool(np.isfinite(result.series["release_energy"]).any())
+
+
+def records_of(folders: Sequence[Path]) -> list[RunRecord | None]:
+    """The records of folders, with one warning of those that have none."""
+    records = [run_record.read(folder) for folder in folders]
+    if old := [str(folder) for folder, record in zip(folders, records, strict=True) if record is None]:
+        print(
+            f"warning: {', '.join(old)}: of version 0.1.0 (no run.json), which did not say whether a run was done,"
+            " or what made it",
+            file=sys.stderr,
+        )
+    return records
+
+
+def warn_of_other_program(folder: Path, before: RunRecord | None, results: Sequence[Result]) -> None:
+    """Say that a part of the results was solved by another state of the program."""
+    ours = program.identity()
+    solved = [result for result in results if is_begun(result) and not result.complete]
+    if before is not None and before.sources != ours.sources and solved:
+        print(
+            f"warning: {folder}: begun by version {before.version} (sources {before.sources[:12]}), goes on with"
+            f" version {ours.version} (sources {ours.sources[:12]})",
+            file=sys.stderr,
+        )
+
+
+def _hint(folder: Path, record: RunRecord | None) -> str:
+    old = new_folder.previous(folder) if folder.name not in ("", "..") else folder
+    if not folder.exists() and run_record.read(old) is not None:
+        return f"; a command was killed while it replaced the folder, {old} holds the run before it"
+    if record is not None:
+        return "; a command was killed while it made the folder, give it again with --force"
+    return ""

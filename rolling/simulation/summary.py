@@ -1,0 +1,184 @@
+"""The numbers of a run by name, what made them, and the table of them; depends on simulate's results and the sound."""
+
+from __future__ import annotations
+
+import math
+import platform
+from collections.abc import Sequence
+from dataclasses import asdict
+from datetime import UTC, datetime
+from importlib import metadata
+from typing import Any
+
+import numpy as np
+
+from acoustics import loudness
+from rolling.check import cost, findings, measured
+from rolling.contact import closed_forms
+from rolling.folders import program
+from rolling.scene.scene import Scene
+from rolling.simulation import caveats, simulate
+from rolling.simulation.labels import printable
+from rolling.simulation.result import Result
+from rolling.sound import ContactSound
+from rolling.surface.levelling import Levelling
+from rolling.surface.scene_surface import scene_surface
+
+PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5py", "pydantic")
+
+
+def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: float) -> dict[str, Any]:
+    """Plain numbers of a run, by name; what has no sound is None. Of a partial run: of what is solved."""
+    steps = result.done_steps
+    made = scene_surface(scene)
+    series = {name: result.whole(name)[:steps] for name in simulate.STEP_SERIES}
+    state = {name: result.whole(name)[: steps + 1] for name in simulate.STATE_SERIES}
+    hertz_area = np.pi * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
+    plastic = float(state["plastic_area"].mean())
+    solved_time = series["step_time"][: result.solved_steps]
+    return {
+        "name": scene.name,
+        "load_n": scene.load,
+        "complete": result.complete,
+        "steps": steps,
+        "laeq_db": sound.levels.laeq_db,
+        "level_db": sound.levels.level_db,
+        "laf_max_db": sound.levels.laf_max_db,
+        "las_max_db": sound.levels.las_max_db,
+        "lz_peak_db": sound.levels.lz_peak_db,
+        "steady_level_db": sound.steady_level,
+        "uncertainty_db": {
+            "laeq": sound.uncertainty.laeq_db,
+            "level": sound.uncertainty.level_db,
+            "laf_max": sound.uncertainty.laf_max_db,
+            "las_max": sound.uncertainty.las_max_db,
+            "lz_peak": sound.uncertainty.lz_peak_db,
+            "steady": sound.steady_uncertainty,
+        },
+        "third_octave_db": sound.levels.third_octave_db,
+        "third_octave_a_db": sound.levels.third_octave_a_db,
+        "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
+        **_loudness(scene, sound),
+        "duration_s": sound.duration,
+        "loops": sound.loops,
+        "highest_frequency_hz": sound.highest,
+        "factor_pa_per_w_m2": sound.factor,
+        "release_power_mean_w": sound.mean_power,
+        "release_power_rms_w": sound.power_rms,
+        "release_power_audible_rms_w": sound.audible_rms,
+        "release_power_resolved_rms_w": sound.resolved_rms,
+        "hertz_area_m2": float(hertz_area),
+        "contact_area_mean_m2": float(state["contact_area"].mean()),
+        "plastic_area_mean_m2": plastic,
+        "plastic_ratio": plastic / float(hertz_area),
+        "max_pressure_pa": float(state["max_pressure"].max()),
+        "energy_balance_error": float(np.abs(series["energy_defect"]).max() / state["stored_energy"].max()),
+        "residual_max": float(state["residual"].max()),
+        "iterations_mean": float(state["iterations"].mean()),
+        "convolutions_mean": float(state["convolutions"].mean()),
+        "step_ms": float(np.median(solved_time) * 1e3),
+        "seconds": float(solved_time.sum()),
+        "sound_seconds": sound_seconds,
+        "caveats": [asdict(each) for each in caveats.caveats(scene, sound, findings.findings(scene), result.complete)],
+        "surface": asdict(made.statistics),
+        "levelling": None if made.levelling is None else _levelling(made.levelling),
+    }
+
+
+def _levelling(levelling: Levelling) -> dict[str, Any]:
+    """What was taken off heights from a file, and the seam of those that are used."""
+    (along, across), (rise_along, rise_across), seam = levelling.taken, levelling.rises, levelling.seams[0]
+    return {
+        "slope_along": along,
+        "slope_across": across,
+        "height_along_m": rise_along,
+        "height_across_m": rise_across,
+        "ra_before_m": levelling.ra_before,
+        "ra_after_m": levelling.ra_after,
+        "seam_step_m": seam.step,
+        "seam_neighbours_m": seam.neighbours,
+        "seam_stands_out": seam.stands_out,
+        "text": measured.tilt_text(levelling),
+    }
+
+
+def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
+    """Loudness and sharpness where the scene asks for them."""
+    if not scene.sound.loudness:
+        return {}
+    heard = loudness.loudness(sound.pressure, sound.sample_rate, sound.closed)
+    return {"loudness_sone": heard.sone, "sharpness_acum": heard.acum}
+
+
+def provenance(scene: Scene) -> dict[str, Any]:
+    """What made the numbers: versions, the state of the source, machine, seed."""
+    made_by = program.identity()
+    packages = (*PACKAGES, "mosqito") if scene.sound.loudness else PACKAGES
+    return {
+        "program": made_by.version,
+        "source": made_by.commit and f"{made_by.commit[:12]}{'-dirty' if made_by.dirty else ''}",
+        "python": platform.python_version(),
+        "packages": {name: metadata.version(name) for name in packages},
+        "machine": f"{platform.system()} {platform.machine()}, {cost.cores()} processors",
+        "seed": getattr(scene.surface, "seed", None),
+        "written": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+def uncertain(level: float, uncertainty: float | None) -> str:
+    """A level with its standard uncertainty [dB], rounded up to a tenth: nothing is known to 0.0 dB."""
+    return f"{level:.1f}" + ("" if uncertainty is None else f" ± {math.ceil(uncertainty * 10) / 10:.1f}")
+
+
+def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
+    """Levels and cost of runs given by label, folder and summary (None: not enough was solved), for the terminal.
+
+    LAeq stands with its standard uncertainty, the caveats of all levels right below.
+    """
+    head = ("run", "LAeq dB(A)", "LZeq dB", "steady dB", "plastic ratio", "steps", "ms/step", "files")
+    rows: list[tuple[str, ...]] = [head]
+    for label, folder, summary in runs:
+        if summary is None:
+            rows.append((label, *["-"] * 6, printable(folder)))
+            continue
+
+        def db(name: str, summary: dict[str, Any] = summary) -> str:
+            return "silent" if summary[name] is None else f"{summary[name]:.1f}"
+
+        laeq = "silent"
+        if summary["laeq_db"] is not None:
+            laeq = uncertain(summary["laeq_db"], summary["uncertainty_db"]["laeq"])
+        steps = f"{summary['steps']}" + ("" if summary["complete"] else " (partial)")
+        rows.append(
+            (
+                label,
+                laeq,
+                db("level_db"),
+                db("steady_level_db"),
+                f"{summary['plastic_ratio']:.3f}",
+                steps,
+                f"{summary['step_ms']:.1f}",
+                printable(folder),
+            )
+        )
+    widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    return "\n".join(lines + _remarks([(label, summary) for label, _, summary in runs if summary is not None]))
+
+
+def _remarks(runs: list[tuple[str, dict[str, Any]]]) -> list[str]:
+    """Say the caveats of the levels, then the surfaces, what repeats, and each kind of warning once."""
+    remarks = caveats.gathered([(label, caveats.stored(summary)) for label, summary in runs])
+    beside = [each for each in remarks if each.key in caveats.HEADLINE]
+    of_levels = " ".join(each.line for each in beside if each.key != "uncertainty")
+    of_uncertainty = " ".join(each.line for each in beside if each.key == "uncertainty")
+    surfaces = dict.fromkeys(
+        f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, skewness {s['skewness']:.2f},"
+        f" kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
+        for s in (summary["surface"] for _, summary in runs)
+    )
+    levelled = [summary["levelling"] for _, summary in runs if summary.get("levelling")]
+    tilts = dict.fromkeys(f"tilt: {each['text']}" for each in levelled if each["slope_along"] or each["slope_across"])
+    repeats = [f"note: {each.line}" for each in remarks if each.key in caveats.REPEATS]
+    warnings = [f"warning: {each.line}" for each in remarks if each.key not in caveats.STANDING]
+    return [*filter(None, (of_levels, of_uncertainty)), "", *surfaces, *tilts, *repeats, *warnings]

@@ -1,0 +1,127 @@
+"""The surface of a scene: made, or read, centred and levelled; all that needs heights takes them from here.
+
+Depends on scenario, surface and levelling. The last surface is kept, because most runs of a sweep share it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling.scene.identity import heights_digest
+from rolling.scene.scene import Gaussian, HeightFile, Scene, SceneError, track
+from rolling.surface import heights as surface
+from rolling.surface import levelling
+from rolling.surface.heights import Correlation, Statistics
+from rolling.surface.levelling import Levelling
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SceneSurface:
+    """Heights of a scene and their statistics, each computed when it is first asked for.
+
+    heights : [m], shape (along track, across).
+    spacing : of the nodes [m].
+    levelling : of heights that were read from a file; None: they were made.
+    sha256 : digest of the heights as their file holds them, before levelling; None: they were made.
+    """
+
+    heights: Array
+    spacing: float
+    levelling: Levelling | None = None
+    sha256: str | None = None
+
+    @cached_property
+    def statistics(self) -> Statistics:
+        """Roughness of the heights that are used."""
+        return surface.statistics(self.heights, self.spacing)
+
+    @cached_property
+    def correlations(self) -> tuple[Correlation, Correlation]:
+        """Correlation of the heights along and across."""
+        return surface.correlation(self.heights, self.spacing, 0), surface.correlation(self.heights, self.spacing, 1)
+
+    @cached_property
+    def form_share(self) -> float:
+        """Share of the heights' variance that a plane and a parabola make up."""
+        return levelling.form_share(self.heights)
+
+    @property
+    def has_seam(self) -> bool:
+        """The step from the end of the track to its beginning stands out."""
+        return self.levelling is not None and self.levelling.seams[0].stands_out
+
+
+_kept: dict[tuple[Any, ...], SceneSurface] = {}
+
+
+def scene_surface(scene: Scene) -> SceneSurface:
+    """Make or read the surface of a scene.
+
+    Raises
+    ------
+    SceneError : the surface cannot be made or read.
+    """
+    key = identity(scene)
+    if key not in _kept:
+        try:
+            made = _make(scene)
+        except surface.SurfaceError as error:
+            place = "surface.path" if scene.height_path else "surface"
+            raise SceneError([f"{place}: {error}"]) from error
+        _kept.clear()
+        _kept[key] = made
+    return _kept[key]
+
+
+def heights(scene: Scene) -> Array:
+    """Surface heights of a scene [m], (along, across), as the march, the statistics and the pictures use them.
+
+    Raises
+    ------
+    SceneError : the surface cannot be made or read.
+    """
+    return scene_surface(scene).heights
+
+
+def identity(scene: Scene) -> tuple[Any, ...]:
+    """Values that are equal for scenes that share their surface; a file that was written again is another one.
+
+    Raises
+    ------
+    SceneError : the height file is missing or has no heights.
+    """
+    way, path = track(scene), scene.height_path
+    try:
+        stamp = path.stat() if path else None
+    except OSError as error:
+        raise SceneError([f"surface.path: {path}: not readable ({error.strerror or error})"]) from error
+    return (
+        scene.surface.model_dump_json(),
+        scene.folder,
+        way.n_along,
+        way.n_across,
+        (stamp.st_mtime_ns, stamp.st_size, stamp.st_ino) if stamp else None,
+    )
+
+
+def _make(scene: Scene) -> SceneSurface:
+    s, spacing = scene.surface, scene.spacing
+    if isinstance(s, HeightFile) and scene.height_path:
+        stored = surface.stored(scene.height_path)  # the digest is of the very array that is used
+        heights, how = levelling.level(surface.usable(stored, scene.height_path), spacing, s.level)
+        return SceneSurface(heights, spacing, how, heights_digest(stored))
+    way = track(scene)
+    shape = way.n_along, way.n_across
+    if isinstance(s, Gaussian):
+        across = s.correlation_length_across_um or s.correlation_length_um
+        lengths = (s.correlation_length_um * 1e-6, across * 1e-6)
+        made = surface.gaussian(shape, spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed)
+        return SceneSurface(made, spacing)
+    return SceneSurface(surface.smooth(shape), spacing)

@@ -1,0 +1,176 @@
+"""Independent check of a contact state: its own gaps, its own convolution, its own search for contact outside the window.
+
+Imports the types of march and nothing that solves: it shares no code with the fast path.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from scipy.signal import fftconvolve
+
+from rolling.contact.march import ContactState, RollingContact
+
+Array = NDArray[np.float64]
+Nodes = NDArray[np.signedinteger]
+
+LOAD_ERROR = 1.001e-12  # relative; the excess is for a sum in another order than the one the solver accepts by
+ENERGY_ERROR = 1e-11  # relative, of two convolutions that round differently
+AROUND = 8  # nodes past the window that are looked at by convolution
+BLOCK = 1_000_000  # nodes looked at in one go in the search outside the window
+
+
+def love_coefficients(x: Nodes, y: Nodes) -> Array:
+    """Love's (1929) coefficients at node distances x, y [spacings], as logarithms, for pi E* = spacing = 1; they broadcast."""
+    total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
+    for a, b in ((0.5, 0.5), (0.5, -0.5), (-0.5, 0.5), (-0.5, -0.5)):
+        s, t = x + a, y + b
+        r = np.hypot(s, t)
+        # log(t + r) = log((t + r)(r + |t|) / (r + |t|)): for t < 0 written as log(s^2 / (r - t)), which does not cancel.
+        log_t = np.where(t > 0, np.log(np.abs(t) + r), 2 * np.log(np.abs(s)) - np.log(np.abs(t) + r))
+        log_s = np.where(s > 0, np.log(np.abs(s) + r), 2 * np.log(np.abs(t)) - np.log(np.abs(s) + r))
+        total += np.sign(a * b) * (s * log_t + t * log_s)
+    return total
+
+
+@lru_cache(maxsize=32)
+def _kernel(rows: int, columns: int) -> Array:
+    """Coefficients for all node distances within (rows, columns)."""
+    return love_coefficients(np.arange(1 - rows, rows)[:, None], np.arange(1 - columns, columns)[None, :])
+
+
+def gap_and_deflection(track: RollingContact, state: ContactState, around: int = 0) -> tuple[Array, Array, Array]:
+    """Undeformed gap [m], deflection [m] and pressure [Pa] on the window grown by `around` nodes, all computed afresh."""
+    w = state.window
+    rows, columns = np.arange(-around, w.rows + around) + w.row, np.arange(-around, w.columns + around) + w.column
+    p = np.pad(state.pressure, around)
+    m, n = p.shape
+    u = fftconvolve(p, _kernel(m, n))[m - 1 : 2 * m - 1, n - 1 : 2 * n - 1]
+    return _gap(track, state, rows, columns), u * track.spacing / (np.pi * track.contact_modulus), p
+
+
+def _gap(track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes) -> Array:
+    along, across = track.heights.shape
+    x = rows * track.spacing - (track.start + state.position * track.step)
+    y = (columns - (across - 1) / 2) * track.spacing
+    heights = track.heights[np.ix_(rows % along, columns % across)]
+    return (x[:, None] ** 2 + y[None, :] ** 2) / (2 * track.radius) - heights
+
+
+def violations(track: RollingContact, state: ContactState, around: int = AROUND) -> dict[str, float]:
+    """What a solved contact must hold, as numbers.
+
+    conditions : largest violation of the gap conditions over the largest deflection, also `around` nodes past the window.
+    lowest, above : lowest pressure, and highest pressure minus the hardness [Pa]; none may be below, above zero.
+    load : relative error of the load. energy, deflection : of what the state says of itself, relative.
+    outside : deepest negative gap [m] anywhere outside the window over the largest deflection; 0 without any.
+    """
+    e, u, p = gap_and_deflection(track, state, around)
+    gap = e + u - state.approach
+    if state.edge is not None:  # a share s of a cell in contact bears s * hardness at a gap of edge * (1 - 2 s)
+        gap -= np.pad(state.edge, around) * (1 - 2 * p / track.hardness)
+    wrong = np.where(p <= 0, -gap, np.where(p >= track.hardness, gap, np.abs(gap)))
+    inner = u[around : u.shape[0] - around, around : u.shape[1] - around]
+    cell = track.spacing**2
+
+    def whole(nodes: NDArray[np.bool_]) -> float:
+        """Number of nodes; of blended edges, those between open ones and one at the hardness, the share of it they bear."""
+        if state.edge is None:
+            return float(np.count_nonzero(nodes))
+        beside_open = ndimage.binary_dilation(p <= 0, border_value=1)
+        beside_bound = ndimage.binary_dilation(p >= track.hardness, np.ones((3, 3)))
+        shared = beside_open & beside_bound & (p > 0) & (p < track.hardness)
+        return float(np.count_nonzero(nodes & ~shared) + (p[shared] / track.hardness).sum())
+
+    stored = 0.5 * float(np.vdot(p, u)) * cell
+    return {
+        "conditions": float(max(wrong.max(), 0.0) / u.max()),
+        "lowest": float(p.min()),
+        "above": float(p.max() - track.hardness) if np.isfinite(track.hardness) else -np.inf,
+        "load": abs(float(p.sum()) * cell / track.load - 1),
+        "energy": abs(state.stored_energy / stored - 1),
+        "deflection": float(np.abs(state.deflection - inner).max() / u.max()),
+        "contact area": abs(state.contact_area / (whole(p > 0) * cell) - 1),
+        "plastic area": abs(state.plastic_area / cell - whole(p >= track.hardness)),
+        "outside": contact_outside(track, state) / float(u.max()),
+    }
+
+
+def contact_outside(track: RollingContact, state: ContactState) -> float:
+    """Deepest penetration [m] of sphere and deflected plate outside the state's window, on all there is; 0 without any.
+
+    Deflections are never negative, so contact needs an undeformed gap below the approach: few nodes are left to look at, and
+    their deflections are summed directly.
+    """
+    reach = 2 * track.radius * (state.approach + float(track.heights.max()))
+    if not reach > 0:
+        return 0.0
+    nodes = np.sqrt(reach) / track.spacing
+    across = track.heights.shape[1]
+    centre = (track.start + state.position * track.step) / track.spacing
+    rows = _low_lines(track, state, centre, nodes, track.heights.max(axis=1))
+    columns = _low_lines(track, state, (across - 1) / 2, nodes, track.heights.max(axis=0))
+    if not rows.size or not columns.size:
+        return 0.0
+    w, deepest = state.window, 0.0
+    beside = ~((columns >= w.column) & (columns < w.column + w.columns))
+    for piece in np.array_split(rows, 1 + rows.size * columns.size // BLOCK):
+        before_or_after = ~((piece >= w.row) & (piece < w.row + w.rows))
+        room = state.approach - _gap(track, state, piece, columns)
+        i, j = np.nonzero((room > 0) & (before_or_after[:, None] | beside[None, :]))
+        if i.size:
+            deepest = max(deepest, float((room[i, j] - _deflection_at(track, state, piece[i], columns[j])).max()))
+    return deepest
+
+
+def _low_lines(track: RollingContact, state: ContactState, centre: float, nodes: float, highest: Array) -> Nodes:
+    """Rows or columns within `nodes` of the centre that hold a node with its undeformed gap below the approach, if any does."""
+    lines = np.arange(np.floor(centre - nodes), np.ceil(centre + nodes) + 1).astype(np.int64)
+    distance = (lines - centre) * track.spacing
+    return lines[distance**2 / (2 * track.radius) - highest[lines % highest.size] < state.approach]
+
+
+def _deflection_at(track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes) -> Array:
+    """Deflection [m] at single nodes, one sum over the loaded nodes each."""
+    i, j = np.nonzero(state.pressure)
+    p, i, j = state.pressure[i, j], i + state.window.row, j + state.window.column
+    u = np.empty(rows.size)
+    for piece in np.array_split(np.arange(rows.size), 1 + rows.size * p.size // BLOCK):
+        u[piece] = love_coefficients(rows[piece, None] - i, columns[piece, None] - j) @ p
+    return u * track.spacing / (np.pi * track.contact_modulus)
+
+
+def broken(track: RollingContact, state: ContactState, allowance: float = 1.5) -> list[str]:
+    """What a state violates, as "what: how much"; empty for a solved contact.
+
+    The allowance is for the rounding of heights against deflection and of the two convolutions; the solver's own residual is
+    the same quantity.
+    """
+    if not all(np.isfinite(x) for x in (state.approach, state.stored_energy, state.max_pressure, state.residual)):
+        return [f"finite: approach {state.approach:g} m, stored energy {state.stored_energy:g} J"]
+    if not (np.isfinite(state.pressure).all() and np.isfinite(state.deflection).all()):
+        return ["finite: a pressure or a deflection is not a number"]
+    got = violations(track, state)
+    rounding = 1e-15 * float(np.abs(track.heights).max()) / float(state.deflection.max()) + 1e-14
+    allowed = allowance * track.tolerance + 10 * rounding
+    limits = {
+        "conditions": allowed,
+        "outside": allowed,
+        "above": 0.0,
+        "load": LOAD_ERROR,
+        "energy": ENERGY_ERROR,
+        "deflection": ENERGY_ERROR,
+        "contact area": LOAD_ERROR,
+        "plastic area": 1e-6,
+    }
+    found = [
+        f"{name}: {got[name]:.3g}, allowed {limit:.3g}" for name, limit in limits.items() if not got[name] <= limit
+    ]
+    if not got["lowest"] >= 0:
+        found.append(f"lowest: a pressure of {got['lowest']:.3g} Pa")
+    if not state.residual <= track.tolerance:
+        found.append(f"residual: the solver's own is {state.residual:.3g}, tolerance {track.tolerance:.3g}")
+    return found
