@@ -20,7 +20,7 @@ from rolling.folders.files import FolderError, Stopped
 from rolling.folders.run_record import Kind
 from rolling.scene import file
 from rolling.scene.scene import track
-from rolling.simulation import batch, labels, simulate, sound_files, summary
+from rolling.simulation import batch, labels, sound_files, summary
 from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan
 from rolling.simulation.result import Result
@@ -33,6 +33,7 @@ from rolling.simulation.stored_runs import (
     resolved_scene,
     warn_of_other_program,
 )
+from rolling.surface import contact_of_scene
 
 if TYPE_CHECKING:
     from rolling.report.page import Exhibit
@@ -85,7 +86,7 @@ def run(
     findings.refuse_what_cannot_fit(scene, workers, out or findings.OUTPUTS)
     plan = Plan(scene, scene_path.read_bytes())
     for _, single in plan.singles:
-        simulate.rolling_contact(single)  # a surface that cannot be had shows before anything is written
+        contact_of_scene.rolling_contact(single)  # a surface that cannot be had shows before anything is written
     target = new_folder.aim(Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files])
     with new_folder.make(target, plan.record(), plan.write) as held:
         runs = plan.runs(held.folder)

@@ -126,7 +126,7 @@ def test_thread_alone_ends_a_worker_where_the_kernel_does_not(tmp_path: Path) ->
     """Without prctl, as on other systems: what sleeps ends at once."""
     program, running = tmp_path / "program.py", tmp_path / "running"
     running.mkdir()
-    without = "from rolling import lifeline\nlifeline._ask_kernel = lambda: None\n"
+    without = "from rolling.simulation import lifeline\nlifeline._ask_kernel = lambda: None\n"
     program.write_text(without + PROGRAM.replace("ctypes.PyDLL(None)", "time"))
     main = start([str(program), str(running)], tmp_path)
     assert wait_for(lambda: len(list(running.iterdir())) == 2, 60)

@@ -14,7 +14,7 @@ from rolling.contact import march
 from rolling.scene import file
 from rolling.scene.scene import Scene, expand, track
 from rolling.simulation import simulate, summary
-from rolling.surface import scene_surface
+from rolling.surface import contact_of_scene, scene_surface
 
 TEXT = """\
 name: trial
@@ -56,7 +56,7 @@ def test_numbers_are_those_of_a_march() -> None:
     march, over 400 positions, lies within the range of the eight."""
     given = scene()
     (got,) = probe.probes([given])
-    contact = simulate.rolling_contact(given)
+    contact = contact_of_scene.rolling_contact(given)
     states = list(march.march(contact, 0, 399, simulate._half_space(contact.spacing, contact.contact_modulus)))
     places = np.arange(8) * 400 // 8
     for name in ("contact_area", "plastic_area", "max_pressure"):

@@ -35,7 +35,7 @@ def complete(out: Path) -> dict[Path, bytes]:
 
 def test_a_killed_study_goes_on_and_answers_for_each_statement(tmp_path: Path, monkeypatch, capsys) -> None:
     out = tmp_path / "out"
-    shortened = f"from rolling import cli; from rolling.article import study; study.QUICK = study.{SHORT}; "
+    shortened = f"from rolling import cli; from rolling.lee2025 import study; study.QUICK = study.{SHORT}; "
     process = subprocess.Popen([sys.executable, "-c", f"{shortened}cli.main({[*COMMAND, '--out', str(out)]})"])
     deadline = time.monotonic() + 120
     while not (out.is_dir() and (before := complete(out))):

@@ -443,7 +443,8 @@ def test_an_old_file_of_another_length_is_refused(whole: Path, partial: Result, 
 
 COMMAND = """\
 import sys, resource
-from rolling import cli, run, run_folder
+from rolling import cli, commands as run
+from rolling.folders import files as run_folder
 run._write_pictures = lambda *_: []
 run_folder.Keeper.due = lambda self: True
 LIMIT
@@ -451,7 +452,7 @@ sys.exit(cli.main(sys.argv[1:]))
 """
 
 
-FREE = "from rolling import machine; machine.free_disk = lambda folder: 1e12"
+FREE = "from rolling.check import machine; machine.free_disk = lambda folder: 1e12"
 
 
 def limited(arguments: list[str], limit: str = "") -> subprocess.CompletedProcess[str]:

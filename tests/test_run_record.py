@@ -125,7 +125,7 @@ def test_the_digest_follows_every_module_and_asset(tmp_path: Path) -> None:
         shutil.copytree(root / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
 
     def digest() -> str:
-        code = "from rolling import program; print(program.sources_digest())"
+        code = "from rolling.folders import program; print(program.sources_digest())"
         printed = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(tmp_path)},
                                  capture_output=True, text=True, check=True)  # fmt: skip
         return printed.stdout.strip()

@@ -15,7 +15,7 @@ from speed import RIVALS, counts, measure_rival, table, timed_march
 from whole_run import scene_20_n
 
 from rolling.contact.march import Window
-from rolling.simulation.simulate import rolling_contact
+from rolling.surface.contact_of_scene import rolling_contact
 
 GUARDS = {  # most iterations and convolutions per step: what was measured and 15 %
     "scene": (9.1, 10.2),

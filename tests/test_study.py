@@ -22,6 +22,7 @@ from rolling.lee2025 import reproduce, study
 from rolling.scene.scene import Gaussian, Scene
 from rolling.simulation import result_file, simulate
 from rolling.sound import contact_sound
+from rolling.surface import contact_of_scene
 
 SCENES = Path(__file__).parent.parent / "scenarios" / "lee2025"
 READINGS = sorted(folder.name for folder in SCENES.iterdir())
@@ -226,7 +227,7 @@ def test_power_levels() -> None:
 def test_the_articles_own_method_agrees(reading: str, roughness: float) -> None:
     """Influence matrix and active set (its Fig. 3) at 5 N, edges sharp as there: pressures within 1e-6 of the peak."""
     (scene,) = (one for one in study.scenes(SCENES / reading, study.QUICK) if _is(one, roughness, 5))
-    contact = replace(simulate.rolling_contact(scene), blended=False, tolerance=1e-9)
+    contact = replace(contact_of_scene.rolling_contact(scene), blended=False, tolerance=1e-9)
     (state,) = march(contact, 0, 0, HalfSpace(contact.spacing, contact.contact_modulus))
     w = state.loaded
     block = Window(w.row - 2, w.column - 2, w.rows + 4, w.columns + 4)

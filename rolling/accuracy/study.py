@@ -24,6 +24,7 @@ from rolling.scene import file
 from rolling.scene.scene import expand
 from rolling.simulation import pool, simulate, summary
 from rolling.simulation.batch import Run
+from rolling.surface import contact_of_scene
 
 
 def report(
@@ -47,7 +48,7 @@ def report(
     long_steps.refuse_long_steps(single)
     what = study(single, duration, finest)
     findings.refuse_variants_that_cannot_fit(what.scene, finest, workers, out or findings.OUTPUTS)
-    simulate.rolling_contact(what.scene)  # a surface that cannot be had shows before anything is written
+    contact_of_scene.rolling_contact(what.scene)  # a surface that cannot be had shows before anything is written
     given = scene_path.read_bytes()
     inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]
     target = new_folder.aim(Path("outputs") / f"{scene.name}-accuracy", out, force, ["accuracy"], inputs)

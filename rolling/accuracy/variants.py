@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from rolling.contact.march import RollingContact
 from rolling.scene.scene import Scene, track
 from rolling.simulation import pool, simulate
+from rolling.surface import contact_of_scene
 
 Array = NDArray[np.float64]
 
@@ -184,7 +185,7 @@ _kept: list[tuple[Array, int, Array]] = []  # the last surface refined
 
 def rolling_contact(scene: Scene, variant: Variant) -> RollingContact:
     """What the march needs of a scene computed another way."""
-    coarse = simulate.rolling_contact(scene)
+    coarse = contact_of_scene.rolling_contact(scene)
     if not _kept or _kept[0][0] is not coarse.heights or _kept[0][1] != variant.times:
         fine = refined(coarse.heights, variant.times) if variant.times > 1 else coarse.heights
         _kept[:] = [(coarse.heights, variant.times, fine)]

@@ -24,8 +24,8 @@ from rolling.contact.march import ContactState, RollingContact, march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.scene.scene import HeightFile, Scene, track
-from rolling.simulation.simulate import rolling_contact
 from rolling.surface import scene_surface
+from rolling.surface.contact_of_scene import rolling_contact
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
+from rolling.scene.height_header import HeaderError, header
 from rolling.scene.messages import fault, plain_number
 from rolling.scene.motion import ROUNDING, Motion
-from rolling.surface._npy import HeaderError, header
 
 MIN_NODES = 8  # along and across
 MAX_NODES = 10**9  # along the track, and steps: whatever is longer is a slip of the unit

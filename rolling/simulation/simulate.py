@@ -22,7 +22,8 @@ from rolling.contact.solver import ContactError
 from rolling.scene.identity import Identity, other_surface
 from rolling.scene.scene import Scene, SceneError, track
 from rolling.simulation import pool
-from rolling.surface.scene_surface import heights, scene_surface
+from rolling.surface.contact_of_scene import rolling_contact
+from rolling.surface.scene_surface import scene_surface
 
 Array = NDArray[np.float64]
 
@@ -104,23 +105,6 @@ def surface_fault(scene: Scene, solved: str | None) -> str | None:
         return other_surface(solved, scene_surface(scene).sha256, scene.height_path)
     except SceneError as error:
         return f"the surface that was solved is gone: {error}"
-
-
-def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
-    """Gather what the march needs of a scene, `over` these heights [m] or its own."""
-    return RollingContact(
-        heights=heights(scene) if over is None else over,
-        spacing=scene.spacing,
-        radius=scene.radius,
-        contact_modulus=scene.contact_modulus,
-        hardness=scene.hardness,
-        load=scene.load,
-        step=scene.step,
-        start=scene.start,
-        tolerance=scene.numerics.tolerance,
-        single=scene.numerics.precision == "single",
-        blended=scene.numerics.edges == "blended",
-    )
 
 
 @lru_cache(maxsize=4)

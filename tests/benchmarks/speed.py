@@ -31,7 +31,8 @@ from whole_run import scene_20_n
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import ContactState, RollingContact, Window, march
 from rolling.contact.recovery import step_energy
-from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, rolling_contact
+from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES
+from rolling.surface.contact_of_scene import rolling_contact
 
 HERE = Path(__file__).parent
 REFERENCE_TOLERANCE = 1e-8

@@ -1,0 +1,34 @@
+"""A scene to the rolling contact that the march takes: its surface, its bodies and its numerics as plain numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling.contact.march import RollingContact
+from rolling.scene.scene import Scene
+from rolling.surface.scene_surface import heights
+
+Array = NDArray[np.float64]
+
+
+def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
+    """Gather the numbers that the march needs of a scene, `over` these heights [m] or its own.
+
+    Raises
+    ------
+    SceneError : the surface cannot be made or read.
+    """
+    return RollingContact(
+        heights=heights(scene) if over is None else over,
+        spacing=scene.spacing,
+        radius=scene.radius,
+        contact_modulus=scene.contact_modulus,
+        hardness=scene.hardness,
+        load=scene.load,
+        step=scene.step,
+        start=scene.start,
+        tolerance=scene.numerics.tolerance,
+        single=scene.numerics.precision == "single",
+        blended=scene.numerics.edges == "blended",
+    )
