@@ -1,15 +1,141 @@
-"""Compiled passes of the contact solve.
+"""Compiled passes of the contact solve: conjugate gradients in the notation of the textbooks.
 
-`violation` and `candidates` look at a whole window; the others at its candidates, the nodes that may be in contact, as flat
-arrays in the order of `node`. The first `n_free` entries of `active` are free candidates, the next `n_bound` are about to be put
-on a bound.
+r is the residual, the gap left open or overlapped on a free node [m]; z the preconditioned residual, d the direction, both [Pa];
+alpha and beta are the step length and the factor of the last direction. `violation` and `candidates` look at a whole window; all
+others at its candidates, the nodes that may be in contact, as flat arrays. The tuples below are built once per descent, because
+handing one to compiled code takes about a microsecond.
 """
 
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
+
+from rolling.contact._projection import Limits, Sets, extrapolate, project, step_by_way_of
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.uint32]
+
+LEAST_STEP = 1e-3  # after a step length alpha below it the direction is dropped: nodes put on a bound point the wrong way
+
+
+class Nodes(NamedTuple):
+    """The candidates of a descent, flat arrays of equal length; the last two are empty where no node is compliant by itself.
+
+    Parameters
+    ----------
+    p : pressure, Pa.
+    g : gap before the approach is taken off, m.
+    compliance : closing of a node's gap by its own pressure beside the deflection, m/Pa.
+    softening : square root of the share of a node's stiffness that its compliance leaves.
+    """
+
+    p: Array
+    g: Array
+    compliance: Array
+    softening: Array
+
+
+class Transform(NamedTuple):
+    """The array of the transforms: the direction goes in, its deflection comes out.
+
+    Parameters
+    ----------
+    image : flat array, Pa times `unit` before the convolution, m after it.
+    node : index of each candidate in `image`.
+    unit : float, m/Pa. Deflection per pressure and coefficient.
+    """
+
+    image: NDArray[np.floating]
+    node: Indices
+    unit: float
+
+
+class Stencil(NamedTuple):
+    """The preconditioner, a short stencil of the inverse half-space, and the grid it acts on.
+
+    Parameters
+    ----------
+    values : (3, 3) stencil, Pa/m.
+    grid : flat array, m. Residual on the block of the candidates with a border of one open node.
+    node : index of each candidate in `grid`.
+    row_length : int. Nodes in a row of `grid`.
+    stiffness : float, Pa/m. Pressure on one node alone that opens its gap by a metre.
+    """
+
+    values: Array
+    grid: Array
+    node: Indices
+    row_length: int
+    stiffness: float
+
+
+class Work(NamedTuple):
+    """Vectors that the passes overwrite, one entry per candidate.
+
+    Parameters
+    ----------
+    trial : preconditioned residual, then trial pressure, Pa.
+    d : direction, Pa.
+    r, r_before : residual of this iteration and of the one before, m.
+    active : indices of candidates (see Sets).
+    """
+
+    trial: Array
+    d: Array
+    r: Array
+    r_before: Array
+    active: Indices
+
+
+class System(NamedTuple):
+    """One descent: its candidates and all that stays where it is in memory."""
+
+    nodes: Nodes
+    transform: Transform
+    stencil: Stencil
+    work: Work
+    limits: Limits
+
+
+class Direction(NamedTuple):
+    """The numbers that belong to a direction d.
+
+    Parameters
+    ----------
+    slope : float, Pa m. Slope of the energy along d; not negative: no direction descends.
+    longest : float. Longest step length within the bounds, at least 1.
+    zr : float, Pa m. Product z.r, 0 where the next direction forgets this one.
+    length : float. Step length that the unprojected direction had so far, for the next beta.
+    """
+
+    slope: float
+    longest: float
+    zr: float
+    length: float
+
+
+class Step(NamedTuple):
+    """The state after a step.
+
+    Parameters
+    ----------
+    approach : float, m.
+    worst : float, m. Maximum violation of the contact conditions.
+    free, bound : int. Numbers of candidates that may move freely and that are about to be put on a bound.
+    restarts, plain_steps : int. Whether the next direction is a restart or a plain gradient, 0 or 1.
+    """
+
+    approach: float
+    worst: float
+    free: int
+    bound: int
+    restarts: int
+    plain_steps: int
 
 
 @njit(cache=True)
@@ -88,294 +214,215 @@ def places(node, columns, first_row, first_column, padded, bordered, in_padded, 
 
 
 @njit(cache=True)
-def advance(
-    p, g, soft, give, dp, deflection, in_padded, slope, greatest, cap, reach, snap, residual, grid, in_bordered, active
-):  # fmt: skip
-    """Go along dp as far as the energy falls and the bounds allow, then find approach, violations and who may move.
+def line_search(system, direction):
+    """Return the step length alpha at which the energy along d is least; 1 where its curvature is not positive."""
+    d, image, node, compliance = system.work.d, system.transform.image, system.transform.node, system.nodes.compliance
+    curvature = 0.0
+    for k in range(d.size):
+        curvature += d[k] * image[node[k]]
+    for k in range(compliance.size):
+        curvature += compliance[k] * d[k] * d[k]
+    return -direction.slope / curvature if curvature > 0.0 else 1.0
 
-    g is the gap before the approach is taken off, with soft * p [m] of nodes that give by themselves (empty: none does);
-    `deflection` that of dp, in the array of the transforms; `slope` of the energy along dp, 0 for no step at all. `reach` [Pa/m]
-    turns a gap into the pressure that closes it on that node alone, `give` is the root of what is left of that on a soft one.
-    A loaded node that such a step would carry past a bound goes straight there (two-metric projection, Bertsekas, SIAM J.
-    Control Optim. 20(2), 1982): mixed into the conjugate direction it would hold everything else back. Partial steps leave such
-    nodes ever closer to their bound but never on it; within `snap` [Pa] of it, which no deflection can tell, they are put there.
 
-    Returns best step length, approach [m], largest violation [m], number of free and of bound nodes.
-    """
-    best = 1.0
-    t = 0.0
-    if slope < 0.0:
-        curvature = 0.0
-        for k in range(p.size):
-            curvature += dp[k] * deflection[in_padded[k]]
-        for k in range(soft.size):
-            curvature += soft[k] * dp[k] * dp[k]
-        best = -slope / curvature if curvature > 0.0 else 1.0
-        # A long step multiplies the rounding of the load.
-        t = min(best, greatest, 100.0)
-    nearly = cap * (1.0 - 4e-16)  # a whole step to the cap may miss it by rounding
+@njit(cache=True)
+def take_step(system, length):
+    """Add `length` times the direction to the pressures, within the bounds, and its deflection to the gaps."""
+    p, g, compliance, d = system.nodes.p, system.nodes.g, system.nodes.compliance, system.work.d
+    image, node, hardness = system.transform.image, system.transform.node, system.limits.hardness
+    nearly = hardness * (1.0 - 4e-16)  # a whole step to the hardness may miss it by rounding
+    for k in range(p.size):
+        v = max(p[k] + length * d[k], 0.0)
+        v = v if v < nearly else hardness
+        g[k] += length * image[node[k]]
+        if compliance.size:
+            g[k] += compliance[k] * (v - p[k])
+        p[k] = v
+
+
+@njit(cache=True)
+def approach_of(p, g, hardness):
+    """Approach [m] of pressures p over deformed gaps g, flat arrays."""
     inside, gap_sum, lowest_open, highest_capped = 0, 0.0, np.inf, -np.inf
     for k in range(p.size):
-        if t > 0.0:
-            v = max(p[k] + t * dp[k], 0.0)
-            v = v if v < nearly else cap
-            g[k] += t * deflection[in_padded[k]]
-            if soft.size:
-                g[k] += soft[k] * (v - p[k])
-            p[k] = v
         if p[k] <= 0.0:
             lowest_open = min(lowest_open, g[k])
-        elif p[k] >= cap:
+        elif p[k] >= hardness:
             highest_capped = max(highest_capped, g[k])
         else:
             gap_sum += g[k]
             inside += 1
-    approach = find_approach(inside, gap_sum, lowest_open, highest_capped)
+    return find_approach(inside, gap_sum, lowest_open, highest_capped)
+
+
+@njit(cache=True)
+def find_residual(system, approach, snap):
+    """Find the residual r and the nodes that may move; return the maximum violation [m] and the numbers of free and bound nodes.
+
+    A loaded node that closing its own gap would carry past a bound goes straight there (two-metric projection, Bertsekas, SIAM
+    J. Control Optim. 20(2), 1982): mixed into the conjugate direction it would hold all other nodes back. Partial steps leave
+    such nodes ever closer to their bound but never on it; within `snap` [Pa], too little to change a deflection, they are put
+    there.
+    """
+    p, g, softening, hardness = system.nodes.p, system.nodes.g, system.nodes.softening, system.limits.hardness
+    grid, place, stiffness = system.stencil.grid, system.stencil.node, system.stencil.stiffness
+    r, active = system.work.r, system.work.active
     worst = 0.0
-    n_free = 0
-    n_bound = 0
+    free = 0
+    bound = 0
     for k in range(p.size):
         gap = g[k] - approach
-        residual[k] = 0.0
-        grid[in_bordered[k]] = 0.0
-        if (p[k] <= 0.0 and gap >= 0.0) or (p[k] >= cap and gap <= 0.0):
+        r[k] = 0.0
+        grid[place[k]] = 0.0
+        if (p[k] <= 0.0 and gap >= 0.0) or (p[k] >= hardness and gap <= 0.0):
             continue
-        own = give[k] * give[k] if soft.size else 1.0
-        step = p[k] - own * reach * gap
-        if step <= 0.0 and 0.0 < p[k] <= snap:
+        own = softening[k] * softening[k] if softening.size else 1.0
+        closing = p[k] - own * stiffness * gap
+        if closing <= 0.0 and 0.0 < p[k] <= snap:
             p[k] = 0.0
             continue
-        if step >= cap and cap - snap <= p[k] < cap:
-            p[k] = cap
+        if closing >= hardness and hardness - snap <= p[k] < hardness:
+            p[k] = hardness
             continue
         worst = max(worst, abs(gap))
-        if (p[k] > 0.0 and step <= 0.0) or (p[k] < cap and step >= cap):
-            n_bound += 1
-            active[p.size - n_bound] = k
+        if (p[k] > 0.0 and closing <= 0.0) or (p[k] < hardness and closing >= hardness):
+            bound += 1
+            active[p.size - bound] = k
         else:
-            residual[k] = gap
-            grid[in_bordered[k]] = gap * give[k] if soft.size else gap
-            active[n_free] = k
-            n_free += 1
-    for i in range(n_bound):
-        active[n_free + i] = active[p.size - n_bound + i]  # in this order nothing is overwritten before it is read
-    return best, approach, worst, n_free, n_bound
+            r[k] = gap
+            grid[place[k]] = gap * softening[k] if softening.size else gap
+            active[free] = k
+            free += 1
+    for i in range(bound):
+        active[free + i] = active[p.size - bound + i]  # in this order nothing is overwritten before it is read
+    return worst, free, bound
 
 
 @njit(cache=True)
-def precondition(grid, in_bordered, bordered, stencil, give, active, n_free, z):
-    """z = short stencil of the inverse half-space times the residual, on the free nodes, less where they give by themselves."""
-    for a in range(n_free):
+def precondition(system, free):
+    """Set z to the short stencil of the inverse half-space times the residual, on the free nodes."""
+    values, grid, place, row_length = system.stencil.values, system.stencil.grid, system.stencil.node, system.stencil.row_length
+    softening, active, z = system.nodes.softening, system.work.active, system.work.trial
+    for a in range(free):
         k = active[a]
-        at = in_bordered[k]
+        at = place[k]
         total = 0.0
         for x in range(3):
-            row = at + (x - 1) * bordered
-            total += stencil[x, 0] * grid[row - 1] + stencil[x, 1] * grid[row] + stencil[x, 2] * grid[row + 1]
-        z[k] = total * give[k] if give.size else total
+            row = at + (x - 1) * row_length
+            total += values[x, 0] * grid[row - 1] + values[x, 1] * grid[row] + values[x, 2] * grid[row + 1]
+        z[k] = total * softening[k] if softening.size else total
 
 
 @njit(cache=True)
-def aim(
-    p, g, give, approach, residual, previous, grid, in_bordered, bordered, stencil, zr_before, length, cap, reach, active,
-    n_free, n_bound, total, plainly, z, dp, scale, in_padded, transformed,
-):  # fmt: skip
-    """The next feasible step dp: preconditioned conjugate gradient (Polak-Ribiere), projected; or, where that does not descend,
-    the gradient alone, or (at once if `plainly`) the plain gradient of all nodes. Leaves scale * dp in the array of the transforms.
+def find_direction(system, approach, free, bound, direction, plain):
+    """Find the next feasible direction d: preconditioned conjugate gradient (Polak-Ribiere), projected.
 
-    `previous` is the residual of the iteration before, dp the step it took, `length` the factor that step should have had.
+    Where it does not descend, d is the projected preconditioned gradient (a restart), and where that does not descend or if
+    `plain`, the projected gradient of all nodes. r and d hold the residual and, before, the direction of the last iteration.
 
-    Returns slope of the energy along dp (not negative: stuck), greatest step length, z.r, the length left, restarts and plain
-    steps (0 or 1 each).
+    Returns the Direction and the numbers of restarts and of plain gradient steps (0 or 1 each).
     """
-    precondition(grid, in_bordered, bordered, stencil, give, active, n_free, z)
+    p, g, limits = system.nodes.p, system.nodes.g, system.limits
+    active, r, r_before, d = system.work.active, system.work.r, system.work.r_before, system.work.d
+    z = trial = system.work.trial
+    sets = Sets(active, free, bound)
+    length = direction.length
+    precondition(system, free)
     zr = 0.0
     change = 0.0
-    for a in range(n_free):
+    for a in range(free):
         k = active[a]
-        zr += z[k] * residual[k]
-        change += z[k] * (residual[k] - previous[k])
-    beta = max(0.0, change / zr_before) if zr_before > 0.0 else 0.0
+        zr += z[k] * r[k]
+        change += z[k] * (r[k] - r_before[k])
+    beta = max(0.0, change / direction.zr) if direction.zr > 0.0 else 0.0
     restarts = 0
-    plain = 0
+    plain_steps = 0
     if beta == 0.0:
         length = 1.0
-    for a in range(n_free):
+    for a in range(free):
         k = active[a]
-        z[k] = beta / length * dp[k] - z[k]
-    slope, greatest = project(p, g, approach, z, length, cap, active, n_free, n_bound, total, dp)
+        trial[k] = p[k] + length * (beta / length * d[k] - z[k])
+    slope, longest = project(p, g, approach, trial, sets, limits, d)
     if not slope < 0.0 and beta > 0.0:
         restarts = 1
         length = 1.0
-        precondition(grid, in_bordered, bordered, stencil, give, active, n_free, z)
-        slope, greatest = project(p, g, approach, z, -1.0, cap, active, n_free, n_bound, total, dp)
-    if plainly or not slope < 0.0:
-        # The plain projected gradient, of all nodes, always descends, short of a solution.
-        plain = 1
+        precondition(system, free)
+        for a in range(free):
+            k = active[a]
+            trial[k] = p[k] - z[k]
+        slope, longest = project(p, g, approach, trial, sets, limits, d)
+    if plain or not slope < 0.0:
+        # The projected gradient of all nodes always descends, short of a solution.
+        plain_steps = 1
         length = 1.0
         zr = 0.0
         for k in range(p.size):
             active[k] = k
-            z[k] = -reach * (g[k] - approach)  # the same factor for all: only so does the projection descend
-        slope, greatest = project(p, g, approach, z, 1.0, cap, active, p.size, 0, total, dp)
-    for k in range(p.size):
-        transformed[in_padded[k]] = scale * dp[k]
-    return slope, greatest, zr, length, restarts, plain
+            # The factor is the same for all nodes: only so does the projection descend.
+            trial[k] = p[k] - system.stencil.stiffness * (g[k] - approach)
+        slope, longest = project(p, g, approach, trial, Sets(active, p.size, 0), limits, d)
+    r_before[:] = r
+    return Direction(slope, longest, zr, length), restarts, plain_steps
 
 
 @njit(cache=True)
-def extrapolate(p, trend, g, cap, total, active, z, dp, q):
-    """q = p + trend, put within the bounds; what is then between them is shifted to carry the load. Whether it can."""
-    n_free = 0
-    for k in range(p.size):
-        q[k] = min(max(p[k] + trend[k], 0.0), cap)
-        z[k] = 0.0
-        if 0.0 < q[k] < cap:
-            active[n_free] = k
-            n_free += 1
-    slope, _ = project(q, g, 0.0, z, 0.0, cap, active, n_free, 0, total, dp)
-    for k in range(p.size):
-        q[k] += dp[k]
-    return slope < np.inf
+def scatter(transform, d):
+    """Write the direction into the array of the transforms, in units that make its image a deflection."""
+    transform.image[:] = 0.0
+    for k in range(d.size):
+        transform.image[transform.node[k]] = transform.unit * d[k]
 
 
 @njit(cache=True)
-def step_by_way_of(q, p, g, cap, dp, scale, in_padded, transformed):
-    """The step dp from q made one from p: its slope there, its greatest share within the bounds; scale * dp to be transformed."""
-    slope = 0.0
-    greatest = np.inf
-    for k in range(p.size):
-        dp[k] = min(max(q[k] + dp[k], 0.0), cap) - p[k]
-        transformed[in_padded[k]] = scale * dp[k]
-        slope += g[k] * dp[k]  # the approach has no part in it: dp carries no load
-        if dp[k] < 0.0:
-            greatest = min(greatest, -p[k] / dp[k])
-        elif dp[k] > 0.0:
-            greatest = min(greatest, (cap - p[k]) / dp[k])
-    return slope, max(greatest, 1.0)
+def iterate(system, direction, snap, allowed):
+    """Step along the direction, whose deflection is known; unless the violation is within `allowed` [m], find the next direction.
 
-
-@njit(cache=True)
-def settle_load(p, g, cap, total, trace):
-    """Give what is missing of the load to the lowest open nodes, or take what is too much from the highest loaded ones.
-
-    Nodes within `trace` [Pa] of a bound are put on it first: they may stand on the wrong node.
+    Returns the Step taken and the Direction to convolve, which after a converged step is the one given.
     """
-    missing = total
-    for k in range(p.size):
-        if p[k] <= trace:
-            p[k] = 0.0
-        elif p[k] >= cap - trace:
-            p[k] = cap
-        missing -= p[k]
-    for _ in range(p.size):
-        if abs(missing) <= 1e-16 * total:
-            return
-        best = -1
-        for k in range(p.size):
-            may = p[k] < cap if missing > 0.0 else p[k] > 0.0
-            if may and (best < 0 or (g[k] < g[best]) == (missing > 0.0)):
-                best = k
-        if best < 0:
-            return
-        change = min(max(p[best] + missing, 0.0), cap) - p[best]
-        p[best] += change
-        missing -= change
+    alpha = 1.0
+    if direction.slope < 0.0:
+        alpha = line_search(system, direction)
+        # A long step multiplies the rounding of the load.
+        take_step(system, min(alpha, direction.longest, 100.0))
+    approach = approach_of(system.nodes.p, system.nodes.g, system.limits.hardness)
+    worst, free, bound = find_residual(system, approach, snap)
+    restarts = 0
+    plain_steps = 0
+    if worst > allowed:
+        length = direction.length * min(max(alpha, 0.5), 2.0)
+        direction = Direction(direction.slope, direction.longest, direction.zr, length)
+        direction, restarts, plain_steps = find_direction(
+            system, approach, free, bound, direction, alpha < LEAST_STEP
+        )
+        scatter(system.transform, system.work.d)
+    return Step(approach, worst, free, bound, restarts, plain_steps), direction
 
 
 @njit(cache=True)
-def project(p, g, approach, direction, length, cap, active, n_free, n_bound, total, dp):
-    """dp to the feasible pressure nearest to p + length * direction: free nodes shifted and clipped, bound nodes on their bound.
+def lead(system, p_trend, u_trend):
+    """Find a first direction by way of the extrapolation q of the last solutions and of the gradient at q.
 
-    The sum of pressures is restored to `total` exactly by one shift of the free nodes, the root of a monotone piecewise linear
-    function. `direction` becomes the trial pressure, on the free nodes.
+    The deflection at q is known but for the part that the bounds cut off. The step starts from the exact pressures, with an
+    exact line search, so that this does no harm.
 
-    Returns (slope of the energy along dp [Pa m], greatest share t of dp that stays within the bounds), or (inf, 0) when the
-    free nodes cannot take up the load.
+    Returns the Direction; its slope is 0 where none descends.
     """
-    trial = direction
-    target = total
-    for k in range(p.size):
-        target -= p[k]
-        dp[k] = 0.0
-    for a in range(n_free + n_bound):
-        target += p[active[a]]
-    for a in range(n_free, n_free + n_bound):
-        k = active[a]
-        dp[k] = (0.0 if g[k] > approach else cap) - p[k]
-        target -= dp[k] + p[k]
-    if n_free == 0:
-        if abs(target) > 1e-13 * total:
-            return np.inf, 0.0
-    elif target < 0.0 or target > n_free * cap * (1.0 + 1e-13):
-        return np.inf, 0.0
-    top = min(cap, target)
-    low = np.inf
-    high = -np.inf
-    for a in range(n_free):
-        k = active[a]
-        v = p[k] + length * direction[k]
-        trial[k] = v
-        low = min(low, -v)
-        high = max(high, top - v)
-    shift = 0.0 if low < 0.0 < high else 0.5 * (low + high)
-    for _ in range(200):
-        got = 0.0
-        moving = 0
-        for a in range(n_free):
-            v = trial[active[a]] + shift
-            if v >= cap:
-                got += cap
-            elif v > 0.0:
-                got += v
-                moving += 1
-        error = target - got
-        if abs(error) <= 1e-15 * total or n_free == 0:
-            break
-        if error > 0.0:
-            low = shift
-        else:
-            high = shift
-        following = shift + error / moving if moving else np.inf
-        if not low < following < high:
-            following = 0.5 * (low + high)
-        if following == shift:
-            break
-        shift = following
-    for a in range(n_free):
-        k = active[a]
-        trial[k] = min(max(trial[k] + shift, 0.0), cap)
-    # Where the direction dwarfs the pressures the shift is rounded coarsely; what is left is spread over those between bounds, or,
-    # where there are none, goes to the lowest open node or from the highest loaded one.
-    for turn in range(64):
-        error = target
-        moving = 0
-        nearest = -1
-        for a in range(n_free):
-            k = active[a]
-            error -= trial[k]
-            if 0.0 < trial[k] < cap:
-                moving += 1
-        if abs(error) <= (1e-15 if turn < 4 else 1e-13) * total:
-            break
-        for a in range(n_free):
-            k = active[a]
-            if 0.0 < trial[k] < cap:
-                trial[k] = min(max(trial[k] + error / moving, 0.0), cap)
-            elif moving == 0 and (nearest < 0 or (g[k] < g[nearest]) == (error > 0.0)):
-                nearest = k if (trial[k] < cap if error > 0.0 else trial[k] > 0.0) else nearest
-        if nearest >= 0:
-            trial[nearest] = min(max(trial[nearest] + error, 0.0), cap)
-    for a in range(n_free):
-        k = active[a]
-        dp[k] = trial[k] - p[k]
-    slope = 0.0
-    greatest = np.inf
-    for a in range(n_free + n_bound):
-        k = active[a]
-        slope += (g[k] - approach) * dp[k]
-        if dp[k] < 0.0:
-            greatest = min(greatest, -p[k] / dp[k])
-        elif dp[k] > 0.0:
-            greatest = min(greatest, (cap - p[k]) / dp[k])
-    return slope, max(greatest, 1.0)
+    nodes, limits, d = system.nodes, system.limits, system.work.d
+    q = np.empty_like(nodes.p)
+    h = nodes.g + u_trend
+    for k in range(nodes.compliance.size):
+        h[k] += nodes.compliance[k] * p_trend[k]
+    if extrapolate(nodes.p, p_trend, nodes.g, limits, system.work, q):
+        at_q = System(
+            Nodes(q, h, nodes.compliance, nodes.softening), system.transform, system.stencil, system.work, limits
+        )
+        approach = approach_of(q, h, limits.hardness)
+        _, free, bound = find_residual(at_q, approach, 0.0)
+        direction, _, _ = find_direction(at_q, approach, free, bound, Direction(0.0, 0.0, 0.0, 1.0), False)
+        if direction.slope < 0.0:
+            slope, longest = step_by_way_of(q, nodes.p, nodes.g, limits.hardness, d)
+            if slope < 0.0:
+                scatter(system.transform, d)
+                return Direction(slope, longest, 0.0, 1.0)
+    d[:] = 0.0
+    return Direction(0.0, 0.0, 0.0, 1.0)

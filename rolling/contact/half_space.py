@@ -158,8 +158,12 @@ class Convolution:
         self._row_plans: dict[int, tuple[pyfftw.FFTW, pyfftw.FFTW]] = {}
 
     def clear(self, rows: int) -> None:
-        """Nothing on the first `rows` rows, nor on what `apply` takes along with them."""
-        self.real[: rows + 8] = 0.0
+        """Unload the first `rows` rows and those that `apply` takes along with them."""
+        self.head(rows)[:] = 0.0
+
+    def head(self, rows: int) -> Array:
+        """Return a view of the first `rows` rows and of those that `apply` takes along with them."""
+        return self.real[: rows + 8]
 
     def apply(self, rows: int) -> None:
         """Deflection on the first `rows` rows by the pressure on them; `real` holds nothing of use below."""

@@ -305,8 +305,11 @@ def _solve(
     """
     iterations, convolutions = 0, half_space.count
     while True:
-        solved = solver.solve(
-            half_space, gap, track.load, pressure, tolerance, track.hardness, single=track.single, **known
+        t = known.get("trend")
+        solved = solver.solve_contact(
+            half_space, gap, track.load,
+            solver.WarmStart(pressure, known.get("deflection"), solver.Trend(*t) if t else None, known.get("nearby", False)),
+            track.hardness, known.get("edge"), solver.SolverOptions(tolerance, track.single),
         )
         iterations += solved.iterations
         if solved.approach <= approach:

@@ -1,10 +1,12 @@
-"""One elastic-plastic contact solve: pressures between 0 and the hardness on a window of nodes, under a given load.
+"""Contact solve: pressures between 0 and the hardness on a window of nodes, under a given load.
 
 min over p of  1/2 p.Cp + e.p   subject to 0 <= p <= H, sum(p) dA = W, by conjugate gradients projected on both bounds, after
-Polonsky & Keer, Wear 231 (1999), with three changes: the inverse half-space operator as a short stencil preconditions, nodes
-about to reach a bound are put there at once, and each trial pressure is made feasible before its one convolution, after which
-the step along it is exact. The energy therefore falls in every iteration, at one convolution each. Iterations see the nodes that
-may be in contact, in single precision; what is accepted holds on the whole window, in double.
+Polonsky & Keer, Wear 231 (1999). Three things differ from the paper: a short stencil of the inverse half-space operator
+preconditions, nodes about to reach a bound are put there at once, and each trial pressure is made feasible before its one
+convolution, after which the step along it is exact. The energy therefore falls in every iteration, at one convolution each.
+
+The iteration runs in single precision on candidate nodes only. A solution is accepted after a double-precision check on the full
+window.
 """
 
 from __future__ import annotations
@@ -15,27 +17,34 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling.contact import _solver_kernels
+from rolling.contact import _projection, _solver_kernels
+from rolling.contact._projection import Limits
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace, love
 
 Array = NDArray[np.float64]
 
 MAX_ITERATIONS = 1000
 NEAR = 0.01  # candidates for contact have a gap below this share of the largest deflection; 0.001 to 0.1 take the same iterations
-AIM = 0.98  # of the tolerance: what is left is for the difference between the deflection carried along and one computed afresh
-LEAST_STEP = 1e-3  # a step this much shorter than it was meant to be: nodes being put on a bound point the wrong way
+AIM = 0.98  # of the tolerance: the rest is for the difference between the deflection carried along and one computed afresh
 SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the largest deflection, serves no tighter one
 
 
 class ContactError(RuntimeError):
-    """A contact that cannot be solved: the limit in numbers, or what was tried and how far it came."""
+    """A contact that cannot be solved: the limit in numbers, or the methods tried and the residual they reached."""
 
 
 @dataclass(frozen=True)
 class Contact:
-    """A solved contact on its window: pressure [Pa] and deflection [m], shape (m, n); approach [m]; what it took.
+    """A solved contact on its window.
 
-    `residual` is the largest violation of the contact conditions over the largest deflection, from u = Cp computed afresh.
+    Parameters
+    ----------
+    pressure : (m, n) array, Pa.
+    deflection : (m, n) array, m.
+    approach : float, m.
+    residual : float. KKT residual: maximum violation of the contact conditions over the maximum deflection, from a deflection
+        computed afresh.
+    iterations : int. Iterations that the solve took.
     """
 
     pressure: Array
@@ -45,90 +54,166 @@ class Contact:
     iterations: int
 
 
+@dataclass(frozen=True)
+class Trend:
+    """Changes of a contact from the position before to this one, a guess at the next changes.
+
+    Parameters
+    ----------
+    pressure : (m, n) array, Pa.
+    deflection : (m, n) array, m.
+    """
+
+    pressure: Array
+    deflection: Array
+
+
+@dataclass(frozen=True)
+class WarmStart:
+    """Pressures to start a solve from, with all that is known about them.
+
+    Parameters
+    ----------
+    pressure : (m, n) array, Pa. Between 0 and the hardness, carrying the load to rounding.
+    deflection : (m, n) array, m, or None. Deflection by `pressure`. Default: it is computed.
+    trend : Trend or None. Expected changes, used where `deflection` is given. Default: none.
+    close : bool. Whether to iterate only on nodes in or near contact, and check the others after convergence. Use it when the
+        start is close to the solution. Default: False.
+    """
+
+    pressure: Array
+    deflection: Array | None = None
+    trend: Trend | None = None
+    close: bool = False
+
+
+@dataclass(frozen=True)
+class SolverOptions:
+    """Accuracy of a solve.
+
+    Parameters
+    ----------
+    tolerance : float. Largest KKT residual: violation of the contact conditions over the maximum deflection. Default: 1e-5.
+    single : bool. Whether to iterate on deflections of single precision while the tolerance is far above their error. A solution
+        is accepted in double precision all the same. Default: True.
+    """
+
+    tolerance: float = 1e-5
+    single: bool = True
+
+
 @lru_cache(maxsize=1)
 def _inverse_stencil() -> Array:
-    """The 3 x 3 middle of the inverse of Love's coefficients on a large periodic grid, for unit spacing and pi E* = 1."""
+    """Return the 3 x 3 middle of the inverse of Love's coefficients on a large periodic grid, for unit spacing and pi E* = 1."""
     distance = np.minimum(np.arange(256), 256 - np.arange(256))
     inverse = np.fft.irfft2(1.0 / np.fft.rfft2(love(distance, distance)).real)
     return np.ascontiguousarray(np.roll(inverse, (1, 1), axis=(0, 1))[:3, :3])
 
 
-def foundation(shape: Array, load: float, spacing: float, stiffness: float, hardness: float = np.inf) -> Array:
-    """Pressure of the same bodies on independent springs [Pa], a cold start: min(H, stiffness * overlap) under the load.
+def foundation(gap: Array, load: float, spacing: float, stiffness: float, hardness: float = np.inf) -> Array:
+    """Solve the same contact on a Winkler foundation, for a cold start.
 
     Parameters
     ----------
-    shape : (m, n) undeformed gap [m].
-    stiffness : [Pa/m]; a Hertz contact of radius a is met by 4 E* / (pi a).
+    gap : (m, n) array, m. Undeformed gap.
+    load : float, N.
+    spacing : float, m. Node spacing.
+    stiffness : float, Pa/m. A Hertz contact of radius a is met by 4 E* / (pi a).
+    hardness : float, Pa. Largest pressure. Default: infinite.
+
+    Returns
+    -------
+    (m, n) array, Pa. The smaller of hardness and stiffness times overlap, at the approach that carries the load.
 
     Raises
     ------
     ContactError : the window cannot carry the load.
     """
     total = load / spacing**2
-    if total > hardness * shape.size:
+    if total > hardness * gap.size:
         raise ContactError(
             f"a load of {load:g} N is more than the surface can carry: hardness {hardness:g} Pa times"
-            f" {shape.size * spacing**2:.4g} m2 is {hardness * shape.size * spacing**2:.4g} N"
+            f" {gap.size * spacing**2:.4g} m2 is {hardness * gap.size * spacing**2:.4g} N"
         )
-    e = np.ascontiguousarray(shape, dtype=float).ravel()
-    nothing, pressure, everywhere = np.zeros_like(e), np.empty_like(e), np.arange(e.size)
-    slope, _ = _solver_kernels.project(
-        nothing, e, 0.0, e.copy(), -stiffness, hardness, everywhere, e.size, 0, total, pressure
-    )
+    e = np.ascontiguousarray(gap, dtype=float).ravel()
+    limits, free = Limits(float(hardness), float(total)), _projection.Sets(np.arange(e.size, dtype=np.uint32), e.size, 0)
+    pressure = np.empty_like(e)
+    slope, _ = _projection.project(np.zeros_like(e), e, 0.0, -stiffness * e, free, limits, pressure)
     if slope == np.inf:  # heights so large that springs round the load away: the lowest nodes carry it
         pressure[:] = 0.0
-        _solver_kernels.settle_load(pressure, e, hardness, total, 0.0)
-    return pressure.reshape(shape.shape)
+        _projection.settle_load(pressure, e, limits, 0.0)
+    return pressure.reshape(gap.shape)
 
 
-def solve(
+def _cold_start(half_space: HalfSpace, gap: Array, load: float, hardness: float) -> WarmStart:
+    """Start from a Winkler foundation that fits a contact of half the window's width."""
+    radius = 0.25 * max(gap.shape) * half_space.spacing
+    stiffness = 4 * half_space.contact_modulus / (np.pi * radius)
+    return WarmStart(foundation(gap, load, half_space.spacing, stiffness, hardness))
+
+
+def solve_contact(
     half_space: HalfSpace,
-    shape: Array,
+    gap: Array,
     load: float,
-    start: Array,
-    tolerance: float,
+    start: WarmStart | None = None,
     hardness: float = np.inf,
-    nearby: bool = False,
-    deflection: Array | None = None,
-    trend: tuple[Array, Array] | None = None,
     edge: Array | None = None,
-    single: bool = True,
+    options: SolverOptions | None = None,
 ) -> Contact:
-    """Solve one contact.
+    """Solve one contact under a normal load on a window of nodes.
+
+    The window must hold the whole contact: all outside it is taken to be open.
 
     Parameters
     ----------
-    half_space : pressure to deflection.
-    shape : (m, n) undeformed gap [m] on the window, C-contiguous.
-    load : normal load [N].
-    start : (m, n) pressures to start from [Pa], within 0 and the hardness, carrying the load to rounding.
-    tolerance : largest allowed violation of the contact conditions over the largest deflection.
-    hardness : pressure cap [Pa].
-    nearby : iterate on nodes that are loaded or near to contact only, and look at the others in the end: for a start that is close.
-    deflection : (m, n) deflection of `start` [m] where it is known and 0 elsewhere.
-    trend : changes of pressure and deflection since the position before, both (m, n), as a guess at their next ones.
-    edge : (m, n) half of the range of gaps over the cell of a node [m], where a patch at the hardness may end within the cell:
-        a node with the share s of its cell in contact bears s * hardness at a gap of edge * (1 - 2 s). 0: all or nothing.
-    single : iterate on deflections of single precision, while the tolerance is far above their error. What is accepted is of
-        double precision all the same.
+    half_space : HalfSpace. Pressure to deflection.
+    gap : (m, n) array, m, C-contiguous. Undeformed gap.
+    load : float, N. Normal load.
+    start : WarmStart or None. Default: a Winkler foundation.
+    hardness : float, Pa. Largest pressure. Default: infinite, purely elastic.
+    edge : (m, n) array, m, or None. Half of the range of gaps over the cell of a node, where a patch at the hardness may end
+        within the cell: a node with the share s of its cell in contact bears s * hardness at a gap of edge * (1 - 2 s).
+        Default: a cell is in contact as a whole or not at all.
+    options : SolverOptions or None. Default: SolverOptions().
+
+    Returns
+    -------
+    Contact. Pressure, deflection and approach, with residual and number of iterations.
 
     Raises
     ------
-    ContactError : not converged; the message has residual, iterations and what was tried.
+    ContactError : the window cannot carry the load, or the solve did not converge; the message has residual, iterations and the
+        methods tried.
+
+    Examples
+    --------
+    A steel sphere of 5 mm radius under 5 N, against Hertz:
+
+    >>> import numpy as np
+    >>> from rolling.contact.closed_forms import hertz_approach
+    >>> from rolling.contact.half_space import HalfSpace
+    >>> from rolling.contact.solver import solve_contact
+    >>> steel = HalfSpace(spacing=2e-6, contact_modulus=230e9)
+    >>> x = np.arange(-40, 41) * steel.spacing
+    >>> contact = solve_contact(steel, (x[:, None] ** 2 + x**2) / (2 * 5e-3), load=5.0)
+    >>> bool(abs(contact.approach / hertz_approach(5.0, 5e-3, 230e9) - 1) < 1e-3)
+    True
     """
-    total = load / half_space.spacing**2
-    p = np.array(start, dtype=float)
-    u = half_space.deflection(p) if deflection is None else deflection
-    soft = None
+    options = options or SolverOptions()
+    start = start or _cold_start(half_space, gap, load, hardness)
+    limits = Limits(float(hardness), float(load / half_space.spacing**2))
+    p = np.array(start.pressure, dtype=float)
+    u = half_space.deflection(p) if start.deflection is None else start.deflection
+    compliance = None
     if edge is not None:
-        # gap = edge (1 - 2 p / H) where a cell is shared: a gap lower by the edge on a node that gives 2 edge / H by itself.
-        shape, soft = shape - edge, 2 * edge / hardness
-    near, fresh, looked_at = NEAR if nearby else np.inf, deflection is None, 0
+        # A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives 2 edge / H by itself.
+        gap, compliance = gap - edge, 2 * edge / hardness
+    near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
     tried = _Tried()
     while True:
-        v = u if soft is None else u + soft * p
-        flat = p.ravel(), shape.ravel(), v.ravel(), hardness
+        v = u if compliance is None else u + compliance * p
+        flat = p.ravel(), gap.ravel(), v.ravel(), limits.hardness
         approach, u_max = _solver_kernels.state_of(*flat)
         u_max = u_max if edge is None else float(u.max())
         worst = _solver_kernels.violation(*flat, approach) if fresh else np.nan
@@ -136,32 +221,31 @@ def solve(
             raise ContactError(
                 "the contact solve met numbers that are not finite: check units of load, modulus and heights"
             )
-        if fresh and worst <= tolerance * u_max and abs(p.sum() / total - 1) <= 1e-12:
+        if fresh and worst <= options.tolerance * u_max and abs(p.sum() / limits.total - 1) <= 1e-12:
             return Contact(p, u, float(approach), float(worst / u_max), tried.iterations)
-        if tried.stuck > 1 or tried.iterations >= MAX_ITERATIONS or tried.rounds > MAX_ITERATIONS:
-            raise ContactError(
-                f"the contact solve stopped after {tried.iterations} iterations at a residual of {worst / u_max:.2g},"
-                f" {tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {tried.restarts} restarts,"
-                f" {tried.plain_steps} plain gradient steps)"
-            )
-        listed = np.empty(p.size, dtype=np.int64)
-        count, *block = _solver_kernels.candidates(p, shape, v, approach + near * u_max, listed)
-        node = listed[:count]
-        # Not converged though nothing new came into sight: single precision is not enough.
-        precise = not single or tolerance < SINGLE_TOLERANCE or (fresh and count <= looked_at)
-        descent = _Descent(half_space, node, block, p, shape + v, soft, total, hardness, tolerance * u_max, precise)
-        if trend is not None and not fresh:
-            descent.lead(*trend)
+        tried.refuse_more(worst / u_max, options.tolerance)
+        candidates = _candidates(p, gap, v, approach + near * u_max)
+        # Not converged though no new node came into sight: single precision is not enough.
+        precise = (
+            not options.single
+            or options.tolerance < SINGLE_TOLERANCE
+            or (fresh and candidates.node.size <= seen)
+        )
+        descent = _Descent(
+            half_space, candidates, p, gap + v, compliance, limits, options.tolerance * u_max, not precise
+        )
+        if start.trend is not None and not fresh:
+            descent.lead(start.trend)
         descent.iterate(tried)
         descent.settle(tried)
-        p.ravel()[node] = descent.p
+        p.ravel()[candidates.node] = descent.pressure
         u, fresh = half_space.deflection(p), True
-        near, looked_at = NEAR, count
+        near, seen = NEAR, candidates.node.size
 
 
 @dataclass
 class _Tried:
-    """What a solve has done so far."""
+    """Work that a solve has done so far."""
 
     iterations: int = 0
     restarts: int = 0
@@ -170,134 +254,154 @@ class _Tried:
     rounds: int = 0
     snapping: bool = True
 
+    def refuse_more(self, residual: float, tolerance: float) -> None:
+        """Raise ContactError once the solve is stuck or out of iterations."""
+        if self.stuck > 1 or self.iterations >= MAX_ITERATIONS or self.rounds > MAX_ITERATIONS:
+            raise ContactError(
+                f"the contact solve stopped after {self.iterations} iterations at a residual of {residual:.2g},"
+                f" {tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {self.restarts} restarts,"
+                f" {self.plain_steps} plain gradient steps)"
+            )
+
+
+@dataclass(frozen=True)
+class _Candidates:
+    """The nodes of a window that may be in contact, as flat indices, and the block of rows and columns that holds them."""
+
+    node: NDArray[np.int64]
+    first_row: int
+    first_column: int
+    rows: int
+    columns: int
+
+
+def _candidates(pressure: Array, gap: Array, deflection: Array, highest: float) -> _Candidates:
+    """Find the nodes that are loaded or lie lower than `highest` [m] before the approach is taken off."""
+    listed = np.empty(pressure.size, dtype=np.int64)
+    count, first_row, last_row, first_column, last_column = _solver_kernels.candidates(
+        pressure, gap, deflection, highest, listed
+    )
+    return _Candidates(
+        listed[:count], first_row, first_column, last_row - first_row + 1, last_column - first_column + 1
+    )
+
 
 class _Descent:
-    """Conjugate gradients on the candidates for contact, until they hold the conditions to `allowed` [m].
+    """Conjugate gradients on the candidates for contact, until these hold the conditions to `allowed`.
 
-    node : flat indices of the candidates in a window. block : first row, last row, first column, last column of them.
-    pressure, gap, soft : on the window, to begin with: pressures [Pa], gaps before the approach is taken off [m], and by what
-    nodes give by themselves [m/Pa] (None: none does). total : sum of pressures [Pa]. cap : hardness [Pa]. precise : transforms
-    of double precision.
+    Parameters
+    ----------
+    half_space : HalfSpace. Pressure to deflection.
+    candidates : _Candidates. Nodes that may be in contact.
+    pressure, gap : (m, n) arrays on the window, Pa and m. Start, and its gaps before the approach is taken off.
+    compliance : (m, n) array, m/Pa, or None. Closing of a node's gap by its own pressure beside the deflection.
+    limits : Limits. Hardness and sum of pressures.
+    allowed : float, m. Largest violation of the contact conditions.
+    single : bool. Whether transforms are of single precision.
 
-    p, g : pressure [Pa] and gap before the approach is taken off [m] of the candidates; dp the step at hand, `slope` of the
-    energy along it, `length` the factor that the step before should have had.
+    Attributes
+    ----------
+    system : System. Arrays of the compiled passes. direction : Direction. Numbers of the direction at hand.
+    step : Step. State after the last step.
     """
 
     def __init__(
         self,
         half_space: HalfSpace,
-        node: NDArray[np.int64],
-        block: list[int],
+        candidates: _Candidates,
         pressure: Array,
         gap: Array,
-        soft: Array | None,
-        total: float,
-        cap: float,
+        compliance: Array | None,
+        limits: Limits,
         allowed: float,
-        precise: bool,
+        single: bool,
     ) -> None:
-        first_row, last_row, first_column, last_column = block
-        size, columns = node.size, last_column - first_column + 1
-        self.half_space, self.node, self.total, self.cap, self.allowed = half_space, node, total, cap, allowed
-        self.rows, self.bordered = last_row - first_row + 1, columns + 2
-        self.transforms = half_space.convolution(self.rows - 1, columns - 1, single=not precise)
-        self.transformed = self.transforms.real.ravel()
-        self.in_padded, self.in_bordered = np.empty(size, np.uint32), np.empty(size, np.uint32)
-        padded = self.transforms.real.shape[1]
+        node = candidates.node
+        self.half_space, self.node, self.limits = half_space, node, limits
+        self.allowed, self.goal = allowed, AIM * allowed
+        self.rows = candidates.rows
+        self.transforms = half_space.convolution(candidates.rows - 1, candidates.columns - 1, single=single)
+        row_length = candidates.columns + 2
+        in_image, in_grid = np.empty(node.size, np.uint32), np.empty(node.size, np.uint32)
         _solver_kernels.places(
-            node, gap.shape[1], first_row, first_column, padded, self.bordered, self.in_padded, self.in_bordered
+            node,
+            gap.shape[1],
+            candidates.first_row,
+            candidates.first_column,
+            self.transforms.real.shape[1],
+            row_length,
+            in_image,
+            in_grid,
         )
         unit = 1.0 / half_space.unit
-        self.stencil, self.reach = _inverse_stencil() * unit, unit / OWN_COEFFICIENT
-        self.grid = np.zeros((self.rows + 2) * self.bordered)
-        self.residual, self.previous, self.dp, self.z = (np.zeros(size) for _ in range(4))
-        self.active, self.n_free, self.n_bound = np.empty(size, np.uint32), 0, 0
-        self.slope, self.greatest, self.best, self.zr, self.length = 0.0, 0.0, 1.0, 0.0, 1.0
-        self.approach = self.worst = np.nan
-        self.p, self.g = pressure.ravel()[node], gap.ravel()[node]
-        self.soft = np.empty(0) if soft is None else soft.ravel()[node]
-        self.give = 1 / np.sqrt(1 + self.soft * self.reach)
+        stiffness = unit / OWN_COEFFICIENT
+        soft = np.empty(0) if compliance is None else compliance.ravel()[node]
+        vectors = (np.zeros(node.size) for _ in range(4))
+        grid = np.zeros((candidates.rows + 2) * row_length)
+        self.system = _solver_kernels.System(
+            _solver_kernels.Nodes(pressure.ravel()[node], gap.ravel()[node], soft, 1 / np.sqrt(1 + soft * stiffness)),
+            _solver_kernels.Transform(self.transforms.head(self.rows).ravel(), in_image, half_space.unit),
+            _solver_kernels.Stencil(_inverse_stencil() * unit, grid, in_grid, row_length, stiffness),
+            _solver_kernels.Work(*vectors, np.empty(node.size, np.uint32)),
+            limits,
+        )
+        self.direction = _solver_kernels.Direction(0.0, 0.0, 0.0, 1.0)
+        self.step = _solver_kernels.Step(np.nan, np.nan, 0, 0, 0, 0)
 
-    def lead(self, p_trend: Array, u_trend: Array) -> None:
-        """A first step by way of the extrapolation of the last solutions and of the gradient there.
+    @property
+    def pressure(self) -> Array:
+        """Pressures of the candidates [Pa]."""
+        return self.system.nodes.p
 
-        The deflection there is known but for what the bounds cut off; as the step is made from the exact start, with its exact
-        line search, that does no harm.
-        """
-        ahead, q = p_trend.ravel()[self.node], np.empty_like(self.p)
-        h = self.g + u_trend.ravel()[self.node]
-        if self.soft.size:
-            h += self.soft * ahead
-        if _solver_kernels.extrapolate(self.p, ahead, self.g, self.cap, self.total, self.active, self.z, self.dp, q):
-            self._advance(q, h, snap=0.0)
-            self._aim(q, h, plainly=False)
-            self.zr, self.length = 0.0, 1.0
-            if self.slope < 0:
-                self.slope, self.greatest = _solver_kernels.step_by_way_of(
-                    q, self.p, self.g, self.cap, self.dp, self.half_space.unit, self.in_padded, self.transformed
-                )
-        if not self.slope < 0:
-            self.slope = 0.0
-            self.dp[:] = 0.0
+    def lead(self, trend: Trend) -> None:
+        """Take the first direction from the extrapolation of the last solutions."""
+        ahead = trend.pressure.ravel()[self.node], trend.deflection.ravel()[self.node]
+        self.direction = _solver_kernels.lead(self.system, *ahead)
 
     def iterate(self, tried: _Tried) -> None:
-        """Step after step, at one convolution each, until converged, stuck (no negative slope left) or out of iterations."""
+        """Step until converged, stuck or out of iterations, at one convolution per step."""
         tried.rounds += 1
-        snap = 0.01 * self.allowed * self.reach if tried.snapping else 0.0
-        share = self.p.size  # of the snap that a node may take, for the sum of them to make no difference
-        if self.slope < 0:  # the step of `lead`
+        snap = 0.01 * self.allowed * self.system.stencil.stiffness if tried.snapping else 0.0
+        share = self.node.size  # of the snap that a node may take, so that the sum of them makes no difference
+        if self.direction.slope < 0:  # the direction of `lead`
             self._convolve(tried)
         while True:
-            self._advance(self.p, self.g, snap / share)
-            if not self.worst > AIM * self.allowed or tried.iterations >= MAX_ITERATIONS:
+            last = tried.iterations >= MAX_ITERATIONS
+            self.step, self.direction = _solver_kernels.iterate(
+                self.system, self.direction, snap / share, np.inf if last else self.goal
+            )
+            if last or not self.step.worst > self.goal:
                 break
-            share = max(self.n_bound, 1)
-            self.length *= min(max(self.best, 0.5), 2.0)
-            restarts, plain = self._aim(self.p, self.g, plainly=self.best < LEAST_STEP)
-            tried.restarts += restarts
-            tried.plain_steps += plain
-            if not self.slope < 0:
+            share = max(self.step.bound, 1)
+            tried.restarts += self.step.restarts
+            tried.plain_steps += self.step.plain_steps
+            if not self.direction.slope < 0:
                 tried.iterations += 1
                 break
             tried.stuck = 0
             self._convolve(tried)
 
     def settle(self, tried: _Tried) -> None:
-        """Pressures that carry the load exactly, or, where no step descends, others to go on from."""
-        if not self.worst > AIM * self.allowed:
-            # What was put on a bound for good took its share of the load along: the free nodes have it, or the nearest to moving.
-            if self.n_free:
-                _solver_kernels.project(
-                    self.p, self.g, self.approach, self.z, 0.0, self.cap, self.active, self.n_free, 0, self.total, self.dp
-                )  # fmt: skip
-                self.p += self.dp
-            elif abs(self.p.sum() / self.total - 1) > 1e-13:
+        """Make the pressures carry the load exactly, or, where no step descends, find others to go on from."""
+        (p, g, *_), work, step = self.system.nodes, self.system.work, self.step
+        if not step.worst > self.goal:
+            # A node put on a bound took its share of the load along: the free nodes have it, or those nearest to moving.
+            if step.free:
+                free = _projection.Sets(work.active, step.free, 0)
+                work.trial[:] = p
+                _projection.project(p, g, step.approach, work.trial, free, self.limits, work.d)
+                p += work.d
+            elif abs(p.sum() / self.limits.total - 1) > 1e-13:
                 tried.snapping = False
-                _solver_kernels.settle_load(self.p, self.g, self.cap, self.total, 0.0)
-        elif not self.slope < 0:
+                _projection.settle_load(p, g, self.limits, 0.0)
+        elif not self.direction.slope < 0:
             # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
             tried.stuck += 1
-            self.p += self.dp
-            _solver_kernels.settle_load(self.p, self.g, self.cap, self.total, 1e-9 * self.p.max())
-        np.clip(self.p, 0.0, self.cap, out=self.p)
+            p += work.d
+            _projection.settle_load(p, g, self.limits, 1e-9 * p.max())
+        np.clip(p, 0.0, self.limits.hardness, out=p)
 
     def _convolve(self, tried: _Tried) -> None:
         self.transforms.apply(self.rows)
         self.half_space.count += 1
         tried.iterations += 1
-
-    def _advance(self, p: Array, g: Array, snap: float) -> None:
-        self.residual, self.previous = self.previous, self.residual
-        self.best, self.approach, self.worst, self.n_free, self.n_bound = _solver_kernels.advance(
-            p, g, self.soft, self.give, self.dp, self.transformed, self.in_padded, self.slope, self.greatest, self.cap,
-            self.reach, snap, self.residual, self.grid, self.in_bordered, self.active,
-        )  # fmt: skip
-
-    def _aim(self, p: Array, g: Array, plainly: bool) -> tuple[int, int]:
-        self.transforms.clear(self.rows)
-        self.slope, self.greatest, self.zr, self.length, restarts, plain = _solver_kernels.aim(
-            p, g, self.give, self.approach, self.residual, self.previous, self.grid, self.in_bordered, self.bordered,
-            self.stencil, self.zr, self.length, self.cap, self.reach, self.active, self.n_free, self.n_bound, self.total,
-            plainly, self.z, self.dp, self.half_space.unit, self.in_padded, self.transformed,
-        )  # fmt: skip
-        return restarts, plain

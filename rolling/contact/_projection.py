@@ -1,0 +1,227 @@
+"""Compiled projection of pressures onto the bounds and the load: shift, restoration of the load, slope and longest step.
+
+Numba's cache of `_solver_kernels` does not see changes in this module: delete `__pycache__` after an edit.
+"""
+
+# mypy: disable-error-code="no-untyped-def"
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+class Limits(NamedTuple):
+    """The bound of each pressure and the sum of all, a constant of a descent.
+
+    Parameters
+    ----------
+    hardness : float, Pa. Largest pressure of a node.
+    total : float, Pa. Sum of the pressures that carries the load.
+    """
+
+    hardness: float
+    total: float
+
+
+class Sets(NamedTuple):
+    """The candidates that may move.
+
+    Parameters
+    ----------
+    active : (n,) indices of candidates: first the free ones, then those about to be put on a bound.
+    free : int. Number of free candidates.
+    bound : int. Number of candidates about to be put on a bound.
+    """
+
+    active: NDArray[np.uint32]
+    free: int
+    bound: int
+
+
+@njit(cache=True)
+def project(p, g, approach, trial, sets, limits, d):
+    """Set d to the direction from p to the feasible pressures nearest to `trial`.
+
+    Free nodes are shifted and clipped, bound nodes go to their bound, all others stay. One shift of the free nodes restores
+    the load exactly. `trial` [Pa] holds unbounded pressures of the free nodes before and feasible ones after.
+
+    Returns slope of the energy along d [Pa m] and longest step length within the bounds, or (inf, 0) where the free nodes
+    cannot take up the load.
+    """
+    active, hardness, total = sets.active, limits.hardness, limits.total
+    target = total
+    for k in range(p.size):
+        target -= p[k]
+        d[k] = 0.0
+    for a in range(sets.free + sets.bound):
+        target += p[active[a]]
+    for a in range(sets.free, sets.free + sets.bound):
+        k = active[a]
+        d[k] = (0.0 if g[k] > approach else hardness) - p[k]
+        target -= d[k] + p[k]
+    if sets.free == 0:
+        if abs(target) > 1e-13 * total:
+            return np.inf, 0.0
+    elif target < 0.0 or target > sets.free * hardness * (1.0 + 1e-13):
+        return np.inf, 0.0
+    shift = find_shift(trial, sets, target, limits)
+    for a in range(sets.free):
+        k = active[a]
+        trial[k] = min(max(trial[k] + shift, 0.0), hardness)
+    restore_load(trial, g, sets, target, limits)
+    for a in range(sets.free):
+        k = active[a]
+        d[k] = trial[k] - p[k]
+    return slope_and_longest_step(p, g, approach, sets, hardness, d)
+
+
+@njit(cache=True)
+def find_shift(trial, sets, target, limits):
+    """Find the shift [Pa] of the free trial pressures whose sum within the bounds is `target` [Pa].
+
+    The sum is a monotone, piecewise linear function of the shift: Newton's method, kept within a shrinking bracket.
+    """
+    active, hardness = sets.active, limits.hardness
+    top = min(hardness, target)
+    low = np.inf
+    high = -np.inf
+    for a in range(sets.free):
+        v = trial[active[a]]
+        low = min(low, -v)
+        high = max(high, top - v)
+    shift = 0.0 if low < 0.0 < high else 0.5 * (low + high)
+    for _ in range(200):
+        carried = 0.0
+        moving = 0
+        for a in range(sets.free):
+            v = trial[active[a]] + shift
+            if v >= hardness:
+                carried += hardness
+            elif v > 0.0:
+                carried += v
+                moving += 1
+        error = target - carried
+        if abs(error) <= 1e-15 * limits.total or sets.free == 0:
+            break
+        if error > 0.0:
+            low = shift
+        else:
+            high = shift
+        following = shift + error / moving if moving else np.inf
+        if not low < following < high:
+            following = 0.5 * (low + high)
+        if following == shift:
+            break
+        shift = following
+    return shift
+
+
+@njit(cache=True)
+def restore_load(trial, g, sets, target, limits):
+    """Spread the part of the load that rounding of the shift has lost over the free nodes between the bounds.
+
+    The shift is rounded coarsely where the direction is much larger than the pressures. Where no node lies between the bounds,
+    the lowest open node takes the missing part, or the highest loaded one gives it up.
+    """
+    active, hardness = sets.active, limits.hardness
+    for turn in range(64):
+        error = target
+        moving = 0
+        nearest = -1
+        for a in range(sets.free):
+            k = active[a]
+            error -= trial[k]
+            if 0.0 < trial[k] < hardness:
+                moving += 1
+        if abs(error) <= (1e-15 if turn < 4 else 1e-13) * limits.total:
+            break
+        for a in range(sets.free):
+            k = active[a]
+            if 0.0 < trial[k] < hardness:
+                trial[k] = min(max(trial[k] + error / moving, 0.0), hardness)
+            elif moving == 0 and (nearest < 0 or (g[k] < g[nearest]) == (error > 0.0)):
+                nearest = k if (trial[k] < hardness if error > 0.0 else trial[k] > 0.0) else nearest
+        if nearest >= 0:
+            trial[nearest] = min(max(trial[nearest] + error, 0.0), hardness)
+
+
+@njit(cache=True)
+def slope_and_longest_step(p, g, approach, sets, hardness, d):
+    """Return the slope of the energy along d [Pa m] and the longest step length, at least 1, within the bounds."""
+    slope = 0.0
+    longest = np.inf
+    for a in range(sets.free + sets.bound):
+        k = sets.active[a]
+        slope += (g[k] - approach) * d[k]
+        if d[k] < 0.0:
+            longest = min(longest, -p[k] / d[k])
+        elif d[k] > 0.0:
+            longest = min(longest, (hardness - p[k]) / d[k])
+    return slope, max(longest, 1.0)
+
+
+@njit(cache=True)
+def settle_load(p, g, limits, trace):
+    """Give the missing load to the lowest open nodes, or take the excess from the highest loaded ones.
+
+    Nodes within `trace` [Pa] of a bound are put on it first: they may be loaded by mistake.
+    """
+    hardness = limits.hardness
+    missing = limits.total
+    for k in range(p.size):
+        if p[k] <= trace:
+            p[k] = 0.0
+        elif p[k] >= hardness - trace:
+            p[k] = hardness
+        missing -= p[k]
+    for _ in range(p.size):
+        if abs(missing) <= 1e-16 * limits.total:
+            return
+        best = -1
+        for k in range(p.size):
+            may = p[k] < hardness if missing > 0.0 else p[k] > 0.0
+            if may and (best < 0 or (g[k] < g[best]) == (missing > 0.0)):
+                best = k
+        if best < 0:
+            return
+        change = min(max(p[best] + missing, 0.0), hardness) - p[best]
+        p[best] += change
+        missing -= change
+
+
+@njit(cache=True)
+def extrapolate(p, trend, g, limits, work, q):
+    """Set q to p + trend within the bounds, its free nodes shifted to carry the load; return whether they can.
+
+    `work` is a Work of `_solver_kernels`; its trial, direction and active nodes are overwritten.
+    """
+    hardness, trial, active, d = limits.hardness, work.trial, work.active, work.d
+    free = 0
+    for k in range(p.size):
+        q[k] = min(max(p[k] + trend[k], 0.0), hardness)
+        trial[k] = q[k]
+        if 0.0 < q[k] < hardness:
+            active[free] = k
+            free += 1
+    slope, _ = project(q, g, 0.0, trial, Sets(active, free, 0), limits, d)
+    for k in range(p.size):
+        q[k] += d[k]
+    return slope < np.inf
+
+
+@njit(cache=True)
+def step_by_way_of(q, p, g, hardness, d):
+    """Make d, a direction from q, one from p; return its slope and longest step length there."""
+    slope = 0.0
+    longest = np.inf
+    for k in range(p.size):
+        d[k] = min(max(q[k] + d[k], 0.0), hardness) - p[k]
+        slope += g[k] * d[k]  # the approach has no part in it: d carries no load
+        if d[k] < 0.0:
+            longest = min(longest, -p[k] / d[k])
+        elif d[k] > 0.0:
+            longest = min(longest, (hardness - p[k]) / d[k])
+    return slope, max(longest, 1.0)
