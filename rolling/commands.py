@@ -19,7 +19,6 @@ from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError, Stopped
 from rolling.folders.run_record import Kind
 from rolling.scene import file
-from rolling.scene.scene import track
 from rolling.simulation import batch, labels, sound_files, summary
 from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan
@@ -80,7 +79,7 @@ def run(
     ------
     SceneError, FolderError : before anything is computed or written.
     """
-    scene = file.load(scene_path, overrides)
+    scene = file.read_scene(scene_path, overrides)
     findings.refuse_unavailable(scene)
     long_steps.refuse_long_steps(scene)
     findings.refuse_what_cannot_fit(scene, workers, out or findings.OUTPUTS)
@@ -90,7 +89,7 @@ def run(
     target = new_folder.aim(Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files])
     with new_folder.make(target, plan.record(), plan.write) as held:
         runs = plan.runs(held.folder)
-        results = [Result.empty(track(one.scene), one.scene.start) for one in runs]
+        results = [Result.empty(one.scene.track, one.scene.start) for one in runs]
         return _work(held, runs, results, workers, page)
 
 
@@ -116,7 +115,7 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
     before = records_of([folder])[0]
     names = [one.folder.name for one in runs] if runs[0].values else []
     with claim.take(folder, "sweep" if names else "run", names, take_over) as held:
-        results = [batch.stored(one) or Result.empty(track(one.scene), one.scene.start) for one in runs]
+        results = [batch.stored(one) or Result.empty(one.scene.track, one.scene.start) for one in runs]
         warn_of_other_program(folder, before, results)
         return _work(held, runs, results, workers, page)
 

@@ -12,8 +12,9 @@ from rolling.check import cost, machine
 from rolling.check import findings as check
 from rolling.check.cost import expected_step_ms, roughness
 from rolling.check.findings import Finding, findings, report
-from rolling.scene.file import load, loads
-from rolling.scene.scene import Scene, SceneError
+from rolling.scene.file import loads, read_scene
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
 from rolling.surface import heights as surface
 
 TEXT = """\
@@ -289,7 +290,7 @@ def test_report_of_one_run_and_of_many() -> None:
 
 def test_quickstart_is_within_its_budget() -> None:
     """Ten seconds of computing, of which three were measured; compilation, once per installation, is not in them."""
-    scene = load(Path(__file__).parent.parent / "scenarios" / "quickstart.yaml")
+    scene = read_scene(Path(__file__).parent.parent / "scenarios" / "quickstart.yaml")
     report(loads(TEXT, ["rolling.duration_s=0.002"]))
     began = time.process_time()
     text = report(scene)

@@ -10,7 +10,7 @@ from scene_text import SCENES, TEXT
 
 from rolling.check import findings
 from rolling.scene import file
-from rolling.scene.scene import SceneError
+from rolling.scene.messages import SceneError
 
 SECONDS = 2.0  # of processor time for one text
 TEXTS = [TEXT, *(path.read_text(encoding="utf-8") for path in SCENES)]

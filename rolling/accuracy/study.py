@@ -21,7 +21,6 @@ from rolling.check import cost, findings, long_steps
 from rolling.folders import claim, files, new_folder, run_record
 from rolling.folders.claim import Claim
 from rolling.scene import file
-from rolling.scene.scene import expand
 from rolling.simulation import pool, simulate, summary
 from rolling.simulation.batch import Run
 from rolling.surface import contact_of_scene
@@ -42,8 +41,8 @@ def report(
     ------
     SceneError, FolderError : before anything is computed or written.
     """
-    scene = file.load(scene_path, overrides)
-    runs = expand(scene)
+    scene = file.read_scene(scene_path, overrides)
+    runs = scene.runs()
     values, single = runs[0]
     long_steps.refuse_long_steps(single)
     what = study(single, duration, finest)

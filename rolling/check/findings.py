@@ -23,7 +23,11 @@ from rolling.check.finding import rounded_down as _down
 from rolling.check.finding import rounded_up as _up
 from rolling.check.finding import si as _si
 from rolling.contact import closed_forms as reference
-from rolling.scene.scene import Gaussian, HeightFile, Scene, SceneError, Track, expand, run_name, track
+from rolling.scene.messages import SceneError
+from rolling.scene.run_names import run_name
+from rolling.scene.scene import Scene
+from rolling.scene.sections import Gaussian, HeightFile
+from rolling.scene.track import Track
 
 if TYPE_CHECKING:
     from rolling.check.probe import Probe
@@ -54,7 +58,7 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
     ------
     SceneError : the height file cannot be used.
     """
-    way = track(scene)
+    way = scene.track
     rq, slope = cost.roughness(scene)
     closed_forms = [
         *_size(scene, way),
@@ -100,7 +104,7 @@ def refuse_what_cannot_fit(scene: Scene, workers: int = 0, folder: Path = OUTPUT
     ------
     SceneError : the runs do not fit, or a height file cannot be used.
     """
-    scenes = [single for _, single in expand(scene)]
+    scenes = [single for _, single in scene.runs()]
 
     def needed(roughness: Callable[[Scene], float]) -> demand.Demand:
         return demand.of_scenes([(single, roughness(single)) for single in scenes], workers or cost.cores())
@@ -113,7 +117,7 @@ def refuse_variants_that_cannot_fit(scene: Scene, finest: int, workers: int = 0,
     """Refuse the variants of a scene without sweep, as `refuse_what_cannot_fit` its run; `finest` divides the spacing."""
 
     def needed(roughness: Callable[[Scene], float]) -> demand.Demand:
-        return demand.of_variants(scene, track(scene), roughness(scene), finest, workers or cost.cores())
+        return demand.of_variants(scene, scene.track, roughness(scene), finest, workers or cost.cores())
 
     _refuse_excess([scene], needed, folder)
 
@@ -153,7 +157,7 @@ def _written(folder: Path) -> float:
 def _refuse_large_heights(scene: Scene) -> None:
     """Refuse a height file that does not fit into memory, by its header."""
     if scene.height_path is not None:
-        excess = _excess(demand.reading(track(scene)), OUTPUTS)
+        excess = _excess(demand.reading(scene.track), OUTPUTS)
         if excess:
             raise SceneError([f"surface.path: {fault}" for fault in excess.values()])
 
@@ -171,7 +175,7 @@ def report(scene: Scene, fast: bool = False) -> str:
     """
     refuse_unavailable(scene)
     long_steps.refuse_long_steps(scene)
-    singles = expand(scene)
+    singles = scene.runs()
     for _, single in singles:
         _refuse_large_heights(single)
     runs = [

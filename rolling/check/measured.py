@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 from rolling.check.finding import Finding, rounded_down, si
-from rolling.scene.scene import HeightFile, Scene, Track
+from rolling.scene.scene import Scene
+from rolling.scene.sections import HeightFile
+from rolling.scene.track import Track
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 

@@ -13,7 +13,8 @@ from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
 from acoustics.radiation import RHO_C
 from rolling.check import findings, measured
 from rolling.figures.picture import comment, quoted
-from rolling.scene.scene import Gaussian, HeightFile, Scene
+from rolling.scene.scene import Scene
+from rolling.scene.sections import Gaussian, HeightFile
 from rolling.simulation import caveats
 from rolling.simulation.caveats import Remark
 from rolling.simulation.labels import printable

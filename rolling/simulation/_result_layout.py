@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from rolling import __version__
 from rolling.scene.identity import canonical
-from rolling.scene.scene import Gaussian, Scene
+from rolling.scene.scene import Scene
+from rolling.scene.sections import Gaussian
 from rolling.simulation.result import Result
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES
 from rolling.sound import ContactSound, middle_speeds
