@@ -252,7 +252,7 @@ def _check(arguments: argparse.Namespace) -> int:
     from rolling.scene.messages import SceneError
 
     try:
-        print(findings.report(file.read_scene(arguments.scene, arguments.set), arguments.fast))
+        print(findings.check_scene(file.read_scene(arguments.scene, arguments.set), solve=not arguments.fast))
     except SceneError as error:
         _say(str(error))
         return BAD_INPUT

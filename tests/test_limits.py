@@ -15,7 +15,7 @@ import pytest
 from scene_text import PLAIN, TEXT, faults
 
 from rolling import cli, commands
-from rolling.check import cost, demand, findings, machine
+from rolling.check import cost, demand, findings, machine, refusals
 from rolling.report import page
 from rolling.scene import file as scene_file
 from rolling.scene import yaml_text
@@ -237,25 +237,25 @@ def test_resume_resound_and_accuracy_refuse_alike(
 def test_resume_does_not_ask_for_disk_twice(finished: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene, needed, written = estimate_and_files(finished)
     monkeypatch.setattr(machine, "free_disk", lambda folder: needed / machine.SHARE - written / 2)
-    findings.refuse_what_cannot_fit(scene, 1, finished)
+    refusals.refuse_what_cannot_fit(scene, 1, finished)
     with pytest.raises(SceneError, match="disk: needs about"):
-        findings.refuse_what_cannot_fit(scene, 1, finished.parent / "new")
+        refusals.refuse_what_cannot_fit(scene, 1, finished.parent / "new")
 
 
 def test_address_space_of_a_process_counts(monkeypatch) -> None:
     monkeypatch.setattr(machine, "address_space", lambda: 3e8)
     with pytest.raises(SceneError, match="240 MB, 80 % of the 300 MB one process may address"):
-        findings.refuse_what_cannot_fit(scene_file.loads(PLAIN))
+        refusals.refuse_what_cannot_fit(scene_file.loads(PLAIN))
 
 
 def test_check_says_how_much_memory_and_disk(monkeypatch) -> None:
     scene = scene_file.loads(TEXT)
-    said = findings.report(scene)
+    said = str(findings.check_scene(scene))
     rows = dict(line.split("  ", 1) for line in said.splitlines() if "  " in line)
     assert "GB" in rows["memory of all"] or "MB for the program" in rows["memory of all"]
     assert "about" in rows["disk of all"]
     monkeypatch.setattr(machine, "free_disk", lambda folder: 1e6)
-    assert "warning: disk of all: needs about" in findings.report(scene)
+    assert "warning: disk of all: needs about" in str(findings.check_scene(scene))
 
 
 SPARSE = """\
@@ -332,7 +332,7 @@ def test_only_regular_files_are_heights(tmp_path: Path) -> None:
 
     def fault() -> str:
         with pytest.raises(SceneError) as error:
-            findings.report(scene_file.read_scene(path))
+            str(findings.check_scene(scene_file.read_scene(path)))
         return str(error.value)
 
     assert "heights.npy: is a pipe" in fault()
@@ -349,7 +349,7 @@ def test_height_file_shorter_than_its_header_is_refused(tmp_path: Path) -> None:
     content = (tmp_path / "heights.npy").read_bytes()
     (tmp_path / "heights.npy").write_bytes(content[:-1])
     with pytest.raises(SceneError, match="its header says 32,768 bytes of heights, it holds 32,767"):
-        findings.report(scene_file.read_scene(scene_of(tmp_path, FILE, LAPS % (0.1, 0.01))))
+        str(findings.check_scene(scene_file.read_scene(scene_of(tmp_path, FILE, LAPS % (0.1, 0.01)))))
 
 
 def test_scene_file_of_more_than_a_megabyte_is_refused(tmp_path: Path) -> None:

@@ -88,7 +88,7 @@ def outcome(text: str) -> str:
     """Read and check a text; the kind of its outcome."""
     try:
         scene = file.loads(text, where="s.yaml", folder=SCENES[0].parent)
-        findings.report(scene)
+        str(findings.check_scene(scene))
     except SceneError as error:
         assert error.faults and all(fault.strip() for fault in error.faults)
         assert len(str(error)) < 100_000

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from rolling import cli
-from rolling.check import findings, probe
-from rolling.check.findings import Finding
+from rolling.check import cost, findings, probe
+from rolling.check.finding import Finding
 from rolling.contact import march
 from rolling.scene import file
 from rolling.scene.scene import Scene
@@ -74,13 +74,13 @@ def test_time_of_a_step_is_that_of_a_run() -> None:
     piece = simulate.simulate_piece(given, 0, 100)
     assert 1 / 4 < np.median(got.step_ms) / (1e3 * np.median(piece.steps["step_time"])) < 4
     finding = next(f for f in got.findings(given) if f.key == "expected_time")
-    cores = findings.cost.cores()
+    cores = cost.cores()
     assert finding.seconds == pytest.approx(got.step_ms.mean() * 1e-3 * given.track.solved_steps / cores)
 
 
 def test_positions_that_fail_are_said(capsys: pytest.CaptureFixture[str]) -> None:
     # 2.1 GPa times 800 x 160 um is 269 N.
-    text = findings.report(scene("rolling.load_n=300"))
+    text = str(findings.check_scene(scene("rolling.load_n=300")))
     warning = next(line for line in text.splitlines() if "positions solved: " in line)
     assert "8 of 8 positions fail, and so will the run" in warning
     assert "more than the surface can carry" in warning
@@ -118,7 +118,7 @@ def test_fast_solves_nothing(
     assert "asperities may yield" in printed
     assert "stays elastic" not in printed and "contact area" not in printed and "positions solved" not in printed
     assert any("nodes per" in line for line in printed.splitlines())
-    assert not any("positions" in str(f.warning) for f in summary.check.findings(scene()))
+    assert not any("positions" in str(f.warning) for f in summary.findings.findings(scene()))
 
 
 def test_large_surfaces_are_left_out_with_the_limit() -> None:

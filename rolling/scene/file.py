@@ -55,7 +55,7 @@ def loads(text: str, overrides: Sequence[str] = (), where: str = "scene", folder
     except TextError as error:
         raise SceneError([str(error)]) from error
     if data is None:
-        raise SceneError([f"{where}: empty, a scene needs at least {', '.join(required(Scene))}"])
+        raise SceneError([f"{where}: empty, a scene needs at least {', '.join(['name', *required(Scene)])}"])
     if not isinstance(data, dict):
         raise SceneError([f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first being name"])
     places = {key: f"{where}:{line}" for key, line in lines.items()}
