@@ -200,7 +200,7 @@ def _resound(arguments: argparse.Namespace) -> int:
 def _report(arguments: argparse.Namespace) -> int:
     from rolling import commands as run
     from rolling.folders.files import FolderError
-    from rolling.scene.scene import SceneError
+    from rolling.scene.messages import SceneError
 
     try:
         print(run.report(arguments.folders, arguments.out, arguments.force))
@@ -212,7 +212,7 @@ def _report(arguments: argparse.Namespace) -> int:
 
 def _reported(act, page: bool) -> int:
     from rolling.folders.files import FolderError
-    from rolling.scene.scene import SceneError
+    from rolling.scene.messages import SceneError
     from rolling.simulation import labels, summary
 
     try:
@@ -249,10 +249,10 @@ def _reported(act, page: bool) -> int:
 def _check(arguments: argparse.Namespace) -> int:
     from rolling.check import findings
     from rolling.scene import file
-    from rolling.scene.scene import SceneError
+    from rolling.scene.messages import SceneError
 
     try:
-        print(findings.report(file.load(arguments.scene, arguments.set), arguments.fast))
+        print(findings.check_scene(file.read_scene(arguments.scene, arguments.set), solve=not arguments.fast))
     except SceneError as error:
         _say(str(error))
         return BAD_INPUT
@@ -274,7 +274,7 @@ def _accuracy(arguments: argparse.Namespace) -> int:
 
     from rolling.accuracy import study
     from rolling.folders.files import FolderError
-    from rolling.scene.scene import SceneError
+    from rolling.scene.messages import SceneError
 
     given = {name: value for name in ("finest", "duration") if (value := getattr(arguments, name)) is not None}
     try:
@@ -307,7 +307,7 @@ def _hard_cases(arguments: argparse.Namespace) -> int:
 def _reproduce(arguments: argparse.Namespace) -> int:
     from rolling.folders.files import FolderError
     from rolling.lee2025 import reproduce
-    from rolling.scene.scene import SceneError
+    from rolling.scene.messages import SceneError
 
     a = arguments
     try:

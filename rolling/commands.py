@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling.check import findings, long_steps
+from rolling.check import long_steps, refusals
 from rolling.folders import claim, files, new_folder
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError, Stopped
 from rolling.folders.run_record import Kind
 from rolling.scene import file
-from rolling.scene.scene import track
 from rolling.simulation import batch, labels, sound_files, summary
 from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan
@@ -80,17 +79,17 @@ def run(
     ------
     SceneError, FolderError : before anything is computed or written.
     """
-    scene = file.load(scene_path, overrides)
-    findings.refuse_unavailable(scene)
+    scene = file.read_scene(scene_path, overrides)
+    refusals.refuse_unavailable(scene)
     long_steps.refuse_long_steps(scene)
-    findings.refuse_what_cannot_fit(scene, workers, out or findings.OUTPUTS)
+    refusals.refuse_what_cannot_fit(scene, workers, out or refusals.OUTPUTS)
     plan = Plan(scene, scene_path.read_bytes())
     for _, single in plan.singles:
         contact_of_scene.rolling_contact(single)  # a surface that cannot be had shows before anything is written
     target = new_folder.aim(Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files])
     with new_folder.make(target, plan.record(), plan.write) as held:
         runs = plan.runs(held.folder)
-        results = [Result.empty(track(one.scene), one.scene.start) for one in runs]
+        results = [Result.empty(one.scene.track, one.scene.start) for one in runs]
         return _work(held, runs, results, workers, page)
 
 
@@ -111,12 +110,12 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
             raise FolderError(
                 f"{one.folder}: no such folder, though {folder / 'resolved.yaml'} sweeps it; run a new scene instead"
             )
-        findings.refuse_unavailable(one.scene)
-    findings.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
+        refusals.refuse_unavailable(one.scene)
+    refusals.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
     before = records_of([folder])[0]
     names = [one.folder.name for one in runs] if runs[0].values else []
     with claim.take(folder, "sweep" if names else "run", names, take_over) as held:
-        results = [batch.stored(one) or Result.empty(track(one.scene), one.scene.start) for one in runs]
+        results = [batch.stored(one) or Result.empty(one.scene.track, one.scene.start) for one in runs]
         warn_of_other_program(folder, before, results)
         return _work(held, runs, results, workers, page)
 
@@ -133,8 +132,8 @@ def resound(
     stored = read_runs(folder)
     # All is read and checked before the new folder is made.
     scene = file.resound(resolved_scene(folder), overrides)
-    findings.refuse_unavailable(scene)
-    findings.refuse_what_cannot_fit(scene, 1, out or findings.OUTPUTS)
+    refusals.refuse_unavailable(scene)
+    refusals.refuse_what_cannot_fit(scene, 1, out or refusals.OUTPUTS)
     given = folder / "scene.yaml"
     plan = Plan(scene, given.read_bytes() if given.is_file() else None)
     if [values for values, _ in plan.singles] != [one.values for one in stored]:
@@ -173,7 +172,7 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     heard: list[Heard] = []
     unheard: list[str] = []
     for one, label in zip(runs, labels.labels(runs), strict=True):
-        findings.refuse_unavailable(one.scene)
+        refusals.refuse_unavailable(one.scene)
         result = batch.stored(one)
         sounding = _heard(one, label, result) if result else None
         if sounding is None:

@@ -1,12 +1,12 @@
-"""Release along the track to sound pressure in time: the bridge from the contact, which knows distance, to acoustics.
+"""Sound of a run: from the energy released along the track to the sound pressure in time.
 
-Depends on scenario, motion, resolution and acoustics. A quasi-static release belongs to a place; only here does speed make
-power of it.
+A quasi-static release belongs to a place. Only here does the speed make power of it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,21 +24,43 @@ FADE_S = 0.01  # at either end of a record that does not close, or a tenth of it
 
 @dataclass(frozen=True)
 class ContactSound:
-    """The sound of one run.
+    """Sound of one run: the record, its levels and the power behind it.
 
-    pressure : sound pressure [Pa] at `sample_rate` [Hz], one record for all that is shown, measured and heard.
-    factor : from intensity fluctuation to sound pressure [Pa per W/m2].
-    closed : levels and bands take the record as closed: the track closes and the speed stays the same. Otherwise it is faded.
-    constant_speed : the speed stays the same for the whole record.
-    duration : of the record [s].
-    highest : Nyquist frequency [Hz] of the steps at the greatest speed that the record reaches. While the sphere rolls slower, the
-        march resolves sound up to speed / (2 step) only, and the bands above hold the sound of the faster stretches alone.
-    power : release power [W] at `time` [s], the middle of each step, which lasts `step_duration` [s]; q is not in it.
-    audible_rms : rms [W] of the release power's fluctuation within hearing; 0 where there is only rounding.
-    resolved_rms : rms [W] within hearing that the solver's error reaches; a record with no more than that is silent.
-    uncertainty : of the levels [dB], from the length of the record.
-    has_seam : the surface does not lead from its end to its beginning, so a closed record clicks where it goes round.
-    steady_level : of the mean intensity [dB re 1e-12 W/m2]; None when nothing is released, as is its `steady_uncertainty`.
+    Attributes
+    ----------
+    pressure : (samples,) array, Pa
+        Sound pressure at `sample_rate`, the one record that is shown, measured and heard.
+    factor : float, Pa per W/m2
+        Factor from the fluctuation of the intensity to the sound pressure.
+    closed : bool
+        Levels and bands take the record as closed: the track closes and the speed is constant. Otherwise it is faded.
+    constant_speed : bool
+        The speed stays the same for the whole record.
+    duration : float, s
+        Duration of the record.
+    highest : float, Hz
+        Nyquist frequency of the steps at the maximum speed of the record. While the sphere rolls slower, the march
+        resolves sound up to speed / (2 step) only, and the bands above hold the sound of the faster stretches alone.
+    levels : SoundLevels, dB
+        Levels of the record.
+    uncertainty : LevelUncertainty, dB
+        Uncertainty of the levels from the length of the record.
+    steady_level : float or None, dB re 1e-12 W/m2
+        Level of the mean intensity; None when nothing is released.
+    steady_uncertainty : float or None, dB
+        Uncertainty of the steady level; None when nothing is released.
+    time, step_duration : (steps,) arrays, s
+        Middle and length of each step.
+    power : (steps,) array, W
+        Release power at `time`, without the factor q.
+    mean_power : float, W
+        Mean of the release power over time.
+    audible_rms : float, W
+        Rms of the release power's fluctuation within hearing; 0 where there is only rounding.
+    resolved_rms : float, W
+        Rms within hearing that the solver's error reaches. A record with no more than that is silent.
+    has_seam : bool
+        The surface does not lead from its end to its beginning, so a closed record clicks where it goes round.
     """
 
     pressure: Array
@@ -61,18 +83,19 @@ class ContactSound:
 
     @property
     def loops(self) -> bool:
-        """The record goes round without a click."""
+        """Tell whether the record goes round without a click."""
         return self.closed and not self.has_seam
 
     @property
     def ends(self) -> str:
-        """How the record ends, in words."""
+        """End of the record in words."""
         if self.closed:
             return "does not loop, the surface has a seam" if self.has_seam else "loops"
         return "faded at both ends"
 
     @property
     def sample_rate(self) -> int:
+        """Sample rate of the record [Hz]."""
         return wav.SAMPLE_RATE_HZ
 
     @property
@@ -81,18 +104,87 @@ class ContactSound:
         return float(np.sqrt(np.average(np.square(self.power - self.mean_power), weights=self.step_duration)))
 
 
-def middle_speeds(scene: Scene, steps: int, step: float) -> tuple[Array, Array]:
-    """Time [s] and speed [m/s] at the middle of each step."""
-    times = np.asarray(scene.motion.time((np.arange(steps) + 0.5) * step), dtype=float)
-    return times, np.asarray(scene.motion.speed(times), dtype=float)
+def middle_speeds(motion: Motion, steps: int, step: float) -> tuple[Array, Array]:
+    """Return time [s] and speed [m/s] at the middle of each step of length `step` [m]."""
+    times = np.asarray(motion.time((np.arange(steps) + 0.5) * step), dtype=float)
+    return times, np.asarray(motion.speed(times), dtype=float)
 
 
-def oversampling(motion: Motion, duration: float, step: float) -> int:
-    """Return how many times as dense as the sound samples a record of changing speed is read from the track.
+@dataclass(frozen=True)
+class _Release:
+    """Energy released along the track, and the motion that makes power of it.
 
-    The greatest speed that is reached within the duration [s] makes the highest frequency of the steps of length `step` [m].
+    Attributes
+    ----------
+    per_metre : (steps,) array, J/m
+        Energy released in each step over its length.
+    step : float, m
+        Length of a step.
     """
-    return max(1, int(np.ceil(motion.fastest(duration) / step / wav.SAMPLE_RATE_HZ)))
+
+    motion: Motion
+    per_metre: Array
+    step: float
+
+    @property
+    def steps(self) -> int:
+        """Number of steps."""
+        return len(self.per_metre)
+
+    @cached_property
+    def duration(self) -> float:
+        """Time [s] that the steps take."""
+        return self.motion.duration(self.steps * self.step)
+
+    @property
+    def samples(self) -> int:
+        """Samples of the sound in that time."""
+        return max(2, round(self.duration * wav.SAMPLE_RATE_HZ))
+
+    @cached_property
+    def constant_speed(self) -> bool:
+        """True where the speed stays the same for all steps."""
+        return self.motion.is_constant(self.duration)
+
+    @cached_property
+    def middle(self) -> tuple[Array, Array]:
+        """Time [s] and speed [m/s] at the middle of each step."""
+        return middle_speeds(self.motion, self.steps, self.step)
+
+    @cached_property
+    def step_duration(self) -> Array:
+        """Time [s] that each step takes."""
+        return np.diff(self.motion.time(np.arange(self.steps + 1) * self.step))
+
+    @cached_property
+    def power(self) -> Array:
+        """Release power [W] at the middle of each step."""
+        return self.per_metre * self.middle[1]
+
+    @property
+    def mean_power(self) -> float:
+        """Mean release power [W] over time."""
+        return float(self.per_metre.mean()) * self.steps * self.step / self.duration
+
+    @property
+    def highest(self) -> float:
+        """Nyquist frequency [Hz] of the steps at the maximum speed."""
+        return self.motion.fastest(self.duration) / (2 * self.step)
+
+    def fluctuation(self, closed: bool) -> Array:
+        """Return the fluctuation of the release power [W] at the samples of the sound."""
+        if self.constant_speed:
+            return _at_constant_speed(self.power, closed, self.duration, self.samples)
+        return _at_changing_speed(self.motion, self.per_metre, self.step, closed, self.samples)
+
+    def white_error(self) -> float:
+        """Return the rms within hearing [W] of an error as large as the mean release that is white along the track.
+
+        At a speed v it fills the band up to v / (2 step).
+        """
+        speeds = self.middle[1]
+        heard = np.minimum(np.square(speeds), AUDIBLE_HZ[1] * 2 * self.step * speeds)
+        return float(self.per_metre.mean() * np.sqrt(np.average(heard, weights=self.step_duration)))
 
 
 def contact_sound(
@@ -103,66 +195,83 @@ def contact_sound(
     lap_steps: int | None = None,
     has_seam: bool = False,
 ) -> ContactSound:
-    """Sound of a run from the energy released in each step.
+    """Turn the energy released in each step into the sound at the listener.
+
+    The speed makes power of the energy, the distance makes intensity of the power. Its fluctuation within hearing is the
+    sound, unless the solver's error hides it.
 
     Parameters
     ----------
-    scene : motion and sound, and the numerics that the energy was solved with.
-    release_energy : (steps,) energy of each step [J].
-    step : length of a step [m].
-    closed : the steps are whole laps of the track.
-    lap_steps : steps after which the release repeats; None: it does not.
-    has_seam : the step from the end of the surface to its beginning stands out.
+    scene : Scene
+        Scene with the motion, the sound, and the numerics that the energy was solved with.
+    release_energy : (steps,) array, J
+        Energy of each step.
+    step : float, m
+        Length of a step.
+    closed : bool
+        The steps are whole laps of the track.
+    lap_steps : int, optional
+        Steps after which the release repeats. Default: it does not repeat.
+    has_seam : bool
+        The step from the end of the surface to its beginning stands out. Default false.
     """
-    steps = len(release_energy)
-    per_metre = release_energy / step
-    motion, rate = scene.motion, wav.SAMPLE_RATE_HZ
-    duration = motion.duration(steps * step)
-    samples = max(2, round(duration * rate))
-    times, speeds = middle_speeds(scene, steps, step)
-    step_duration = np.diff(motion.time(np.arange(steps + 1) * step))
-    constant = motion.is_constant(duration)
-    looped = closed and constant
-    power = per_metre * speeds
-    if constant:
-        fluctuation = _at_constant_speed(power, closed, duration, samples)
-    else:
-        fluctuation = _at_changing_speed(motion, per_metre, step, closed, samples)
-
-    def intensity(power: Array) -> Array:
-        return radiation.intensity(power, scene.sound.distance_m, scene.sound.q)
-
-    audible = resampling.band_limit(intensity(fluctuation), rate, *AUDIBLE_HZ)
-    audible_rms = float(np.sqrt(np.mean(np.square(audible))) / intensity(np.ones(1))[0])
-    resolved_rms = resolved_fluctuation(scene) * _white_error(per_metre.mean(), speeds, step_duration, step)
+    release = _Release(scene.motion, release_energy / step, step)
+    looped = closed and release.constant_speed
+    audible, audible_rms = _heard(scene, release.fluctuation(closed))
+    resolved_rms = resolved_fluctuation(scene) * release.white_error()
     if audible_rms <= resolved_rms:
         audible = np.zeros_like(audible)
     pressure, factor = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
-    highest = motion.fastest(duration) / (2 * step)
-    levels = level.sound_levels(pressure, rate, highest, looped)
-    own_factor = scene.sound.gain_pa_per_w_m2 is None
-    lap = per_metre[:lap_steps]
-    mean_power = float(per_metre.mean()) * steps * step / duration
-    mean_intensity = float(intensity(np.array([mean_power]))[0])
+    levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, release.highest, looped)
+    lap = release.per_metre[:lap_steps]
+    mean_intensity = float(_intensity(scene, np.array([release.mean_power]))[0])
     return ContactSound(
         pressure=pressure,
         factor=float(factor),
         closed=looped,
-        constant_speed=constant,
-        duration=duration,
-        highest=highest,
+        constant_speed=release.constant_speed,
+        duration=release.duration,
+        highest=release.highest,
         levels=levels,
-        uncertainty=uncertainty.level_uncertainty(pressure, rate, levels, own_factor, laps=steps / len(lap)),
+        uncertainty=_level_uncertainty(scene, pressure, levels, release.steps / len(lap)),
         steady_level=level.level_db(mean_intensity, level.I_REF_W_M2),
-        steady_uncertainty=uncertainty.steady_uncertainty_db(lap, steps / duration),
-        time=times,
-        step_duration=step_duration,
-        power=power,
-        mean_power=mean_power,
+        steady_uncertainty=uncertainty.steady_uncertainty_db(lap, release.steps / release.duration),
+        time=release.middle[0],
+        step_duration=release.step_duration,
+        power=release.power,
+        mean_power=release.mean_power,
         audible_rms=audible_rms,
         resolved_rms=resolved_rms,
         has_seam=has_seam,
     )
+
+
+def oversampling(motion: Motion, duration: float, step: float) -> int:
+    """Return the factor over the sample rate at which a record of changing speed is read from the track.
+
+    The maximum speed within the duration [s] makes the highest frequency of the steps of length `step` [m].
+    """
+    return max(1, int(np.ceil(motion.fastest(duration) / step / wav.SAMPLE_RATE_HZ)))
+
+
+def _heard(scene: Scene, fluctuation: Array) -> tuple[Array, float]:
+    """Return the intensity [W/m2] within hearing at the listener, and its rms as release power [W]."""
+    audible = resampling.band_limit(_intensity(scene, fluctuation), wav.SAMPLE_RATE_HZ, *AUDIBLE_HZ)
+    of_one_watt = _intensity(scene, np.ones(1))[0]
+    return audible, float(np.sqrt(np.mean(np.square(audible))) / of_one_watt)
+
+
+def _intensity(scene: Scene, power: Array) -> Array:
+    """Return the intensity [W/m2] that a release power [W] makes at the listener."""
+    return radiation.intensity(power, scene.sound.distance_m, scene.sound.q)
+
+
+def _level_uncertainty(
+    scene: Scene, pressure: Array, levels: level.SoundLevels, laps: float
+) -> uncertainty.LevelUncertainty:
+    """Return the uncertainty of levels [dB] of a record that goes round its track so many times."""
+    own_factor = scene.sound.gain_pa_per_w_m2 is None
+    return uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, own_factor, laps=laps)
 
 
 def _at_constant_speed(power: Array, closed: bool, duration: float, samples: int) -> Array:
@@ -188,14 +297,6 @@ def _at_changing_speed(motion: Motion, per_metre: Array, step: float, closed: bo
     return resampling.resample_closed(in_time, samples)
 
 
-def _white_error(per_metre: float, speeds: Array, step_duration: Array, step: float) -> float:
-    """Return the rms within hearing [W] of an error as large as the mean release [J/m] that is white along the track.
-
-    At a speed v it fills the band up to v / (2 step).
-    """
-    heard = np.minimum(np.square(speeds), AUDIBLE_HZ[1] * 2 * step * speeds)
-    return float(per_metre * np.sqrt(np.average(heard, weights=step_duration)))
-
-
 def _fade_length(samples: int, duration: float) -> int:
+    """Return the number of samples that a record of this duration [s] is faded over at either end."""
     return max(1, int(samples * min(FADE_S / duration, 0.1)))

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rolling.scene.file import loads
-from rolling.scene.scene import SceneError
+from rolling.scene.messages import SceneError
 
 SCENES = sorted((Path(__file__).parent.parent / "scenarios").glob("*.yaml"))
 

@@ -176,7 +176,7 @@ def test_loosest_tolerance_stays_below_grid_and_limit() -> None:
 
 
 def test_the_scene_of_a_yielding_plate_is_tried_with_both_edges(scene: Path) -> None:
-    hard = file.load(scene, ["rolling.load_n=1", "plate.hardness_gpa=2.1", "numerics.step_nodes=3"])
+    hard = file.read_scene(scene, ["rolling.load_n=1", "plate.hardness_gpa=2.1", "numerics.step_nodes=3"])
     what = variants.study(hard, 0.045, 8)
     assert what.nodes % 12 == 0  # whole numbers of the scene's step and of the longest one tried
     every = what.variants()

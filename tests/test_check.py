@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from acoustics import wav
-from rolling.check import cost, machine
-from rolling.check import findings as check
+from rolling.check import cost, demand, machine
 from rolling.check.cost import expected_step_ms, roughness
-from rolling.check.findings import Finding, findings, report
-from rolling.scene.file import load, loads
-from rolling.scene.scene import Scene, SceneError
+from rolling.check.finding import Finding
+from rolling.check.findings import check_scene, findings
+from rolling.scene.file import loads, read_scene
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
 from rolling.surface import heights as surface
 
 TEXT = """\
@@ -216,14 +217,14 @@ def test_expected_time_is_shared_by_the_cores(monkeypatch: pytest.MonkeyPatch) -
     assert alone["expected time"].seconds == pytest.approx(25000 * step_ms * 1e-3, rel=0.05)
     assert shared["expected time"].seconds == pytest.approx(alone["expected time"].seconds / 8)
     of_all = "expected time of all"
-    lines = report(loads(TEXT, ["sweep.surface.seed=[1, 2]"]), fast=True).splitlines()
+    lines = str(check_scene(loads(TEXT, ["sweep.surface.seed=[1, 2]"]), solve=False)).splitlines()
     line = next(line for line in lines if line.startswith(of_all))
     assert line.endswith(f"about {2 * shared['expected time'].seconds:.2g} s on 8 cores, 2 runs")
-    assert of_all not in report(loads(TEXT), fast=True)
+    assert of_all not in str(check_scene(loads(TEXT), solve=False))
 
 
 def test_the_sample_rate_is_that_of_the_files() -> None:
-    assert check.SAMPLE_RATE == wav.SAMPLE_RATE_HZ
+    assert demand.SAMPLE_RATE == wav.SAMPLE_RATE_HZ
 
 
 def file_scene(folder: Path, heights: np.ndarray, *overrides: str) -> Scene:
@@ -264,7 +265,7 @@ def test_a_ball_that_stops_on_a_file(tmp_path: Path) -> None:
 
 
 def test_report() -> None:
-    text = report(loads(TEXT, ["sweep.rolling.load_n=[5, 20, 100]"]), fast=True)
+    text = str(check_scene(loads(TEXT, ["sweep.rolling.load_n=[5, 20, 100]"]), solve=False))
     shared, runs, warnings = text.split("\n\n")
     assert "steps                         25000 of 2 um" in shared.splitlines()
     assert "load_n=5" in runs.splitlines()[0]
@@ -282,17 +283,17 @@ def test_report() -> None:
 
 
 def test_report_of_one_run_and_of_many() -> None:
-    assert report(loads(TEXT), fast=True).startswith("steps")
-    many = report(loads(TEXT, [f"sweep.rolling.load_n={list(range(1, 13))}"]), fast=True)
+    assert str(check_scene(loads(TEXT), solve=False)).startswith("steps")
+    many = str(check_scene(loads(TEXT, [f"sweep.rolling.load_n={list(range(1, 13))}"]), solve=False))
     assert len([line for line in many.splitlines() if line.startswith("Hertz radius")]) == 3
 
 
 def test_quickstart_is_within_its_budget() -> None:
     """Ten seconds of computing, of which three were measured; compilation, once per installation, is not in them."""
-    scene = load(Path(__file__).parent.parent / "scenarios" / "quickstart.yaml")
-    report(loads(TEXT, ["rolling.duration_s=0.002"]))
+    scene = read_scene(Path(__file__).parent.parent / "scenarios" / "quickstart.yaml")
+    str(check_scene(loads(TEXT, ["rolling.duration_s=0.002"])))
     began = time.process_time()
-    text = report(scene)
+    text = str(check_scene(scene))
     assert time.process_time() - began < 10
     assert "positions solved" in text and "yields on" in text
     assert "steps" in text

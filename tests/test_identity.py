@@ -15,7 +15,7 @@ from scene_text import PLAIN
 from rolling import cli
 from rolling import commands as run
 from rolling.scene import identity
-from rolling.scene.file import load, loads
+from rolling.scene.file import loads, read_scene
 from rolling.scene.identity import Identity, differences
 from rolling.scene.scene import Scene
 from rolling.simulation import batch, result_file, simulate
@@ -130,7 +130,7 @@ def test_heights_that_change_during_a_run_fail_it(spoil, scene: Path, tmp_path: 
 
 def test_worker_processes_compare_the_heights_that_they_read(scene: Path, tmp_path: Path) -> None:
     """Both workers read a file that was replaced after the run had begun."""
-    one = load(scene)
+    one = read_scene(scene)
     order = simulate.Order(surface_sha256=simulate.identity_of(one).heights_sha256)
     np.save(tmp_path / "z.npy", made(2))
     pieces = [(0, *piece) for piece in simulate.pieces(STEPS)]
@@ -203,10 +203,10 @@ def test_an_edited_scene_is_refused_key_by_key(old, new, message, scene: Path, t
 
 
 def test_what_resound_may_change_is_no_physics(scene: Path, tmp_path: Path) -> None:
-    one = simulate.identity_of(load(scene))
+    one = simulate.identity_of(read_scene(scene))
     changes = (["name=other", "description=words"], ["sound.distance_m=7", "sound.q=0.5"], ["rolling.speed_m_s=3"])
     for settings in changes:
-        other = simulate.identity_of(load(scene, settings))
+        other = simulate.identity_of(read_scene(scene, settings))
         assert not differences(one, other, "result.h5", None) and one.sha256 == other.sha256
 
 
@@ -270,7 +270,7 @@ def test_the_digest_of_heights_is_of_shape_and_values() -> None:
 def test_the_file_says_what_was_solved(scene: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1", "--no-report"]) == 0
-    own = simulate.identity_of(load(scene))
+    own = simulate.identity_of(read_scene(scene))
     with h5py.File(out / "result.h5") as file:
         assert file.attrs["physics"] == own.text and file.attrs["physics_sha256"] == own.sha256
         assert file.attrs["heights_sha256"] == identity.heights_digest(made(1))
@@ -293,7 +293,7 @@ def test_a_resounded_run_keeps_its_identity_whatever_its_duration(scene: Path, t
 
 def test_comparing_costs_little(scene: Path, tmp_path: Path) -> None:
     """A worker compares before each piece of 200 steps: 0.3 ms measured, where a piece takes 60 ms at least."""
-    one = load(scene)
+    one = read_scene(scene)
     simulate.heights(one)
     began = time.perf_counter()
     for _ in range(20):

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scene_text import PLAIN
 
 from rolling.scene import file
-from rolling.scene.scene import Scene, expand
+from rolling.scene.scene import Scene
 from rolling.simulation import labels
 from rolling.simulation.batch import Run
 from rolling.simulation.labels import LONGEST
@@ -124,7 +124,7 @@ def test_equal_scenes_are_told_apart_by_folder_and_then_by_number() -> None:
 
 def test_a_sweep_is_named_by_its_values_whether_alone_or_together() -> None:
     swept = file.loads(PLAIN + "sweep: {rolling.load_n: [5, 20], surface.seed: [1, 2]}\n")
-    runs = [Run(values, single, Path("runs") / str(k)) for k, (values, single) in enumerate(expand(swept))]
+    runs = [Run(values, single, Path("runs") / str(k)) for k, (values, single) in enumerate(swept.runs())]
     assert labels.labels(runs) == [f"load {load} N, seed {seed}" for load in (5, 20) for seed in (1, 2)]
     assert [run.label for run in runs] == labels.labels(runs)
     assert Run({}, SCENE, Path("runs/a")).label == "load 20 N"

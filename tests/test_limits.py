@@ -15,11 +15,12 @@ import pytest
 from scene_text import PLAIN, TEXT, faults
 
 from rolling import cli, commands
-from rolling.check import cost, demand, findings, machine
+from rolling.check import cost, demand, findings, machine, refusals
 from rolling.report import page
 from rolling.scene import file as scene_file
 from rolling.scene import yaml_text
-from rolling.scene.scene import Scene, SceneError, expand
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
 from rolling.simulation import simulate
 
 STEEL = "sphere: {radius_mm: 5}\nplate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}\n"
@@ -143,8 +144,8 @@ def test_estimate_is_the_measured_size_to_twice_of_it(
     tmp_path: Path, surface: str, rest: str, workers: int, memory_mb: float, disk_mb: float
 ) -> None:
     np.save(tmp_path / "heights.npy", np.random.default_rng(1).standard_normal((64, 64)) * 2e-8)
-    scene = scene_file.load(scene_of(tmp_path, surface, rest))
-    needed = demand.of_scenes([(single, cost.roughness(single)[0]) for _, single in expand(scene)], workers)
+    scene = scene_file.read_scene(scene_of(tmp_path, surface, rest))
+    needed = demand.of_scenes([(single, cost.roughness(single)[0]) for _, single in scene.runs()], workers)
     assert memory_mb <= needed.memory.total / 1e6 <= 2 * memory_mb
     if disk_mb > 100:
         assert disk_mb <= needed.disk.total / 1e6 <= 2 * disk_mb
@@ -164,7 +165,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def estimate_and_files(folder: Path) -> tuple[Scene, float, int]:
     """Scene of a run, estimated bytes on disk, and those there are."""
-    scene = scene_file.load(folder / "scene.yaml")
+    scene = scene_file.read_scene(folder / "scene.yaml")
     needed = demand.of_scenes([(scene, cost.roughness(scene)[0])], 1).disk.total
     return scene, needed, sum(file.stat().st_size for file in folder.iterdir())
 
@@ -182,7 +183,7 @@ def test_numbers_that_the_estimate_shares_with_slow_modules() -> None:
 
 def largest_parts(text: str) -> list[tuple[str, float]]:
     scene = scene_file.loads(text, ["recovery.events=true", "rolling.speed_m_s=[[0, 0.1], [1, 1000]]"])
-    needed = demand.of_scenes([(single, cost.roughness(single)[0]) for _, single in expand(scene)], 2)
+    needed = demand.of_scenes([(single, cost.roughness(single)[0]) for _, single in scene.runs()], 2)
     return [*needed.memory.parts, *needed.disk.parts, *needed.process.parts]
 
 
@@ -236,25 +237,25 @@ def test_resume_resound_and_accuracy_refuse_alike(
 def test_resume_does_not_ask_for_disk_twice(finished: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene, needed, written = estimate_and_files(finished)
     monkeypatch.setattr(machine, "free_disk", lambda folder: needed / machine.SHARE - written / 2)
-    findings.refuse_what_cannot_fit(scene, 1, finished)
+    refusals.refuse_what_cannot_fit(scene, 1, finished)
     with pytest.raises(SceneError, match="disk: needs about"):
-        findings.refuse_what_cannot_fit(scene, 1, finished.parent / "new")
+        refusals.refuse_what_cannot_fit(scene, 1, finished.parent / "new")
 
 
 def test_address_space_of_a_process_counts(monkeypatch) -> None:
     monkeypatch.setattr(machine, "address_space", lambda: 3e8)
     with pytest.raises(SceneError, match="240 MB, 80 % of the 300 MB one process may address"):
-        findings.refuse_what_cannot_fit(scene_file.loads(PLAIN))
+        refusals.refuse_what_cannot_fit(scene_file.loads(PLAIN))
 
 
 def test_check_says_how_much_memory_and_disk(monkeypatch) -> None:
     scene = scene_file.loads(TEXT)
-    said = findings.report(scene)
+    said = str(findings.check_scene(scene))
     rows = dict(line.split("  ", 1) for line in said.splitlines() if "  " in line)
     assert "GB" in rows["memory of all"] or "MB for the program" in rows["memory of all"]
     assert "about" in rows["disk of all"]
     monkeypatch.setattr(machine, "free_disk", lambda folder: 1e6)
-    assert "warning: disk of all: needs about" in findings.report(scene)
+    assert "warning: disk of all: needs about" in str(findings.check_scene(scene))
 
 
 SPARSE = """\
@@ -301,7 +302,7 @@ def fault_of(path: Path) -> str:
 
     def read() -> None:
         try:
-            scene_file.load(path)
+            scene_file.read_scene(path)
         except SceneError as error:
             caught.append(str(error))
 
@@ -331,7 +332,7 @@ def test_only_regular_files_are_heights(tmp_path: Path) -> None:
 
     def fault() -> str:
         with pytest.raises(SceneError) as error:
-            findings.report(scene_file.load(path))
+            str(findings.check_scene(scene_file.read_scene(path)))
         return str(error.value)
 
     assert "heights.npy: is a pipe" in fault()
@@ -348,13 +349,13 @@ def test_height_file_shorter_than_its_header_is_refused(tmp_path: Path) -> None:
     content = (tmp_path / "heights.npy").read_bytes()
     (tmp_path / "heights.npy").write_bytes(content[:-1])
     with pytest.raises(SceneError, match="its header says 32,768 bytes of heights, it holds 32,767"):
-        findings.report(scene_file.load(scene_of(tmp_path, FILE, LAPS % (0.1, 0.01))))
+        str(findings.check_scene(scene_file.read_scene(scene_of(tmp_path, FILE, LAPS % (0.1, 0.01)))))
 
 
 def test_scene_file_of_more_than_a_megabyte_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "scene.yaml"
     path.write_text(PLAIN + "#" * (1_000_000 - len(PLAIN)))
-    scene_file.load(path)
+    scene_file.read_scene(path)
     path.write_text(PLAIN + "#" * (1_000_001 - len(PLAIN)))
     assert fault_of(path) == f"{path}: is larger than 1,000,000 bytes, allowed: a scene file of at most that size"
 

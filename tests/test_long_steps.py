@@ -14,8 +14,8 @@ from rolling import cli
 from rolling.check import findings, long_steps
 from rolling.contact import closed_forms
 from rolling.lee2025 import study
-from rolling.scene.file import load, loads
-from rolling.scene.scene import SceneError, expand
+from rolling.scene.file import loads, read_scene
+from rolling.scene.messages import SceneError
 from rolling.simulation import simulate
 
 SCENE = """\
@@ -122,11 +122,11 @@ def test_scenes_of_the_repository_have_short_steps() -> None:
     """The quick study of the article takes steps three times as long, and is neither refused nor warned."""
     root = Path(__file__).parent.parent / "scenarios"
     for path in sorted(root.glob("*.yaml")):
-        scene = load(path)
+        scene = read_scene(path)
         if scene.height_path is None:
             long_steps.refuse_long_steps(scene)
             assert all(
-                run.step <= long_steps.DOUBTFUL_RADII * long_steps.contact_radius(run) for _, run in expand(scene)
+                run.step <= long_steps.DOUBTFUL_RADII * long_steps.contact_radius(run) for _, run in scene.runs()
             )
     readings = [folder for folder in sorted((root / "lee2025").iterdir()) if any(folder.glob("*.yaml"))]
     assert readings

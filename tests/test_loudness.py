@@ -12,7 +12,7 @@ import pytest
 from acoustics.loudness import Loudness, loudness
 from acoustics.radiation import P_REF_PA
 from rolling import cli
-from rolling.check import findings
+from rolling.check import refusals
 
 RATE = 48000
 SCENE = """\
@@ -93,7 +93,7 @@ def test_without_the_package_the_scene_is_refused_before_anything_is_done(
     scene: Path, tmp_path: Path, monkeypatch, capsys
 ):
     there = importlib.util.find_spec
-    monkeypatch.setattr(findings, "find_spec", lambda name: None if name == "mosqito" else there(name))
+    monkeypatch.setattr(refusals, "find_spec", lambda name: None if name == "mosqito" else there(name))
     out, plain = tmp_path / "out", tmp_path / "plain"
     message = 'sound.loudness: needs the package mosqito, which is not installed; pip install "rolling-contact-noise[loudness]"'
     assert cli.main(["run", str(scene), "--out", str(out)]) == 2

@@ -10,7 +10,7 @@ import pytest
 
 from rolling import cli, commands, sound
 from rolling.check import cost, findings
-from rolling.check.findings import Finding
+from rolling.check.finding import Finding
 from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.surface import heights as surface

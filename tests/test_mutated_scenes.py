@@ -10,7 +10,7 @@ from scene_text import SCENES, TEXT
 
 from rolling.check import findings
 from rolling.scene import file
-from rolling.scene.scene import SceneError
+from rolling.scene.messages import SceneError
 
 SECONDS = 2.0  # of processor time for one text
 TEXTS = [TEXT, *(path.read_text(encoding="utf-8") for path in SCENES)]
@@ -88,7 +88,7 @@ def outcome(text: str) -> str:
     """Read and check a text; the kind of its outcome."""
     try:
         scene = file.loads(text, where="s.yaml", folder=SCENES[0].parent)
-        findings.report(scene)
+        str(findings.check_scene(scene))
     except SceneError as error:
         assert error.faults and all(fault.strip() for fault in error.faults)
         assert len(str(error)) < 100_000

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from rolling import cli
-from rolling.check import findings, probe
-from rolling.check.findings import Finding
+from rolling.check import cost, findings, probe
+from rolling.check.finding import Finding
 from rolling.contact import march
 from rolling.scene import file
-from rolling.scene.scene import Scene, expand, track
+from rolling.scene.scene import Scene
 from rolling.simulation import simulate, summary
 from rolling.surface import contact_of_scene, scene_surface
 
@@ -74,13 +74,13 @@ def test_time_of_a_step_is_that_of_a_run() -> None:
     piece = simulate.simulate_piece(given, 0, 100)
     assert 1 / 4 < np.median(got.step_ms) / (1e3 * np.median(piece.steps["step_time"])) < 4
     finding = next(f for f in got.findings(given) if f.key == "expected_time")
-    cores = findings.cost.cores()
-    assert finding.seconds == pytest.approx(got.step_ms.mean() * 1e-3 * track(given).solved_steps / cores)
+    cores = cost.cores()
+    assert finding.seconds == pytest.approx(got.step_ms.mean() * 1e-3 * given.track.solved_steps / cores)
 
 
 def test_positions_that_fail_are_said(capsys: pytest.CaptureFixture[str]) -> None:
     # 2.1 GPa times 800 x 160 um is 269 N.
-    text = findings.report(scene("rolling.load_n=300"))
+    text = str(findings.check_scene(scene("rolling.load_n=300")))
     warning = next(line for line in text.splitlines() if "positions solved: " in line)
     assert "8 of 8 positions fail, and so will the run" in warning
     assert "more than the surface can carry" in warning
@@ -118,7 +118,7 @@ def test_fast_solves_nothing(
     assert "asperities may yield" in printed
     assert "stays elastic" not in printed and "contact area" not in printed and "positions solved" not in printed
     assert any("nodes per" in line for line in printed.splitlines())
-    assert not any("positions" in str(f.warning) for f in summary.check.findings(scene()))
+    assert not any("positions" in str(f.warning) for f in summary.findings.findings(scene()))
 
 
 def test_large_surfaces_are_left_out_with_the_limit() -> None:
@@ -136,7 +136,7 @@ def test_large_surfaces_are_left_out_with_the_limit() -> None:
 
 
 def test_long_sweeps_solve_the_first_and_the_last_run() -> None:
-    runs = [single for _, single in expand(scene(f"sweep.rolling.load_n={list(range(1, 14))}"))]
+    runs = [single for _, single in scene(f"sweep.rolling.load_n={list(range(1, 14))}").runs()]
     reasons = probe._left_out(runs)
     assert reasons[0] == reasons[-1] == ""
     assert set(reasons[1:-1]) == {"first and last of 13 runs only"}
@@ -147,7 +147,7 @@ def test_runs_that_share_a_surface_make_it_once(monkeypatch: pytest.MonkeyPatch)
     made, make = [], scene_surface._make
     monkeypatch.setattr(scene_surface, "_make", lambda given: made.append(given) or make(given))
     monkeypatch.setattr(scene_surface, "_kept", {})
-    runs = [single for _, single in expand(scene("sweep.rolling.load_n=[1, 2]", "sweep.surface.seed=[1, 2]"))]
+    runs = [single for _, single in scene("sweep.rolling.load_n=[1, 2]", "sweep.surface.seed=[1, 2]").runs()]
     got = probe.probes(runs)
     assert len(made) == 2
     # In the order of the runs: seeds fastest.
@@ -160,6 +160,6 @@ def test_a_track_of_fewer_steps_than_positions(tmp_path: Path) -> None:
     text = TEXT[: TEXT.index("surface:")] + "surface: {kind: file, path: z.npy, spacing_um: 2}\n"
     text += "rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.00006}\n"
     given = file.loads(text, folder=tmp_path)
-    assert track(given).solved_steps == 3
+    assert given.track.solved_steps == 3
     (got,) = probe.probes([given])
     assert (got.tried, len(got.contact_area)) == (3, 3)

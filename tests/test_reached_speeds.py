@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scene_text import PLAIN
 
 from rolling.check import findings
-from rolling.scene.file import load, loads
+from rolling.scene.file import loads, read_scene
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
 from rolling.sound import ContactSound, contact_sound, oversampling
@@ -94,7 +94,7 @@ def test_means_of_the_power_are_over_time() -> None:
 
 def test_the_accelerating_scene_releases_what_it_does_per_second() -> None:
     """Its mean power was 8.4 % high: energy over duration is what it is."""
-    scene = load(Path(__file__).parent.parent / "scenarios" / "accelerating.yaml")
+    scene = read_scene(Path(__file__).parent.parent / "scenarios" / "accelerating.yaml")
     energy = np.full(1250, 1e-9)
     sound = contact_sound(scene, energy, STEP, True)
     assert sound.mean_power == pytest.approx(energy.sum() / sound.duration, rel=1e-12)

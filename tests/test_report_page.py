@@ -618,7 +618,7 @@ def test_without_scripts_records_pictures_and_tables_are_there(pages, browser) -
 def test_the_scene_on_the_page_is_the_one_that_was_run(runs, pages, opened) -> None:
     with opened(pages("three")) as page:
         again = file.loads(page.text_content("#scene-0"))
-        assert again == file.load(runs.three() / "resolved.yaml")
+        assert again == file.read_scene(runs.three() / "resolved.yaml")
 
 
 def test_of_a_browser_that_is_not_there_the_tests_say_what_to_install(monkeypatch) -> None:

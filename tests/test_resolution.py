@@ -11,8 +11,8 @@ import pytest
 from acoustics import wav
 from rolling import cli, commands
 from rolling.check import resolution
-from rolling.scene.file import load, loads
-from rolling.scene.scene import Scene, track
+from rolling.scene.file import loads, read_scene
+from rolling.scene.scene import Scene
 from rolling.simulation import simulate
 from rolling.sound import ContactSound, contact_sound
 
@@ -32,7 +32,7 @@ YIELDING = "plate.hardness_gpa=0.9"  # 1.27 GPa of Hertz pressure
 
 def heard(scene: Scene) -> ContactSound:
     """Solve a scene piece by piece, as a run does."""
-    way = track(scene)
+    way = scene.track
     energy = np.concatenate(
         [
             simulate.simulate_piece(scene, a, b, mapped=False).steps["release_energy"]
@@ -143,7 +143,7 @@ def test_blended_edges_resolve_less_where_the_plate_yields() -> None:
 def test_a_quiet_scene_is_not_a_silent_one() -> None:
     """Distance and radiated share change levels, not what is resolved."""
     energy = 1e-9 * (1 + 0.1 * np.random.default_rng(1).standard_normal(220))
-    scene = load(Path(__file__).parent.parent / "scenarios" / "smooth.yaml")
+    scene = read_scene(Path(__file__).parent.parent / "scenarios" / "smooth.yaml")
     far = Scene.from_dict(scene.to_dict() | {"sound": {"distance_m": 1e4, "q": 1e-6}})
     near, distant = (contact_sound(one, energy, 2e-6, True) for one in (scene, far))
     assert near.audible_rms == pytest.approx(distant.audible_rms, rel=1e-12)

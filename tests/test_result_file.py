@@ -56,7 +56,7 @@ def path(whole: Path, tmp_path: Path) -> Path:
 def part(whole: Path) -> Result:
     """The first and the third of the pieces, as an interrupted run on two workers leaves them."""
     one = commands.read_runs(whole)[0]
-    result = Result.empty(simulate.track(one.scene), one.scene.start)
+    result = Result.empty(one.scene.track, one.scene.start)
     for first, last in simulate.pieces(result.solved_steps)[::2]:
         result.add(simulate.simulate_piece(one.scene, first, last))
     result.identity = simulate.identity_of(one.scene)
@@ -504,7 +504,7 @@ def test_a_long_run_is_kept_in_bounded_time_memory_and_space(whole: Path, tmp_pa
     scene = commands.read_runs(whole)[0].scene.to_dict()
     scene["rolling"] |= {"speed_m_s": 0.1, "duration_s": steps * 2e-5}
     one = batch.Run({}, type(commands.read_runs(whole)[0].scene).from_dict(scene), tmp_path)
-    result = Result.empty(simulate.track(one.scene), 0.0)
+    result = Result.empty(one.scene.track, 0.0)
     rng = np.random.default_rng(0)
     for name, values in result.series.items():
         values[: len(values) - 200] = (

@@ -20,7 +20,6 @@ from rolling import cli, commands
 from rolling.contact import closed_forms, solver
 from rolling.folders import files, run_record
 from rolling.scene import file as scene_file
-from rolling.scene.scene import track
 from rolling.simulation import result_file, simulate
 
 SCENE = """\
@@ -264,7 +263,7 @@ def test_a_smooth_ball_that_accelerates_is_silent(tmp_path: Path) -> None:
     assert cli.main(["run", str(path), "--out", str(out), "--workers", "1"]) == 0
     found = summary(out)
     assert found["laeq_db"] is None and found["level_db"] is None
-    speed = scene_file.load(out / "resolved.yaml").motion.distance(0.004) / 0.004
+    speed = scene_file.read_scene(out / "resolved.yaml").motion.distance(0.004) / 0.004
     power = closed_forms.smooth_release_power(5, speed, 5e-3, 210e9 / 0.91)
     # 0.3 % of release at a / spacing = 22, and a track rounded to whole nodes
     assert found["steady_level_db"] == pytest.approx(10 * np.log10(power / (4 * np.pi * 1e-12)), abs=0.02)
@@ -281,8 +280,8 @@ def test_result_is_dimensioned_and_provenance_names_no_path(scene: Path, tmp_pat
             assert len(file[name].dims[0].keys()) == 1
     for name in ("provenance.json", "summary.json", "resolved.yaml"):
         assert str(tmp_path) not in (out / name).read_text()
-    resolved = scene_file.load(out / "resolved.yaml")
-    assert track(resolved).steps == 100
+    resolved = scene_file.read_scene(out / "resolved.yaml")
+    assert resolved.track.steps == 100
 
 
 def test_workers_pin_their_threads_and_leave_the_environment(scene: Path, tmp_path: Path, monkeypatch) -> None:
@@ -309,7 +308,7 @@ def test_pressure_maps_carry_the_load_whatever_the_pieces(scene: Path, tmp_path:
 
 def test_maps_of_wide_contacts_are_averaged_over_whole_cells(scene: Path, monkeypatch) -> None:
     monkeypatch.setattr(simulate, "MAP_CELLS", 10)
-    one = scene_file.load(scene)
+    one = scene_file.read_scene(scene)
     piece = simulate.simulate_piece(one, 0, 4)
     first = piece.maps[0]
     assert max(first.pressure.shape) <= 10 and first.cell > 2e-6

@@ -12,11 +12,10 @@ from scene_text import PLAIN
 
 from rolling.scene.file import loads
 from rolling.scene.run_names import LONGEST, run_name, run_names
-from rolling.scene.scene import expand
 
 
 def names_of(*overrides: str) -> list[str]:
-    return run_names([values for values, _ in expand(loads(PLAIN, overrides))])
+    return run_names([values for values, _ in loads(PLAIN, overrides).runs()])
 
 
 def test_short_and_different_names_stay() -> None:

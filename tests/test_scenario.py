@@ -14,9 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scene_text import PLAIN, SCENES, TEXT, faults
 
-from rolling.scene.file import dump, load, loads, resound
+from rolling.scene.file import dump, loads, read_scene, resound
+from rolling.scene.messages import SceneError
 from rolling.scene.run_names import run_name
-from rolling.scene.scene import STEP_NODES, Gaussian, Scene, SceneError, expand, track
+from rolling.scene.scene import Scene
+from rolling.scene.sections import STEP_NODES, Gaussian
 from rolling.surface import heights as surface
 
 NAME = "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in quotes)"
@@ -315,7 +317,7 @@ def test_scenes_are_frozen_and_folders_do_not_count() -> None:
 
 
 def test_sweep_product() -> None:
-    runs = expand(loads(TEXT, folder=Path("here")))
+    runs = loads(TEXT, folder=Path("here")).runs()
     assert [(run.load, run.sphere.radius_mm) for _, run in runs] == [
         (5, 2),
         (5, 5),
@@ -331,17 +333,17 @@ def test_sweep_product() -> None:
 
 def test_no_sweep_is_one_run() -> None:
     scene = loads(PLAIN)
-    assert expand(scene) == [({}, scene)]
+    assert scene.runs() == [({}, scene)]
 
 
 def test_any_number_can_be_swept() -> None:
     scene = loads(PLAIN, ["sweep={surface.seed: [1, 2], numerics.step_nodes: [2, 0.5], plate.hardness_gpa: [1, 2]}"])
-    last = expand(scene)[-1][1]
+    last = scene.runs()[-1][1]
     assert last.surface.seed == 2  # type: ignore[union-attr]
     assert (last.numerics.step_nodes, last.plate.hardness_gpa) == (0.5, 2)
-    assert len({run_name(values) for values, _ in expand(scene)}) == 8
+    assert len({run_name(values) for values, _ in scene.runs()}) == 8
     across = loads(PLAIN, ["sweep.surface.correlation_length_um=[5, 20]"])
-    assert all("correlation_length_across_um" not in run.to_dict()["surface"] for _, run in expand(across))
+    assert all("correlation_length_across_um" not in run.to_dict()["surface"] for _, run in across.runs())
 
 
 def test_run_names() -> None:
@@ -369,7 +371,7 @@ def test_made_tracks_close(spacing: float, step_nodes: float, speed: float, dura
     except SceneError as error:  # the longest and shortest are refused, and nothing else
         assert "shortest track" in str(error) or "more than" in str(error)
         return
-    way = track(scene)
+    way = scene.track
     assert way.closed
     assert way.lap_steps == way.steps
     assert way.n_across == 16
@@ -381,17 +383,17 @@ def test_made_tracks_close(spacing: float, step_nodes: float, speed: float, dura
 
 def test_the_shortest_track_that_is_named_is_enough() -> None:
     scene = loads(PLAIN, ["rolling.duration_s=0.00016"])
-    assert track(scene).n_along == 8
-    assert track(loads(PLAIN, ["rolling.duration_s=0.00016", "numerics.step_nodes=0.25"])).steps == 32
-    coarse = track(loads(PLAIN, ["numerics.step_nodes=64", "rolling.duration_s=0.0013"]))
+    assert scene.track.n_along == 8
+    assert loads(PLAIN, ["rolling.duration_s=0.00016", "numerics.step_nodes=0.25"]).track.steps == 32
+    coarse = loads(PLAIN, ["numerics.step_nodes=64", "rolling.duration_s=0.0013"]).track
     assert (coarse.n_along, coarse.steps) == (64, 1)
 
 
 def test_a_sphere_that_stops_is_not_asked_for_more() -> None:
     # 9.9 nodes until it rests: ten would be nearer, and out of reach.
     scene = loads(PLAIN, ["rolling.speed_m_s=[[0, 0.00396], [0.01, 0]]", "rolling.duration_s=1"])
-    assert track(scene).n_along == 9
-    assert scene.motion.duration(track(scene).distance) < 0.01
+    assert scene.track.n_along == 9
+    assert scene.motion.duration(scene.track.distance) < 0.01
 
 
 def file_scene(folder: Path, heights: Any, *overrides: str) -> Scene:
@@ -407,17 +409,17 @@ def file_scene(folder: Path, heights: Any, *overrides: str) -> Scene:
 )
 def test_once_round_a_file(tmp_path: Path, step_nodes: float, lap_steps: int, steps: int, closed: bool) -> None:
     scene = file_scene(tmp_path, np.zeros((100, 16)), f"numerics.step_nodes={step_nodes}")
-    way = track(scene)
+    way = scene.track
     assert (way.n_along, way.n_across, way.lap_steps, way.steps, way.closed) == (100, 16, lap_steps, steps, closed)
     assert not (lap_steps * step_nodes) % 100
 
 
 def test_a_file_goes_round_again(tmp_path: Path) -> None:
     scene = file_scene(tmp_path, np.zeros((100, 16), dtype=np.int16), "rolling.duration_s=0.004")
-    assert (track(scene).steps, track(scene).closed) == (200, True)
+    assert (scene.track.steps, scene.track.closed) == (200, True)
     scene = file_scene(tmp_path, np.zeros((100, 16)), "rolling.duration_s=0.003")
-    assert (track(scene).steps, track(scene).closed) == (150, False)
-    assert track(file_scene(tmp_path, np.zeros((100, 16)), "rolling.duration_s=1e-9")).steps == 1
+    assert (scene.track.steps, scene.track.closed) == (150, False)
+    assert file_scene(tmp_path, np.zeros((100, 16)), "rolling.duration_s=1e-9").track.steps == 1
     assert resound(scene, ["rolling.speed_m_s=0.2"]).rolling.duration_s == pytest.approx(0.0015)
 
 
@@ -432,7 +434,7 @@ def test_a_file_goes_round_again(tmp_path: Path) -> None:
 )
 def test_files_of_wrong_shape(tmp_path: Path, heights: Any, message: str) -> None:
     with pytest.raises(SceneError) as error:
-        track(file_scene(tmp_path, heights))
+        _ = file_scene(tmp_path, heights).track
     assert str(error.value).startswith(f"surface.path: heights.npy: {message}")
 
 
@@ -441,27 +443,27 @@ def test_files_that_are_none(tmp_path: Path) -> None:
     path = tmp_path / "heights.npy"
     path.write_text("1 2 3\n")
     with pytest.raises(SceneError, match=r"^surface.path: heights.npy: no readable .npy file"):
-        track(scene)
+        _ = scene.track
     with path.open("wb") as stream:
         np.savez(stream, a=np.zeros((9, 9)))
     with pytest.raises(SceneError, match="got an archive"):
-        track(scene)
+        _ = scene.track
     path.write_bytes(b"")
     with pytest.raises(SceneError, match="no readable"):
-        track(scene)
+        _ = scene.track
     path.unlink()
     with pytest.raises(SceneError) as error:
-        track(scene)
+        _ = scene.track
     assert str(error.value) == f"surface.path: heights.npy: no such file (looked in {tmp_path})"
     path.mkdir()
     with pytest.raises(SceneError, match="is a folder"):
-        track(scene)
+        _ = scene.track
 
 
 def test_a_file_that_is_never_rounded(tmp_path: Path) -> None:
     scene = file_scene(tmp_path, np.zeros((100, 16)), "rolling.speed_m_s=[[0, 0.1], [0.001, 0]]")
     with pytest.raises(SceneError) as error:
-        track(scene)
+        _ = scene.track
     assert str(error.value) == (
         "rolling.speed_m_s: the sphere comes to rest after 5e-05 m, once round the height file is 0.0002 m: give it"
         " more speed or set rolling.duration_s"
@@ -485,13 +487,13 @@ def test_the_laws_are_those_of_the_surface_module() -> None:
 def test_every_scene_says_what_it_shows_and_has_a_track(path: Path, tmp_path: Path) -> None:
     first, *rest = path.read_text().splitlines()
     assert first.startswith("# ")
-    scene = load(path)
+    scene = read_scene(path)
     assert scene.name == path.stem
     if scene.height_path:
         # The command in the file's head makes the heights; it is run as it stands.
         command = next(line for line in rest if "python -c" in line).removeprefix("#")
         subprocess.run([sys.executable, *shlex.split(command)[1:]], cwd=tmp_path, check=True)
         scene = Scene.from_dict(scene.to_dict(), tmp_path)
-    for _, run in expand(scene):
-        assert 400 <= track(run).steps <= (25000 if path.stem == "quickstart" else 5000)
-        assert track(run).closed
+    for _, run in scene.runs():
+        assert 400 <= run.track.steps <= (25000 if path.stem == "quickstart" else 5000)
+        assert run.track.closed

@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 from ruamel.yaml import YAML
 from scene_text import PLAIN, SCENES, TEXT, faults
 
-from rolling.scene.file import RESOUND_KEYS, dump, load, loads, resound, schema
-from rolling.scene.scene import STEP_NODES, Scene, SceneError, track
+from rolling.scene.file import RESOUND_KEYS, dump, loads, read_scene, resound, schema
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+from rolling.scene.sections import STEP_NODES
 
 # ---- Messages --------------------------------------------------------------------------------------------------------
 
@@ -57,7 +59,7 @@ def test_all_faults_at_once() -> None:
 def test_messages_of_files(tmp_path: Path) -> None:
     def fault(path: Path) -> str:
         with pytest.raises(SceneError) as error:
-            load(path)
+            read_scene(path)
         return str(error.value)
 
     assert fault(tmp_path / "no.yaml") == f"{tmp_path / 'no.yaml'}: no such file"
@@ -96,7 +98,7 @@ def test_numbers_of_yaml() -> None:
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
 def test_round_trip(path: Path) -> None:
-    scene = load(path)
+    scene = read_scene(path)
     again = loads(dump(scene))
     assert again == scene
     assert Scene.from_dict(scene.to_dict()) == scene
@@ -106,7 +108,7 @@ def test_round_trip(path: Path) -> None:
 def test_dump_fills_in_defaults_and_no_folder(tmp_path: Path) -> None:
     path = tmp_path / "s.yaml"
     path.write_text(PLAIN)
-    text = dump(load(path))
+    text = dump(read_scene(path))
     for line in ("tolerance: 0.0001", "rule: mean", "events: false", "distance_m: 1.0", "autocorrelation: gaussian"):
         assert line in text
     assert str(tmp_path) not in text
@@ -203,9 +205,9 @@ def test_resound() -> None:
     scene = loads(PLAIN)
     new = resound(scene, ["rolling.speed_m_s=0.2", "sound.distance_m=3"])
     assert (new.rolling.speed_m_s, new.rolling.duration_s, new.sound.distance_m) == (0.2, 0.005, 3)
-    assert track(new) == track(scene)
+    assert new.track == scene.track
     slow = resound(scene, ["rolling.speed_m_s=[[0, 0], [1, 0.002]]"])
-    assert track(slow) == track(scene)
+    assert slow.track == scene.track
 
 
 def test_resound_slower_than_the_shortest_track_would_take() -> None:
@@ -275,7 +277,7 @@ def test_schema_accepts_the_scenes(path: Path) -> None:
     assert root["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     data = YAML(typ="safe").load(path.read_text())
     assert accepts(root, data, root)
-    assert accepts(root, load(path).to_dict(), root)
+    assert accepts(root, read_scene(path).to_dict(), root)
     assert not accepts(root, {**data, "nmae": 1}, root)
     assert not accepts(root, {**data, "rolling": {**data["rolling"], "load_n": 0}}, root)
     assert not accepts(root, {**data, "sweep": {"rolling.lod_n": [1]}}, root)

@@ -15,7 +15,7 @@ from acoustics import level, wav
 from rolling import cli
 from rolling.folders import own_files, run_record
 from rolling.scene import file as scene_file
-from rolling.scene.scene import HeightFile, expand
+from rolling.scene.sections import HeightFile
 
 SCENES = sorted((Path(__file__).parent.parent / "scenarios").glob("*.yaml"))
 TRACK_M = 300e-6  # wider than any contact at half a newton
@@ -23,7 +23,7 @@ TRACK_M = 300e-6  # wider than any contact at half a newton
 
 def shortened(path: Path) -> list[str]:
     """Settings that make a scene short and light; a file is its own track."""
-    scene = scene_file.load(path)
+    scene = scene_file.read_scene(path)
     if isinstance(scene.surface, HeightFile):
         return []
     duration = float(scene.motion.time(TRACK_M))
@@ -32,7 +32,7 @@ def shortened(path: Path) -> list[str]:
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_scene_runs(path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    scene = scene_file.load(path)
+    scene = scene_file.read_scene(path)
     source = path
     if isinstance(scene.surface, HeightFile):
         source = tmp_path / path.name
@@ -43,8 +43,8 @@ def test_scene_runs(path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[st
     code = cli.main(["run", str(source), *settings, "--out", str(out), "--workers", "1"])
     printed = capsys.readouterr()
     assert code == 0, printed.err
-    resolved = scene_file.load(out / "resolved.yaml")
-    for values, one in expand(resolved):
+    resolved = scene_file.read_scene(out / "resolved.yaml")
+    for values, one in resolved.runs():
         folder = out if not values else next(f for f in out.iterdir() if f.is_dir() and matches(f, one.load, values))
         summary = json.loads((folder / "summary.json").read_text())
         assert summary["complete"] and summary["steps"] >= 9
@@ -86,4 +86,4 @@ def left_end(scene) -> bool:
 def test_there_is_a_scene_for_every_capability() -> None:
     names = {path.stem for path in SCENES}
     assert {"quickstart", "smooth", "elastic-sphere", "measured-surface", "accelerating", "events"} <= names
-    assert math.isinf(scene_file.load(SCENES[0].parent / "smooth.yaml").hardness)
+    assert math.isinf(scene_file.read_scene(SCENES[0].parent / "smooth.yaml").hardness)

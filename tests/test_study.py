@@ -19,7 +19,8 @@ from rolling.contact import closed_forms
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import Window, march
 from rolling.lee2025 import reproduce, study
-from rolling.scene.scene import Gaussian, Scene
+from rolling.scene.scene import Scene
+from rolling.scene.sections import Gaussian
 from rolling.simulation import result_file, simulate
 from rolling.sound import contact_sound
 from rolling.surface import contact_of_scene

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from acoustics.bands import BAND_NAMES
 from rolling.accuracy.variants import Study, Variant
-from rolling.scene.scene import Numerics
+from rolling.scene.sections import Numerics
 from rolling.simulation import simulate
 from rolling.sound import contact_sound
 

@@ -17,11 +17,10 @@ from tqdm import tqdm
 from rolling.accuracy import errors, plot, text
 from rolling.accuracy.errors import Findings, Measured
 from rolling.accuracy.variants import Study, Variant, study, tasks
-from rolling.check import cost, findings, long_steps
+from rolling.check import cost, long_steps, refusals
 from rolling.folders import claim, files, new_folder, run_record
 from rolling.folders.claim import Claim
 from rolling.scene import file
-from rolling.scene.scene import expand
 from rolling.simulation import pool, simulate, summary
 from rolling.simulation.batch import Run
 from rolling.surface import contact_of_scene
@@ -42,12 +41,12 @@ def report(
     ------
     SceneError, FolderError : before anything is computed or written.
     """
-    scene = file.load(scene_path, overrides)
-    runs = expand(scene)
+    scene = file.read_scene(scene_path, overrides)
+    runs = scene.runs()
     values, single = runs[0]
     long_steps.refuse_long_steps(single)
     what = study(single, duration, finest)
-    findings.refuse_variants_that_cannot_fit(what.scene, finest, workers, out or findings.OUTPUTS)
+    refusals.refuse_variants_that_cannot_fit(what.scene, finest, workers, out or refusals.OUTPUTS)
     contact_of_scene.rolling_contact(what.scene)  # a surface that cannot be had shows before anything is written
     given = scene_path.read_bytes()
     inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling.contact.march import RollingContact
-from rolling.scene.scene import Scene, track
+from rolling.scene.scene import Scene
 from rolling.simulation import pool, simulate
 from rolling.surface import contact_of_scene
 
@@ -150,7 +150,7 @@ def study(scene: Scene, duration: float, finest: int) -> Study:
     A height file is used as it is: where it is longer, or not a whole number of the longest step, the record does not close.
     """
     unit = math.lcm(round(STEP_NODES[-1]), max(1, math.ceil(scene.numerics.step_nodes)))
-    made, motion = track(scene), scene.motion
+    made, motion = scene.track, scene.motion
     wanted = min(made.distance, made.n_along * made.spacing, float(motion.distance(duration)))
     nodes = unit * max(math.floor(wanted / made.spacing / unit + 1e-6), math.ceil(8 / unit))
     data = scene.to_dict()
@@ -158,7 +158,7 @@ def study(scene: Scene, duration: float, finest: int) -> Study:
     if scene.height_path is None:
         data["rolling"]["duration_s"] = motion.duration(nodes * made.spacing)
     cut = Scene.from_dict(data, scene.folder)
-    return Study(cut, nodes, nodes == track(cut).n_along, finest)
+    return Study(cut, nodes, nodes == cut.track.n_along, finest)
 
 
 # ---- marching --------------------------------------------------------------------------------------------------------

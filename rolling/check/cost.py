@@ -9,7 +9,9 @@ import math
 import os
 
 from rolling.contact import closed_forms
-from rolling.scene.scene import Gaussian, Scene, Track, track
+from rolling.scene.scene import Scene
+from rolling.scene.sections import Gaussian
+from rolling.scene.track import Track
 from rolling.surface import heights
 from rolling.surface.scene_surface import scene_surface
 
@@ -73,7 +75,7 @@ def expected_seconds(scene: Scene) -> float:
     ------
     SceneError : the height file cannot be used.
     """
-    return track(scene).solved_steps * expected_step_ms(window_nodes(scene, roughness(scene)[0])) * 1e-3
+    return scene.track.solved_steps * expected_step_ms(window_nodes(scene, roughness(scene)[0])) * 1e-3
 
 
 def duration(scene: Scene, way: Track) -> float:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from rolling.check import cost
-from rolling.scene.scene import Scene, Track, track
+from rolling.scene.scene import Scene
+from rolling.scene.track import Track
 
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
 MAPS, MAP_CELLS = 120, 96  # pressure maps of a run and cells along their sides, of `simulate`
@@ -315,4 +316,4 @@ def _awkward(length: int) -> bool:
 
 def of_scenes(scenes: Sequence[tuple[Scene, float]], workers: int) -> Demand:
     """Demand of runs, each a scene without sweep and the rms roughness [m] of its surface."""
-    return demand([size(scene, track(scene), rq) for scene, rq in scenes], workers)
+    return demand([size(scene, scene.track, rq) for scene, rq in scenes], workers)

@@ -11,7 +11,10 @@ import math
 import numpy as np
 
 from rolling.contact import closed_forms
-from rolling.scene.scene import STEP_NODES, Scene, SceneError, expand, run_name
+from rolling.scene.messages import SceneError
+from rolling.scene.run_names import run_name
+from rolling.scene.scene import Scene
+from rolling.scene.sections import STEP_NODES
 
 DOUBTFUL_RADII = 0.25  # step over contact radius from which a scene is warned
 MOST_RADII = 4.0  # above which it is refused: half of the release is lost
@@ -43,7 +46,7 @@ def refuse_long_steps(scene: Scene) -> None:
     SceneError : a line for each run with such a step, with the longest step that is allowed.
     """
     faults = []
-    for values, run in expand(scene):
+    for values, run in scene.runs():
         radius = contact_radius(run)
         if run.step > MOST_RADII * radius:
             fault = _fault(run, radius)

@@ -23,7 +23,8 @@ from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import ContactState, RollingContact, march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
-from rolling.scene.scene import HeightFile, Scene, track
+from rolling.scene.scene import Scene
+from rolling.scene.sections import HeightFile
 from rolling.surface import scene_surface
 from rolling.surface.contact_of_scene import rolling_contact
 
@@ -77,7 +78,7 @@ class Probe:
         if not count:
             return result
         step_ms = float(self.step_ms.mean())
-        seconds = track(scene).solved_steps * step_ms * 1e-3 / cost.cores()
+        seconds = scene.track.solved_steps * step_ms * 1e-3 / cost.cores()
         return [
             *result,
             Finding("window", "window", self._window),
@@ -129,7 +130,7 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
     result = [Probe.without(reason) for reason in reasons]
     with tqdm(total=POSITIONS * len(chosen), disable=None, desc="solving positions", delay=1, leave=False) as bar:
         for k in chosen:
-            result[k] = probe(rolling_contact(scenes[k]), track(scenes[k]).solved_steps, bar.update)
+            result[k] = probe(rolling_contact(scenes[k]), scenes[k].track.solved_steps, bar.update)
     return result
 
 
@@ -187,7 +188,7 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
     seconds: list[float] = []
     seen = set()
     for scene in scenes:
-        way = track(scene)
+        way = scene.track
         nodes = 0 if isinstance(scene.surface, HeightFile) else way.n_along * way.n_across
         key = scene_surface.identity(scene)
         solving = POSITIONS * (COLD_STEPS + WARM_STEPS) * cost.expected_seconds(scene) / way.solved_steps

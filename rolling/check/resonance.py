@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 
 from rolling.contact import closed_forms
-from rolling.scene.scene import Gaussian, Scene
+from rolling.scene.scene import Scene
+from rolling.scene.sections import Gaussian
 
 # Length v / f0 of the waves that feed the resonance, over contact radius and correlation length together: the contact averages
 # shorter waves out, and the surface has few of them. Release that the bouncing adds, re the release within hearing, by a linear

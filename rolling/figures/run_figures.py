@@ -21,7 +21,6 @@ from acoustics.spectrum import Psd, article_line_level_db, line_spectrum, welch
 from acoustics.weighting import a_weighting_db
 from rolling.figures import axes
 from rolling.figures.picture import BOTTOM_IN, LEFT_IN, RIGHT_IN, WIDTH_IN, Picture, blank, lay_out, single
-from rolling.scene.scene import track
 from rolling.simulation import caveats, labels
 from rolling.simulation.run_result import Heard
 from rolling.surface import scene_surface
@@ -439,7 +438,7 @@ def _views(one: Heard) -> _Views:
 def _sphere(one: Heard) -> tuple[float, float]:
     """Where the sphere stands in the snapshot, along and across [m]."""
     assert one.result.snapshot is not None
-    return one.result.snapshot.distance, (track(one.scene).n_across - 1) / 2 * one.scene.spacing
+    return one.result.snapshot.distance, (one.scene.track.n_across - 1) / 2 * one.scene.spacing
 
 
 def _reach(one: Heard) -> float:

@@ -17,7 +17,7 @@ from rolling.folders import run_record
 from rolling.folders.files import FolderError
 from rolling.folders.process import Process, is_alive, this_process
 from rolling.folders.run_record import Kind, RunRecord, State
-from rolling.scene.scene import SceneError
+from rolling.scene.messages import SceneError
 
 try:
     import fcntl

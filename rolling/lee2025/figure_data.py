@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from acoustics import plots as sound_plots
 from rolling.lee2025.study import Case
-from rolling.scene.scene import Gaussian, Scene, track
+from rolling.scene.scene import Scene
+from rolling.scene.sections import Gaussian
 from rolling.simulation import simulate
 from rolling.simulation.batch import Run
 from rolling.simulation.result_file import Result
@@ -120,7 +121,7 @@ def gather(name: str, runs: Sequence[Run], results: Sequence[Result], cases: Seq
 
 
 def _contact(scene: Scene, snapshot: simulate.Snapshot) -> Contact:
-    middle = (track(scene).n_across - 1) / 2 * scene.spacing
+    middle = (scene.track.n_across - 1) / 2 * scene.spacing
     rows, columns = (positions(count, scene.spacing) for count in snapshot.pressure.shape)
     along, across = snapshot.along - snapshot.distance, snapshot.across - middle
     return Contact(along + rows, across + columns, snapshot.pressure, snapshot.deflection)

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rolling.check.findings import GREATEST_SLOPE
+from rolling.check.validity import GREATEST_SLOPE
 from rolling.figures.picture import SIDE_IN, WIDTH_IN, Picture, lay_out
 from rolling.lee2025.figure_data import Reading
 

@@ -24,8 +24,10 @@ from rolling.contact import closed_forms
 from rolling.folders import files as run_folder
 from rolling.folders import run_record
 from rolling.scene import file as scene_file
+from rolling.scene.messages import SceneError
 from rolling.scene.run_names import run_names
-from rolling.scene.scene import Gaussian, Scene, SceneError, expand, track
+from rolling.scene.scene import Scene
+from rolling.scene.sections import Gaussian
 from rolling.simulation import batch
 from rolling.simulation.batch import Run
 from rolling.simulation.pool import Outcome
@@ -107,7 +109,7 @@ def scenes(folder: Path, part: Part = WHOLE) -> list[Scene]:
     files = sorted(folder.glob("*.yaml"))
     if not files:
         raise run_folder.FolderError(f"{folder}: no scene files of a reading")
-    found = [scene for file in files for _, scene in expand(_load(file, part))]
+    found = [scene for file in files for _, scene in _load(file, part).runs()]
     loads = {scene.load for scene in found}
     if part.loads is not None and len(loads) > 1:
         loads &= {*part.loads}
@@ -152,11 +154,11 @@ def _bodies(scene: Scene) -> str:
 
 
 def _load(file: Path, part: Part) -> Scene:
-    scene = scene_file.load(file)
+    scene = scene_file.read_scene(file)
     overrides = [] if part.duration_s is None else [f"rolling.duration_s={part.duration_s}"]
     if part.strides > 1:
         overrides.append(f"numerics.step_nodes={part.strides * scene.numerics.step_nodes:g}")
-    return scene_file.load(file, overrides) if overrides else scene
+    return scene_file.read_scene(file, overrides) if overrides else scene
 
 
 def varied(scene: Scene) -> tuple[float, float, int, float]:
@@ -198,14 +200,14 @@ def open_results(runs: Sequence[Run]) -> list[Result]:
         if run_record.read(one.folder) is None:
             run_record.write(one.folder, run_record.new("run", adopted=(one.folder / batch.RESULT).is_file()))
         run_folder.write_bytes(one.folder / "resolved.yaml", text.encode())
-        results.append(batch.stored(one) or Result.empty(track(one.scene), one.scene.start))
+        results.append(batch.stored(one) or Result.empty(one.scene.track, one.scene.start))
     return results
 
 
 def _same(said: Path, scene: Scene) -> bool:
     """Whether a resolved scene file of an earlier version says the same: keys that it lacks count with their defaults."""
     try:
-        before = scene_file.load(said)
+        before = scene_file.read_scene(said)
     except SceneError:
         return False
 
@@ -228,7 +230,7 @@ def solve_all(
 
 def case(reading: str, one: Run, result: Result) -> Case:
     """A solved run in numbers."""
-    scene, way = one.scene, track(one.scene)
+    scene, way = one.scene, one.scene.track
     roughness, load, seed, length = varied(scene)
     energy = result.whole("release_energy")
     sound = contact_sound(scene, energy, result.step, way.closed, result.solved_steps)

@@ -26,7 +26,6 @@ from rolling.folders import program
 from rolling.report import citation, playback, pressure_maps
 from rolling.report import text as report_text
 from rolling.report.playback import Playback
-from rolling.scene.scene import track
 from rolling.simulation import caveats
 from rolling.simulation.caveats import Caveat
 from rolling.simulation.labels import printable
@@ -209,7 +208,7 @@ def _seen(one: Heard) -> list[PressureMap]:
 
 def _middle(one: Heard) -> float:
     """Where across the plate the sphere runs [m]."""
-    return (track(one.scene).n_across - 1) / 2 * one.scene.spacing
+    return (one.scene.track.n_across - 1) / 2 * one.scene.spacing
 
 
 def _hertz_radius(one: Heard) -> float:
@@ -221,7 +220,7 @@ def _placed(one: Heard, sheet: pressure_maps.Sheet, hertz_um: float) -> dict[str
     result, maps = one.result, _seen(one)
     positions = np.array([each.position for each in maps])
     lap, rolled = result.solved_steps * result.step, result.done_steps * result.step
-    closes = result.complete and track(one.scene).closed
+    closes = result.complete and one.scene.track.closed
     begins, order = pressure_maps.showing(positions * result.step, lap, rolled, closes, one.scene.motion)
 
     def state(name: str, factor: float) -> list[float | None]:
@@ -256,7 +255,7 @@ def _surfaces(runs: Sequence[Shown]) -> list[Surface]:
     """The different surfaces, each with the runs that roll over it."""
     sharing: dict[str, list[Shown]] = {}
     for one in runs:
-        scene, way = one.heard.scene, track(one.heard.scene)
+        scene, way = one.heard.scene, one.heard.scene.track
         key = f"{scene.surface.model_dump_json()} {scene.height_path} {way.n_along} {way.n_across}"
         sharing.setdefault(key, []).append(one)
     return [

@@ -11,9 +11,10 @@ from matplotlib.ticker import EngFormatter
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
 from acoustics.radiation import RHO_C
-from rolling.check import findings, measured
+from rolling.check import findings, height_files, validity
 from rolling.figures.picture import comment, quoted
-from rolling.scene.scene import Gaussian, HeightFile, Scene
+from rolling.scene.scene import Scene
+from rolling.scene.sections import Gaussian, HeightFile
 from rolling.simulation import caveats
 from rolling.simulation.caveats import Remark
 from rolling.simulation.labels import printable
@@ -227,8 +228,8 @@ def _half_space(scene: Scene) -> str:
     """How far the scene is from where a half-space no longer holds."""
     values = {finding.key: finding.value for finding in findings.findings(scene)}
     return (
-        f"rms slope {values['slope']} (holds up to {findings.GREATEST_SLOPE:g}),"
-        f" contact radius over the sphere's {values['contact_radius']} (up to {findings.GREATEST_CONTACT:g})"
+        f"rms slope {values['slope']} (holds up to {validity.GREATEST_SLOPE:g}),"
+        f" contact radius over the sphere's {values['contact_radius']} (up to {validity.GREATEST_CONTACT:g})"
     )
 
 
@@ -243,7 +244,7 @@ def surface_words(scene: Scene) -> str:
     if not isinstance(s, HeightFile):
         return "smooth"
     levelling = scene_surface(scene).levelling
-    tilt = f", {measured.tilt_text(levelling)}" if levelling and any(levelling.taken) else ""
+    tilt = f", {height_files.tilt_text(levelling)}" if levelling and any(levelling.taken) else ""
     return f"heights of {printable(s.path)}{tilt}"
 
 

@@ -1,0 +1,15 @@
+"""The scene: its sections, its quantities in SI, its file, and its messages.
+
+sections
+    sphere, plate, surface, rolling, numerics, recovery and sound, with units in the names of their keys
+scene
+    `Scene`: the sections together, the runs of its sweep, the track
+sweep, run_names
+    lists of values, their product and its faults; names of the runs
+motion, track
+    distance over time; the track in whole nodes and whole steps
+file, yaml_text
+    scenes as YAML, overrides, the JSON Schema; YAML as plain values with the line of each key
+messages, height_header, identity
+    faults in words; the header of a height file; the physics that a result is solved for
+"""

@@ -15,9 +15,10 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 
 from rolling.scene import yaml_text
-from rolling.scene.messages import Key, all_keys, nearest, numeric_keys, required, shown
+from rolling.scene.messages import Key, SceneError, all_keys, nearest, numeric_keys, required, shown
 from rolling.scene.motion import Motion
-from rolling.scene.scene import HeightFile, Rolling, Scene, SceneError, Sound, track
+from rolling.scene.scene import Scene
+from rolling.scene.sections import HeightFile, Rolling, Sound
 from rolling.scene.yaml_text import TextError
 
 _LONG_TEXT = 100_000  # letters; the resolved form of a shorter one keeps the limits
@@ -26,7 +27,7 @@ _LONG_TEXT = 100_000  # letters; the resolved form of a shorter one keeps the li
 # ---- reading, writing, overriding ------------------------------------------------------------------------------------
 
 
-def load(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
+def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     """Read a scene file.
 
     Parameters
@@ -54,7 +55,7 @@ def loads(text: str, overrides: Sequence[str] = (), where: str = "scene", folder
     except TextError as error:
         raise SceneError([str(error)]) from error
     if data is None:
-        raise SceneError([f"{where}: empty, a scene needs at least {', '.join(required(Scene))}"])
+        raise SceneError([f"{where}: empty, a scene needs at least {', '.join(['name', *required(Scene)])}"])
     if not isinstance(data, dict):
         raise SceneError([f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first being name"])
     places = {key: f"{where}:{line}" for key, line in lines.items()}
@@ -161,7 +162,7 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
     faults += _override(data, places, [override for override in overrides if override not in solved])
     if not faults and scene.rolling.duration_s is not None:
         made = not isinstance(scene.surface, HeightFile)
-        distance = track(scene).distance if made else float(scene.motion.distance(scene.rolling.duration_s))
+        distance = scene.track.distance if made else float(scene.motion.distance(scene.rolling.duration_s))
         try:
             motion = Motion.of(Rolling.model_validate(data["rolling"]).speed_m_s)
             data["rolling"]["duration_s"] = float(f"{motion.duration(distance):.12g}")
@@ -179,6 +180,7 @@ def schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of a scene file, for editors."""
     result = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
     result["title"] = "Scene of rolling contact noise"
+    result["description"] = "A sphere that rolls on a rough surface, how its contact is solved, and where it is heard."
     numbers = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "number"}}
     sweep = result["properties"]["sweep"]
     sweep["properties"] = {

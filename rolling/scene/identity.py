@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from rolling.scene.messages import plain_number, shown
-from rolling.scene.scene import Scene, track
+from rolling.scene.scene import Scene
 
 # The march does not depend on these keys. Speed and duration are what `resound` changes: the number of steps stands for
 # both. The path may change with the folder: the digest of the heights stands for it. The density only shifts a resonance.
@@ -54,7 +54,7 @@ class Identity:
         """Take the physics out of a scene without a sweep."""
         physics = {key: value for key, value in _flat(scene.model_dump(mode="json")).items() if _is_physics(key)}
         defaults = {key: value for key, value in _flat(_defaults(scene)).items() if _is_physics(key)}
-        return cls(physics | {STEPS: track(scene).steps}, defaults, heights_sha256)
+        return cls(physics | {STEPS: scene.track.steps}, defaults, heights_sha256)
 
     @cached_property
     def text(self) -> str:

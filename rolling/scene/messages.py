@@ -30,6 +30,23 @@ class Words:
 _LONGEST_SLIP = 100  # letters of a misspelt name; comparing longer ones takes long and finds nothing
 
 
+class SceneError(Exception):
+    """Faults of a scene.
+
+    Attributes
+    ----------
+    faults : list of str
+        One line for each fault: file and line (or --set, or scene), key, the value and the allowed values.
+    """
+
+    def __init__(self, faults: Sequence[str]) -> None:
+        super().__init__("\n".join(faults))
+        self.faults = list(faults)
+
+    def __reduce__(self) -> tuple[type[SceneError], tuple[list[str]]]:
+        return SceneError, (self.faults,)
+
+
 # ---- faults ----------------------------------------------------------------------------------------------------------
 
 
@@ -41,7 +58,7 @@ def fault(message: str, *at: str | int) -> PydanticCustomError:
 def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
     """Key and message of one pydantic fault."""
     key: Key = error["loc"]
-    outer = root.model_fields.get(str(key[0]))
+    outer = root.model_fields.get(str(key[0])) if key else None
     by = outer.discriminator if outer else None
     if by and len(key) > 1:  # pydantic names the kind of a section in between
         key = (key[0], *key[2:])

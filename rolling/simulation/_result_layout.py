@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from rolling import __version__
 from rolling.scene.identity import canonical
-from rolling.scene.scene import Gaussian, Scene
+from rolling.scene.scene import Scene
+from rolling.scene.sections import Gaussian
 from rolling.simulation.result import Result
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES
 from rolling.sound import ContactSound, middle_speeds
@@ -154,7 +155,7 @@ def _series(file: h5py.File, result: Result, scene: Scene) -> None:
     ends = np.arange(result.steps + 1) * result.step
     for dimension, distance in (("step", middles), ("position", ends)):
         root.coordinate(dimension, result.start + distance, "m", f"distance along the track, {dimension}")
-    times, speed = middle_speeds(scene, result.steps, result.step)
+    times, speed = middle_speeds(scene.motion, result.steps, result.step)
     end_times = np.asarray(scene.motion.time(np.minimum(ends, scene.motion.final_distance)), dtype=float)
     root.add("time", times, ["step"], "s", packed=True, long_name="time at the middle of each step")
     root.add("position_time", end_times, ["position"], "s", packed=True, long_name="time at each position")

@@ -14,7 +14,7 @@ from rolling.check import cost
 from rolling.folders.files import FolderError, Keeper
 from rolling.scene import file
 from rolling.scene.identity import Identity, changes, differences, said
-from rolling.scene.scene import Scene, track
+from rolling.scene.scene import Scene
 from rolling.simulation import labels, result_file, simulate
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
@@ -119,7 +119,7 @@ def stored(one: Run) -> Result | None:
         return None
     result = result_file.load(path)
     if result.identity is None:  # as of version 0.1.0
-        way = track(one.scene)
+        way = one.scene.track
         if (result.steps, result.solved_steps) != (way.steps, way.solved_steps):
             raise FolderError(f"{path}: has {result.steps} steps, the scene asks for {way.steps}")
         return result
@@ -141,7 +141,7 @@ def refuse_other_scene(one: Run) -> None:
     if not one.values or not path.is_file():
         return
     # Heights are compared with the result, by their digest.
-    own, swept = (Identity.of(scene, None) for scene in (file.load(path), one.scene))
+    own, swept = (Identity.of(scene, None) for scene in (file.read_scene(path), one.scene))
     for key, (there, here) in changes(own, swept).items():
         raise FolderError(f"{path}: {key}: got {said(there)}, the sweep of the folder above makes {said(here)} of it")
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from rolling.check import resolution
 from rolling.check.finding import Finding
-from rolling.scene.scene import Scene, track
+from rolling.scene.scene import Scene
 from rolling.sound import ContactSound
 
 SHORT_S = 0.3  # a record or a track that repeats sooner is heard as a tone
@@ -141,7 +141,7 @@ def _of_record(scene: Scene, sound: ContactSound) -> list[Caveat]:
 
 def _lap_seconds(scene: Scene, sound: ContactSound) -> float:
     """Measure the time after which a record repeats itself, on average where the speed changes [s]."""
-    way = track(scene)
+    way = scene.track
     lap = way.lap_steps * way.step
     rolled = float(scene.motion.distance(sound.duration))
     return sound.duration * min(1.0, lap / rolled)

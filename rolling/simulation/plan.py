@@ -8,7 +8,7 @@ from rolling.folders import files, run_record
 from rolling.folders.run_record import RunRecord
 from rolling.scene import file
 from rolling.scene.run_names import run_names
-from rolling.scene.scene import Scene, expand
+from rolling.scene.scene import Scene
 from rolling.simulation.batch import Run, seen_from
 
 
@@ -17,7 +17,7 @@ class Plan:
 
     def __init__(self, scene: Scene, given: bytes | None) -> None:
         self.scene, self.given = scene, given
-        self.singles = expand(scene)
+        self.singles = scene.runs()
         self.names = run_names([values for values, _ in self.singles]) if scene.sweep else [""]
 
     @property

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rolling.contact.recovery import join_events
 from rolling.scene.identity import Identity
-from rolling.scene.scene import Track
+from rolling.scene.track import Track
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, Piece, PressureMap, Snapshot
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling.contact.recovery_statistics import EventStatistics, event_statistics
-from rolling.scene.scene import Scene, track
+from rolling.scene.scene import Scene
 from rolling.simulation import labels, summary
 from rolling.simulation.result import Result
 from rolling.sound import ContactSound, contact_sound
@@ -64,7 +64,7 @@ def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, resul
     if steps < 2:
         return None
     began = time.perf_counter()
-    closed = result.complete and steps % result.solved_steps == 0 and track(scene).closed
+    closed = result.complete and steps % result.solved_steps == 0 and scene.track.closed
     energy = result.whole("release_energy")[:steps]
     sound = contact_sound(scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam)
     numbers = summary.summarize(scene, result, sound, time.perf_counter() - began)

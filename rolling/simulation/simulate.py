@@ -20,7 +20,8 @@ from rolling.contact.march import ContactState, RollingContact, march
 from rolling.contact.recovery import EventTable, step_energy
 from rolling.contact.solver import ContactError
 from rolling.scene.identity import Identity, other_surface
-from rolling.scene.scene import Scene, SceneError, track
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
 from rolling.simulation import pool
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import scene_surface
@@ -159,7 +160,7 @@ def simulate_piece(
     steps = {name: np.empty(last - first) for name in STEP_SERIES}
     states = {name: np.empty(last - first + (first == 0)) for name in STATE_SERIES}
     snapshot = None
-    kept_positions = set(mapped_positions(track(scene).solved_steps).tolist()) if mapped else set()
+    kept_positions = set(mapped_positions(scene.track.solved_steps).tolist()) if mapped else set()
     maps: list[PressureMap] = []
     old: ContactState | None = None
     began = time.perf_counter()

@@ -14,7 +14,8 @@ from rolling.folders.files import FolderError
 from rolling.folders.run_record import RunRecord
 from rolling.scene import file
 from rolling.scene.run_names import run_name
-from rolling.scene.scene import HeightFile, Scene, expand
+from rolling.scene.scene import Scene
+from rolling.scene.sections import HeightFile
 from rolling.simulation import batch, result_file
 from rolling.simulation.batch import Run
 from rolling.simulation.result import Result
@@ -35,7 +36,7 @@ def read_runs(folder: Path) -> list[Run]:
         raise FolderError(f"{folder}: not a run folder, but that of another command ({record.kind})")
     if not (folder / "resolved.yaml").is_file():
         raise FolderError(f"{folder}: not a run folder (no resolved.yaml in it){_hint(folder, record)}")
-    singles = expand(resolved_scene(folder))
+    singles = resolved_scene(folder).runs()
     short = [run_name(values) for values, _ in singles]  # as version 0.1.0 named them
     names = list(record.runs) if record is not None and record.kind == "sweep" else short
     if len(names) != len(singles) or (record is not None and (record.kind == "run") != (singles[0][0] == {})):
@@ -63,9 +64,9 @@ def resolved_scene(folder: Path) -> Scene:
     SceneError : it cannot be read.
     """
     path = folder / "resolved.yaml"
-    scene = file.load(path)
+    scene = file.read_scene(path)
     if isinstance(scene.surface, HeightFile) and "level" not in scene.surface.model_fields_set:
-        return file.load(path, ["surface.level=none"])
+        return file.read_scene(path, ["surface.level=none"])
     return scene
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from acoustics import loudness
-from rolling.check import cost, findings, measured
+from rolling.check import cost, findings, height_files
 from rolling.contact import closed_forms
 from rolling.folders import program
 from rolling.scene.scene import Scene
@@ -98,7 +98,7 @@ def _levelling(levelling: Levelling) -> dict[str, Any]:
         "seam_step_m": seam.step,
         "seam_neighbours_m": seam.neighbours,
         "seam_stands_out": seam.stands_out,
-        "text": measured.tilt_text(levelling),
+        "text": height_files.tilt_text(levelling),
     }
 
 

@@ -1,0 +1,13 @@
+"""Surface heights of a scene: made or read, levelled, and described.
+
+heights
+    makes random and flat heights, reads files, and computes roughness statistics
+levelling
+    finds tilt and seam of measured heights and takes the tilt off
+scene_surface
+    gives the one surface of a scene, with its statistics and its digest
+contact_of_scene
+    puts surface, bodies and numerics together for the march
+"""
+
+from rolling.surface.heights import gaussian as gaussian

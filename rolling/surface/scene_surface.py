@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling.scene.identity import heights_digest
-from rolling.scene.scene import Gaussian, HeightFile, Scene, SceneError, track
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+from rolling.scene.sections import Gaussian, HeightFile
 from rolling.surface import heights as surface
 from rolling.surface import levelling
 from rolling.surface.heights import Correlation, Statistics
@@ -97,7 +99,7 @@ def identity(scene: Scene) -> tuple[Any, ...]:
     ------
     SceneError : the height file is missing or has no heights.
     """
-    way, path = track(scene), scene.height_path
+    way, path = scene.track, scene.height_path
     try:
         stamp = path.stat() if path else None
     except OSError as error:
@@ -117,7 +119,7 @@ def _make(scene: Scene) -> SceneSurface:
         stored = surface.stored(scene.height_path)  # the digest is of the very array that is used
         heights, how = levelling.level(surface.usable(stored, scene.height_path), spacing, s.level)
         return SceneSurface(heights, spacing, how, heights_digest(stored))
-    way = track(scene)
+    way = scene.track
     shape = way.n_along, way.n_across
     if isinstance(s, Gaussian):
         across = s.correlation_length_across_um or s.correlation_length_um

@@ -17,7 +17,7 @@ import numpy as np
 
 from rolling.contact.half_space import HalfSpace
 from rolling.scene import file
-from rolling.scene.scene import Scene, expand
+from rolling.scene.scene import Scene
 from rolling.simulation.simulate import Piece, heights, pieces, simulate
 
 QUICKSTART = Path(__file__).parent.parent.parent / "scenarios" / "quickstart.yaml"
@@ -26,7 +26,7 @@ SPEED, SPACING = 0.1, 2e-6  # of that scene
 
 def scene_20_n(*overrides: str) -> Scene:
     """The quickstart's run under 20 N."""
-    runs = expand(file.load(QUICKSTART, overrides))
+    runs = file.read_scene(QUICKSTART, overrides).runs()
     return next(scene for values, scene in runs if values["rolling.load_n"] == 20)
 
 

@@ -1,11 +1,15 @@
-"""Findings on heights from a file: resolution, tilt, seam and form. Depends on scenario, scene_surface and finding."""
+"""Heights from a file: resolution, tilt, seam and form."""
 
 from __future__ import annotations
 
 import math
 
+from rolling.check import cost, long_steps
 from rolling.check.finding import Finding, rounded_down, si
-from rolling.scene.scene import HeightFile, Scene, Track
+from rolling.check.sampling import LEAST_CORRELATION_NODES
+from rolling.scene.scene import Scene
+from rolling.scene.sections import HeightFile
+from rolling.scene.track import Track
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
@@ -14,27 +18,22 @@ GREATEST_NOISE = 0.05
 GREATEST_FORM = 0.5  # of the variance that a plane and a parabola may make up
 
 
-def findings(scene: Scene, way: Track, contact_radius: float, least_nodes: float, duration: float) -> list[Finding]:
-    """Judge the heights of a file; made surfaces have nothing of the kind.
-
-    Parameters
-    ----------
-    contact_radius : about that of the contact [m].
-    least_nodes : number of nodes per correlation length that is wanted.
-    duration : of the record [s].
+def findings(scene: Scene, track: Track) -> list[Finding]:
+    """Judge the heights of a file; a made surface has no such findings.
 
     Raises
     ------
-    SceneError : the height file cannot be used.
+    SceneError
+        The height file cannot be used.
     """
     if not isinstance(scene.surface, HeightFile):
         return []
     surface = scene_surface(scene)
     assert surface.levelling is not None  # of every file
     return [
-        *_resolution(surface, least_nodes),
+        *_resolution(surface, LEAST_CORRELATION_NODES),
         Finding("level", "tilt", tilt_text(surface.levelling)),
-        _seam(scene, way, surface.levelling, contact_radius, duration),
+        _seam(scene, track, surface.levelling),
         *_form(surface),
     ]
 
@@ -78,12 +77,14 @@ def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
     return [Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}", "; ".join(warnings) or None)]
 
 
-def _seam(scene: Scene, way: Track, levelling: Levelling, contact_radius: float, duration: float) -> Finding:
+def _seam(scene: Scene, track: Track, levelling: Levelling) -> Finding:
+    """Judge the step from the last row to the first, and how long the contact is on it."""
     seam = levelling.seams[0]
     sizes = f"{si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')} between neighbouring rows"
     if not seam.stands_out:
         return Finding("seam", "step across the seam", sizes)
-    share = _share_on_seam(scene.start, way, contact_radius)
+    share = _share_on_seam(scene.start, track, long_steps.contact_radius(scene))
+    duration = cost.duration(scene, track)
     warning = None
     if share > 0:
         warning = (
@@ -96,9 +97,9 @@ def _seam(scene: Scene, way: Track, levelling: Levelling, contact_radius: float,
     return Finding("seam", "step across the seam", f"{sizes}, stands out", warning)
 
 
-def _share_on_seam(start: float, way: Track, radius: float) -> float:
+def _share_on_seam(start: float, track: Track, radius: float) -> float:
     """Share of the track on which the contact lies on the seam."""
-    lap = way.n_along * way.spacing
+    lap = track.n_along * track.spacing
     within = min(2 * radius, lap)
 
     def rolled(place: float) -> float:
@@ -106,7 +107,7 @@ def _share_on_seam(start: float, way: Track, radius: float) -> float:
         laps, rest = divmod(place + radius, lap)
         return laps * within + min(rest, within)
 
-    return (rolled(start + way.distance) - rolled(start)) / way.distance
+    return (rolled(start + track.distance) - rolled(start)) / track.distance
 
 
 def _form(surface: SceneSurface) -> list[Finding]:

@@ -1,0 +1,120 @@
+"""Sampling of the contact, the surface and the sound: Nyquist frequency, step length, nodes, length of the record."""
+
+from __future__ import annotations
+
+from acoustics import bands
+from rolling.check import cost, long_steps
+from rolling.check.finding import Finding, rounded_down, rounded_up, si
+from rolling.scene.scene import Scene
+from rolling.scene.sections import Gaussian
+from rolling.scene.track import Track
+
+HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
+LEAST_SHARE = 0.01  # of a record: a shorter stretch that is too slow for hearing is not worth a word
+LEAST_CORRELATION_NODES = 5  # across the correlation length
+
+
+def findings(scene: Scene, track: Track) -> list[Finding]:
+    """Judge the step against hearing and contact, and the spacing against the correlation length."""
+    tone = [_grid_tone(scene, track)] if scene.numerics.step_nodes < 1 else []
+    return [_nyquist(scene, track), _step_length(scene, track), *tone, *_correlation(scene)]
+
+
+def _correlation(scene: Scene) -> list[Finding]:
+    """Count the nodes per correlation length of a made surface."""
+    if not isinstance(scene.surface, Gaussian):
+        return []
+    shortest = min(cost.correlation_lengths(scene.surface))
+    nodes = shortest / scene.surface.spacing_um
+    coarse = None
+    if nodes < LEAST_CORRELATION_NODES * (1 - 1e-9):
+        coarse = (
+            f"{nodes:.2g} nodes per correlation length, {LEAST_CORRELATION_NODES} are wanted: choose a"
+            f" surface.spacing_um of at most {rounded_down(shortest / LEAST_CORRELATION_NODES)}"
+        )
+    return [Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}", coarse)]
+
+
+def _nyquist(scene: Scene, track: Track) -> Finding:
+    """Say up to where the steps carry sound, and for how much of the record that is below the end of hearing."""
+    motion, duration = scene.motion, cost.duration(scene, track)
+    low, high = (speed / (2 * track.step) for speed in (motion.slowest(duration), motion.fastest(duration)))
+    if motion.is_constant(duration):
+        return Finding("nyquist", "simulated Nyquist", si(high, "Hz"), _short_band(track, motion.fastest(duration)))
+    wanted = 2 * HEARING[1] * track.step
+    seconds = motion.time_below(wanted, duration)
+    warning = None
+    if seconds >= LEAST_SHARE * duration:
+        warning = (
+            f"for {100 * seconds / duration:.3g} % of the record ({si(seconds, 's')}) the simulated band ends below"
+            f" {si(HEARING[1], 'Hz')}, at {si(low, 'Hz')} when the sphere is slowest ({motion.slowest(duration):.3g} m/s):"
+            " the bands above hold the sound of the faster stretches alone; choose a step of at most"
+            f" {rounded_down(_usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6)} um (numerics.step_nodes or"
+            f" surface.spacing_um) or a speed of at least {rounded_up(wanted)} m/s for {100 - 100 * LEAST_SHARE:g} % of the record"
+        )
+    return Finding("nyquist", "simulated Nyquist", f"{si(low, 'Hz')} to {si(high, 'Hz')}", warning)
+
+
+def _short_band(track: Track, speed: float) -> str | None:
+    """Warn of a simulated band that ends below hearing at a constant speed [m/s]."""
+    if speed / (2 * track.step) >= HEARING[1]:
+        return None
+    return (
+        f"the simulated band ends at {si(speed / (2 * track.step), 'Hz')} at {speed:g} m/s, hearing at"
+        f" {si(HEARING[1], 'Hz')}: choose a step of at most {rounded_down(speed / (2 * HEARING[1]) * 1e6)} um"
+        f" (numerics.step_nodes or surface.spacing_um) or a speed of at least {rounded_up(2 * HEARING[1] * track.step)} m/s"
+    )
+
+
+def _usual_speed(scene: Scene, duration: float) -> float:
+    """Return the speed [m/s] below which the sphere rolls for less than `LEAST_SHARE` of the record."""
+    low, high = 0.0, scene.motion.fastest(duration)
+    for _ in range(60):
+        middle = (low + high) / 2
+        below = scene.motion.time_below(middle, duration) < LEAST_SHARE * duration
+        low, high = (middle, high) if below else (low, middle)
+    return low or high
+
+
+def _grid_tone(scene: Scene, track: Track) -> Finding:
+    """Name the tone that steps below a node sound."""
+    motion, duration = scene.motion, cost.duration(scene, track)
+    low, high = (speed / scene.spacing for speed in (motion.slowest(duration), motion.fastest(duration)))
+    tone = si(low, "Hz") if motion.is_constant(duration) else f"{si(low, 'Hz')} to {si(high, 'Hz')}"
+    audible = None
+    if motion.time_below(HEARING[1] * scene.spacing, duration) >= LEAST_SHARE * duration:
+        audible = (
+            f"steps below one node sound a tone of the grid at {tone}: choose numerics.step_nodes 1 or a"
+            f" surface.spacing_um of at most {rounded_down(_usual_speed(scene, duration) / HEARING[1] * 1e6)}"
+        )
+    return Finding("grid_tone", "tone of the grid", tone, audible)
+
+
+def _step_length(scene: Scene, track: Track) -> Finding:
+    """Compare the step with the contact, and say what a long one costs."""
+    radius = long_steps.contact_radius(scene)
+    radii = track.step / radius
+    warning = None
+    if radii > long_steps.DOUBTFUL_RADII:
+        lost = long_steps.lost_release(radii)
+        warning = (
+            f"a step is {radii:.2g} contact radii of {si(radius, 'm')}, at most {long_steps.DOUBTFUL_RADII:g} are wanted:"
+            f" the mean release is up to about {100 * lost:.2g} % low, levels are off by up to"
+            f" {long_steps.LEVEL_ERROR_DB * radii:.2g} dB; choose a step of at most"
+            f" {rounded_down(long_steps.DOUBTFUL_RADII * radius * 1e6)} um (numerics.step_nodes or surface.spacing_um)"
+        )
+    return Finding("step_length", "step / contact radius", f"{radii:.2g}", warning)
+
+
+def record(scene: Scene, track: Track) -> Finding:
+    """Count the third octaves whose level the length of the record makes certain."""
+    certain = bands.reliable(cost.duration(scene, track))
+    warning = None
+    if not certain.all():
+        short = [name for name, sure in zip(bands.BAND_NAMES, certain, strict=True) if not sure]
+        warning = (
+            f"{len(short)} of {len(certain)} third octaves, up to {short[-1]} Hz, have a bandwidth times duration below"
+            f" {bands.LEAST_BT:g} and are uncertain by 2 dB or more: for all of them choose a rolling.duration_s of at"
+            f" least {rounded_up(bands.LEAST_BT / float(bands.BANDWIDTH_HZ[0]))}"
+        )
+    return Finding("third_octaves", "certain third octaves", f"{certain.sum()} of {len(certain)}", warning)

@@ -1,0 +1,70 @@
+"""Validity of the model: the half-space, and the constant load on a ball that could bounce."""
+
+from __future__ import annotations
+
+from rolling.check import cost, long_steps, resonance
+from rolling.check.finding import Finding, si
+from rolling.check.sampling import HEARING
+from rolling.scene.scene import Scene
+from rolling.scene.sections import HeightFile
+from rolling.scene.track import Track
+
+GREATEST_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
+GREATEST_CONTACT = 0.2  # contact radius over sphere radius
+
+
+def findings(scene: Scene, track: Track, slope: float) -> list[Finding]:
+    """Judge whether the model holds for a scene.
+
+    Parameters
+    ----------
+    slope : float
+        Rms slope of the surface.
+    """
+    return [*_half_space(scene, slope), _resonance(scene, track)]
+
+
+def _half_space(scene: Scene, slope: float) -> list[Finding]:
+    """Compare slope and contact radius with the limits of a half-space."""
+    steep = wide = None
+    if slope > GREATEST_SLOPE:
+        advice = "filter the shortest wavelengths out of the heights" if isinstance(scene.surface, HeightFile) else ""
+        advice = advice or "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
+        steep = f"the rms slope is {slope:.2g}, a half-space holds up to {GREATEST_SLOPE:g}: {advice}"
+    share = long_steps.contact_radius(scene) / scene.radius
+    if share > GREATEST_CONTACT:
+        wide = (
+            f"the contact radius is {share:.2g} of the sphere's, a half-space holds up to {GREATEST_CONTACT:g}: lower"
+            " rolling.load_n or enlarge sphere.radius_mm"
+        )
+    return [
+        Finding("slope", "rms slope", f"{slope:.2g}", steep),
+        Finding("contact_radius", "contact radius / radius", f"{share:.2g}", wide),
+    ]
+
+
+def _resonance(scene: Scene, track: Track) -> Finding:
+    """Name the frequency at which the ball bounces, and weigh its part by the maximum speed, where the record holds it."""
+    frequency = resonance.frequency(scene)
+    speed = scene.motion.fastest(cost.duration(scene, track))
+    highest = min(HEARING[1], speed / (2 * track.step))
+    if not HEARING[0] < frequency < highest:
+        return Finding("resonance", "contact resonance", si(frequency, "Hz"))
+    density = scene.sphere.density_kg_m3
+    ball = "as if of steel, 7850 kg/m3 (sphere.density_kg_m3)" if density is None else f"of {density:g} kg/m3"
+    wave = resonance.relative_wave(scene, speed)
+    if wave < resonance.FELT:
+        part = "its part is some 30 dB or more below the release, and the levels hold"
+    elif wave < resonance.DOMINANT:
+        part = "its part is heard: do not trust the bands about that frequency"
+    else:
+        part = (
+            "it is a large part of the sound or most of it: do not trust levels, nor bands from a half of that frequency up,"
+            " or choose a lower rolling.speed_m_s"
+        )
+    warning = (
+        f"a free ball {ball} would bounce on its contact at {si(frequency, 'Hz')}, inside hearing and the"
+        f" simulated band, and the load is held constant here; at {speed:.3g} m/s waves of {si(speed / frequency, 'm')} feed"
+        f" it, {wave:.2g} of contact radius and correlation length: {part}"
+    )
+    return Finding("resonance", "contact resonance", si(frequency, "Hz"), warning)

@@ -1,0 +1,353 @@
+"""The sections of a scene: frozen models, units in the key names, and the checks that one section can make alone.
+
+Lengths are in mm or um and moduli in GPa here; the properties of `Scene` are SI. Sections are built from Python as
+`Sphere(radius_mm=5)`; a value that is not allowed then raises SceneError in the words that a scene file would get.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, dataclass_transform
+
+import numpy as np
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    WithJsonSchema,
+    field_validator,
+    model_validator,
+)
+
+from rolling.scene.messages import SceneError, Words, cut, dotted, explained, fault, is_number, plain_number, shown
+from rolling.scene.track import MAX_NODES, MIN_NODES
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+SMALLEST = 1e-15  # of any number but zero, in the units of the scene; one over it is the largest
+MOST_FAULTS = 100  # that are named
+STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
+
+
+# ---- construction from Python ----------------------------------------------------------------------------------------
+
+
+def plain(value: Any) -> Any:
+    """Turn a value typed in Python into the plain value that a scene file would hold; drop keys without a value."""
+    if isinstance(value, BaseModel):
+        value = value.model_dump()
+    if isinstance(value, Mapping):
+        return {name: plain(item) for name, item in value.items() if item is not None}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    return os.fspath(value) if isinstance(value, os.PathLike) else value
+
+
+def required_in_files(key: str) -> Any:
+    """Change the JSON Schema of a model: Python has a default for a key, a scene file must give it."""
+
+    def change(schema: dict[str, Any]) -> None:
+        schema["properties"][key].pop("default", None)
+        schema["required"] = [key, *schema.get("required", [])]
+
+    return change
+
+
+@dataclass_transform(kw_only_default=True, field_specifiers=(Field,))
+class _SceneErrors(ModelMetaclass):
+    """Models whose construction from Python raises SceneError instead of the errors of pydantic."""
+
+    def __call__(cls, *positional: Any, **values: Any) -> Any:
+        if positional:
+            raise TypeError(f"{cls.__name__} takes keys by name only, as in {cls.__name__}(key=value)")
+        return cls.from_values(plain(values))  # type: ignore[attr-defined]
+
+
+class Section(BaseModel, metaclass=_SceneErrors):
+    """A section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    SECTION: ClassVar[str] = ""  # its name in a scene
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Any]) -> Self:
+        """Validate plain values.
+
+        Raises
+        ------
+        SceneError
+            Some values are missing, unknown or not allowed; each fault names its key within a scene.
+        """
+        try:
+            return cls.model_validate(values)
+        except ValidationError as error:
+            faults = []
+            for listed in error.errors(include_url=False)[:MOST_FAULTS]:
+                key, message = explained(listed, values, cls)
+                key = key if key[:1] == (cls.SECTION,) else (cls.SECTION, *key)
+                faults.append(f"scene: {cut(dotted(key))}: {message}")
+            raise SceneError(faults) from error
+
+    @field_validator("*")
+    @classmethod
+    def _within_reason(cls, value: Any) -> Any:
+        """Refuse sizes whose powers and quotients are no numbers any more."""
+        for number in np.ravel(value) if isinstance(value, float | tuple) else ():
+            if number and not SMALLEST <= abs(number) <= 1 / SMALLEST:
+                raise fault(f"got {shown(float(number))}, allowed: a size from {SMALLEST:g} to {1 / SMALLEST:g}")
+        return value
+
+
+# ---- sphere and plate ------------------------------------------------------------------------------------------------
+
+
+class Sphere(Section):
+    """The rolling sphere: rigid unless it has a modulus."""
+
+    SECTION: ClassVar[str] = "sphere"
+
+    radius_mm: float = Field(gt=0, description="Radius [mm]")
+    density_kg_m3: float | None = Field(
+        default=None,
+        gt=0,
+        description="Density [kg/m3], from which the check of the contact resonance has the mass; absent: 7850, as if steel",
+    )
+    youngs_modulus_gpa: float | None = Field(
+        default=None, gt=0, description="Young's modulus [GPa]; absent: a rigid sphere"
+    )
+    poissons_ratio: float | None = Field(
+        default=None, ge=0, le=0.5, description="Poisson's ratio [-]; absent: a rigid sphere"
+    )
+
+    @model_validator(mode="after")
+    def _both_or_neither(self) -> Sphere:
+        for missing, given in (("youngs_modulus_gpa", "poissons_ratio"), ("poissons_ratio", "youngs_modulus_gpa")):
+            if getattr(self, missing) is None and getattr(self, given) is not None:
+                raise fault(
+                    f"missing beside {given}; an elastic sphere needs both, a rigid one neither", "sphere", missing
+                )
+        return self
+
+
+class Plate(Section):
+    """The half-space the sphere rolls on."""
+
+    SECTION: ClassVar[str] = "plate"
+
+    youngs_modulus_gpa: float = Field(gt=0, description="Young's modulus [GPa]")
+    poissons_ratio: float = Field(ge=0, le=0.5, description="Poisson's ratio [-]")
+    hardness_gpa: float | None = Field(
+        default=None, gt=0, description="Hardness [GPa], the highest pressure it bears; absent: purely elastic"
+    )
+
+
+# ---- surfaces --------------------------------------------------------------------------------------------------------
+
+
+class MadeSurface(Section):
+    """A surface the program makes, as wide as it is told to."""
+
+    SECTION: ClassVar[str] = "surface"
+
+    kind: str
+    spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
+    width_um: float = Field(gt=0, description="Width across the track [um], a whole number of nodes, at least 8")
+
+    @model_validator(mode="after")
+    def _whole_width(self) -> MadeSurface:
+        nodes = self.width_um / self.spacing_um
+        if not nodes < MAX_NODES:
+            raise fault(
+                f"got {plain_number(self.width_um)}, allowed: less than {MAX_NODES:g} nodes", "surface", "width_um"
+            )
+        if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
+            fitting = max(MIN_NODES, round(nodes)) * self.spacing_um
+            raise fault(
+                f"got {plain_number(self.width_um)}, allowed: a whole number of nodes of {self.spacing_um:g} um,"
+                f" at least {MIN_NODES}; nearest: {fitting:.10g}",
+                "surface",
+                "width_um",
+            )
+        return self
+
+    @property
+    def n_across(self) -> int:
+        """Nodes across the track."""
+        return round(self.width_um / self.spacing_um)
+
+
+class Gaussian(MadeSurface):
+    """A random periodic surface with Gaussian heights."""
+
+    model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
+
+    kind: Literal["gaussian"] = Field(default="gaussian", description="A random surface with Gaussian heights")
+    autocorrelation: Literal["gaussian", "gaussian_10pct", "exponential", "exponential_10pct"] = Field(
+        default="gaussian",
+        description="Law in the distance r and the correlation length L: gaussian exp(-(r/L)^2), gaussian_10pct"
+        " exp(-2.3 (r/L)^2), exponential exp(-r/L), exponential_10pct exp(-2.3 r/L)",
+    )
+    roughness_ra_um: float = Field(gt=0, le=1000, description="Arithmetic mean roughness Ra [um]")
+    correlation_length_um: float = Field(gt=0, description="Correlation length [um], along the track")
+    correlation_length_across_um: float | None = Field(
+        default=None, gt=0, description="Correlation length across the track [um]; absent: the same as along"
+    )
+    seed: int = Field(ge=0, description="Seed of the random heights")
+
+
+class Smooth(MadeSurface):
+    """A perfectly flat surface."""
+
+    model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
+
+    kind: Literal["smooth"] = Field(default="smooth", description="A perfectly flat surface")
+
+
+class HeightFile(Section):
+    """Measured or made heights, read as one period of the surface."""
+
+    model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
+    SECTION: ClassVar[str] = "surface"
+
+    kind: Literal["file"] = Field(default="file", description="Heights from a file; the track is the file")
+    path: str = Field(
+        min_length=1, description=".npy file of heights [m], shape (along track, across), relative to the scene file"
+    )
+    spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
+    level: Literal["auto", "plane", "none"] = Field(
+        default="auto",
+        description="Tilt: auto takes the least-squares plane off where the step from the last row to the first stands out"
+        " and the plane lowers it, plane always, none never",
+    )
+
+
+Surface = Annotated[Gaussian | Smooth | HeightFile, Field(discriminator="kind")]
+
+
+# ---- rolling, numerics, recovery, sound -----------------------------------------------------------------------------
+
+
+SPEED = Words("a number > 0, or at least two [time_s, speed_m_s] pairs")
+
+
+def _speed(value: Any) -> Any:
+    """A number, or pairs as tuples; raises the first fault of the pairs at its own place."""
+    at = ("rolling", "speed_m_s")
+    if is_number(value) and value > 0:
+        return float(value)
+    if not isinstance(value, list | tuple) or len(value) < 2:
+        raise fault(f"got {shown(value)}, allowed: {SPEED.allowed}", *at)
+    for i, pair in enumerate(value):
+        if not isinstance(pair, list | tuple) or len(pair) != 2 or not all(is_number(x) for x in pair):
+            raise fault(f"got {shown(pair)}, allowed: [time_s, speed_m_s], two numbers", *at, i)
+        if i == 0 and pair[0] != 0:
+            raise fault(f"got {shown(pair[0])}, allowed: 0, the time of the first pair", *at, 0)
+        if i and pair[0] <= value[i - 1][0]:
+            raise fault(f"got time {shown(pair[0])} after {shown(value[i - 1][0])}, allowed: increasing times", *at, i)
+        if pair[1] < 0:
+            raise fault(f"got speed {shown(pair[1])}, allowed: a number >= 0", *at, i)
+    if not any(v > 0 for _, v in value):
+        raise fault("got speeds that are all 0, allowed: at least one > 0", *at)
+    return tuple((float(t), float(v)) for t, v in value)
+
+
+def _step_nodes(value: float) -> float:
+    """The allowed value that is meant: 0.333333 is a third."""
+    closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
+    if abs(value / closest - 1) > 1e-5:
+        raise fault(
+            f"got {plain_number(value)}, allowed: a whole number from 1 to 64, or one over a whole number down to 1/16;"
+            f" nearest: {plain_number(closest)}"
+        )
+    return closest
+
+
+_PAIR_SCHEMA = {"type": "array", "prefixItems": [{"type": "number", "minimum": 0}] * 2, "minItems": 2, "maxItems": 2}
+_PAIRS_SCHEMA = {"type": "array", "minItems": 2, "items": _PAIR_SCHEMA}
+Speed = Annotated[
+    float | tuple[tuple[float, float], ...],
+    SPEED,
+    BeforeValidator(_speed),
+    WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, _PAIRS_SCHEMA]}),
+]
+
+
+class Rolling(Section):
+    """How the sphere rolls."""
+
+    SECTION: ClassVar[str] = "rolling"
+
+    load_n: float = Field(gt=0, description="Normal load [N], constant")
+    speed_m_s: Speed = Field(
+        description="Speed [m/s], or [time [s], speed [m/s]] pairs: times increasing from 0, linear between them,"
+        " constant after the last"
+    )
+    duration_s: float | None = Field(
+        default=None, gt=0, description="Time rolled [s]; only with a height file it may be absent: once round the file"
+    )
+    start_um: float = Field(default=0.0, description="Where along the track the sphere starts [um]")
+
+
+class Numerics(Section):
+    """How finely to compute."""
+
+    SECTION: ClassVar[str] = "numerics"
+
+    step_nodes: Annotated[float, AfterValidator(_step_nodes)] = Field(
+        default=1.0,
+        gt=0,
+        description="Step in nodes [-]: a whole number from 1 to 64, or one over a whole number down to 1/16",
+    )
+    tolerance: float = Field(
+        default=1e-4,
+        ge=1e-12,
+        le=1e-1,
+        description="Largest violation of the contact conditions over the largest deflection [-]",
+    )
+    edges: Literal["sharp", "blended"] = Field(
+        default="blended",
+        description="Nodes at the edge of yielding patches: all or nothing, or loaded by the share of their cell in contact",
+    )
+    precision: Literal["single", "double"] = Field(
+        default="single",
+        description="Of the transforms while iterating; what is accepted is checked and kept in double precision",
+    )
+
+
+class Recovery(Section):
+    """What to keep of the recovering nodes."""
+
+    SECTION: ClassVar[str] = "recovery"
+
+    events: bool = Field(default=False, description="Write a table of recovery events")
+    rule: Literal["mean", "left_end"] = Field(
+        default="mean",
+        description="Pressure of a falling node: mean of both ends of the step, or left_end, the article's",
+    )
+
+
+class Sound(Section):
+    """How release power becomes sound pressure."""
+
+    SECTION: ClassVar[str] = "sound"
+
+    distance_m: float = Field(default=1.0, gt=0, description="Distance of the listener [m]")
+    q: float = Field(default=1.0, gt=0, le=1, description="Share of the released energy that is radiated [-]")
+    gain_pa_per_w_m2: float | None = Field(
+        default=None,
+        gt=0,
+        description="Fixed factor from intensity to sound pressure [Pa per W/m2]; absent: energy-true per run",
+    )
+    loudness: bool = Field(
+        default=False, description="Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package mosqito"
+    )
