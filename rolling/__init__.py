@@ -1,3 +1,126 @@
-"""Contact noise of a sphere rolling over a rough surface: a scene in, the released elastic energy out."""
+"""Contact noise of a sphere that rolls over a rough surface: a scene in, the released energy and its sound out.
+
+Public names are imported when they are first used, so `import rolling` and `rolling --help` are instant.
+
+Scenes
+    read_scene, Scene and its sections Sphere, Plate, Gaussian, Smooth, HeightFile, Rolling, Numerics, Recovery, Sound;
+    check (module), SceneError
+Runs
+    simulate, simulate_sweep, open_run, save_run, plot (module), ContactError, SweepError, FolderError
+Contact
+    HalfSpace, solve_contact, march, closed_forms (module)
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.2.0.dev0"
+
+if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
+    from rolling import check as check
+    from rolling import plot as plot
+    from rolling.commands import save_run as save_run
+    from rolling.contact import closed_forms as closed_forms
+    from rolling.contact.half_space import HalfSpace as HalfSpace
+    from rolling.contact.march import march as march
+    from rolling.contact.solver import ContactError as ContactError
+    from rolling.contact.solver import solve_contact as solve_contact
+    from rolling.folders.files import FolderError as FolderError
+    from rolling.scene.file import read_scene as read_scene
+    from rolling.scene.messages import SceneError as SceneError
+    from rolling.scene.scene import Scene as Scene
+    from rolling.scene.sections import Gaussian as Gaussian
+    from rolling.scene.sections import HeightFile as HeightFile
+    from rolling.scene.sections import Numerics as Numerics
+    from rolling.scene.sections import Plate as Plate
+    from rolling.scene.sections import Recovery as Recovery
+    from rolling.scene.sections import Rolling as Rolling
+    from rolling.scene.sections import Smooth as Smooth
+    from rolling.scene.sections import Sound as Sound
+    from rolling.scene.sections import Sphere as Sphere
+    from rolling.simulation.interface import (
+        SweepError as SweepError,
+    )
+    from rolling.simulation.interface import (
+        open_run as open_run,
+    )
+    from rolling.simulation.interface import (
+        simulate as simulate,
+    )
+    from rolling.simulation.interface import (
+        simulate_sweep as simulate_sweep,
+    )
+
+_SECTIONS, _RUNS = "rolling.scene.sections", "rolling.simulation.interface"
+_PLACES = {  # module and name in it; None: the module itself
+    "read_scene": ("rolling.scene.file", "read_scene"),
+    "Scene": ("rolling.scene.scene", "Scene"),
+    "Sphere": (_SECTIONS, "Sphere"),
+    "Plate": (_SECTIONS, "Plate"),
+    "Gaussian": (_SECTIONS, "Gaussian"),
+    "Smooth": (_SECTIONS, "Smooth"),
+    "HeightFile": (_SECTIONS, "HeightFile"),
+    "Rolling": (_SECTIONS, "Rolling"),
+    "Numerics": (_SECTIONS, "Numerics"),
+    "Recovery": (_SECTIONS, "Recovery"),
+    "Sound": (_SECTIONS, "Sound"),
+    "SceneError": (_SECTIONS, "SceneError"),
+    "check": ("rolling.check", None),
+    "simulate": (_RUNS, "simulate"),
+    "simulate_sweep": (_RUNS, "simulate_sweep"),
+    "open_run": (_RUNS, "open_run"),
+    "SweepError": (_RUNS, "SweepError"),
+    "save_run": ("rolling.commands", "save_run"),
+    "FolderError": ("rolling.folders.files", "FolderError"),
+    "plot": ("rolling.plot", None),
+    "HalfSpace": ("rolling.contact.half_space", "HalfSpace"),
+    "solve_contact": ("rolling.contact.solver", "solve_contact"),
+    "ContactError": ("rolling.contact.solver", "ContactError"),
+    "march": ("rolling.contact.march", "march"),
+    "closed_forms": ("rolling.contact.closed_forms", None),
+}
+
+__all__ = [
+    "ContactError",
+    "FolderError",
+    "Gaussian",
+    "HalfSpace",
+    "HeightFile",
+    "Numerics",
+    "Plate",
+    "Recovery",
+    "Rolling",
+    "Scene",
+    "SceneError",
+    "Smooth",
+    "Sound",
+    "Sphere",
+    "SweepError",
+    "check",
+    "closed_forms",
+    "march",
+    "open_run",
+    "plot",
+    "read_scene",
+    "save_run",
+    "simulate",
+    "simulate_sweep",
+    "solve_contact",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used."""
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module, attribute = _PLACES[name]
+    value = import_module(module) if attribute is None else getattr(import_module(module), attribute)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted([*__all__, "__version__"])

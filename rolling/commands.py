@@ -1,7 +1,7 @@
-"""Scene to run folder: the only place that knows contact, sound and files.
+"""The commands run, resume, resound and report: from a scene to a run folder.
 
-A run is simulated, kept as it goes, and finished: sound, levels, plots, the report page, then the state `done` in its run.json.
-Several runs of one scene (a sweep) share a folder, their plots, a table and the page.
+A run is solved and written as it grows. Its sound, levels, figures and report page follow, and last the state `done` in its
+run.json. The runs of a sweep share a folder, figures that compare them, a table and the page.
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling.check import long_steps, refusals
+from rolling.check import refusals
 from rolling.folders import claim, files, new_folder
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError, Stopped
@@ -21,7 +21,9 @@ from rolling.folders.run_record import Kind
 from rolling.scene import file
 from rolling.simulation import batch, labels, sound_files, summary
 from rolling.simulation.batch import Run
+from rolling.simulation.interface import refuse
 from rolling.simulation.plan import Plan
+from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import Heard, hear
 from rolling.simulation.stored_runs import (
@@ -32,7 +34,6 @@ from rolling.simulation.stored_runs import (
     resolved_scene,
     warn_of_other_program,
 )
-from rolling.surface import contact_of_scene
 
 if TYPE_CHECKING:
     from rolling.report.page import Exhibit
@@ -45,9 +46,9 @@ KINDS: tuple[Kind, ...] = ("run", "sweep")  # of folders that these commands mak
 class Report:
     """The outcome of a command.
 
-    runs : each with its summary, None where too little is solved for one.
-    failures : reasons by run.
-    page : None when none was made.
+    runs : the runs, each with its summary, or None where too little is solved for one.
+    failures : reasons by label of the run.
+    page : file of the report page, None when none was made.
     solved : whether anything is solved.
     previous : folder of an earlier run that stays beside this one.
     """
@@ -62,7 +63,25 @@ class Report:
 
     @property
     def exit_code(self) -> int:
+        """The exit code of the command: 0, 1 for a run that failed, 130 for an interruption."""
         return 130 if self.interrupted else 1 if self.failures else 0
+
+
+@dataclass(frozen=True)
+class _Work:
+    """The runs of a claimed folder with their results, as far as they are solved.
+
+    with_page : whether a report page is wanted.
+    """
+
+    held: Claim
+    runs: list[Run]
+    results: list[Result]
+    with_page: bool
+
+    @property
+    def folder(self) -> Path:
+        return self.held.folder
 
 
 def run(
@@ -73,61 +92,67 @@ def run(
     workers: int = 0,
     page: bool = True,
 ) -> Report:
-    """Run a scene file: every combination of its sweep, each into a run folder, and a report page unless `page` is not wanted.
+    """Run a scene file: every combination of its sweep, each into a run folder.
+
+    Parameters
+    ----------
+    overrides : "rolling.load_n=50" each.
+    out : Run folder to make. Default: a folder named after scene and time.
+    force : Replace an earlier run at `out`. Default: false.
+    workers : Processes; 0: one per core.
+    page : Write the report page as well. Default: true.
 
     Raises
     ------
     SceneError, FolderError : before anything is computed or written.
     """
     scene = file.read_scene(scene_path, overrides)
-    refusals.refuse_unavailable(scene)
-    long_steps.refuse_long_steps(scene)
-    refusals.refuse_what_cannot_fit(scene, workers, out or refusals.OUTPUTS)
+    refuse(scene, workers, out or refusals.OUTPUTS)
     plan = Plan(scene, scene_path.read_bytes())
-    for _, single in plan.singles:
-        contact_of_scene.rolling_contact(single)  # a surface that cannot be had shows before anything is written
     target = new_folder.aim(Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files])
     with new_folder.make(target, plan.record(), plan.write) as held:
         runs = plan.runs(held.folder)
-        results = [Result.empty(one.scene.track, one.scene.start) for one in runs]
-        return _work(held, runs, results, workers, page)
+        results = [Result.empty(each.scene.track, each.scene.start) for each in runs]
+        return _solve(_Work(held, runs, results, page), workers)
 
 
 def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = False) -> Report:
-    """Go on with a run folder that was interrupted or killed; what is solved is not solved again.
+    """Go on with a run folder that was interrupted or killed; solved steps are not solved again.
 
     Parameters
     ----------
-    take_over : go on, too, if the process that works on it cannot be seen from here.
+    take_over : Go on even if the process that works on the folder cannot be seen from here. Default: false.
 
     Raises
     ------
-    FolderError : no run folder, one in use, or a result of another scene or surface. SceneError : it cannot be had here.
+    FolderError : no run folder, one in use, or a result of another scene or surface.
+    SceneError : the scene cannot be run here.
     """
     runs = read_runs(folder)
-    for one in runs:
-        if not one.folder.is_dir():
+    for each in runs:
+        if not each.folder.is_dir():
             raise FolderError(
-                f"{one.folder}: no such folder, though {folder / 'resolved.yaml'} sweeps it; run a new scene instead"
+                f"{each.folder}: no such folder, though {folder / 'resolved.yaml'} sweeps it; run a new scene instead"
             )
-        refusals.refuse_unavailable(one.scene)
+        refusals.refuse_unavailable(each.scene)
     refusals.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
     before = records_of([folder])[0]
-    names = [one.folder.name for one in runs] if runs[0].values else []
+    names = [each.folder.name for each in runs] if runs[0].values else []
     with claim.take(folder, "sweep" if names else "run", names, take_over) as held:
-        results = [batch.stored(one) or Result.empty(one.scene.track, one.scene.start) for one in runs]
+        results = [batch.stored(each) or Result.empty(each.scene.track, each.scene.start) for each in runs]
         warn_of_other_program(folder, before, results)
-        return _work(held, runs, results, workers, page)
+        return _solve(_Work(held, runs, results, page), workers)
 
 
 def resound(
     folder: Path, overrides: Sequence[str], out: Path | None = None, force: bool = False, page: bool = True
 ) -> Report:
-    """New sound from stored runs, without solving: other speed, distance, q or gain.
+    """Make new sound from stored runs without solving: other speed, distance, q or gain.
 
     Raises
     ------
-    FolderError : no run folder. SceneError : overrides that need a new solve, are not allowed or cannot be had.
+    FolderError : no run folder, or nothing is solved in it.
+    SceneError : overrides that need a new solve, are not allowed or do not fit.
     """
     stored = read_runs(folder)
     # All is read and checked before the new folder is made.
@@ -136,27 +161,51 @@ def resound(
     refusals.refuse_what_cannot_fit(scene, 1, out or refusals.OUTPUTS)
     given = folder / "scene.yaml"
     plan = Plan(scene, given.read_bytes() if given.is_file() else None)
-    if [values for values, _ in plan.singles] != [one.values for one in stored]:
+    if [values for values, _ in plan.singles] != [each.values for each in stored]:
         raise FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
-    results = [result for one in stored if (result := batch.stored(one))]
+    results = [result for each in stored if (result := batch.stored(each))]
     if len(results) < len(stored):
         raise FolderError(f"{folder}: nothing is solved in some of its runs; `rolling resume` goes on with it")
     target = new_folder.aim(Path("outputs") / scene.name, out, force, KINDS, [folder, *plan.height_files])
     records_of([folder])
     with new_folder.make(target, plan.record(), plan.write) as held:
-        runs = plan.runs(held.folder)
+        work = _Work(held, plan.runs(held.folder), results, page)
         again = f"{folder} is as it was; give the command again, with --force if {held.folder} is in the way"
         with _told_on_error(lambda: again):
-            return _finish(held, runs, results, {}, False, page)
+            return _finish(work, _sounds(work), Outcome())
 
 
-def report(folders: Sequence[Path], out: Path | None = None, force: bool = False) -> Path:
-    """One page of all the runs in run folders; returns its file.
+def save_run(finished: Heard, folder: Path, force: bool = False, report: bool = True) -> Path:
+    """Write a run that is in memory into a new run folder, with the files that `run` writes.
 
     Parameters
     ----------
-    out : file to write, an existing page of this program with `force` only. None: report.html in the run folder, which it is
-        derived from, so an older one is replaced; of several folders in a new folder.
+    finished : The run.
+    folder : The folder to make.
+    force : Replace an earlier run at `folder`. Default: false.
+    report : Write the report page as well. Default: true.
+
+    Raises
+    ------
+    FolderError : the folder is taken.
+    """
+    plan = Plan(finished.scene, None)
+    target = new_folder.aim(folder, folder, force, KINDS, plan.height_files)
+    with new_folder.make(target, plan.record(), plan.write) as held:
+        (alone,) = plan.runs(held.folder)
+        work = _Work(held, [alone], [finished.result], report)
+        with _told_on_error(lambda: f"the run is still in memory; save it to another folder than {held.folder}"):
+            _finish(work, [replace(finished, folder=alone.folder, label=alone.label, values={})], Outcome())
+    return held.folder
+
+
+def report(folders: Sequence[Path], out: Path | None = None, force: bool = False) -> Path:
+    """Write one page of all the runs in run folders; return its file.
+
+    Parameters
+    ----------
+    out : File to write; an existing page of this program is replaced with `force` only. Default: report.html in the run
+        folder, which replaces an older one; for several folders a page in a new folder.
 
     Raises
     ------
@@ -166,22 +215,22 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
 
     if out is not None:
         _refuse_page(out, force)
-    runs = list({one.folder.resolve(): one for folder in folders for one in read_runs(folder)}.values())
+    runs = list({each.folder.resolve(): each for folder in folders for each in read_runs(folder)}.values())
     if len(runs) > pages.MOST_RUNS:
         raise FolderError(f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare")
-    heard: list[Heard] = []
-    unheard: list[str] = []
-    for one, label in zip(runs, labels.labels(runs), strict=True):
-        refusals.refuse_unavailable(one.scene)
-        result = batch.stored(one)
-        sounding = _heard(one, label, result) if result else None
-        if sounding is None:
-            unheard.append(labels.title(one.scene.name, label))
+    finished: list[Heard] = []
+    unsolved: list[str] = []  # titles
+    for each, label in zip(runs, labels.labels(runs), strict=True):
+        refusals.refuse_unavailable(each.scene)
+        result = batch.stored(each)
+        run_with_sound = _sound_of(each, label, result) if result else None
+        if run_with_sound is None:
+            unsolved.append(labels.title(each.scene.name, label))
         else:
-            heard.append(sounding)
-    if not heard:
+            finished.append(run_with_sound)
+    if not finished:
         raise FolderError(f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report")
-    content = pages.page(heard, pages.exhibits(heard), unheard)
+    content = pages.page(finished, pages.exhibits(finished), unsolved)
     records_of(folders)
     if out is None:
         out = (folders[0] if len(folders) == 1 else new_folder.stamped(Path("outputs") / "report")) / PAGE
@@ -214,12 +263,17 @@ def _refuse_page(out: Path, force: bool) -> None:
         )
 
 
-def _work(held: Claim, runs: list[Run], results: list[Result], workers: int, page: bool) -> Report:
-    with _told_on_error(lambda: _way_on(held, runs)):
+def _solve(work: _Work, workers: int) -> Report:
+    """Solve the missing steps of the runs, then write everything else."""
+    with _told_on_error(lambda: _way_on(work)):
         outcome = batch.solve(
-            runs, results, workers, runs[0].scene.name, begun=lambda one: held.mark(one.folder, "running")
+            work.runs,
+            work.results,
+            workers,
+            work.runs[0].scene.name,
+            begun=lambda each: work.held.mark(each.folder, "running"),
         )
-        return _finish(held, runs, results, outcome.failures, outcome.interrupted, page)
+        return _finish(work, _sounds(work), outcome)
 
 
 @contextmanager
@@ -231,104 +285,125 @@ def _told_on_error(way_on: Callable[[], str]) -> Iterator[None]:
         raise Stopped(error, way_on()) from error
 
 
-def _way_on(held: Claim, runs: Sequence[Run]) -> str:
-    folder = held.folder
-    kept = f"what was solved before is kept in {folder}" if any(map(is_kept, runs)) else "nothing was solved"
+def _way_on(work: _Work) -> str:
+    """Say what is kept of work that the system stopped, and how to go on."""
+    folder = work.folder
+    kept = f"what was solved before is kept in {folder}" if any(map(is_kept, work.runs)) else "nothing was solved"
     text = f"{kept}; `rolling resume {folder}` goes on when the cause is mended"
-    return f"{text}\n{_of_previous(folder)}" if held.record.replaces else text
+    if not work.held.record.replaces:
+        return text
+    return f"{text}\nthe run that this one replaces stays in {new_folder.previous(folder)} until this one is done"
 
 
-def _of_previous(folder: Path) -> str:
-    return f"the run that this one replaces stays in {new_folder.previous(folder)} until this one is done"
-
-
-def _finish(
-    held: Claim, runs: list[Run], results: list[Result], failures: dict[int, str], interrupted: bool, page: bool
-) -> Report:
-    """Sound, numbers and plots of every run that has enough steps; of all together when there are several; the page last."""
-    folder = held.folder
-    heard: list[Heard] = []
-    done: list[tuple[Run, dict[str, Any] | None]] = []
-    names = labels.labels(runs)
-    for one, label, result in zip(runs, names, results, strict=True):
+def _sounds(work: _Work) -> list[Heard | None]:
+    """Make the sound of each run; None where too little is solved."""
+    names = labels.labels(work.runs)
+    return [
         # Numbers of another surface would not be the run's.
-        sounding = None if batch.other_surface(one, result) else _heard(one, label, result)
-        done.append((one, sounding.numbers if sounding else None))
-        if sounding is None:
-            continue
-        batch.keep(one, result, sounding.sound)
-        sound_files.write(one.folder, one.scene, label, sounding.sound, sounding.numbers["caveats"])
-        files.write_json(one.folder / "summary.json", sounding.numbers)
-        files.write_json(one.folder / "provenance.json", summary.provenance(one.scene))
-        heard.append(sounding)
-    shelf = _write_pictures(folder, heard, page)
-    if len(runs) > 1:
-        files.write_json(
-            folder / "sweep.json",
-            [
-                {"values": one.values, "folder": one.folder.name, "label": label, "summary": numbers}
-                for label, (one, numbers) in zip(names, done, strict=True)
-            ],
-        )
-    if shelf:
+        None if batch.other_surface(each, result) else _sound_of(each, label, result)
+        for each, label, result in zip(work.runs, names, work.results, strict=True)
+    ]
+
+
+def _sound_of(each: Run, label: str, result: Result) -> Heard | None:
+    return hear(label, each.values, each.folder, each.scene, result)
+
+
+def _finish(work: _Work, sounds: Sequence[Heard | None], outcome: Outcome) -> Report:
+    """Write sound, numbers and figures of every run, those of all runs together, the page, and the states last.
+
+    Parameters
+    ----------
+    sounds : Each run with its sound; None where too little is solved for one.
+    """
+    finished = [each for each in sounds if each is not None]
+    for each, result in zip(sounds, work.results, strict=True):
+        if each is not None:
+            _write_run(each, result)
+    names = labels.labels(work.runs)
+    summaries = [each.summary if each else None for each in sounds]
+    exhibits = _write_pictures(work.folder, finished, work.with_page)
+    if len(work.runs) > 1:
+        _write_sweep(work, names, summaries)
+    if exhibits:
         from rolling.report import page as pages
 
-        unheard = [label for label, (_, numbers) in zip(names, done, strict=True) if numbers is None]
-        files.write_bytes(folder / PAGE, pages.page(heard, shelf, unheard))
-    stays = _mark_all(held, runs, results, failures, interrupted)
+        unsolved = [label for label, each in zip(names, sounds, strict=True) if each is None]
+        files.write_bytes(work.folder / PAGE, pages.page(finished, exhibits, unsolved))
+    previous = _mark_all(work, outcome)
     return Report(
-        folder,
-        done,
-        {names[number]: reason for number, reason in failures.items()},
-        interrupted,
-        folder / PAGE if shelf else None,
-        any(map(is_begun, results)),
-        stays,
+        work.folder,
+        list(zip(work.runs, summaries, strict=True)),
+        {names[number]: reason for number, reason in outcome.failures.items()},
+        outcome.interrupted,
+        work.folder / PAGE if exhibits else None,
+        any(map(is_begun, work.results)),
+        previous,
     )
 
 
-def _mark_all(
-    held: Claim, runs: Sequence[Run], results: Sequence[Result], failures: dict[int, str], interrupted: bool
-) -> Path | None:
-    """Write the state of each run, and of the folder: done when all are, failed when one is.
+def _write_run(finished: Heard, result: Result) -> None:
+    """Write result, sound files, numbers and provenance of one run into its folder."""
+    folder, scene = finished.folder, finished.scene
+    batch.keep(Run(finished.values, scene, folder), result, finished.sound)
+    sound_files.write(folder, scene, finished.label, finished.sound, finished.summary["caveats"])
+    files.write_json(folder / "summary.json", finished.summary)
+    files.write_json(folder / "provenance.json", summary.provenance(scene))
 
-    Returns the folder of an earlier run that stays beside it.
+
+def _write_sweep(work: _Work, names: Sequence[str], summaries: Sequence[dict[str, Any] | None]) -> None:
+    """Write the table of the runs of a sweep."""
+    table = [
+        {"values": each.values, "folder": each.folder.name, "label": label, "summary": numbers}
+        for each, label, numbers in zip(work.runs, names, summaries, strict=True)
+    ]
+    files.write_json(work.folder / "sweep.json", table)
+
+
+def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
+    """Write the state of each run, and of the folder: done when all runs are, failed when one is.
+
+    Returns
+    -------
+    previous : The folder of an earlier run that stays beside this one.
     """
-    for number, (one, result) in enumerate(zip(runs, results, strict=True)):
-        if one.folder == held.folder:
+    held, failures = work.held, outcome.failures
+    for number, (each, result) in enumerate(zip(work.runs, work.results, strict=True)):
+        if each.folder == held.folder:
             continue
         if number in failures:
-            held.mark(one.folder, "failed", failures[number])
+            held.mark(each.folder, "failed", failures[number])
         elif result.complete:
-            held.mark(one.folder, "done")
-        elif is_begun(result) or interrupted:
-            held.mark(one.folder, "waiting", claim.INTERRUPTED)
-    if interrupted:
+            held.mark(each.folder, "done")
+        elif is_begun(result) or outcome.interrupted:
+            held.mark(each.folder, "waiting", claim.INTERRUPTED)
+    if outcome.interrupted:
         held.mark(held.folder, "waiting", claim.INTERRUPTED)
     elif failures:
-        first = next(iter(failures.values()))
-        held.mark(held.folder, "failed", first if len(runs) == 1 else f"{len(failures)} of {len(runs)} runs: {first}")
-    else:
-        incomplete = not all(result.complete for result in results)  # new sound of a part
-        held.mark(held.folder, "waiting" if incomplete else "done", "its result is a part" if incomplete else None)
-        if not incomplete:
-            return new_folder.drop_previous(held)
+        first, runs = next(iter(failures.values())), len(work.runs)
+        held.mark(held.folder, "failed", first if runs == 1 else f"{len(failures)} of {runs} runs: {first}")
+    elif all(result.complete for result in work.results):
+        held.mark(held.folder, "done")
+        return new_folder.drop_previous(held)
+    else:  # new sound of a part
+        held.mark(held.folder, "waiting", "its result is a part")
     return new_folder.previous(held.folder) if held.record.replaces else None
 
 
-def _heard(one: Run, label: str, result: Result) -> Heard | None:
-    return hear(label, one.values, one.folder, one.scene, result)
+def _write_pictures(folder: Path, runs: list[Heard], page: bool) -> list[tuple[Heard | None, Exhibit]]:
+    """Write the figures of each run into its folder and those of all runs into theirs.
 
-
-def _write_pictures(folder: Path, heard: list[Heard], page: bool) -> list[tuple[Heard | None, Exhibit]]:
-    """Pictures of each run into its folder, of all into theirs; returned for the page if it is wanted and not too long."""
+    Returns
+    -------
+    exhibits : The figures for the page; none where it is not wanted or would be too long.
+    """
     from rolling.figures import run_figures  # matplotlib is slow to import, and a run that fails needs none
     from rolling.report import page as pages
 
-    page = page and len(heard) <= pages.MOST_RUNS
-    shelf = []
-    for one, picture in run_figures.gallery(heard):
-        picture.write(one.folder if one else folder)
-        if page and pages.belongs(one, picture.name, len(heard)):
-            shelf.append((one, pages.exhibit(picture)))
-    return shelf
+    page = page and len(runs) <= pages.MOST_RUNS
+    exhibits = []
+    for each, picture in run_figures.gallery(runs):
+        picture.write(each.folder if each else folder)
+        if page and pages.belongs(each, picture.name, len(runs)):
+            exhibits.append((each, pages.exhibit(picture)))
+    return exhibits

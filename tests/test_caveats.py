@@ -170,7 +170,7 @@ def test_tables_are_read_by_csv_readers_whatever_the_labels_hold(runs: Runs) -> 
 def test_text_of_scenes_in_a_remark_stays_on_its_line(runs: Runs) -> None:
     (one,) = heard_in(runs.lap())
     numbers = one.numbers | {"caveats": [{"key": "x", "text": "first\nsecond,1,2\u2028"}]}
-    for picture in run_figures.of_run(replace(one, numbers=numbers)):
+    for picture in run_figures.of_run(replace(one, summary=numbers)):
         if picture.name == "spectrum":
             first, second, *_ = picture.csv().decode().splitlines()
             assert first == "# first\\nsecond,1,2\\u2028" and second.startswith("frequency")

@@ -134,7 +134,7 @@ def test_worker_processes_compare_the_heights_that_they_read(scene: Path, tmp_pa
     order = simulate.Order(surface_sha256=simulate.identity_of(one).heights_sha256)
     np.save(tmp_path / "z.npy", made(2))
     pieces = [(0, *piece) for piece in simulate.pieces(STEPS)]
-    outcome = simulate.simulate([one], pieces, 2, lambda *_: pytest.fail("a piece was solved"), orders=[order])
+    outcome = simulate.march_pieces([one], pieces, 2, lambda *_: pytest.fail("a piece was solved"), orders=[order])
     assert "another surface than the one solved" in outcome.failures[0]
 
 

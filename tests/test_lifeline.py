@@ -20,9 +20,8 @@ surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spaci
 rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 1}
 """
 # One task holds Python's lock for ever, as a compiled step of the march does while it lasts; one sleeps.
-PROGRAM = """\
+TASKS = """\
 import ctypes, os, sys, time
-from rolling import pool
 
 def begin():
     open(os.path.join(sys.argv[1], str(os.getpid())), "w").close()
@@ -34,6 +33,10 @@ def busy(stopped, progress):
 def asleep(stopped, progress):
     begin()
     time.sleep(3600)
+"""
+PROGRAM = """\
+from rolling.simulation import pool
+from tasks import asleep, busy
 
 if __name__ == "__main__":
     pool.work([pool.Task(0, busy, (), 1.0), pool.Task(1, asleep, (), 1.0)], 2, lambda run, result: None)
@@ -74,10 +77,17 @@ def wait_for(condition, seconds: float) -> bool:
     return bool(condition())
 
 
+def write_program(folder: Path, tasks: str = TASKS) -> str:
+    """Write the program and, beside it, the module of its tasks; return the program's path."""
+    (folder / "tasks.py").write_text(tasks)
+    (folder / "program.py").write_text(PROGRAM)
+    return str(folder / "program.py")
+
+
 def start(arguments: Sequence[str], folder: Path) -> subprocess.Popen:
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     # Imports are found from another folder, too.
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, [str(folder), *sys.path]))}
     return subprocess.Popen([sys.executable, *arguments], cwd=folder, env=environment, **quiet)
 
 
@@ -94,10 +104,9 @@ def assert_all_end(main: subprocess.Popen, seconds: float = 10) -> None:
 
 
 def test_workers_that_hold_the_lock_or_sleep_end_with_their_parent(tmp_path: Path) -> None:
-    program, running = tmp_path / "program.py", tmp_path / "running"
-    program.write_text(PROGRAM)
+    running = tmp_path / "running"
     running.mkdir()
-    main = start([str(program), str(running)], tmp_path)
+    main = start([write_program(tmp_path), str(running)], tmp_path)
     assert wait_for(lambda: len(list(running.iterdir())) == 2, 60)
     assert {int(file.name) for file in running.iterdir()} <= descendants(main.pid)
     assert_all_end(main, 3)
@@ -114,9 +123,7 @@ def test_workers_of_a_run_end_with_it(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("delay", [0.0, 0.3, 1.0])
 def test_workers_that_are_starting_end_with_their_parent(tmp_path: Path, delay: float) -> None:
-    program = tmp_path / "program.py"
-    program.write_text(PROGRAM)
-    main = start([str(program), str(tmp_path)], tmp_path)
+    main = start([write_program(tmp_path), str(tmp_path)], tmp_path)
     assert wait_for(lambda: len(descendants(main.pid)) >= 2, 60)
     time.sleep(delay)
     assert_all_end(main)
@@ -124,10 +131,11 @@ def test_workers_that_are_starting_end_with_their_parent(tmp_path: Path, delay: 
 
 def test_thread_alone_ends_a_worker_where_the_kernel_does_not(tmp_path: Path) -> None:
     """Without prctl, as on other systems: what sleeps ends at once."""
-    program, running = tmp_path / "program.py", tmp_path / "running"
+    running = tmp_path / "running"
     running.mkdir()
+    # Every interpreter of this test imports it when it starts.
     without = "from rolling.simulation import lifeline\nlifeline._ask_kernel = lambda: None\n"
-    program.write_text(without + PROGRAM.replace("ctypes.PyDLL(None)", "time"))
-    main = start([str(program), str(running)], tmp_path)
+    (tmp_path / "sitecustomize.py").write_text(without)
+    main = start([write_program(tmp_path, TASKS.replace("ctypes.PyDLL(None)", "time")), str(running)], tmp_path)
     assert wait_for(lambda: len(list(running.iterdir())) == 2, 60)
     assert_all_end(main, 3)

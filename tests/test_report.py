@@ -229,7 +229,7 @@ def test_numbers_that_are_missing_or_silent_are_said(runs) -> None:
     table = text.levels([silent])
     assert table.rows[0][1][:5] == ["silent"] * 5
     assert "No sound" in text.sentence([silent])
-    old = replace(silent, numbers={k: v for k, v in silent.numbers.items() if not k.startswith("la")})
+    old = replace(silent, summary={k: v for k, v in silent.numbers.items() if not k.startswith("la")})
     assert "-" in text.levels([old]).rows[0][1]
     head, *rows = [line.split("\t") for line in text.tsv([old]).splitlines() if not line.startswith("#")]
     assert rows and all(len(row) == len(head) for row in rows)

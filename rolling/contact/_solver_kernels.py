@@ -20,7 +20,9 @@ from rolling.contact._projection import Limits, Sets, extrapolate, project, step
 Array = NDArray[np.float64]
 Indices = NDArray[np.uint32]
 
-LEAST_STEP = 1e-3  # after a step length alpha below it the direction is dropped: nodes put on a bound point the wrong way
+LEAST_STEP = (
+    1e-3  # after a step length alpha below it the direction is dropped: nodes put on a bound point the wrong way
+)
 
 
 class Nodes(NamedTuple):
@@ -301,7 +303,12 @@ def find_residual(system, approach, snap):
 @njit(cache=True)
 def precondition(system, free):
     """Set z to the short stencil of the inverse half-space times the residual, on the free nodes."""
-    values, grid, place, row_length = system.stencil.values, system.stencil.grid, system.stencil.node, system.stencil.row_length
+    values, grid, place, row_length = (
+        system.stencil.values,
+        system.stencil.grid,
+        system.stencil.node,
+        system.stencil.row_length,
+    )
     softening, active, z = system.nodes.softening, system.work.active, system.work.trial
     for a in range(free):
         k = active[a]
@@ -391,9 +398,7 @@ def iterate(system, direction, snap, allowed):
     if worst > allowed:
         length = direction.length * min(max(alpha, 0.5), 2.0)
         direction = Direction(direction.slope, direction.longest, direction.zr, length)
-        direction, restarts, plain_steps = find_direction(
-            system, approach, free, bound, direction, alpha < LEAST_STEP
-        )
+        direction, restarts, plain_steps = find_direction(system, approach, free, bound, direction, alpha < LEAST_STEP)
         scatter(system.transform, system.work.d)
     return Step(approach, worst, free, bound, restarts, plain_steps), direction
 

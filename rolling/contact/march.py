@@ -307,9 +307,15 @@ def _solve(
     while True:
         t = known.get("trend")
         solved = solver.solve_contact(
-            half_space, gap, track.load,
-            solver.WarmStart(pressure, known.get("deflection"), solver.Trend(*t) if t else None, known.get("nearby", False)),
-            track.hardness, known.get("edge"), solver.SolverOptions(tolerance, track.single),
+            half_space,
+            gap,
+            track.load,
+            solver.WarmStart(
+                pressure, known.get("deflection"), solver.Trend(*t) if t else None, known.get("nearby", False)
+            ),
+            track.hardness,
+            known.get("edge"),
+            solver.SolverOptions(tolerance, track.single),
         )
         iterations += solved.iterations
         if solved.approach <= approach:

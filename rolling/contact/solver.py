@@ -136,7 +136,10 @@ def foundation(gap: Array, load: float, spacing: float, stiffness: float, hardne
             f" {gap.size * spacing**2:.4g} m2 is {hardness * gap.size * spacing**2:.4g} N"
         )
     e = np.ascontiguousarray(gap, dtype=float).ravel()
-    limits, free = Limits(float(hardness), float(total)), _projection.Sets(np.arange(e.size, dtype=np.uint32), e.size, 0)
+    limits, free = (
+        Limits(float(hardness), float(total)),
+        _projection.Sets(np.arange(e.size, dtype=np.uint32), e.size, 0),
+    )
     pressure = np.empty_like(e)
     slope, _ = _projection.project(np.zeros_like(e), e, 0.0, -stiffness * e, free, limits, pressure)
     if slope == np.inf:  # heights so large that springs round the load away: the lowest nodes carry it
@@ -226,11 +229,7 @@ def solve_contact(
         tried.refuse_more(worst / u_max, options.tolerance)
         candidates = _candidates(p, gap, v, approach + near * u_max)
         # Not converged though no new node came into sight: single precision is not enough.
-        precise = (
-            not options.single
-            or options.tolerance < SINGLE_TOLERANCE
-            or (fresh and candidates.node.size <= seen)
-        )
+        precise = not options.single or options.tolerance < SINGLE_TOLERANCE or (fresh and candidates.node.size <= seen)
         descent = _Descent(
             half_space, candidates, p, gap + v, compliance, limits, options.tolerance * u_max, not precise
         )

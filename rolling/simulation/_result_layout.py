@@ -18,8 +18,8 @@ from rolling.scene.identity import canonical
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
 from rolling.simulation.result import Result
-from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES
-from rolling.sound import ContactSound, middle_speeds
+from rolling.simulation.whole_series import whole_series
+from rolling.sound import ContactSound
 
 FORMAT = 2
 CHUNK_BYTES = 1 << 19
@@ -150,23 +150,16 @@ def _attributes(file: h5py.File, result: Result, scene: Scene, scene_text: str) 
 
 
 def _series(file: h5py.File, result: Result, scene: Scene) -> None:
-    root = _Group(file)
-    middles = (np.arange(result.steps) + 0.5) * result.step
-    ends = np.arange(result.steps + 1) * result.step
-    for dimension, distance in (("step", middles), ("position", ends)):
-        root.coordinate(dimension, result.start + distance, "m", f"distance along the track, {dimension}")
-    times, speed = middle_speeds(scene.motion, result.steps, result.step)
-    end_times = np.asarray(scene.motion.time(np.minimum(ends, scene.motion.final_distance)), dtype=float)
-    root.add("time", times, ["step"], "s", packed=True, long_name="time at the middle of each step")
-    root.add("position_time", end_times, ["position"], "s", packed=True, long_name="time at each position")
-    along_step = {name: result.whole(name) for name in STEP_SERIES} | {"speed": speed}
-    for kind in ("release", "loading"):
-        along_step[f"{kind}_per_metre"] = along_step[f"{kind}_energy"] * (1 / result.step)
-        along_step[f"{kind}_power"] = along_step[f"{kind}_energy"] * (speed / result.step)
-    for name, values in along_step.items():
+    """Write the series along the track."""
+    root, whole = _Group(file), whole_series(scene, result)
+    for dimension, distance in (("step", whole.distance), ("position", whole.position)):
+        root.coordinate(dimension, distance, "m", f"distance along the track, {dimension}")
+    root.add("time", whole.time, ["step"], "s", packed=True, long_name="time at the middle of each step")
+    root.add("position_time", whole.position_time, ["position"], "s", packed=True, long_name="time at each position")
+    for name, values in whole.of_steps.items():
         root.add(name, values, ["step"], UNITS[name], packed=name == "speed", coordinates="time")
-    for name in STATE_SERIES:
-        root.add(name, result.whole(name), ["position"], UNITS[name], coordinates="position_time")
+    for name, values in whole.of_positions.items():
+        root.add(name, values, ["position"], UNITS[name], coordinates="position_time")
 
 
 def _snapshot(file: h5py.File, result: Result, spacing: float) -> None:

@@ -1,4 +1,4 @@
-"""Runs of scenes, solved on all cores and kept as they go. Depends on simulate and store."""
+"""Runs of scenes with their folders: solved on all cores, and written to result.h5 while they grow."""
 
 from __future__ import annotations
 
@@ -8,25 +8,28 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from tqdm import tqdm
-
-from rolling.check import cost
 from rolling.folders.files import FolderError, Keeper
 from rolling.scene import file
 from rolling.scene.identity import Identity, changes, differences, said
 from rolling.scene.scene import Scene
-from rolling.simulation import labels, result_file, simulate
+from rolling.simulation import labels, result_file, simulate, solving
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
+from rolling.simulation.solving import BAR
 from rolling.sound import ContactSound
 
+__all__ = ["BAR", "RESULT", "Run", "keep", "other_surface", "refuse_other_scene", "seen_from", "solve", "stored"]
+
 RESULT = "result.h5"
-BAR = "{desc} {percentage:3.0f}%|{bar}| {elapsed} passed, {remaining} left"
 
 
 @dataclass(frozen=True)
 class Run:
-    """One run of a scene: the values its sweep gave it, the scene they make, its folder."""
+    """A run of a scene and its folder.
+
+    values : the values that its sweep gave it, by dotted key.
+    scene : the scene with these values, without a sweep.
+    """
 
     values: dict[str, float]
     scene: Scene
@@ -46,113 +49,99 @@ def solve(
     mapped: bool = True,
     begun: Callable[[Run], object] = lambda run: None,
 ) -> Outcome:
-    """Solve what is missing of runs; each result.h5 is written as it grows and once more in the end.
+    """Solve the missing steps of runs; each result.h5 is written as it grows and once more in the end.
 
     Parameters
     ----------
-    results : one per run, of which what is solved already is not solved again.
-    workers : processes; 0: one per core.
-    name : what the progress bar is of.
-    mapped : keep pressure maps along the tracks, some megabytes a run.
-    begun : gets a run as each of its pieces is handed to a process.
+    results : Results of the runs; their solved steps are not solved again.
+    workers : Processes; 0: one per core.
+    name : Name of the progress bar.
+    mapped : Whether pressure maps along the tracks are kept, some megabytes per run. Default: true.
+    begun : Gets a run as each of its pieces is handed to a process.
     """
-    missing = [[*simulate.missing(result.solved_steps, result.series["release_energy"])] for result in results]
-    step_seconds = [
-        cost.expected_seconds(one.scene) / result.solved_steps for one, result in zip(runs, results, strict=True)
-    ]
-    # The longest first, so that no core is left with one of them in the end.
-    order = sorted((k for k in range(len(runs)) if missing[k]), key=lambda k: -step_seconds[k])
-    todo = [(k, first, last) for k in order for first, last in missing[k]]
-    keepers = {k: Keeper() for k in order}
+    unsolved = [k for k, result in enumerate(results) if not result.complete]
+    keepers = {k: Keeper() for k in unsolved}
 
-    def finished(number: int, piece: simulate.Piece) -> None:
-        results[number].add(piece)
+    def added(number: int) -> None:
         if keepers[number].due() or results[number].complete:
-            began = time.monotonic()
+            start = time.monotonic()
             keep(runs[number], results[number])
-            keepers[number].wrote(time.monotonic() - began)
+            keepers[number].wrote(time.monotonic() - start)
 
-    for k in order:
+    for k in unsolved:
         keep(runs[k], results[k])
-    scenes = [one.scene for one in runs]
-    orders = [
-        simulate.Order(seconds, mapped, result.identity.heights_sha256 if result.identity else None)
-        for seconds, result in zip(step_seconds, results, strict=True)
-    ]
-    total = sum((last - first) * step_seconds[k] for k, first, last in todo)
-    with tqdm(total=total, disable=None, desc=name, bar_format=BAR) as bar:
-        outcome = simulate.simulate(
-            scenes,
-            todo,
-            workers or cost.cores(),
-            finished,
-            bar.update,
-            orders,
-            lambda number: begun(runs[number]),
-        )
-    for k in order:
+    outcome = solving.solve(
+        [run.scene for run in runs],
+        results,
+        workers,
+        name,
+        mapped,
+        begun=lambda number: begun(runs[number]),
+        added=added,
+    )
+    for k in unsolved:
         keep(runs[k], results[k])
-        # What follows reads the heights once more, for numbers and pictures of the surface.
+        # Numbers and pictures of the surface read the heights once more.
         if fault := other_surface(runs[k], results[k]):
             outcome.failures.setdefault(k, fault)
     return outcome
 
 
-def keep(one: Run, result: Result, sound: ContactSound | None = None) -> None:
-    """Write the result of a run into its folder, with its sound once that is known."""
+def keep(run: Run, result: Result, sound: ContactSound | None = None) -> None:
+    """Write the result of a run into its folder, and its sound if there is one."""
     if result.identity is None:
-        result.identity = simulate.identity_of(one.scene)
-    text = file.dump(seen_from(one.folder, one.scene))
-    result_file.save(one.folder / RESULT, result, one.scene, text, sound)
+        result.identity = simulate.identity_of(run.scene)
+    text = file.dump(seen_from(run.folder, run.scene))
+    result_file.save(run.folder / RESULT, result, run.scene, text, sound)
 
 
-def stored(one: Run) -> Result | None:
-    """Load the stored result of a run; None where nothing is solved yet.
+def stored(run: Run) -> Result | None:
+    """Load the stored result of a run; None where there is none yet.
 
     Raises
     ------
     FolderError : it is damaged, or it was solved for another scene or over another surface; all that differs is named.
     SceneError : the heights of the scene cannot be read.
     """
-    path = one.folder / RESULT
+    path = run.folder / RESULT
     if not path.exists():
         return None
     result = result_file.load(path)
     if result.identity is None:  # as of version 0.1.0
-        way = one.scene.track
-        if (result.steps, result.solved_steps) != (way.steps, way.solved_steps):
-            raise FolderError(f"{path}: has {result.steps} steps, the scene asks for {way.steps}")
+        rolled = run.scene.track
+        if (result.steps, result.solved_steps) != (rolled.steps, rolled.solved_steps):
+            raise FolderError(f"{path}: has {result.steps} steps, the scene asks for {rolled.steps}")
         return result
-    own = simulate.identity_of(one.scene)
-    if found := differences(result.identity, own, RESULT, one.scene.height_path):
-        lines = "\n".join(f"  {difference}" for difference in found)
-        raise FolderError(f"{one.folder}: the result does not belong to the scene\n{lines}")
+    own = simulate.identity_of(run.scene)
+    if faults := differences(result.identity, own, RESULT, run.scene.height_path):
+        lines = "\n".join(f"  {fault}" for fault in faults)
+        raise FolderError(f"{run.folder}: the result does not belong to the scene\n{lines}")
     return result
 
 
-def refuse_other_scene(one: Run) -> None:
-    """Hold a run of a sweep against the scene in its own folder, which a hand may have edited.
+def refuse_other_scene(run: Run) -> None:
+    """Compare a run of a sweep with the scene in its own folder, which somebody may have edited.
 
     Raises
     ------
     FolderError : their physics differs; the first key is named. SceneError : the scene in the folder cannot be used.
     """
-    path = one.folder / "resolved.yaml"
-    if not one.values or not path.is_file():
+    path = run.folder / "resolved.yaml"
+    if not run.values or not path.is_file():
         return
     # Heights are compared with the result, by their digest.
-    own, swept = (Identity.of(scene, None) for scene in (file.read_scene(path), one.scene))
+    own, swept = (Identity.of(scene, None) for scene in (file.read_scene(path), run.scene))
     for key, (there, here) in changes(own, swept).items():
         raise FolderError(f"{path}: {key}: got {said(there)}, the sweep of the folder above makes {said(here)} of it")
 
 
-def other_surface(one: Run, result: Result) -> str | None:
-    """Say why the heights of a run are not the ones that were solved; None where they are."""
-    return simulate.surface_fault(one.scene, result.identity.heights_sha256) if result.identity else None
+def other_surface(run: Run, result: Result) -> str | None:
+    """Return the reason why the heights of a run are not the solved ones; None where they are."""
+    return simulate.surface_fault(run.scene, result.identity.heights_sha256) if result.identity else None
 
 
 def seen_from(folder: Path, scene: Scene) -> Scene:
-    """The scene with its height file's path as it is from a run folder, from where it will be read again."""
+    """Return a scene whose height file has its path from a run folder, from where the scene will be read again."""
     data = scene.to_dict()
     if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
         return scene

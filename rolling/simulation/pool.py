@@ -1,11 +1,7 @@
-"""Tasks on any number of processes: failures kept apart, stopped by Ctrl-C after what is at hand.
-
-Depends on contact (ContactError) and lifeline.
-"""
+"""Tasks on any number of processes. Failures are kept apart, and Ctrl-C stops the work after the steps at hand."""
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
@@ -16,7 +12,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rolling.contact.solver import ContactError
-from rolling.simulation import lifeline
+from rolling.simulation import lifeline, spawning
+
+_KILLED = "a worker process was killed; out of memory? Fewer --workers need less"
 
 
 class Interrupted(Exception):
@@ -25,9 +23,13 @@ class Interrupted(Exception):
 
 @dataclass(frozen=True)
 class Task:
-    """`function(*arguments, stopped, progress)` for one run, by number; `cost` is what it adds to the progress in all.
+    """A call `function(*arguments, stopped, progress)` that belongs to one run.
 
-    The function raises Interrupted when `stopped()` says so, and calls `progress` with its share of the cost as it goes.
+    The function raises Interrupted when `stopped()` is true, and calls `progress` with its share of the cost as it goes.
+
+    run : number of the run.
+    function : stands in a module that can be imported.
+    cost : sum of the progress that the task makes.
     """
 
     run: int
@@ -38,82 +40,114 @@ class Task:
 
 @dataclass
 class Outcome:
-    """How the work ended: runs that failed with their reason, and whether it was interrupted."""
+    """The end of the work: the reasons of failed runs by number, and whether the work was interrupted."""
 
     failures: dict[int, str] = field(default_factory=dict)
     interrupted: bool = False
 
 
+def _ignore(value: object) -> None:
+    """Do nothing with a value."""
+
+
+@dataclass(frozen=True)
+class Listener:
+    """The functions that are told how the work goes; each does nothing unless it is given.
+
+    finished : gets run and result of each task as it is done.
+    progress : gets shares of the cost.
+    begun : gets the run of each task as the task is handed out.
+    """
+
+    finished: Callable[[int, Any], object]
+    progress: Callable[[float], object] = _ignore
+    begun: Callable[[int], object] = _ignore
+
+
 def work(
     tasks: Sequence[Task],
     workers: int,
-    finished: Callable[[int, Any], None],
-    progress: Callable[[float], object] = lambda cost: None,
-    begun: Callable[[int], object] = lambda run: None,
+    finished: Callable[[int, Any], object],
+    progress: Callable[[float], object] = _ignore,
+    begun: Callable[[int], object] = _ignore,
 ) -> Outcome:
-    """Do the tasks on `workers` processes, in this one when that is 1; `finished` gets run and result as each is done.
+    """Do the tasks on `workers` processes, or in this process when there is one worker or one task.
 
-    `begun` gets the run of each task as it is handed out.
     A run that fails with ContactError does not stop the others. The first Ctrl-C or SIGTERM stops all after the step at hand.
+
+    Parameters
+    ----------
+    finished, progress, begun : functions of the `Listener`.
     """
-    outcome = Outcome()
-    with _asked_to_stop() as asked:
-        if min(workers, len(tasks)) <= 1:
-            for task in tasks:
-                if task.run in outcome.failures:
-                    continue
-                begun(task.run)
-                try:
-                    finished(task.run, task.function(*task.arguments, asked, progress))
-                except ContactError as error:
-                    outcome.failures[task.run] = str(error)
-                except Interrupted:
-                    break
+    listener, outcome = Listener(finished, progress, begun), Outcome()
+    workers = min(workers, len(tasks))
+    with _stop_request() as asked:
+        if workers <= 1:
+            _work_here(tasks, listener, asked, outcome)
         else:
-            _work_parallel(tasks, workers, finished, progress, begun, asked, outcome)
+            _work_in_parallel(tasks, workers, listener, asked, outcome)
         outcome.interrupted = asked()
     return outcome
 
 
-def _work_parallel(tasks, workers, finished, progress, begun, asked, outcome) -> None:
-    context = multiprocessing.get_context("spawn")
+def _work_here(tasks: Sequence[Task], listener: Listener, asked: Callable[[], bool], outcome: Outcome) -> None:
+    """Do the tasks one after the other in this process."""
+    for task in tasks:
+        if task.run in outcome.failures:
+            continue
+        listener.begun(task.run)
+        try:
+            listener.finished(task.run, task.function(*task.arguments, asked, listener.progress))
+        except ContactError as error:
+            outcome.failures[task.run] = str(error)
+        except Interrupted:
+            break
+
+
+def _work_in_parallel(
+    tasks: Sequence[Task], workers: int, listener: Listener, asked: Callable[[], bool], outcome: Outcome
+) -> None:
+    """Do the tasks on worker processes, of which each has at most one more task in store."""
+    context = spawning.context()
     stop = context.Event()
     waiting = list(reversed(tasks))
     running: dict[Future[Any], Task] = {}
-    with _one_thread_each(), ProcessPoolExecutor(min(workers, len(tasks)), context, _begin_worker, (stop,)) as pool:
+    with _one_thread_each(), ProcessPoolExecutor(workers, context, _begin_worker, (stop,)) as pool:
         try:
             while waiting or running:
                 while waiting and len(running) < 2 * workers:
                     task = waiting.pop()
                     if task.run not in outcome.failures:
-                        begun(task.run)
+                        listener.begun(task.run)
                         running[pool.submit(_in_worker, task)] = task
                 done, _ = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
                 for future in done:
-                    task = running[future]
-                    try:
-                        finished(task.run, future.result())
-                        progress(task.cost)
-                    except ContactError as error:
-                        outcome.failures.setdefault(task.run, str(error))
-                    except Interrupted:
-                        pass
+                    _collect(future, running[future], listener, outcome)
                     del running[future]
                 if asked():
                     waiting.clear()
                     stop.set()
         except BrokenProcessPool:
             for task in (*running.values(), *waiting):
-                outcome.failures.setdefault(
-                    task.run, "a worker process was killed; out of memory? Fewer --workers need less"
-                )
+                outcome.failures.setdefault(task.run, _KILLED)
         finally:
             stop.set()  # before the pool waits for its workers, whatever happened
 
 
+def _collect(future: Future[Any], task: Task, listener: Listener, outcome: Outcome) -> None:
+    """Hand the result of a task on, or note that its run failed."""
+    try:
+        listener.finished(task.run, future.result())
+        listener.progress(task.cost)
+    except ContactError as error:
+        outcome.failures.setdefault(task.run, str(error))
+    except Interrupted:
+        pass
+
+
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """Workers must not fight over cores; spawned processes read this when they import numpy."""
+    """Give each process that is started one thread: workers must not fight over cores, and they import numpy anew."""
     pins = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
     before = {name: os.environ.get(name) for name in pins}
     os.environ.update(pins)
@@ -131,6 +165,7 @@ _worker_stop: Any = None
 
 
 def _begin_worker(stop: Any) -> None:
+    """Prepare a worker process: it ends with its parent and stops when `stop` is set."""
     global _worker_stop
     lifeline.end_with_parent()
     _worker_stop = stop
@@ -139,11 +174,11 @@ def _begin_worker(stop: Any) -> None:
 
 
 def _in_worker(task: Task) -> Any:
-    return task.function(*task.arguments, _worker_stop.is_set, lambda cost: None)
+    return task.function(*task.arguments, _worker_stop.is_set, _ignore)
 
 
-class _asked_to_stop:
-    """While open, the first SIGINT or SIGTERM only sets a flag; a second one acts as usual."""
+class _stop_request:
+    """A context in which the first SIGINT or SIGTERM only sets a flag; the second acts as usual."""
 
     def __enter__(self) -> Callable[[], bool]:
         self.asked = False

@@ -1,31 +1,55 @@
-"""A run that has a sound: what pictures and report are made of. Depends on sound, summary and store."""
+"""Finished runs with their sound: the input of figures and report, and the results that Python gets."""
 
 from __future__ import annotations
 
+import html
+import io
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from acoustics import wav
 from rolling.contact.recovery_statistics import EventStatistics, event_statistics
+from rolling.folders import files
+from rolling.scene import file
 from rolling.scene.scene import Scene
-from rolling.simulation import labels, summary
+from rolling.simulation import _result_layout, labels
+from rolling.simulation import summary as numbers_of
 from rolling.simulation.result import Result
+from rolling.simulation.whole_series import WholeSeries, whole_series
 from rolling.sound import ContactSound, contact_sound
 from rolling.surface.scene_surface import scene_surface
 
+if TYPE_CHECKING:
+    import xarray
 
-@dataclass(frozen=True, eq=False)
+Array = NDArray[np.float64]
+_LEVELS = (  # name, key of the summary and of its uncertainty, unit
+    ("LAeq", "laeq_db", "laeq", "dB(A)"),
+    ("LZeq", "level_db", "level", "dB"),
+    ("LAFmax", "laf_max_db", "laf_max", "dB(A)"),
+    ("steady level", "steady_level_db", "steady", "dB re 1 pW/m²"),
+)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Heard:
-    """A run with its sound; it equals no other, and things can be kept by it.
+    """A run with its sound. It equals no other run, so that things can be kept by it.
 
-    label : what tells it from its neighbours, such as `load 5 N`.
-    values : what its sweep gave it, by dotted key.
-    numbers : what summary.json says of it.
+    label : str. Tells the run from its neighbours, such as `load 5 N`.
+    values : dict. The values that its sweep gave it, by dotted key.
+    folder : Path. The run folder; the working directory for a run that is in memory only.
+    scene : Scene. The scene without a sweep.
+    result : Result. Series of the solved lap, pressure maps, snapshot and recovery events.
+    sound : ContactSound. Sound pressure, levels and their uncertainty.
+    summary : dict. The numbers of summary.json.
     """
 
     label: str
@@ -34,11 +58,16 @@ class Heard:
     scene: Scene
     result: Result
     sound: ContactSound
-    numbers: dict[str, Any]
+    summary: dict[str, Any]
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """The summary."""
+        return self.summary
 
     @property
     def home(self) -> Path:
-        """The run folder it was made in: that of the sweep, if it is a part of one."""
+        """The run folder that it was made in: the folder of the sweep, if it is a part of one."""
         return self.folder.parent if self.values else self.folder
 
     @cached_property  # joined from the pieces of the track
@@ -48,18 +77,132 @@ class Heard:
 
     @cached_property
     def event_statistics(self) -> EventStatistics | None:
-        """Numbers of the recovery events on what is solved, None where there are none."""
+        """Statistics of the recovery events on the solved track, None where there are no events."""
         solved = int(np.isfinite(self.result.series["release_energy"]).sum())
         return event_statistics(self.events, solved * self.result.step) if self.events else None
 
     @property
     def title(self) -> str:
-        """The scene and what tells the run from its neighbours."""
+        """The scene and the label."""
         return labels.title(self.scene.name, self.label)
+
+    # ---- series of the whole run -------------------------------------------------------------------------------------
+
+    @cached_property
+    def _whole(self) -> WholeSeries:
+        return whole_series(self.scene, self.result)
+
+    @cached_property
+    def series(self) -> Mapping[str, Array]:
+        """Every series of the whole run by name, in SI units; NaN where a step is not solved.
+
+        Energies, powers, `speed` and `step_time` have the shape (steps,) and stand at `distance` and `time`. States, such
+        as `contact_area`, have the shape (steps + 1,) and stand at `position` and `position_time`.
+        """
+        return MappingProxyType(self._whole.of_steps | self._whole.of_positions)
+
+    @property
+    def release_power(self) -> Array:
+        """(steps,) W. Elastic energy released per time, at `distance` and `time`."""
+        return self._whole.of_steps["release_power"]
+
+    @property
+    def distance(self) -> Array:
+        """(steps,) m. Distance along the track at the middle of each step."""
+        return self._whole.distance
+
+    @property
+    def time(self) -> Array:
+        """(steps,) s. Time at the middle of each step."""
+        return self._whole.time
+
+    @property
+    def position(self) -> Array:
+        """(steps + 1,) m. Distance along the track at each position, of which a step joins two."""
+        return self._whole.position
+
+    @property
+    def position_time(self) -> Array:
+        """(steps + 1,) s. Time at each position."""
+        return self._whole.position_time
+
+    # ---- files and notebooks -----------------------------------------------------------------------------------------
+
+    def play(self) -> Any:
+        """Return a player for a notebook; without IPython, print the name of the WAV file.
+
+        The gain makes all runs equally loud, so levels are compared by their numbers. A run that has no file yet writes
+        listen.wav into the working directory.
+
+        Returns
+        -------
+        player : IPython.display.Audio, or None.
+        """
+        gain = wav.listening_gain(self.sound.pressure)
+        try:
+            from IPython.display import Audio
+        except ImportError:
+            path = self.folder / "listen.wav"
+            if not path.is_file():
+                files.write_bytes(path, wav.listening(self.sound.pressure, gain, self.title, self.title))
+            print(f"listen: {path}")
+            return None
+        return Audio(self.sound.pressure * gain, rate=self.sound.sample_rate, normalize=False)
+
+    def save(self, folder: Path | str, force: bool = False, report: bool = True) -> Path:
+        """Write the run folder that `rolling run` writes.
+
+        Parameters
+        ----------
+        folder : Path or str. The folder to make.
+        force : bool. Replace a run folder of this program. Default: false.
+        report : bool. Write the report page as well. Default: true.
+
+        Returns
+        -------
+        folder : Path. `open_run` reads it.
+
+        Raises
+        ------
+        FolderError : the folder is taken.
+        """
+        import rolling  # its commands stand above this module, because they draw and write the page
+
+        return rolling.save_run(self, Path(folder), force, report)
+
+    def to_xarray(self) -> xarray.DataTree:
+        """Return the content of result.h5 as a tree: series, snapshot, pressure_maps, events and sound.
+
+        Returns
+        -------
+        tree : xarray.DataTree. Every variable has its unit in `attrs`.
+        """
+        import xarray
+
+        content = _result_layout.image(self.result, self.scene, file.dump(self.scene), self.sound)
+        return xarray.open_datatree(io.BytesIO(content), engine="h5netcdf").load()
+
+    def __repr__(self) -> str:
+        levels = f"{self._level('laeq_db', 'laeq')} dB(A)" if self.summary["laeq_db"] is not None else "silent"
+        partial = "" if self.result.complete else " (partial)"
+        return f"<run {self.title}: LAeq {levels}, {self.summary['steps']} steps{partial}>"
+
+    def _repr_html_(self) -> str:
+        """Write levels and caveats for a notebook."""
+        rows = "".join(
+            f"<tr><td>{name}</td><td>{self._level(key, uncertainty)}</td><td>{unit}</td></tr>"
+            for name, key, uncertainty, unit in _LEVELS
+        )
+        caveats = "".join(f"<li>{html.escape(caveat['text'])}</li>" for caveat in self.summary["caveats"])
+        return f"<h4>{html.escape(self.title)}</h4><table>{rows}</table><ul>{caveats}</ul>"
+
+    def _level(self, key: str, uncertainty: str) -> str:
+        level = self.summary[key]
+        return "silent" if level is None else numbers_of.uncertain(level, self.summary["uncertainty_db"][uncertainty])
 
 
 def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, result: Result) -> Heard | None:
-    """The sound of what is solved of a run, None when that is less than two steps."""
+    """Make the sound of the solved steps of a run; None where fewer than two are solved."""
     steps = result.done_steps
     if steps < 2:
         return None
@@ -67,5 +210,5 @@ def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, resul
     closed = result.complete and steps % result.solved_steps == 0 and scene.track.closed
     energy = result.whole("release_energy")[:steps]
     sound = contact_sound(scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam)
-    numbers = summary.summarize(scene, result, sound, time.perf_counter() - began)
-    return Heard(label, values, folder, scene, result, sound, numbers)
+    summary = numbers_of.summarize(scene, result, sound, time.perf_counter() - began)
+    return Heard(label, values, folder, scene, result, sound, summary)

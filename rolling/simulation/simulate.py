@@ -229,7 +229,7 @@ def _ordered_piece(
         raise ContactError(f"the surface that was solved is gone: {error}") from error
 
 
-def simulate(
+def march_pieces(
     scenes: Sequence[Scene],
     todo: Sequence[tuple[int, int, int]],
     workers: int,

@@ -18,7 +18,8 @@ import numpy as np
 from rolling.contact.half_space import HalfSpace
 from rolling.scene import file
 from rolling.scene.scene import Scene
-from rolling.simulation.simulate import Piece, heights, pieces, simulate
+from rolling.simulation.simulate import Piece, march_pieces, pieces
+from rolling.surface.scene_surface import heights
 
 QUICKSTART = Path(__file__).parent.parent.parent / "scenarios" / "quickstart.yaml"
 SPEED, SPACING = 0.1, 2e-6  # of that scene
@@ -43,7 +44,7 @@ def simulated(scene: Scene, todo: list[tuple[int, int]], workers: int) -> tuple[
     """Wall and CPU seconds, workers included, and the pieces."""
     kept: list[Piece] = []
     began = clocks()
-    outcome = simulate([scene], [(0, *piece) for piece in todo], workers, lambda _, piece: kept.append(piece))
+    outcome = march_pieces([scene], [(0, *piece) for piece in todo], workers, lambda _, piece: kept.append(piece))
     if outcome.failures or outcome.interrupted:
         raise SystemExit(f"the run was not finished: {outcome}")
     return clocks() - began, kept

@@ -1,0 +1,207 @@
+"""Runs in memory, for Python: scenes in, results out. Nothing is written, and errors are raised."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rolling.check import long_steps, refusals
+from rolling.contact.solver import ContactError
+from rolling.folders.files import FolderError
+from rolling.scene.scene import Scene, SceneError
+from rolling.simulation import batch, labels, solving
+from rolling.simulation import simulate as pieces
+from rolling.simulation.pool import Outcome
+from rolling.simulation.result import Result
+from rolling.simulation.run_result import Heard, hear
+from rolling.simulation.stored_runs import read_runs
+from rolling.surface import contact_of_scene
+
+Values = float | tuple[float, ...]
+_HERE = Path()  # of a run in memory
+
+
+class SweepError(ContactError):
+    """Runs of a sweep that failed, beside the runs that did not.
+
+    failures : dict. Reasons by the label of the run.
+    runs : dict. The other runs, as `simulate_sweep` returns them.
+    """
+
+    def __init__(self, failures: dict[str, str], runs: dict[Values, Heard]) -> None:
+        super().__init__("\n".join(f"{label}: {reason}" for label, reason in failures.items()))
+        self.failures, self.runs = failures, runs
+
+
+def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> Heard:
+    """Simulate a scene in memory: contact, released energy, sound and levels.
+
+    Parameters
+    ----------
+    scene : Scene. A scene without a sweep.
+    workers : int. Processes; 0: one per core. The numbers do not depend on it. Default: 0.
+    progress : bool. Whether a progress bar is shown. Default: on a terminal and in a notebook.
+
+    Returns
+    -------
+    run : the series in SI units, the sound and its levels.
+
+    Raises
+    ------
+    SceneError : the scene sweeps, does not fit into memory, or its surface cannot be read.
+    ContactError : a contact has no solution, for instance because the load is more than the surface can carry.
+    KeyboardInterrupt : Ctrl-C, after the step at hand.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> scene = rolling.Scene.from_dict({
+    ...     "name": "small",
+    ...     "sphere": {"radius_mm": 5},
+    ...     "plate": {"youngs_modulus_gpa": 210, "poissons_ratio": 0.3},
+    ...     "surface": {"kind": "gaussian", "roughness_ra_um": 0.1, "correlation_length_um": 10,
+    ...                 "spacing_um": 2, "width_um": 128, "seed": 3},
+    ...     "rolling": {"load_n": 0.1, "speed_m_s": 0.1, "duration_s": 0.002},
+    ... })
+    >>> run = rolling.simulate(scene, workers=1, progress=False)
+    >>> run.series["contact_area"].shape, run.release_power.shape
+    ((101,), (100,))
+    """
+    if scene.sweep:
+        raise SceneError(
+            [
+                f"sweep: the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them, simulate a single scene"
+            ]
+        )
+    (run,) = _simulated(scene, [_Single({}, scene)], workers, progress).values()
+    return run
+
+
+def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None) -> dict[Values, Heard]:
+    """Simulate every run of a scene that sweeps, in memory.
+
+    Parameters
+    ----------
+    scene : Scene. A scene with a sweep.
+    workers, progress : as of `simulate`.
+
+    Returns
+    -------
+    runs : dict. Runs by their swept value; by a tuple of values where several keys are swept.
+
+    Raises
+    ------
+    SceneError : the scene does not sweep, or as `simulate` does.
+    SweepError : a run failed; the error holds the other runs. It is a ContactError.
+    KeyboardInterrupt : Ctrl-C, after the step at hand.
+    """
+    if not scene.sweep:
+        raise SceneError(["sweep: the scene has no sweep; simulate runs it"])
+    return _simulated(scene, [_Single(values, single) for values, single in scene.runs()], workers, progress)
+
+
+def open_run(folder: Path | str) -> Heard:
+    """Read a stored run; its sound is made again, without solving.
+
+    Parameters
+    ----------
+    folder : Path or str. A run folder, or the folder of one run in a sweep.
+
+    Returns
+    -------
+    run : the run as `simulate` returned it, or as far as it was solved.
+
+    Raises
+    ------
+    FolderError : no run folder, the folder of a whole sweep, or too little is solved.
+    SceneError : the surface of the run cannot be read.
+    """
+    runs = read_runs(Path(folder))
+    if len(runs) > 1:
+        names = ", ".join(run.folder.name for run in runs[:3])
+        raise FolderError(f"{folder}: holds {len(runs)} runs; open one of the folders in it ({names}, ...)")
+    result = batch.stored(runs[0])
+    run = hear(runs[0].label, runs[0].values, runs[0].folder, runs[0].scene, result) if result else None
+    if run is None:
+        raise FolderError(f"{folder}: too little is solved for a sound; `rolling resume {folder}` goes on with it")
+    return _with_stored_time(run)
+
+
+def refuse(scene: Scene, workers: int, folder: Path | None) -> None:
+    """Refuse a scene that cannot be run, before anything is computed or written.
+
+    Parameters
+    ----------
+    folder : Path. The place of the files; None: nothing is written.
+
+    Raises
+    ------
+    SceneError : a package is missing, steps are too long, or memory or disk do not suffice.
+    """
+    refusals.refuse_unavailable(scene)
+    long_steps.refuse_long_steps(scene)
+    try:
+        refusals.refuse_what_cannot_fit(scene, workers, folder or refusals.OUTPUTS)
+    except SceneError as error:
+        # A run in memory needs no disk.
+        faults = [fault for fault in error.faults if folder is not None or not fault.startswith("disk:")]
+        if faults:
+            raise SceneError(faults) from error
+    for _, single in scene.runs():
+        contact_of_scene.rolling_contact(single)  # reads the surface
+
+
+@dataclass(frozen=True)
+class _Single:
+    """A run in memory: the values of its sweep and the scene with them."""
+
+    values: dict[str, float]
+    scene: Scene
+    folder: Path = _HERE
+
+
+def _simulated(scene: Scene, singles: Sequence[_Single], workers: int, progress: bool | None) -> dict[Values, Heard]:
+    """Simulate the runs of a scene; return them by their swept values."""
+    refuse(scene, workers, None)
+    results = [Result.empty(single.scene.track, single.scene.start) for single in singles]
+    for single, result in zip(singles, results, strict=True):
+        result.identity = pieces.identity_of(single.scene)
+    scenes = [single.scene for single in singles]
+    outcome = solving.solve(scenes, results, workers, scene.name, progress=progress)
+    if outcome.interrupted:
+        raise KeyboardInterrupt
+    runs: dict[Values, Heard] = {}
+    names = labels.labels(singles)
+    for number, (single, label, result) in enumerate(zip(singles, names, results, strict=True)):
+        if number not in outcome.failures:
+            run = hear(label, single.values, _HERE, single.scene, result)
+            if run is None:
+                outcome.failures[number] = "less than two steps, too few for a sound"
+            else:
+                runs[_key(single.values)] = run
+    _raise_failures(outcome, names, runs, bool(scene.sweep))
+    return runs
+
+
+def _raise_failures(outcome: Outcome, names: Sequence[str], runs: dict[Values, Heard], swept: bool) -> None:
+    """Raise ContactError if a run failed."""
+    if outcome.failures and swept:
+        raise SweepError({names[number]: reason for number, reason in outcome.failures.items()}, runs)
+    if outcome.failures:
+        raise ContactError(next(iter(outcome.failures.values())))
+
+
+def _key(values: Mapping[str, float]) -> Values:
+    """Return the key of a run in a sweep: its swept value, or the tuple of them."""
+    return next(iter(values.values())) if len(values) == 1 else tuple(values.values())
+
+
+def _with_stored_time(run: Heard) -> Heard:
+    """Take the seconds that the sound took from summary.json, so that the numbers are the stored ones."""
+    path = run.folder / "summary.json"
+    if not path.is_file():
+        return run
+    seconds = json.loads(path.read_text()).get("sound_seconds", run.summary["sound_seconds"])
+    return replace(run, summary=run.summary | {"sound_seconds": seconds})

@@ -1,0 +1,54 @@
+"""Worker processes that do not import the main module again, so that no program needs a `__main__` guard."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import spawn
+from multiprocessing.context import SpawnContext, SpawnProcess
+from typing import Any
+
+_MAIN = ("init_main_from_name", "init_main_from_path")  # the keys by which a spawned process finds the main module
+_lock = threading.Lock()
+
+
+class _Worker(SpawnProcess):
+    """A spawned process without the main module of its parent."""
+
+    @staticmethod
+    def _Popen(process: Any) -> Any:  # multiprocessing calls it from `start`
+        with _main_left_out():
+            return SpawnProcess._Popen(process)
+
+
+class _Context(SpawnContext):
+    """The way to start processes that `concurrent.futures` is given."""
+
+    Process = _Worker
+
+
+def context() -> SpawnContext:
+    """Return a context of `multiprocessing` whose processes do not import the main module.
+
+    A spawned process usually runs the main module first, as `__mp_main__`. A script without a guard would start its runs
+    again there, and a program from standard input has no file to run. The functions handed to these workers therefore
+    have to stand in modules that can be imported.
+    """
+    return _Context()
+
+
+@contextmanager
+def _main_left_out() -> Iterator[None]:
+    """Leave the main module out of the data that spawned processes are prepared with."""
+    with _lock:
+        prepared = spawn.get_preparation_data
+
+        def without_main(name: str) -> dict[str, Any]:
+            return {key: value for key, value in prepared(name).items() if key not in _MAIN}
+
+        spawn.get_preparation_data = without_main
+        try:
+            yield
+        finally:
+            spawn.get_preparation_data = prepared

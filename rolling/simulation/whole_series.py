@@ -1,0 +1,52 @@
+"""The series of a whole run, laps repeated, with the distances and times at which they stand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling.scene.scene import Scene
+from rolling.simulation.result import Result
+from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES
+from rolling.sound import middle_speeds
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class WholeSeries:
+    """All series of a run in SI units; NaN where a step is not solved.
+
+    distance, time : (steps,) m and s. The middle of each step.
+    position, position_time : (steps + 1,) m and s. The positions between which the steps lie.
+    of_steps : series of shape (steps,) by name.
+    of_positions : series of shape (steps + 1,) by name.
+    """
+
+    distance: Array
+    time: Array
+    position: Array
+    position_time: Array
+    of_steps: dict[str, Array]
+    of_positions: dict[str, Array]
+
+
+def whole_series(scene: Scene, result: Result) -> WholeSeries:
+    """Repeat the solved laps of a run, and add speed, power and energy per metre.
+
+    Parameters
+    ----------
+    scene : the scene of the run, for its motion.
+    """
+    middles: Array = (np.arange(result.steps) + 0.5) * result.step
+    ends: Array = np.arange(result.steps + 1) * result.step
+    times, speed = middle_speeds(scene.motion, result.steps, result.step)
+    end_times = np.asarray(scene.motion.time(np.minimum(ends, scene.motion.final_distance)), dtype=float)
+    of_steps = {name: result.whole(name) for name in STEP_SERIES} | {"speed": speed}
+    for kind in ("release", "loading"):
+        of_steps[f"{kind}_per_metre"] = of_steps[f"{kind}_energy"] * (1 / result.step)
+        of_steps[f"{kind}_power"] = of_steps[f"{kind}_energy"] * (speed / result.step)
+    of_positions = {name: result.whole(name) for name in STATE_SERIES}
+    return WholeSeries(result.start + middles, times, result.start + ends, end_times, of_steps, of_positions)
