@@ -140,7 +140,7 @@ class Sphere(Section):
 
 
 class Plate(Section):
-    """The half-space the sphere rolls on."""
+    """The half-space that the sphere rolls on."""
 
     SECTION: ClassVar[str] = "plate"
 
@@ -155,7 +155,7 @@ class Plate(Section):
 
 
 class MadeSurface(Section):
-    """A surface the program makes, as wide as it is told to."""
+    """A surface that the program makes, of a given width."""
 
     SECTION: ClassVar[str] = "surface"
 
@@ -214,7 +214,7 @@ class Smooth(MadeSurface):
 
 
 class HeightFile(Section):
-    """Measured or made heights, read as one period of the surface."""
+    """A surface read from a file, which holds one period of it."""
 
     model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
     SECTION: ClassVar[str] = "surface"
@@ -241,7 +241,7 @@ SPEED = Words("a number > 0, or at least two [time_s, speed_m_s] pairs")
 
 
 def _speed(value: Any) -> Any:
-    """A number, or pairs as tuples; raises the first fault of the pairs at its own place."""
+    """Return a speed, or pairs as tuples; raise the first fault of the pairs at its own place."""
     at = ("rolling", "speed_m_s")
     if is_number(value) and value > 0:
         return float(value)
@@ -262,7 +262,7 @@ def _speed(value: Any) -> Any:
 
 
 def _step_nodes(value: float) -> float:
-    """The allowed value that is meant: 0.333333 is a third."""
+    """Return the allowed value nearest to a rounded one: 0.333333 means a third."""
     closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
     if abs(value / closest - 1) > 1e-5:
         raise fault(
@@ -283,7 +283,7 @@ Speed = Annotated[
 
 
 class Rolling(Section):
-    """How the sphere rolls."""
+    """Load, speed and duration of the rolling."""
 
     SECTION: ClassVar[str] = "rolling"
 
@@ -299,7 +299,7 @@ class Rolling(Section):
 
 
 class Numerics(Section):
-    """How finely to compute."""
+    """Resolution and accuracy of the solution."""
 
     SECTION: ClassVar[str] = "numerics"
 
@@ -325,7 +325,7 @@ class Numerics(Section):
 
 
 class Recovery(Section):
-    """What to keep of the recovering nodes."""
+    """Recovery of the nodes that leave the contact."""
 
     SECTION: ClassVar[str] = "recovery"
 
@@ -337,7 +337,7 @@ class Recovery(Section):
 
 
 class Sound(Section):
-    """How release power becomes sound pressure."""
+    """Listener, and conversion of release power to sound pressure."""
 
     SECTION: ClassVar[str] = "sound"
 
