@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from rolling.check import cost, long_steps, resonance
+from rolling.check import long_steps, resonance
 from rolling.check.finding import Finding, si
 from rolling.check.sampling import HEARING
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
-from rolling.scene.track import Track
 
 GREATEST_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
 GREATEST_CONTACT = 0.2  # contact radius over sphere radius
 
 
-def findings(scene: Scene, track: Track, slope: float) -> list[Finding]:
+def findings(scene: Scene, slope: float) -> list[Finding]:
     """Judge whether the model holds for a scene.
 
     Parameters
@@ -21,7 +20,7 @@ def findings(scene: Scene, track: Track, slope: float) -> list[Finding]:
     slope : float
         Rms slope of the surface.
     """
-    return [*_half_space(scene, slope), _resonance(scene, track)]
+    return [*_half_space(scene, slope), _resonance(scene)]
 
 
 def _half_space(scene: Scene, slope: float) -> list[Finding]:
@@ -43,11 +42,11 @@ def _half_space(scene: Scene, slope: float) -> list[Finding]:
     ]
 
 
-def _resonance(scene: Scene, track: Track) -> Finding:
+def _resonance(scene: Scene) -> Finding:
     """Name the frequency at which the ball bounces, and weigh its part by the maximum speed, where the record holds it."""
     frequency = resonance.frequency(scene)
-    speed = scene.motion.fastest(cost.duration(scene, track))
-    highest = min(HEARING[1], speed / (2 * track.step))
+    speed = scene.motion.fastest(scene.duration)
+    highest = min(HEARING[1], speed / (2 * scene.track.step))
     if not HEARING[0] < frequency < highest:
         return Finding("resonance", "contact resonance", si(frequency, "Hz"))
     density = scene.sphere.density_kg_m3

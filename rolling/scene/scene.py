@@ -318,6 +318,12 @@ class Scene(Section):
         return Motion.of(self.rolling.speed_m_s)
 
     @property
+    def duration(self) -> float:
+        """Time [s] that the track takes."""
+        # A track round a file has one step at least, even for a sphere that rests before.
+        return self.motion.duration(min(self.track.distance, self.motion.final_distance))
+
+    @property
     def radius(self) -> float:
         """Radius of the sphere [m]."""
         return self.sphere.radius_mm * 1e-3
