@@ -56,7 +56,7 @@ ADVICE = {
     "window": "choose a larger surface.spacing_um, or fewer --workers",
     "steps": "shorten rolling.duration_s, or choose a larger step (numerics.step_nodes, surface.spacing_um)",
     "sound samples": "shorten rolling.duration_s",
-    "oversampling of the varying speed": "lower the greatest of rolling.speed_m_s, or shorten rolling.duration_s",
+    "oversampling of the varying speed": "lower the maximum of rolling.speed_m_s, or shorten rolling.duration_s",
     "recovery events": "set recovery.events to false, or shorten rolling.duration_s",
     "pressure maps": "shorten rolling.duration_s",
     "runs of the sweep": "give sweep fewer values",

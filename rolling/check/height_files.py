@@ -6,15 +6,15 @@ import math
 
 from rolling.check import long_steps
 from rolling.check.finding import Finding, rounded_down, si
-from rolling.check.sampling import LEAST_CORRELATION_NODES
+from rolling.check.sampling import MIN_CORRELATION_NODES
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
 # Of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of it; noise of 4 % doubles that.
-GREATEST_NOISE = 0.05
-GREATEST_FORM = 0.5  # of the variance that a plane and a parabola may make up
+MAX_NOISE = 0.05
+MAX_FORM = 0.5  # of the variance that a plane and a parabola may make up
 
 
 def findings(scene: Scene) -> list[Finding]:
@@ -30,7 +30,7 @@ def findings(scene: Scene) -> list[Finding]:
     surface = scene_surface(scene)
     assert surface.levelling is not None  # of every file
     return [
-        *_resolution(surface, LEAST_CORRELATION_NODES),
+        *_resolution(surface, MIN_CORRELATION_NODES),
         Finding("level", "tilt", tilt_text(surface.levelling)),
         _seam(scene, surface.levelling),
         *_form(surface),
@@ -68,7 +68,7 @@ def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
             f"{nodes:.2g} nodes per correlation length ({si(length, 'm')}, 1/e of the autocorrelation), {least_nodes:g} are"
             f" wanted: a finer measurement is needed, with a spacing of at most {rounded_down(length / least_nodes * 1e6)} um"
         )
-    if noise > GREATEST_NOISE and nodes >= 1:
+    if noise > MAX_NOISE and nodes >= 1:
         warnings.append(
             f"{100 * noise:.2g} % of the variance of the heights changes from each node to the next: noise of the"
             " measurement, which must be filtered out, or detail that needs a finer measurement"
@@ -112,7 +112,7 @@ def _share_on_seam(scene: Scene, radius: float) -> float:
 def _form(surface: SceneSurface) -> list[Finding]:
     share = surface.form_share
     warning = None
-    if share > GREATEST_FORM:
+    if share > MAX_FORM:
         warning = (
             f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights: if they are tilt and form of the"
             " part, they pass for roughness; take the tilt off with surface.level plane, the form before"

@@ -33,9 +33,9 @@ Array = NDArray[np.float64]
 POSITIONS = 8
 WARM_STEPS = 3  # after each cold start, for the time of a step
 COLD_STEPS = 8  # cost of a cold start in steps, the run-in of blended edges included
-MOST_NODES = 10_000_000  # of a surface that is made: about 4 s and 400 MB
-MOST_SECONDS = 60.0  # expected time of the solved positions, of one run and of all runs of a sweep
-MOST_RUNS = 12  # of a sweep; of more, or of slow ones, the first and the last are solved
+MAX_NODES = 10_000_000  # of a surface that is made: about 4 s and 400 MB
+MAX_SECONDS = 60.0  # expected time of the solved positions, of one run and of all runs of a sweep
+MAX_RUNS = 12  # of a sweep; of more, or of slow ones, the first and the last are solved
 NODE_SECONDS = 4e-7  # per node of a surface that is made
 
 
@@ -204,15 +204,15 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
         key = scene_surface.identity(scene)
         solving = POSITIONS * (COLD_STEPS + WARM_STEPS) * cost.expected_seconds(scene) / scene.track.solved_steps
         reason = ""
-        if nodes > MOST_NODES:
-            reason = f"making {nodes:.3g} nodes would take long, the limit is {MOST_NODES:.3g}"
-        elif solving > MOST_SECONDS:
-            reason = f"it would take about {clock(solving)}, the limit is {clock(MOST_SECONDS)}"
+        if nodes > MAX_NODES:
+            reason = f"making {nodes:.3g} nodes would take long, the limit is {MAX_NODES:.3g}"
+        elif solving > MAX_SECONDS:
+            reason = f"it would take about {clock(solving)}, the limit is {clock(MAX_SECONDS)}"
         else:
             seconds.append(solving + (nodes * NODE_SECONDS if key not in seen else 0.0))
             seen.add(key)
         reasons.append(reason)
-    if len(scenes) <= MOST_RUNS and sum(seconds) <= MOST_SECONDS:
+    if len(scenes) <= MAX_RUNS and sum(seconds) <= MAX_SECONDS:
         return reasons
     only = f"first and last of {len(scenes)} runs only"
     return [reason or ("" if k in (0, len(scenes) - 1) else only) for k, reason in enumerate(reasons)]

@@ -9,8 +9,8 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
-LEAST_SHARE = 0.01  # of a record: a shorter stretch that is too slow for hearing is not worth a word
-LEAST_CORRELATION_NODES = 5  # across the correlation length
+MIN_SHARE = 0.01  # of a record: a shorter stretch that is too slow for hearing is not worth a word
+MIN_CORRELATION_NODES = 5  # across the correlation length
 
 
 def findings(scene: Scene) -> list[Finding]:
@@ -26,10 +26,10 @@ def _correlation(scene: Scene) -> list[Finding]:
     shortest = min(cost.correlation_lengths(scene.surface))
     nodes = shortest / scene.surface.spacing_um
     coarse = None
-    if nodes < LEAST_CORRELATION_NODES * (1 - 1e-9):
+    if nodes < MIN_CORRELATION_NODES * (1 - 1e-9):
         coarse = (
-            f"{nodes:.2g} nodes per correlation length, {LEAST_CORRELATION_NODES} are wanted: choose a"
-            f" surface.spacing_um of at most {rounded_down(shortest / LEAST_CORRELATION_NODES)}"
+            f"{nodes:.2g} nodes per correlation length, {MIN_CORRELATION_NODES} are wanted: choose a"
+            f" surface.spacing_um of at most {rounded_down(shortest / MIN_CORRELATION_NODES)}"
         )
     return [Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}", coarse)]
 
@@ -43,13 +43,13 @@ def _nyquist(scene: Scene) -> Finding:
     wanted = 2 * HEARING[1] * scene.track.step
     seconds = motion.time_below(wanted, duration)
     warning = None
-    if seconds >= LEAST_SHARE * duration:
+    if seconds >= MIN_SHARE * duration:
         warning = (
             f"for {100 * seconds / duration:.3g} % of the record ({si(seconds, 's')}) the simulated band ends below"
             f" {si(HEARING[1], 'Hz')}, at {si(low, 'Hz')} when the sphere is slowest ({motion.slowest(duration):.3g} m/s):"
             " the bands above hold the sound of the faster stretches alone; choose a step of at most"
             f" {rounded_down(_usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6)} um (numerics.step_nodes or"
-            f" surface.spacing_um) or a speed of at least {rounded_up(wanted)} m/s for {100 - 100 * LEAST_SHARE:g} % of the record"
+            f" surface.spacing_um) or a speed of at least {rounded_up(wanted)} m/s for {100 - 100 * MIN_SHARE:g} % of the record"
         )
     return Finding("nyquist", "simulated Nyquist", f"{si(low, 'Hz')} to {si(high, 'Hz')}", warning)
 
@@ -66,11 +66,11 @@ def _short_band(scene: Scene, speed: float) -> str | None:
 
 
 def _usual_speed(scene: Scene, duration: float) -> float:
-    """Return the speed [m/s] below which the sphere rolls for less than `LEAST_SHARE` of the record."""
+    """Return the speed [m/s] below which the sphere rolls for less than `MIN_SHARE` of the record."""
     low, high = 0.0, scene.motion.fastest(duration)
     for _ in range(60):
         middle = (low + high) / 2
-        below = scene.motion.time_below(middle, duration) < LEAST_SHARE * duration
+        below = scene.motion.time_below(middle, duration) < MIN_SHARE * duration
         low, high = (middle, high) if below else (low, middle)
     return low or high
 
@@ -81,7 +81,7 @@ def _grid_tone(scene: Scene) -> Finding:
     low, high = (speed / scene.spacing for speed in (motion.slowest(duration), motion.fastest(duration)))
     tone = si(low, "Hz") if motion.is_constant(duration) else f"{si(low, 'Hz')} to {si(high, 'Hz')}"
     audible = None
-    if motion.time_below(HEARING[1] * scene.spacing, duration) >= LEAST_SHARE * duration:
+    if motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration:
         audible = (
             f"steps below one node sound a tone of the grid at {tone}: choose numerics.step_nodes 1 or a"
             f" surface.spacing_um of at most {rounded_down(_usual_speed(scene, duration) / HEARING[1] * 1e6)}"

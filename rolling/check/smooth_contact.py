@@ -8,7 +8,7 @@ from rolling.check.finding import Finding, rounded_down, si
 from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
 
-LEAST_HERTZ_NODES = 10  # across the Hertz radius
+MIN_HERTZ_NODES = 10  # across the Hertz radius
 
 
 def findings(scene: Scene) -> list[Finding]:
@@ -47,9 +47,9 @@ def _nodes(scene: Scene, radius: float) -> Finding:
     """Count the nodes across the Hertz radius [m]."""
     nodes = radius / scene.spacing
     coarse = None
-    if nodes < LEAST_HERTZ_NODES:
+    if nodes < MIN_HERTZ_NODES:
         coarse = (
-            f"{nodes:.2g} nodes across the Hertz radius, {LEAST_HERTZ_NODES} are wanted: choose a surface.spacing_um of"
-            f" at most {rounded_down(radius / LEAST_HERTZ_NODES * 1e6)}"
+            f"{nodes:.2g} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose a surface.spacing_um of"
+            f" at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
         )
     return Finding("hertz_nodes", "nodes per Hertz radius", f"{nodes:.3g}", coarse)

@@ -8,8 +8,8 @@ from rolling.check.sampling import HEARING
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
 
-GREATEST_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
-GREATEST_CONTACT = 0.2  # contact radius over sphere radius
+MAX_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
+MAX_CONTACT = 0.2  # contact radius over sphere radius
 
 
 def findings(scene: Scene, slope: float) -> list[Finding]:
@@ -26,14 +26,14 @@ def findings(scene: Scene, slope: float) -> list[Finding]:
 def _half_space(scene: Scene, slope: float) -> list[Finding]:
     """Compare slope and contact radius with the limits of a half-space."""
     steep = wide = None
-    if slope > GREATEST_SLOPE:
+    if slope > MAX_SLOPE:
         advice = "filter the shortest wavelengths out of the heights" if isinstance(scene.surface, HeightFile) else ""
         advice = advice or "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
-        steep = f"the rms slope is {slope:.2g}, a half-space holds up to {GREATEST_SLOPE:g}: {advice}"
+        steep = f"the rms slope is {slope:.2g}, a half-space holds up to {MAX_SLOPE:g}: {advice}"
     share = long_steps.contact_radius(scene) / scene.radius
-    if share > GREATEST_CONTACT:
+    if share > MAX_CONTACT:
         wide = (
-            f"the contact radius is {share:.2g} of the sphere's, a half-space holds up to {GREATEST_CONTACT:g}: lower"
+            f"the contact radius is {share:.2g} of the sphere's, a half-space holds up to {MAX_CONTACT:g}: lower"
             " rolling.load_n or enlarge sphere.radius_mm"
         )
     return [

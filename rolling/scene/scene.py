@@ -42,7 +42,7 @@ from rolling.scene.messages import (
 )
 from rolling.scene.motion import Motion
 from rolling.scene.sections import (
-    MOST_FAULTS,
+    MAX_FAULTS,
     HeightFile,
     MadeSurface,
     Numerics,
@@ -189,8 +189,8 @@ class Scene(Section):
         if not any(key[:1] == ("sweep",) for key, _ in found):
             found += sweeps.faults_of_runs(data, found, cls)
         lines = [f"{place(key, places)}: {cut(dotted(key))}: {message}" for key, message in found]
-        if len(lines) > MOST_FAULTS:
-            lines[MOST_FAULTS:] = [f"{place((), places)}: more than {MOST_FAULTS} faults, the others are not listed"]
+        if len(lines) > MAX_FAULTS:
+            lines[MAX_FAULTS:] = [f"{place((), places)}: more than {MAX_FAULTS} faults, the others are not listed"]
         if faults or lines or scene is None:
             raise SceneError(list(dict.fromkeys([*faults, *lines])))
         scene._folder = folder

@@ -33,7 +33,7 @@ else:
     ModelMetaclass = type(BaseModel)
 
 SMALLEST = 1e-15  # of any number but zero, in the units of the scene; one over it is the largest
-MOST_FAULTS = 100  # that are named
+MAX_FAULTS = 100  # that are named
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 
 
@@ -92,7 +92,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
             return cls.model_validate(values)
         except ValidationError as error:
             faults = []
-            for listed in error.errors(include_url=False)[:MOST_FAULTS]:
+            for listed in error.errors(include_url=False)[:MAX_FAULTS]:
                 key, message = explained(listed, values, cls)
                 key = key if key[:1] == (cls.SECTION,) else (cls.SECTION, *key)
                 faults.append(f"scene: {cut(dotted(key))}: {message}")
