@@ -96,15 +96,15 @@ def differences(solved: Identity, own: Identity, result: str, height_path: Path 
     height_path : Path or None
         File of the scene's heights.
     """
-    found = []
+    lines = []
     changed = changes(solved, own)
     for key, (old, new) in changed.items():
         if key == STEPS:
-            found.append(f"rolling.duration_s: {result} has {shown(old)} steps, the scene asks for {shown(new)}")
+            lines.append(f"rolling.duration_s: {result} has {shown(old)} steps, the scene asks for {shown(new)}")
         else:
-            found.append(f"{key}: {result} was solved with {said(old)}, the scene says {said(new)}")
+            lines.append(f"{key}: {result} was solved with {said(old)}, the scene says {said(new)}")
     surface = other_surface(solved.heights_sha256, own.heights_sha256, height_path)
-    return [*found, surface] if surface and KIND not in changed else found
+    return [*lines, surface] if surface and KIND not in changed else lines
 
 
 def changes(before: Identity, after: Identity) -> dict[str, tuple[Any, Any]]:

@@ -120,7 +120,7 @@ class Sphere(Section):
     density_kg_m3: float | None = Field(
         default=None,
         gt=0,
-        description="Density [kg/m3], from which the check of the contact resonance has the mass; absent: 7850, as if steel",
+        description="Density [kg/m3], for the mass in the check of the contact resonance; absent: 7850, as if steel",
     )
     youngs_modulus_gpa: float | None = Field(
         default=None, gt=0, description="Young's modulus [GPa]; absent: a rigid sphere"
@@ -147,7 +147,9 @@ class Plate(Section):
     youngs_modulus_gpa: float = Field(gt=0, description="Young's modulus [GPa]")
     poissons_ratio: float = Field(ge=0, le=0.5, description="Poisson's ratio [-]")
     hardness_gpa: float | None = Field(
-        default=None, gt=0, description="Hardness [GPa], the highest pressure it bears; absent: purely elastic"
+        default=None,
+        gt=0,
+        description="Hardness [GPa], the maximum pressure that the plate bears; absent: purely elastic",
     )
 
 
@@ -295,7 +297,7 @@ class Rolling(Section):
     duration_s: float | None = Field(
         default=None, gt=0, description="Time rolled [s]; only with a height file it may be absent: once round the file"
     )
-    start_um: float = Field(default=0.0, description="Where along the track the sphere starts [um]")
+    start_um: float = Field(default=0.0, description="Start position along the track [um]")
 
 
 class Numerics(Section):
@@ -312,15 +314,16 @@ class Numerics(Section):
         default=1e-4,
         ge=1e-12,
         le=1e-1,
-        description="Largest violation of the contact conditions over the largest deflection [-]",
+        description="Maximum violation of the contact conditions over the maximum deflection [-]",
     )
     edges: Literal["sharp", "blended"] = Field(
         default="blended",
-        description="Nodes at the edge of yielding patches: all or nothing, or loaded by the share of their cell in contact",
+        description="Nodes at the edge of yielding patches: sharp loads them in full or not at all, blended by the share of their"
+        " cell in contact",
     )
     precision: Literal["single", "double"] = Field(
         default="single",
-        description="Of the transforms while iterating; what is accepted is checked and kept in double precision",
+        description="Precision of the transforms in the iteration; a solution is accepted after a check in double precision",
     )
 
 

@@ -44,7 +44,7 @@ class TextError(Exception):
 
 def kind_of_file(mode: int) -> str | None:
     """Name the kind of a file that is no regular one, by its mode; None for a regular file."""
-    return None if stat.S_ISREG(mode) else next((kind for told, kind in _KINDS if told(mode)), "no regular file")
+    return None if stat.S_ISREG(mode) else next((kind for is_kind, kind in _KINDS if is_kind(mode)), "no regular file")
 
 
 def read_text(path: Path) -> str:
