@@ -113,7 +113,7 @@ def test_warnings_of_the_check_keep_their_keys() -> None:
         each for each in caveats.caveats(scene, sound_of(scene), findings, True) if each.key not in caveats.STANDING
     ]
     assert found and [each.key for each in found] == [each.key for each in findings if each.warning]
-    assert all(f"{each.what}: {each.warning}" in {one.text for one in found} for each in findings if each.warning)
+    assert all(f"{each.quantity}: {each.warning}" in {one.text for one in found} for each in findings if each.warning)
     assert not set(caveats.STANDING) & {each.key for each in findings}
 
 

@@ -27,7 +27,7 @@ rolling: {load_n: 20, speed_m_s: 0.1, duration_s: 0.5}
 
 
 def found(*overrides: str) -> dict[str, Finding]:
-    return {finding.what: finding for finding in findings(loads(TEXT, overrides))}
+    return {finding.quantity: finding for finding in findings(loads(TEXT, overrides))}
 
 
 def test_numbers_by_hand() -> None:
@@ -241,7 +241,7 @@ def test_files_are_measured(tmp_path: Path) -> None:
     assert rq == pytest.approx(2e-6 / math.sqrt(2), rel=1e-9)
     # The difference of a sine over a tenth of its period, over 2 um.
     assert slope == pytest.approx(2e-6 * 2 * math.sin(math.pi / 10) / math.sqrt(2) / 2e-6, rel=1e-9)
-    got = {finding.what: finding for finding in findings(scene)}
+    got = {finding.quantity: finding for finding in findings(scene)}
     assert got["steps"].value == "200 of 2 um"
     # cos(2 pi l / 10) falls to 1/e at l = 1.92; in a straight line from lag 1 (0.809) to lag 2 (0.309) at 1.88.
     assert got["nodes per correlation length"].value == "1.88"
@@ -259,7 +259,7 @@ def test_a_ball_that_stops_on_a_file(tmp_path: Path) -> None:
     scene = file_scene(
         tmp_path, np.zeros((100, 16)), "rolling.speed_m_s=[[0, 0.1], [0.001, 0]]", "rolling.duration_s=1"
     )
-    got = {finding.what: finding.value for finding in findings(scene)}
+    got = {finding.quantity: finding.value for finding in findings(scene)}
     assert (got["steps"], got["duration"]) == ("25 of 2 um", "1 ms")
     assert got["distance rolled"] == "50 um, not closed"
 

@@ -1,7 +1,4 @@
-"""What a scene will cost: window and time of a step; memory and disk are the subject of `demand`.
-
-Depends on `scenario`, `reference` (Hertz) and `scene_surface`.
-"""
+"""Window and time of the steps of a scene, expected before it is run."""
 
 from __future__ import annotations
 
@@ -11,26 +8,28 @@ import os
 from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
-from rolling.scene.track import Track
 from rolling.surface import heights
 from rolling.surface.scene_surface import scene_surface
 
-# Rms roughnesses by which the overlap of a rough surface reaches beyond that of a smooth one. Fitted to solved contacts
+# Overlap of a rough surface beyond that of a smooth one, in rms roughnesses. Fitted to solved contacts
 # at Ra 0.01 to 5 um and 1 to 100 N, where it lay between 0.2 (elastic, light) and 2.4 (plastic, heavy).
 RISE = 1.5
 
 
 def cores() -> int:
-    """Cores this process may use, the number of worker processes of a run unless it is told otherwise."""
+    """Return the number of cores that this process may use, the default number of worker processes."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def roughness(scene: Scene) -> tuple[float, float]:
-    """Rms roughness [m] and rms slope [-] (norm of the gradient over one spacing) that the surface has or will have.
+    """Return rms roughness [m] and rms slope of the surface, which need not be made yet.
+
+    The slope is the norm of the gradient over one spacing.
 
     Raises
     ------
-    SceneError : the height file cannot be used.
+    SceneError
+        The height file cannot be used.
     """
     s, spacing = scene.surface, scene.spacing
     if isinstance(s, Gaussian):
@@ -46,7 +45,10 @@ def roughness(scene: Scene) -> tuple[float, float]:
 
 
 def overlap_radius(scene: Scene, rq: float) -> float:
-    """Radius [m] within which sphere and surface of rms roughness rq [m] about overlap: sqrt(2 R (a^2/R + 1.5 rq))."""
+    """Estimate the radius [m] within which the sphere overlaps a surface of rms roughness rq [m].
+
+    It is sqrt(2 R (a^2/R + 1.5 rq)) with the radius R of the sphere and the Hertz radius a.
+    """
     approach = closed_forms.hertz_approach(scene.load, scene.radius, scene.contact_modulus)
     if math.isfinite(scene.hardness):
         # Rigid-plastic sinking: the overlap's area times the hardness is the load.
@@ -55,12 +57,12 @@ def overlap_radius(scene: Scene, rq: float) -> float:
 
 
 def window_nodes(scene: Scene, rq: float) -> float:
-    """Nodes along a side of the window: the overlap, at both ends of a step."""
+    """Return the number of nodes along a side of the window, which holds the overlap at both ends of a step."""
     return 2 * overlap_radius(scene, rq) / scene.spacing + max(1.0, scene.numerics.step_nodes)
 
 
 def expected_step_ms(window_nodes: float) -> float:
-    """Expected time of a step [ms] on one core, on a square window of that many nodes a side: 1.1 (n/70)^1.95.
+    """Estimate the time of a step [ms] on one core, on a square window of n nodes a side: 1.1 (n/70)^1.95.
 
     Measured at tolerance 1e-4, the whole step: 1.1 ms at 70 x 70 nodes, 2.4 ms at 106 x 106, 6.9 ms at 180 x 180. Rough
     surfaces need fewer iterations: at Ra 1 um 9 ms at 230 x 230 (the law says 11).
@@ -69,21 +71,16 @@ def expected_step_ms(window_nodes: float) -> float:
 
 
 def expected_seconds(scene: Scene) -> float:
-    """Expected time to solve a scene on one core [s].
+    """Estimate the time [s] to solve a scene on one core.
 
     Raises
     ------
-    SceneError : the height file cannot be used.
+    SceneError
+        The height file cannot be used.
     """
     return scene.track.solved_steps * expected_step_ms(window_nodes(scene, roughness(scene)[0])) * 1e-3
 
 
-def duration(scene: Scene, way: Track) -> float:
-    """Time [s] the track takes."""
-    # A track round a file has one step at least, even for a sphere that rests before.
-    return scene.motion.duration(min(way.distance, scene.motion.final_distance))
-
-
-def correlation_lengths(s: Gaussian) -> tuple[float, float]:
-    """Along and across [um]."""
-    return s.correlation_length_um, s.correlation_length_across_um or s.correlation_length_um
+def correlation_lengths(surface: Gaussian) -> tuple[float, float]:
+    """Return the correlation lengths along and across the track [um]."""
+    return surface.correlation_length_um, surface.correlation_length_across_um or surface.correlation_length_um

@@ -1,7 +1,7 @@
-"""Memory and disk that runs will take, from their scenes alone. Depends on `scenario`, `cost` and `machine`.
+"""Memory and disk that runs will take, estimated from their scenes alone.
 
-The constants are bytes, measured on whole runs (peak of the resident memory of all processes, size of the folder) and a
-little on the safe side: an estimate lies between the measured size and twice of it.
+The constants are bytes, measured on whole runs: the peak of the resident memory of all processes, and the size of the
+folder. They are on the safe side: an estimate lies between the measured size and twice that size.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ ADVICE = {
     "window": "choose a larger surface.spacing_um, or fewer --workers",
     "steps": "shorten rolling.duration_s, or choose a larger step (numerics.step_nodes, surface.spacing_um)",
     "sound samples": "shorten rolling.duration_s",
-    "oversampling of the varying speed": "lower the greatest of rolling.speed_m_s, or shorten rolling.duration_s",
+    "oversampling of the varying speed": "lower the maximum of rolling.speed_m_s, or shorten rolling.duration_s",
     "recovery events": "set recovery.events to false, or shorten rolling.duration_s",
     "pressure maps": "shorten rolling.duration_s",
     "runs of the sweep": "give sweep fewer values",
@@ -65,17 +65,18 @@ ADVICE = {
 
 @dataclass(frozen=True)
 class Amount:
-    """Bytes by what they are for: a key of ADVICE."""
+    """An amount of bytes in parts, each with a key of ADVICE."""
 
     parts: tuple[tuple[str, float], ...]
 
     @property
     def total(self) -> float:
+        """Sum of the parts [bytes]."""
         return sum(size for _, size in self.parts)
 
     @property
     def largest(self) -> tuple[str, float]:
-        """The part that dominates; the program itself only where nothing else counts."""
+        """Name and size of the largest part, parts of the same name taken together."""
         sizes: dict[str, float] = {}
         for name, size in self.parts:
             sizes[name] = sizes.get(name, 0.0) + size
@@ -84,7 +85,7 @@ class Amount:
 
 @dataclass(frozen=True)
 class Demand:
-    """Memory of all processes at the worst moment, of the largest of them, and bytes on disk."""
+    """Memory of all processes at the worst moment, memory of the largest process, and disk."""
 
     memory: Amount
     process: Amount
@@ -95,8 +96,22 @@ class Demand:
 class Size:
     """Numbers of a run that its demand grows with.
 
-    window : nodes. fine : samples of a varying speed, 0 at a constant one. lines : of both spectra that are written.
-    map_cells : of all pressure maps. lap_maps : maps, counted in every lap. events : of recovery, about.
+    Attributes
+    ----------
+    kind : str
+        Kind of the surface.
+    nodes, window : float
+        Nodes of the surface and of the window.
+    steps, solved : int
+        Steps, and the steps that are solved.
+    samples, fine : int
+        Samples of the sound, and of its oversampling at a varying speed; 0 at a constant one.
+    lines : (int, int)
+        Lines of both spectra that are written.
+    map_cells, lap_maps : float
+        Cells of all pressure maps; maps, counted in every lap.
+    events : float
+        Expected number of recovery events.
     """
 
     kind: str
@@ -113,11 +128,12 @@ class Size:
 
     @property
     def surface(self) -> str:
+        """Key of ADVICE for the surface."""
         return "height file" if self.kind == "file" else "surface"
 
     @property
     def numbers(self) -> int:
-        """Numbers in the longest table."""
+        """Count of numbers in the longest table."""
         return 2 * max(self.steps, *self.lines)
 
     @property
@@ -126,35 +142,35 @@ class Size:
         return WINDOW * self.window + (8.0 * self.nodes if self.events else 0.0)
 
 
-def size(scene: Scene, way: Track, rq: float) -> Size:
-    """Size a run of one scene whose surface has an rms roughness of rq [m]."""
-    duration = cost.duration(scene, way)
+def size(scene: Scene, rq: float) -> Size:
+    """Estimate the size of a run whose surface has an rms roughness of rq [m]."""
+    track, duration = scene.track, scene.duration
     samples = max(2, round(duration * SAMPLE_RATE))
-    dense = max(1, math.ceil(scene.motion.fastest(duration) / way.step / SAMPLE_RATE))
+    dense = max(1, math.ceil(scene.motion.fastest(duration) / track.step / SAMPLE_RATE))
     across = 2 * cost.overlap_radius(scene, rq) / scene.spacing
     # The window holds the overlap and what its transforms are padded to; it never exceeds the surface by much.
-    side = min(cost.window_nodes(scene, rq), 2.0 * max(way.n_along, way.n_across))
-    seen = min(across, way.n_along, way.n_across)
+    side = min(cost.window_nodes(scene, rq), 2.0 * max(track.n_along, track.n_across))
+    seen = min(across, track.n_along, track.n_across)
     cells = math.ceil(seen / max(1, math.ceil(seen / MAP_CELLS))) ** 2
-    maps = min(MAPS, way.solved_steps)
-    events = EVENTS_PER_NODE * seen * way.solved_steps * scene.numerics.step_nodes if scene.recovery.events else 0.0
+    maps = min(MAPS, track.solved_steps)
+    events = EVENTS_PER_NODE * seen * track.solved_steps * scene.numerics.step_nodes if scene.recovery.events else 0.0
     return Size(
         kind=scene.surface.kind,
-        nodes=way.n_along * way.n_across,
+        nodes=track.n_along * track.n_across,
         window=side**2,
-        steps=way.steps,
-        solved=way.solved_steps,
+        steps=track.steps,
+        solved=track.solved_steps,
         samples=samples,
         fine=0 if scene.motion.is_constant(duration) else samples * dense,
-        lines=(round(samples * HEARING_SHARE), min(way.steps // 2, round(duration * 20_000))),
+        lines=(round(samples * HEARING_SHARE), min(track.steps // 2, round(duration * 20_000))),
         map_cells=float(maps * cells),
-        lap_maps=math.ceil(way.steps / way.solved_steps) * maps,
+        lap_maps=math.ceil(track.steps / track.solved_steps) * maps,
         events=events,
     )
 
 
 def demand(sizes: Sequence[Size], workers: int) -> Demand:
-    """Memory and disk of the runs of a scene, solved by some processes and finished in one."""
+    """Estimate memory and disk of runs that some processes solve and one process finishes."""
     tasks = sum(math.ceil(each.solved / PIECE_STEPS) for each in sizes)
     workers = max(1, min(workers, tasks))
     results = [
@@ -172,37 +188,39 @@ def demand(sizes: Sequence[Size], workers: int) -> Demand:
         moments += process
         if workers > 1:
             main = _parts([("program", PROGRAM + TRACKER), *results, *_keeping(each)])
-            one = [("program", WORKER), *_in_solver(each)]
-            processes.append(_parts(one))
-            moments.append(_parts([*main.parts, *((name, workers * bytes_) for name, bytes_ in one)]))
+            worker = [("program", WORKER), *_in_solver(each)]
+            processes.append(_parts(worker))
+            moments.append(_parts([*main.parts, *((name, workers * bytes_) for name, bytes_ in worker)]))
     largest = max(processes, key=lambda amount: amount.total)
     return Demand(max(moments, key=lambda amount: amount.total), largest, _disk(sizes))
 
 
-def of_variants(scene: Scene, way: Track, rq: float, finest: int, workers: int) -> Demand:
-    """Demand of `rolling accuracy`: every process holds the surface on the finest grid and its window."""
-    fine = finest**2
-    one = [
+def of_variants(scene: Scene, rq: float, finest: int, workers: int) -> Demand:
+    """Estimate the demand of `rolling accuracy`, whose processes hold the surface on the finest grid and its window."""
+    track, fine = scene.track, finest**2
+    worker = [
         ("program", WORKER + SOLVER),
-        ("surface", MADE["gaussian"] * way.n_along * way.n_across * fine),
+        ("surface", MADE["gaussian"] * track.n_along * track.n_across * fine),
         ("window", WINDOW * cost.window_nodes(scene, rq) ** 2 * fine),
     ]
-    process = _parts(one)
-    every = _parts([("program", PROGRAM + PICTURES), *((name, workers * bytes_) for name, bytes_ in one)])
+    process = _parts(worker)
+    every = _parts([("program", PROGRAM + PICTURES), *((name, workers * bytes_) for name, bytes_ in worker)])
     return Demand(every, process, _parts([("program", 10e6)]))
 
 
-def reading(way: Track) -> Demand:
-    """Demand of reading a height file."""
-    amount = _parts([("program", PROGRAM), ("height file", MADE["file"] * way.n_along * way.n_across)])
+def reading(track: Track) -> Demand:
+    """Estimate the demand of reading a height file."""
+    amount = _parts([("program", PROGRAM), ("height file", MADE["file"] * track.n_along * track.n_across)])
     return Demand(amount, amount, _parts([("program", 0.0)]))
 
 
 def _parts(parts: Sequence[tuple[str, float]]) -> Amount:
+    """Put parts together."""
     return Amount(tuple(parts))
 
 
 def _in_solver(each: Size) -> list[tuple[str, float]]:
+    """List the parts of a process that solves, apart from the program."""
     made, solving = MADE[each.kind] * each.nodes, KEPT[each.kind] * each.nodes
     window = each.solver
     if made > solving + window:
@@ -211,19 +229,19 @@ def _in_solver(each: Size) -> list[tuple[str, float]]:
 
 
 def _keeping(each: Size) -> list[tuple[str, float]]:
-    """While result.h5 is written."""
+    """List the parts while result.h5 is written."""
     return [("steps", RESULT_FILE * each.steps), ("pressure maps", 4.0 * each.map_cells)]
 
 
 def _solving(each: Size, workers: int, results: list[tuple[str, float]]) -> list[Amount]:
-    """The main process until all is solved; alone, it solves."""
+    """List the moments of the main process until all is solved; without workers it solves as well."""
     made = _parts([("program", PROGRAM), *results, (each.surface, MADE[each.kind] * each.nodes)])
     own = [("program", PROGRAM + SOLVER), *_in_solver(each)] if workers == 1 else [("program", PROGRAM)]
     return [made, _parts([*own, *results, *_keeping(each)])]
 
 
 def _finishing(each: Size, sizes: Sequence[Size], workers: int, results: list[tuple[str, float]]) -> list[Amount]:
-    """The main process while it makes sound, numbers, files and the page of a run, those of the others in mind."""
+    """List the moments of the main process while it makes sound, numbers, files and page of a run, and keeps the others."""
     before = [("program", PROGRAM + (SOLVER if workers == 1 else 0.0)), *results]
     before += [("window", each.solver if workers == 1 else 0.0), (each.surface, KEPT[each.kind] * each.nodes)]
     others = len(sizes) - 1
@@ -244,15 +262,16 @@ def _finishing(each: Size, sizes: Sequence[Size], workers: int, results: list[tu
         _parts([*tables, (longest, TABLE * each.numbers)]),
     ]
     if others:  # curves of all runs side by side
-        compared = max(sum(one.lines[k] for one in sizes) for k in (0, 1)) + max(each.lines)
+        compared = max(sum(size.lines[k] for size in sizes) for k in (0, 1)) + max(each.lines)
         moments.append(_parts([*tables, ("runs of the sweep", TABLE * compared)]))
     if len(sizes) <= PAGE_RUNS:
         page = [(name, PAGE_COPIES * bytes_) for name, bytes_ in _page(sizes)]
-        moments.append(_parts([*tables, *page, ("steps", LAP_MAP * sum(one.lap_maps for one in sizes))]))
+        moments.append(_parts([*tables, *page, ("steps", LAP_MAP * sum(size.lap_maps for size in sizes))]))
     return moments
 
 
 def _sounding(each: Size) -> list[tuple[str, float]]:
+    """List the parts while the sound of a run is made."""
     parts = [("sound samples", SAMPLE_SOUND * each.samples + _transform(each.samples))]
     parts.append(("steps", STEP_SOUND * each.steps + _transform(each.steps)))
     if not each.fine:
@@ -265,6 +284,7 @@ def _sounding(each: Size) -> list[tuple[str, float]]:
 
 
 def _page(sizes: Sequence[Size]) -> list[tuple[str, float]]:
+    """List the parts of the page [bytes on disk]."""
     return [
         ("sound samples", SAMPLE_PAGE * sum(each.samples for each in sizes)),
         ("steps", LAP_MAP_PAGE * sum(each.lap_maps for each in sizes)),
@@ -274,7 +294,7 @@ def _page(sizes: Sequence[Size]) -> list[tuple[str, float]]:
 
 
 def _disk(sizes: Sequence[Size]) -> Amount:
-    """All files, and the largest result.h5 once more: a new one is whole before it takes the place of the old one."""
+    """Estimate all files and the largest result.h5 once more: a new one is whole before it replaces the old one."""
     stored = [
         [
             ("steps", STEP_FILE * each.steps),
@@ -298,13 +318,13 @@ def _disk(sizes: Sequence[Size]) -> Amount:
 
 
 def _transform(length: int) -> float:
-    """Bytes that a Fourier transform takes in addition where its length has a large prime factor."""
+    """Return the bytes that a Fourier transform takes in addition for a length with a large prime factor."""
     return AWKWARD * length if length > 100_000 and _awkward(length) else 0.0
 
 
 @lru_cache(maxsize=1024)
 def _awkward(length: int) -> bool:
-    """Whether the largest prime factor is above the square root: such lengths go through one of twice the size and more."""
+    """Tell whether the largest prime factor is above the square root: the transform is then of twice the length or more."""
     rest, factor = length, 2
     while factor * factor <= rest:
         if rest % factor:
@@ -315,5 +335,5 @@ def _awkward(length: int) -> bool:
 
 
 def of_scenes(scenes: Sequence[tuple[Scene, float]], workers: int) -> Demand:
-    """Demand of runs, each a scene without sweep and the rms roughness [m] of its surface."""
-    return demand([size(scene, scene.track, rq) for scene, rq in scenes], workers)
+    """Estimate the demand of runs, each a scene without sweep and the rms roughness [m] of its surface."""
+    return demand([size(scene, rq) for scene, rq in scenes], workers)

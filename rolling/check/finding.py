@@ -13,21 +13,27 @@ from rolling.check import cost
 class Finding:
     """One line of the check.
 
-    key : name for programs, which never changes with the wording.
-    what, value : quantity and its value as text with unit.
-    warning : number that is doubtful and what to change, or None.
-    seconds : of computing, which the runs of a sweep add up.
+    Attributes
+    ----------
+    key : str
+        Name for programs, which never changes with the wording.
+    quantity, value : str
+        Quantity and its value with unit, in words.
+    warning : str or None
+        Number that is doubtful, and what to change.
+    seconds : float, s
+        Time of computing, which the runs of a sweep add up.
     """
 
     key: str
-    what: str
+    quantity: str
     value: str
     warning: str | None = None
     seconds: float = 0.0
 
 
 def si(value: float, unit: str) -> str:
-    """Three digits and a prefix: 6.87e-5, "m" gives "68.7 um"."""
+    """Write three digits and a prefix: 6.87e-5, "m" gives "68.7 um"."""
     for prefix, size in (("G", 1e9), ("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9)):
         if (unit, prefix) not in (("m", "G"), ("m", "M"), ("m", "k")) and abs(value) >= 0.9995 * size:
             digits = f"{value / size:.3g}"
@@ -36,7 +42,7 @@ def si(value: float, unit: str) -> str:
 
 
 def byte_size(value: float) -> str:
-    """Two digits in TB or GB, or whole MB."""
+    """Write a size in bytes with two digits in TB or GB, or in whole MB."""
     for unit, size in (("TB", 1e12), ("GB", 1e9)):
         if value >= 0.995 * size:
             return f"{float(f'{value / size:.2g}'):,g} {unit}"
@@ -44,12 +50,12 @@ def byte_size(value: float) -> str:
 
 
 def on_cores() -> str:
-    """Number of cores that a run uses unless it is told otherwise."""
+    """Write the default number of cores of a run."""
     return f"{cost.cores()} cores" if cost.cores() > 1 else "1 core"
 
 
 def clock(seconds: float) -> str:
-    """Two digits in hours, minutes or seconds."""
+    """Write a time [s] with two digits in hours, minutes or seconds."""
     for unit, size in (("h", 3600.0), ("min", 60.0)):
         if seconds >= 2 * size:
             return f"{seconds / size:.2g} {unit}"
@@ -57,16 +63,16 @@ def clock(seconds: float) -> str:
 
 
 def rounded_down(value: float) -> str:
-    """Two digits, rounded down, so that advice that is followed holds."""
+    """Write two digits, rounded down, so that advice that is followed holds."""
     return f"{_rounded(value, math.floor):g}"
 
 
 def rounded_up(value: float) -> str:
-    """Two digits, rounded up."""
+    """Write two digits, rounded up."""
     return f"{_rounded(value, math.ceil):g}"
 
 
 def _rounded(value: float, towards: Callable[[float], int]) -> float:
     size = 10.0 ** (math.floor(math.log10(value)) - 1)
-    # What is a whole number but for rounding stays.
+    # A whole number stays, whatever its rounding error.
     return towards(round(value / size, 9)) * size

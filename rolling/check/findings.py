@@ -132,15 +132,14 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
     SceneError
         The height file cannot be used.
     """
-    track = scene.track
     rq, slope = cost.roughness(scene)
     closed_forms = [
-        *size.findings(scene, track, rq),
-        *smooth_contact.findings(scene, track),
-        *sampling.findings(scene, track),
-        *height_files.findings(scene, track),
-        *validity.findings(scene, track, slope),
-        sampling.record(scene, track),
+        *size.findings(scene, rq),
+        *smooth_contact.findings(scene),
+        *sampling.findings(scene),
+        *height_files.findings(scene),
+        *validity.findings(scene, slope),
+        sampling.record(scene),
     ]
     return closed_forms if solved is None else _replaced(closed_forms, solved.findings(scene))
 

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import math
 
-from rolling.check import cost, long_steps
+from rolling.check import long_steps
 from rolling.check.finding import Finding, rounded_down, si
-from rolling.check.sampling import LEAST_CORRELATION_NODES
+from rolling.check.sampling import MIN_CORRELATION_NODES
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
-from rolling.scene.track import Track
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
 # Of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of it; noise of 4 % doubles that.
-GREATEST_NOISE = 0.05
-GREATEST_FORM = 0.5  # of the variance that a plane and a parabola may make up
+MAX_NOISE = 0.05
+MAX_FORM = 0.5  # of the variance that a plane and a parabola may make up
 
 
-def findings(scene: Scene, track: Track) -> list[Finding]:
+def findings(scene: Scene) -> list[Finding]:
     """Judge the heights of a file; a made surface has no such findings.
 
     Raises
@@ -31,20 +30,20 @@ def findings(scene: Scene, track: Track) -> list[Finding]:
     surface = scene_surface(scene)
     assert surface.levelling is not None  # of every file
     return [
-        *_resolution(surface, LEAST_CORRELATION_NODES),
+        *_resolution(surface, MIN_CORRELATION_NODES),
         Finding("level", "tilt", tilt_text(surface.levelling)),
-        _seam(scene, track, surface.levelling),
+        _seam(scene, surface.levelling),
         *_form(surface),
     ]
 
 
 def tilt_text(levelling: Levelling) -> str:
-    """Slopes that were taken off, with the roughness before and after, or the slopes that the heights keep."""
+    """Write the slopes that were taken off with the roughness before and after, or the slopes that the heights keep."""
     taken = any(levelling.taken)
-    slopes, ways = (levelling.taken if taken else levelling.plane), ("along", "across")
+    slopes, directions = (levelling.taken if taken else levelling.plane), ("along", "across")
     each = ", ".join(
-        f"{slope * 1e3:.3g} um/mm {way} ({si(slope * length, 'm')} over the file)"
-        for slope, length, way in zip(slopes, levelling.lengths, ways, strict=True)
+        f"{slope * 1e3:.3g} um/mm {direction} ({si(slope * length, 'm')} over the file)"
+        for slope, length, direction in zip(slopes, levelling.lengths, directions, strict=True)
         if slope or not taken
     )
     if not taken:
@@ -69,7 +68,7 @@ def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
             f"{nodes:.2g} nodes per correlation length ({si(length, 'm')}, 1/e of the autocorrelation), {least_nodes:g} are"
             f" wanted: a finer measurement is needed, with a spacing of at most {rounded_down(length / least_nodes * 1e6)} um"
         )
-    if noise > GREATEST_NOISE and nodes >= 1:
+    if noise > MAX_NOISE and nodes >= 1:
         warnings.append(
             f"{100 * noise:.2g} % of the variance of the heights changes from each node to the next: noise of the"
             " measurement, which must be filtered out, or detail that needs a finer measurement"
@@ -77,43 +76,43 @@ def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
     return [Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}", "; ".join(warnings) or None)]
 
 
-def _seam(scene: Scene, track: Track, levelling: Levelling) -> Finding:
+def _seam(scene: Scene, levelling: Levelling) -> Finding:
     """Judge the step from the last row to the first, and how long the contact is on it."""
     seam = levelling.seams[0]
     sizes = f"{si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')} between neighbouring rows"
     if not seam.stands_out:
         return Finding("seam", "step across the seam", sizes)
-    share = _share_on_seam(scene.start, track, long_steps.contact_radius(scene))
-    duration = cost.duration(scene, track)
+    share = _share_on_seam(scene, long_steps.contact_radius(scene))
     warning = None
     if share > 0:
+        on_seam, record = si(share * scene.duration, "s"), si(scene.duration, "s")
         warning = (
             f"the step from the last row of the file to the first is {si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')}"
             " between neighbouring rows: the file is no period of a surface. The contact is on that step for"
-            f" {si(share * duration, 's')} of the record's {si(duration, 's')} ({100 * share:.2g} %); the sound of that time"
+            f" {on_seam} of the record's {record} ({100 * share:.2g} %); the sound of that time"
             " belongs to the cut and may be louder than the rest, and the record does not loop. Roll over the middle of the file"
             " only (rolling.start_um, rolling.duration_s), or blend the end of the file into its beginning"
         )
     return Finding("seam", "step across the seam", f"{sizes}, stands out", warning)
 
 
-def _share_on_seam(start: float, track: Track, radius: float) -> float:
-    """Share of the track on which the contact lies on the seam."""
-    lap = track.n_along * track.spacing
+def _share_on_seam(scene: Scene, radius: float) -> float:
+    """Return the share of the track on which a contact of a radius [m] lies on the seam."""
+    lap = scene.track.n_along * scene.track.spacing
     within = min(2 * radius, lap)
 
     def rolled(place: float) -> float:
-        """Length from place -radius on that lies within a radius of a seam."""
+        """Return the length up to a place that lies within a radius of a seam."""
         laps, rest = divmod(place + radius, lap)
         return laps * within + min(rest, within)
 
-    return (rolled(start + track.distance) - rolled(start)) / track.distance
+    return (rolled(scene.start + scene.track.distance) - rolled(scene.start)) / scene.track.distance
 
 
 def _form(surface: SceneSurface) -> list[Finding]:
     share = surface.form_share
     warning = None
-    if share > GREATEST_FORM:
+    if share > MAX_FORM:
         warning = (
             f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights: if they are tilt and form of the"
             " part, they pass for roughness; take the tilt off with surface.level plane, the form before"

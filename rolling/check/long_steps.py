@@ -1,7 +1,7 @@
-"""Steps against the width of the contact: how much a long step loses, and from where a scene is refused.
+"""Steps against the width of the contact: the release that a long step loses, and the step that is refused.
 
-Depends on scenario and reference. The release of a step is the mean pressure of its ends times the fall between them: second
-order in the step, and wrong as soon as the contact at one end knows little of the contact at the other.
+The release of a step is the mean pressure at its ends times the fall between them. It is second order in the step, and
+wrong as soon as the contacts at both ends have little in common.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
 
 DOUBTFUL_RADII = 0.25  # step over contact radius from which a scene is warned
-MOST_RADII = 4.0  # above which it is refused: half of the release is lost
+MAX_RADII = 4.0  # above which it is refused: half of the release is lost
 
 # Share of the release that a smooth elastic sphere loses, marched at 32 nodes per radius. Rough and yielding contacts are wider
 # than the radius and lose the same to 0.02, or less (twelve scenes, 5 to 100 N, Ra 0 to 1 um, elastic and down to 0.7 GPa).
@@ -28,7 +28,7 @@ LEVEL_ERROR_DB = 3.0
 
 
 def contact_radius(scene: Scene) -> float:
-    """Return the larger of the Hertz radius and the radius of a contact that yields everywhere [m]."""
+    """Return the Hertz radius or the radius of a contact that yields everywhere [m], whichever is larger."""
     elastic = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     return max(elastic, math.sqrt(scene.load / (math.pi * scene.hardness)))
 
@@ -39,16 +39,17 @@ def lost_release(radii: float) -> float:
 
 
 def refuse_long_steps(scene: Scene) -> None:
-    """Refuse a scene, or the runs of its sweep, whose step is longer than `MOST_RADII` contact radii.
+    """Refuse a scene when a run has a step longer than `MAX_RADII` contact radii.
 
     Raises
     ------
-    SceneError : a line for each run with such a step, with the longest step that is allowed.
+    SceneError
+        Some runs have such a step; each has a line with the longest step that is allowed.
     """
     faults = []
     for values, run in scene.runs():
         radius = contact_radius(run)
-        if run.step > MOST_RADII * radius:
+        if run.step > MAX_RADII * radius:
             fault = _fault(run, radius)
             faults.append(f"{fault} (in the run {run_name(values)} of the sweep)" if values else fault)
     if faults:
@@ -56,7 +57,7 @@ def refuse_long_steps(scene: Scene) -> None:
 
 
 def _fault(scene: Scene, radius: float) -> str:
-    longest = MOST_RADII * radius
+    longest = MAX_RADII * radius
     fitting = [nodes for nodes in STEP_NODES if nodes * scene.spacing <= longest]
     if fitting:
         advice = f"{max(fitting):g}, or a smaller surface.spacing_um"
@@ -65,5 +66,5 @@ def _fault(scene: Scene, radius: float) -> str:
     return (
         f"numerics.step_nodes: got {scene.numerics.step_nodes:g}, steps of {scene.step * 1e6:.4g} um,"
         f" {scene.step / radius:.3g} times the contact radius of {radius * 1e6:.3g} um; allowed: steps of at most"
-        f" {MOST_RADII:g} times the radius, {longest * 1e6:.4g} um here; nearest: {advice}"
+        f" {MAX_RADII:g} times the radius, {longest * 1e6:.4g} um here; nearest: {advice}"
     )

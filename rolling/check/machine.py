@@ -1,7 +1,7 @@
-"""What this machine has: memory and disk that a run may take. Depends on the standard library.
+"""Memory and disk of this machine that a run may take.
 
-Memory is the smallest of what is built in, what the control groups of Linux allow and what the process may address. Quotas of
-users on a disk cannot be seen.
+Memory is the minimum of the built-in memory and the limits of the control groups of Linux. Quotas of users on a disk
+cannot be seen.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ _GROUPS = Path("/sys/fs/cgroup")
 
 
 def memory() -> float:
-    """Bytes of memory that all processes of a run share, infinite where nothing says."""
+    """Return the memory [bytes] that all processes of a run share, infinite where it is unknown."""
     return min(_built_in(), group_limit(_GROUPS_OF_PROCESS, _GROUPS))
 
 
 def address_space() -> float:
-    """Bytes that one process may address, infinite without a limit."""
+    """Return the bytes that one process may address, infinite without a limit."""
     try:
         import resource
     except ImportError:  # not on Windows
@@ -32,7 +32,7 @@ def address_space() -> float:
 
 
 def free_disk(folder: Path) -> float:
-    """Free bytes where a folder is or will be, infinite where nothing says."""
+    """Return the free bytes where a folder is or will be, infinite where they are unknown."""
     there = next((place for place in (folder, *folder.absolute().parents) if place.exists()), Path())
     try:
         return float(shutil.disk_usage(there).free)
@@ -41,6 +41,7 @@ def free_disk(folder: Path) -> float:
 
 
 def _built_in() -> float:
+    """Return the built-in memory [bytes]."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, OSError, ValueError):
@@ -48,12 +49,14 @@ def _built_in() -> float:
 
 
 def group_limit(of_process: Path, groups: Path) -> float:
-    """Smallest memory limit [bytes] of a process's control groups and of those above them; infinite without any.
+    """Return the minimum memory limit [bytes] of the control groups of a process and all above; infinite without any.
 
     Parameters
     ----------
-    of_process : lines "number:controllers:path", as in /proc/self/cgroup; no controllers in version 2.
-    groups : folder under which the groups are mounted, as /sys/fs/cgroup.
+    of_process : Path
+        File of lines "number:controllers:path", as /proc/self/cgroup; version 2 has no controllers.
+    groups : Path
+        Folder under which the groups are mounted, as /sys/fs/cgroup.
     """
     try:
         lines = of_process.read_text().splitlines()
@@ -70,13 +73,13 @@ def group_limit(of_process: Path, groups: Path) -> float:
         else:
             continue
         parts = [part for part in path.split("/") if part not in ("", "..")]
-        # In a container the path may be that of the host; the top is then the container's own group.
+        # In a container the path may be the one on the host; the top is then the container's own group.
         limits += [_limit(top.joinpath(*parts[:depth], file)) for top in tops for depth in range(len(parts), -1, -1)]
     return min(limits)
 
 
 def _limit(file: Path) -> float:
-    """The number in a file; infinite where there is none, or "max" in it."""
+    """Read the number in a file; infinite where there is none, or "max" in it."""
     try:
         return float(int(file.read_text()))
     except (OSError, ValueError):

@@ -1,7 +1,7 @@
-"""A few solved positions of a scene: contact areas, pressure and time of a step before anything is run.
+"""A few solved positions of a scene: contact areas, pressure and time of a step before it is run.
 
-Depends on cost, finding, march, recovery, scene_surface and simulate. The closed forms of a smooth sphere cannot say whether
-asperities yield; eight cold starts along the track can, for less than a hundredth of the cost of a run.
+The closed forms of a smooth sphere cannot tell whether asperities yield. Eight cold starts along the track can, for less
+than a hundredth of the cost of a run.
 """
 
 from __future__ import annotations
@@ -33,22 +33,32 @@ Array = NDArray[np.float64]
 POSITIONS = 8
 WARM_STEPS = 3  # after each cold start, for the time of a step
 COLD_STEPS = 8  # cost of a cold start in steps, the run-in of blended edges included
-MOST_NODES = 10_000_000  # of a surface that is made: about 4 s and 400 MB
-MOST_SECONDS = 60.0  # expected time of the solved positions, of one run and of all runs of a sweep
-MOST_RUNS = 12  # of a sweep; of more, or of slow ones, the first and the last are solved
+MAX_NODES = 10_000_000  # of a surface that is made: about 4 s and 400 MB
+MAX_SECONDS = 60.0  # expected time of the solved positions, of one run and of all runs of a sweep
+MAX_RUNS = 12  # of a sweep; of more, or of slow ones, the first and the last are solved
 NODE_SECONDS = 4e-7  # per node of a surface that is made
 
 
 @dataclass(frozen=True)
 class Probe:
-    """Solved positions of one run; arrays have an entry per position that was solved.
+    """Solved positions of one run; arrays have an entry per solved position.
 
-    tried : number of positions.
-    contact_area, plastic_area : [m2].  max_pressure : [Pa].
-    window : (positions, 2) nodes along and across.
-    step_ms : median time of the warm steps that follow each position [ms].
-    failures : messages of the positions that failed.
-    left_out : reason why no position was solved; empty where some were.
+    Attributes
+    ----------
+    tried : int
+        Number of positions.
+    contact_area, plastic_area : (positions,) arrays, m2
+        Areas in contact and yielding.
+    max_pressure : (positions,) array, Pa
+        Maximum pressure.
+    window : (positions, 2) array
+        Nodes of the window along and across.
+    step_ms : (positions,) array, ms
+        Median time of the warm steps that follow each position.
+    failures : tuple of str
+        Messages of the positions that failed.
+    left_out : str
+        Reason why no position was solved; empty where some were.
     """
 
     tried: int
@@ -62,12 +72,12 @@ class Probe:
 
     @classmethod
     def without(cls, reason: str) -> Probe:
-        """No position, for a reason."""
+        """Make a probe without positions, for a reason."""
         nothing = np.empty(0)
         return cls(0, nothing, nothing, nothing, np.empty((0, 2), np.int64), nothing, (), reason)
 
     def findings(self, scene: Scene) -> list[Finding]:
-        """State the numbers of the solved positions; those of the closed forms and of the cost model give way to them."""
+        """State the numbers of the solved positions, which replace those of closed forms and cost model."""
         count = len(self.contact_area)
         if self.left_out:
             return [Finding("positions", "positions solved", f"none: {self.left_out}")]
@@ -116,13 +126,14 @@ class Probe:
 
 
 def probes(scenes: Sequence[Scene]) -> list[Probe]:
-    """Solve positions of the runs of a sweep, as far as that takes no more than a minute, with a progress bar on stderr.
+    """Solve positions of the runs of a sweep, for a minute at most, with a progress bar on stderr.
 
     Runs that share a surface are solved one after the other, so that it is made once.
 
     Raises
     ------
-    SceneError : a surface cannot be made or read.
+    SceneError
+        A surface cannot be made or read.
     """
     reasons = _left_out(scenes)
     chosen = [k for k, reason in enumerate(reasons) if not reason]
@@ -135,14 +146,15 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
 
 
 def probe(contact: RollingContact, steps: int, progress: Callable[[int], object] = lambda count: None) -> Probe:
-    """Solve positions evenly along a track of so many steps, each from a cold start, and time the steps that follow.
+    """Solve positions evenly along a track of so many steps, each from a cold start, and time the next steps.
 
-    The first position is solved once before, so that compilation is not in the times; the cold start at each position
+    The first position is solved once before, so that the times are without compilation. The cold start at each position
     prepares the transforms of its window.
 
     Parameters
     ----------
-    progress : called with 1 after each of POSITIONS positions.
+    progress : callable
+        Function that is called with 1 after each of POSITIONS positions.
     """
     half_space = HalfSpace(contact.spacing, contact.contact_modulus)
     places = np.arange(POSITIONS) * steps // POSITIONS
@@ -170,7 +182,7 @@ def probe(contact: RollingContact, steps: int, progress: Callable[[int], object]
 
 
 def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[ContactState, float]:
-    """Cold state at position k, and the median time of the warm steps after it with their release [ms]."""
+    """Return the cold state at position k, and the median time [ms] of the warm steps after it with their release."""
     states: list[ContactState] = []
     times: list[float] = []
     began = time.perf_counter()
@@ -183,32 +195,31 @@ def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[C
 
 
 def _left_out(scenes: Sequence[Scene]) -> list[str]:
-    """Reason for each run why none of its positions is solved; empty where they are."""
+    """Give for each run the reason why its positions are not solved; an empty one where they are."""
     reasons: list[str] = []
     seconds: list[float] = []
     seen = set()
     for scene in scenes:
-        way = scene.track
-        nodes = 0 if isinstance(scene.surface, HeightFile) else way.n_along * way.n_across
+        nodes = 0 if isinstance(scene.surface, HeightFile) else scene.track.n_along * scene.track.n_across
         key = scene_surface.identity(scene)
-        solving = POSITIONS * (COLD_STEPS + WARM_STEPS) * cost.expected_seconds(scene) / way.solved_steps
+        solving = POSITIONS * (COLD_STEPS + WARM_STEPS) * cost.expected_seconds(scene) / scene.track.solved_steps
         reason = ""
-        if nodes > MOST_NODES:
-            reason = f"making {nodes:.3g} nodes would take long, the limit is {MOST_NODES:.3g}"
-        elif solving > MOST_SECONDS:
-            reason = f"it would take about {clock(solving)}, the limit is {clock(MOST_SECONDS)}"
+        if nodes > MAX_NODES:
+            reason = f"making {nodes:.3g} nodes would take long, the limit is {MAX_NODES:.3g}"
+        elif solving > MAX_SECONDS:
+            reason = f"it would take about {clock(solving)}, the limit is {clock(MAX_SECONDS)}"
         else:
             seconds.append(solving + (nodes * NODE_SECONDS if key not in seen else 0.0))
             seen.add(key)
         reasons.append(reason)
-    if len(scenes) <= MOST_RUNS and sum(seconds) <= MOST_SECONDS:
+    if len(scenes) <= MAX_RUNS and sum(seconds) <= MAX_SECONDS:
         return reasons
     only = f"first and last of {len(scenes)} runs only"
     return [reason or ("" if k in (0, len(scenes) - 1) else only) for k, reason in enumerate(reasons)]
 
 
 def _ranged(values: Array, text: Callable[[float], str]) -> str:
-    """Mean and range in words: 2.1 ms (1.9 to 2.3 ms)."""
+    """Write mean and range: 2.1 ms (1.9 to 2.3 ms)."""
     least, most = text(float(values.min())), text(float(values.max()))
     return text(float(values.mean())) + (f" ({least} to {most})" if least != most else "")
 

@@ -78,7 +78,7 @@ def refuse_variants_that_cannot_fit(scene: Scene, finest: int, workers: int = 0,
     """
 
     def needed(roughness: Callable[[Scene], float]) -> demand.Demand:
-        return demand.of_variants(scene, scene.track, roughness(scene), finest, workers or cost.cores())
+        return demand.of_variants(scene, roughness(scene), finest, workers or cost.cores())
 
     _refuse_excess([scene], needed, folder)
 
@@ -125,11 +125,16 @@ def amount_text(amount: demand.Amount) -> str:
 
 
 def excess(needed: demand.Demand, folder: Path, written: float = 0.0) -> dict[str, str]:
-    """Why a demand does not fit, by "memory" and "disk": the need, the limit, the part that dominates and its keys.
+    """Write by "memory" and "disk" why a demand does not fit: need, limit, the largest part and what to change.
 
     Parameters
     ----------
-    folder : where the files go.  written : bytes. Files of the run that are there already.
+    needed : Demand
+        Memory and disk that are needed.
+    folder : Path
+        Folder of the results.
+    written : float, bytes
+        Files of the run that are there already. Default 0.
     """
     memory, address_space, disk = machine.memory(), machine.address_space(), machine.free_disk(folder)
     place = f"free where {folder} is" if folder.exists() else f"free where {folder} will be"

@@ -42,7 +42,7 @@ def warnings(findings: Findings) -> list[str]:
     for quantity in _quantities(findings):
         for name, of_run in findings.runs:
             for finding in of_run:
-                if finding.what == quantity and finding.warning:
+                if finding.quantity == quantity and finding.warning:
                     names_of.setdefault(f"{quantity}: {finding.warning}", []).append(name)
     lines = []
     for warning, names in names_of.items():
@@ -55,7 +55,7 @@ def _rows(findings: Findings) -> tuple[list[list[str]], list[list[str]]]:
     """Return the rows that all runs share, and those with a column per run under a row of their names."""
     quantities = _quantities(findings)
     cells = {
-        quantity: [next((_cell(f) for f in of_run if f.what == quantity), "") for _, of_run in findings.runs]
+        quantity: [next((_cell(f) for f in of_run if f.quantity == quantity), "") for _, of_run in findings.runs]
         for quantity in quantities
     }
     shared = [quantity for quantity in quantities if len(set(cells[quantity])) == 1]
@@ -66,7 +66,7 @@ def _rows(findings: Findings) -> tuple[list[list[str]], list[list[str]]]:
 
 
 def _quantities(findings: Findings) -> list[str]:
-    return list(dict.fromkeys(finding.what for _, of_run in findings.runs for finding in of_run))
+    return list(dict.fromkeys(finding.quantity for _, of_run in findings.runs for finding in of_run))
 
 
 def _cell(finding: Finding) -> str:

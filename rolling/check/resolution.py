@@ -1,4 +1,4 @@
-"""Smallest fluctuation of the release that a solve tells from its own error. Depends on scenario and reference.
+"""Minimum fluctuation of the release that a solution tells from its own error.
 
 The solver stops at a tolerance, and each release carries an error in proportion to it. A record whose fluctuation is no more
 than this error holds no sound of the surface: it counts as silent.
@@ -30,7 +30,7 @@ def resolved_fluctuation(scene: Scene) -> float:
 
 
 def _restart_error(scene: Scene) -> float:
-    """Return the part that does not depend on the tolerance; none where the smooth contact stays elastic."""
+    """Return the part that does not depend on the tolerance; it is zero where the smooth contact stays elastic."""
     yields = closed_forms.hertz_pressure(scene.load, scene.radius, scene.contact_modulus) > scene.hardness
     if not yields or scene.numerics.edges != "blended":
         return 0.0
@@ -38,12 +38,14 @@ def _restart_error(scene: Scene) -> float:
 
 
 def doubt(scene: Scene, audible_rms: float, resolved_rms: float) -> str | None:
-    """Say that a record is hidden by the solver's error or stands little above it; None where neither is so.
+    """Write that the solver's error hides a record or nearly does; None where neither is so.
 
     Parameters
     ----------
-    audible_rms : float, W. Fluctuation of the release power within hearing.
-    resolved_rms : float, W. The solver's error there.
+    audible_rms : float, W
+        Fluctuation of the release power within hearing.
+    resolved_rms : float, W
+        Error of the solver there.
     """
     tolerance = f"numerics.tolerance, {scene.numerics.tolerance:g} here"
     if scene.surface.kind == "smooth" or not resolved_rms:  # no sound is there to be hidden

@@ -1,7 +1,7 @@
-"""The ball bouncing on its contact, which a constant load leaves out: its frequency, and how much of the sound it would be.
+"""The ball bouncing on its contact, which a constant load leaves out: its frequency and its part of the sound.
 
-Depends on scenario and reference. The mass is a free ball's. The stiffness is that of the smooth elastic contact, 2 E* a with the
-Hertz radius a, whether the plate yields or not; the elasticity of both bodies is in it.
+The mass belongs to a free ball. The stiffness is 2 E* a, the smooth elastic contact with the Hertz radius a, whether the
+plate yields or not; the elasticity of both bodies is in it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def frequency(scene: Scene) -> float:
 
 
 def relative_wave(scene: Scene, speed: float) -> float:
-    """Return the length of the waves that feed the resonance at a speed [m/s], over contact radius and correlation length."""
+    """Return the length of the waves that feed the resonance at a speed [m/s], over contact radius plus correlation length."""
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     correlation = scene.surface.correlation_length_um * 1e-6 if isinstance(scene.surface, Gaussian) else 0.0
     return speed / frequency(scene) / (radius + correlation)

@@ -7,17 +7,16 @@ from rolling.check import cost, long_steps
 from rolling.check.finding import Finding, rounded_down, rounded_up, si
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
-from rolling.scene.track import Track
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
-LEAST_SHARE = 0.01  # of a record: a shorter stretch that is too slow for hearing is not worth a word
-LEAST_CORRELATION_NODES = 5  # across the correlation length
+MIN_SHARE = 0.01  # of a record: a shorter stretch that is too slow for hearing is not worth a word
+MIN_CORRELATION_NODES = 5  # across the correlation length
 
 
-def findings(scene: Scene, track: Track) -> list[Finding]:
+def findings(scene: Scene) -> list[Finding]:
     """Judge the step against hearing and contact, and the spacing against the correlation length."""
-    tone = [_grid_tone(scene, track)] if scene.numerics.step_nodes < 1 else []
-    return [_nyquist(scene, track), _step_length(scene, track), *tone, *_correlation(scene)]
+    tone = [_grid_tone(scene)] if scene.numerics.step_nodes < 1 else []
+    return [_nyquist(scene), _step_length(scene), *tone, *_correlation(scene)]
 
 
 def _correlation(scene: Scene) -> list[Finding]:
@@ -27,62 +26,62 @@ def _correlation(scene: Scene) -> list[Finding]:
     shortest = min(cost.correlation_lengths(scene.surface))
     nodes = shortest / scene.surface.spacing_um
     coarse = None
-    if nodes < LEAST_CORRELATION_NODES * (1 - 1e-9):
+    if nodes < MIN_CORRELATION_NODES * (1 - 1e-9):
         coarse = (
-            f"{nodes:.2g} nodes per correlation length, {LEAST_CORRELATION_NODES} are wanted: choose a"
-            f" surface.spacing_um of at most {rounded_down(shortest / LEAST_CORRELATION_NODES)}"
+            f"{nodes:.2g} nodes per correlation length, {MIN_CORRELATION_NODES} are wanted: choose a"
+            f" surface.spacing_um of at most {rounded_down(shortest / MIN_CORRELATION_NODES)}"
         )
     return [Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}", coarse)]
 
 
-def _nyquist(scene: Scene, track: Track) -> Finding:
+def _nyquist(scene: Scene) -> Finding:
     """Say up to where the steps carry sound, and for how much of the record that is below the end of hearing."""
-    motion, duration = scene.motion, cost.duration(scene, track)
-    low, high = (speed / (2 * track.step) for speed in (motion.slowest(duration), motion.fastest(duration)))
+    motion, duration = scene.motion, scene.duration
+    low, high = (speed / (2 * scene.track.step) for speed in (motion.slowest(duration), motion.fastest(duration)))
     if motion.is_constant(duration):
-        return Finding("nyquist", "simulated Nyquist", si(high, "Hz"), _short_band(track, motion.fastest(duration)))
-    wanted = 2 * HEARING[1] * track.step
+        return Finding("nyquist", "simulated Nyquist", si(high, "Hz"), _short_band(scene, motion.fastest(duration)))
+    wanted = 2 * HEARING[1] * scene.track.step
     seconds = motion.time_below(wanted, duration)
     warning = None
-    if seconds >= LEAST_SHARE * duration:
+    if seconds >= MIN_SHARE * duration:
         warning = (
             f"for {100 * seconds / duration:.3g} % of the record ({si(seconds, 's')}) the simulated band ends below"
             f" {si(HEARING[1], 'Hz')}, at {si(low, 'Hz')} when the sphere is slowest ({motion.slowest(duration):.3g} m/s):"
             " the bands above hold the sound of the faster stretches alone; choose a step of at most"
             f" {rounded_down(_usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6)} um (numerics.step_nodes or"
-            f" surface.spacing_um) or a speed of at least {rounded_up(wanted)} m/s for {100 - 100 * LEAST_SHARE:g} % of the record"
+            f" surface.spacing_um) or a speed of at least {rounded_up(wanted)} m/s for {100 - 100 * MIN_SHARE:g} % of the record"
         )
     return Finding("nyquist", "simulated Nyquist", f"{si(low, 'Hz')} to {si(high, 'Hz')}", warning)
 
 
-def _short_band(track: Track, speed: float) -> str | None:
+def _short_band(scene: Scene, speed: float) -> str | None:
     """Warn of a simulated band that ends below hearing at a constant speed [m/s]."""
-    if speed / (2 * track.step) >= HEARING[1]:
+    if speed / (2 * scene.track.step) >= HEARING[1]:
         return None
     return (
-        f"the simulated band ends at {si(speed / (2 * track.step), 'Hz')} at {speed:g} m/s, hearing at"
+        f"the simulated band ends at {si(speed / (2 * scene.track.step), 'Hz')} at {speed:g} m/s, hearing at"
         f" {si(HEARING[1], 'Hz')}: choose a step of at most {rounded_down(speed / (2 * HEARING[1]) * 1e6)} um"
-        f" (numerics.step_nodes or surface.spacing_um) or a speed of at least {rounded_up(2 * HEARING[1] * track.step)} m/s"
+        f" (numerics.step_nodes or surface.spacing_um) or a speed of at least {rounded_up(2 * HEARING[1] * scene.track.step)} m/s"
     )
 
 
 def _usual_speed(scene: Scene, duration: float) -> float:
-    """Return the speed [m/s] below which the sphere rolls for less than `LEAST_SHARE` of the record."""
+    """Return the speed [m/s] below which the sphere rolls for less than `MIN_SHARE` of the record."""
     low, high = 0.0, scene.motion.fastest(duration)
     for _ in range(60):
         middle = (low + high) / 2
-        below = scene.motion.time_below(middle, duration) < LEAST_SHARE * duration
+        below = scene.motion.time_below(middle, duration) < MIN_SHARE * duration
         low, high = (middle, high) if below else (low, middle)
     return low or high
 
 
-def _grid_tone(scene: Scene, track: Track) -> Finding:
+def _grid_tone(scene: Scene) -> Finding:
     """Name the tone that steps below a node sound."""
-    motion, duration = scene.motion, cost.duration(scene, track)
+    motion, duration = scene.motion, scene.duration
     low, high = (speed / scene.spacing for speed in (motion.slowest(duration), motion.fastest(duration)))
     tone = si(low, "Hz") if motion.is_constant(duration) else f"{si(low, 'Hz')} to {si(high, 'Hz')}"
     audible = None
-    if motion.time_below(HEARING[1] * scene.spacing, duration) >= LEAST_SHARE * duration:
+    if motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration:
         audible = (
             f"steps below one node sound a tone of the grid at {tone}: choose numerics.step_nodes 1 or a"
             f" surface.spacing_um of at most {rounded_down(_usual_speed(scene, duration) / HEARING[1] * 1e6)}"
@@ -90,10 +89,10 @@ def _grid_tone(scene: Scene, track: Track) -> Finding:
     return Finding("grid_tone", "tone of the grid", tone, audible)
 
 
-def _step_length(scene: Scene, track: Track) -> Finding:
+def _step_length(scene: Scene) -> Finding:
     """Compare the step with the contact, and say what a long one costs."""
     radius = long_steps.contact_radius(scene)
-    radii = track.step / radius
+    radii = scene.track.step / radius
     warning = None
     if radii > long_steps.DOUBTFUL_RADII:
         lost = long_steps.lost_release(radii)
@@ -106,9 +105,9 @@ def _step_length(scene: Scene, track: Track) -> Finding:
     return Finding("step_length", "step / contact radius", f"{radii:.2g}", warning)
 
 
-def record(scene: Scene, track: Track) -> Finding:
+def record(scene: Scene) -> Finding:
     """Count the third octaves whose level the length of the record makes certain."""
-    certain = bands.reliable(cost.duration(scene, track))
+    certain = bands.reliable(scene.duration)
     warning = None
     if not certain.all():
         short = [name for name, sure in zip(bands.BAND_NAMES, certain, strict=True) if not sure]

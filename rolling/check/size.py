@@ -6,10 +6,9 @@ from rolling.check import cost, demand, refusals
 from rolling.check.finding import Finding, clock, on_cores, si
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
-from rolling.scene.track import Track
 
 
-def findings(scene: Scene, track: Track, rq: float) -> list[Finding]:
+def findings(scene: Scene, rq: float) -> list[Finding]:
     """State size and cost of a run.
 
     Parameters
@@ -17,28 +16,34 @@ def findings(scene: Scene, track: Track, rq: float) -> list[Finding]:
     rq : float, m
         Rms roughness of the surface.
     """
-    return [*_track(scene, track), *_window(scene, track, rq), *_demand(scene, track, rq)]
+    return [*_track(scene), *_window(scene, rq), *_demand(scene, rq)]
 
 
-def _track(scene: Scene, track: Track) -> list[Finding]:
-    duration = cost.duration(scene, track)
-    size = f"{si(track.n_along * track.spacing, 'm')} x {si(track.n_across * track.spacing, 'm')}"
+def _track(scene: Scene) -> list[Finding]:
+    duration = scene.duration
+    size = (
+        f"{si(scene.track.n_along * scene.track.spacing, 'm')} x {si(scene.track.n_across * scene.track.spacing, 'm')}"
+    )
     return [
-        Finding("steps", "steps", f"{track.steps} of {si(track.step, 'm')}"),
-        Finding("surface", "surface", f"{size}, {track.n_along} x {track.n_across} nodes"),
-        Finding("distance", "distance rolled", f"{si(track.distance, 'm')}{'' if track.closed else ', not closed'}"),
+        Finding("steps", "steps", f"{scene.track.steps} of {si(scene.track.step, 'm')}"),
+        Finding("surface", "surface", f"{size}, {scene.track.n_along} x {scene.track.n_across} nodes"),
+        Finding(
+            "distance",
+            "distance rolled",
+            f"{si(scene.track.distance, 'm')}{'' if scene.track.closed else ', not closed'}",
+        ),
         Finding("duration", "duration", si(duration, "s")),
         Finding("samples", "sound samples", f"{round(duration * demand.SAMPLE_RATE)}"),
     ]
 
 
-def _window(scene: Scene, track: Track, rq: float) -> list[Finding]:
+def _window(scene: Scene, rq: float) -> list[Finding]:
     across = 2 * cost.overlap_radius(scene, rq)
     nodes = cost.window_nodes(scene, rq)
     warning = None
-    period = min(track.n_along, track.n_across) * scene.spacing
+    period = min(scene.track.n_along, scene.track.n_across) * scene.spacing
     if across > period:
-        side = "width" if track.n_across <= track.n_along else "length"
+        side = "width" if scene.track.n_across <= scene.track.n_along else "length"
         key = {"width": "surface.width_um", "length": "rolling.duration_s"}[side]
         key = "height file" if isinstance(scene.surface, HeightFile) else key
         warning = (
@@ -46,7 +51,7 @@ def _window(scene: Scene, track: Track, rq: float) -> list[Finding]:
             f" larger {key}, at least {across * 1e6:.0f} um of surface"
         )
     step_ms = cost.expected_step_ms(nodes)
-    seconds = track.steps * step_ms * 1e-3 / cost.cores()
+    seconds = scene.track.steps * step_ms * 1e-3 / cost.cores()
     return [
         Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", warning),
         Finding("step_time", "time of a step", f"about {step_ms:.2g} ms on 1 core"),
@@ -54,8 +59,8 @@ def _window(scene: Scene, track: Track, rq: float) -> list[Finding]:
     ]
 
 
-def _demand(scene: Scene, track: Track, rq: float) -> list[Finding]:
-    needed = demand.demand([demand.size(scene, track, rq)], cost.cores())
+def _demand(scene: Scene, rq: float) -> list[Finding]:
+    needed = demand.demand([demand.size(scene, rq)], cost.cores())
     excess = refusals.excess(needed, refusals.OUTPUTS)
     return [
         Finding(

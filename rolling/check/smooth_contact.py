@@ -7,31 +7,30 @@ import math
 from rolling.check.finding import Finding, rounded_down, si
 from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
-from rolling.scene.track import Track
 
-LEAST_HERTZ_NODES = 10  # across the Hertz radius
+MIN_HERTZ_NODES = 10  # across the Hertz radius
 
 
-def findings(scene: Scene, track: Track) -> list[Finding]:
+def findings(scene: Scene) -> list[Finding]:
     """State the smooth elastic contact, how it compares with the hardness, and how many nodes resolve it."""
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     pressure = closed_forms.hertz_pressure(scene.load, scene.radius, scene.contact_modulus)
     return [
         Finding("hertz_radius", "Hertz radius", si(radius, "m")),
         Finding("hertz_pressure", "Hertz pressure", si(pressure, "Pa")),
-        *_hardness(scene, track, pressure),
+        *_hardness(scene, pressure),
         _nodes(scene, radius),
     ]
 
 
-def _hardness(scene: Scene, track: Track, pressure: float) -> list[Finding]:
+def _hardness(scene: Scene, pressure: float) -> list[Finding]:
     """Compare the hardness with the Hertz pressure [Pa], and the load with the plastic capacity of the surface."""
     if not math.isfinite(scene.hardness):
         return [Finding("hardness", "hardness", "none, purely elastic")]
     says = (
         "yields" if pressure > scene.hardness else "above the Hertz pressure of a smooth sphere; asperities may yield"
     )
-    capacity = scene.hardness * track.n_along * track.n_across * track.spacing**2
+    capacity = scene.hardness * scene.track.n_along * scene.track.n_across * scene.track.spacing**2
     warning = None
     if scene.load >= capacity:
         warning = (
@@ -48,9 +47,9 @@ def _nodes(scene: Scene, radius: float) -> Finding:
     """Count the nodes across the Hertz radius [m]."""
     nodes = radius / scene.spacing
     coarse = None
-    if nodes < LEAST_HERTZ_NODES:
+    if nodes < MIN_HERTZ_NODES:
         coarse = (
-            f"{nodes:.2g} nodes across the Hertz radius, {LEAST_HERTZ_NODES} are wanted: choose a surface.spacing_um of"
-            f" at most {rounded_down(radius / LEAST_HERTZ_NODES * 1e6)}"
+            f"{nodes:.2g} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose a surface.spacing_um of"
+            f" at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
         )
     return Finding("hertz_nodes", "nodes per Hertz radius", f"{nodes:.3g}", coarse)

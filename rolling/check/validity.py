@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from rolling.check import cost, long_steps, resonance
+from rolling.check import long_steps, resonance
 from rolling.check.finding import Finding, si
 from rolling.check.sampling import HEARING
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
-from rolling.scene.track import Track
 
-GREATEST_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
-GREATEST_CONTACT = 0.2  # contact radius over sphere radius
+MAX_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
+MAX_CONTACT = 0.2  # contact radius over sphere radius
 
 
-def findings(scene: Scene, track: Track, slope: float) -> list[Finding]:
+def findings(scene: Scene, slope: float) -> list[Finding]:
     """Judge whether the model holds for a scene.
 
     Parameters
@@ -21,20 +20,20 @@ def findings(scene: Scene, track: Track, slope: float) -> list[Finding]:
     slope : float
         Rms slope of the surface.
     """
-    return [*_half_space(scene, slope), _resonance(scene, track)]
+    return [*_half_space(scene, slope), _resonance(scene)]
 
 
 def _half_space(scene: Scene, slope: float) -> list[Finding]:
     """Compare slope and contact radius with the limits of a half-space."""
     steep = wide = None
-    if slope > GREATEST_SLOPE:
+    if slope > MAX_SLOPE:
         advice = "filter the shortest wavelengths out of the heights" if isinstance(scene.surface, HeightFile) else ""
         advice = advice or "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
-        steep = f"the rms slope is {slope:.2g}, a half-space holds up to {GREATEST_SLOPE:g}: {advice}"
+        steep = f"the rms slope is {slope:.2g}, a half-space holds up to {MAX_SLOPE:g}: {advice}"
     share = long_steps.contact_radius(scene) / scene.radius
-    if share > GREATEST_CONTACT:
+    if share > MAX_CONTACT:
         wide = (
-            f"the contact radius is {share:.2g} of the sphere's, a half-space holds up to {GREATEST_CONTACT:g}: lower"
+            f"the contact radius is {share:.2g} of the sphere's, a half-space holds up to {MAX_CONTACT:g}: lower"
             " rolling.load_n or enlarge sphere.radius_mm"
         )
     return [
@@ -43,11 +42,11 @@ def _half_space(scene: Scene, slope: float) -> list[Finding]:
     ]
 
 
-def _resonance(scene: Scene, track: Track) -> Finding:
+def _resonance(scene: Scene) -> Finding:
     """Name the frequency at which the ball bounces, and weigh its part by the maximum speed, where the record holds it."""
     frequency = resonance.frequency(scene)
-    speed = scene.motion.fastest(cost.duration(scene, track))
-    highest = min(HEARING[1], speed / (2 * track.step))
+    speed = scene.motion.fastest(scene.duration)
+    highest = min(HEARING[1], speed / (2 * scene.track.step))
     if not HEARING[0] < frequency < highest:
         return Finding("resonance", "contact resonance", si(frequency, "Hz"))
     density = scene.sphere.density_kg_m3

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rolling.check.validity import GREATEST_SLOPE
+from rolling.check.validity import MAX_SLOPE
 from rolling.figures.picture import SIDE_IN, WIDTH_IN, Picture, lay_out
 from rolling.lee2025.figure_data import Reading
 
@@ -54,11 +54,11 @@ def warnings(reading: Reading, roughness_um: float) -> list[str]:
     """What half-space theory cannot hold for on surfaces of this Ra, one line for each correlation length."""
     found = []
     for (ra, length), norm in sorted(reading.slopes.items()):
-        if ra == roughness_um and norm > GREATEST_SLOPE:
+        if ra == roughness_um and norm > MAX_SLOPE:
             of = f"Ra {ra:g} µm" + (f", length {length:g} µm" if len(reading.lengths) > 1 else "")
             each = norm / np.sqrt(2)  # isotropic
             found.append(
-                f"{of}: rms slope {each:.2g} along each direction, norm {norm:.2g} > {GREATEST_SLOPE:g}: half-space"
+                f"{of}: rms slope {each:.2g} along each direction, norm {norm:.2g} > {MAX_SLOPE:g}: half-space"
                 " theory does not hold"
             )
     return found

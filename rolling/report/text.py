@@ -228,8 +228,8 @@ def _half_space(scene: Scene) -> str:
     """How far the scene is from where a half-space no longer holds."""
     values = {finding.key: finding.value for finding in findings.findings(scene)}
     return (
-        f"rms slope {values['slope']} (holds up to {validity.GREATEST_SLOPE:g}),"
-        f" contact radius over the sphere's {values['contact_radius']} (up to {validity.GREATEST_CONTACT:g})"
+        f"rms slope {values['slope']} (holds up to {validity.MAX_SLOPE:g}),"
+        f" contact radius over the sphere's {values['contact_radius']} (up to {validity.MAX_CONTACT:g})"
     )
 
 

@@ -1,7 +1,4 @@
-"""Scenes read from YAML and written to it, with overrides, and the JSON Schema for editors.
-
-Depends on `scenario` and `plain_yaml`.
-"""
+"""Scenes read from YAML and written to it, overrides, and the JSON Schema for editors."""
 
 from __future__ import annotations
 
@@ -32,13 +29,20 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
 
     Parameters
     ----------
-    path : YAML 1.2 in UTF-8.
-    overrides : "rolling.load_n=50" each, the value in YAML. Nothing (or null) takes an optional key or section out.
-        A key that the scene sweeps leaves the sweep when it is set; "sweep.rolling.load_n=[5, 20]" sweeps it.
+    path : Path or str
+        File of YAML 1.2 in UTF-8.
+    overrides : sequence of str
+        Values such as "rolling.load_n=50", written in YAML. No value (or null) removes an optional key or section. A
+        key that the scene sweeps leaves the sweep when it is set; "sweep.rolling.load_n=[5, 20]" sweeps it.
 
     Raises
     ------
-    SceneError : all faults of file and overrides.
+    SceneError
+        File or overrides have faults; all of them are named.
+
+    Examples
+    --------
+    `read_scene("scenarios/quickstart.yaml", ["rolling.load_n=50"])`
     """
     path = Path(path)
     try:
@@ -49,7 +53,20 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
 
 
 def loads(text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()) -> Scene:
-    """Read a scene from text; `where` names it in messages, `folder` is what `surface.path` is relative to."""
+    """Read a scene from text.
+
+    Parameters
+    ----------
+    where : str
+        Name of the text in messages.
+    folder : Path
+        Folder that a relative `surface.path` starts from.
+
+    Raises
+    ------
+    SceneError
+        Text or overrides have faults; all of them are named.
+    """
     try:
         data, lines = yaml_text.parse(text, where)
     except TextError as error:
@@ -70,7 +87,7 @@ def loads(text: str, overrides: Sequence[str] = (), where: str = "scene", folder
 
 
 def dump(scene: Scene) -> str:
-    """The scene as YAML text with every default filled in; `loads` gives an equal scene back."""
+    """Write a scene as YAML text with every default filled in; `loads` gives an equal scene back."""
     yaml = YAML(typ="rt")
     yaml.width = 4096
     stream = io.StringIO()
@@ -79,7 +96,7 @@ def dump(scene: Scene) -> str:
 
 
 def _flowing(value: Any) -> Any:
-    """Lists that YAML writes on one line."""
+    """Mark lists so that YAML writes each on one line."""
     if isinstance(value, dict):
         return {name: _flowing(item) for name, item in value.items()}
     if isinstance(value, list):
@@ -90,7 +107,7 @@ def _flowing(value: Any) -> Any:
 
 
 def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[str]) -> list[str]:
-    """Put overrides into `data` and `places`; the faults of those that cannot be."""
+    """Put overrides into `data` and `places`, and return the faults of the others."""
     faults = []
     for override in overrides:
         name, equals, text = override.partition("=")
@@ -118,7 +135,7 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
                 places[key[: depth + 1]] = "--set"
             inside = inside[part]
             if not isinstance(inside, dict):
-                break  # the file has something else where a section must be, and is told so
+                break  # the file has something else where a section must be, which is a fault of its own
         else:
             inside[key[-1]] = value
             for old in [old for old in places if old[: len(key)] == key]:
@@ -131,7 +148,7 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
 
 
 def _split(name: str) -> tuple[str, ...]:
-    """The key of a dotted name; what follows "sweep." is one name."""
+    """Return the key of a dotted name, whose part after the first dot is one name."""
     first, dot, rest = name.partition(".")
     return (first, rest) if dot else (first,)
 
@@ -143,13 +160,14 @@ RESOUND_KEYS = ("rolling.speed_m_s", *(f"sound.{name}" for name in Sound.model_f
 
 
 def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
-    """The scene of a stored run with another speed or sound; track and contact stay as they are.
+    """Give the scene of a stored run another speed or sound; track and contact stay as they are.
 
-    `duration_s`, where the scene has one, becomes the time the same track takes.
+    `duration_s`, where the scene has one, becomes the time that the same track takes.
 
     Raises
     ------
-    SceneError : keys that need a new solve, values that are not allowed, a speed that ends before the track does.
+    SceneError
+        A key needs a new solution, a value is not allowed, or the sphere comes to rest before the track ends.
     """
     known = {override: override.partition("=")[0].strip() for override in overrides}
     solved = [override for override in overrides if known[override] in set(all_keys(Scene)) - {*RESOUND_KEYS, "sound"}]
@@ -167,7 +185,7 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
             motion = Motion.of(Rolling.model_validate(data["rolling"]).speed_m_s)
             data["rolling"]["duration_s"] = float(f"{motion.duration(distance):.12g}")
         except ValidationError:
-            pass  # the new speed is not allowed, which `from_dict` tells
+            pass  # `from_dict` refuses the new speed
         except ValueError as error:
             faults.append(f"--set: rolling.speed_m_s: {error}, the end of the stored run")
     return Scene.from_dict(data, scene.folder, places, faults)
@@ -177,7 +195,7 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
 
 
 def schema() -> dict[str, Any]:
-    """JSON Schema (draft 2020-12) of a scene file, for editors."""
+    """Return the JSON Schema (draft 2020-12) of a scene file, for editors."""
     result = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
     result["title"] = "Scene of rolling contact noise"
     result["description"] = "A sphere that rolls on a rough surface, how its contact is solved, and where it is heard."

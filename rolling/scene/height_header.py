@@ -1,4 +1,4 @@
-"""What a .npy file holds, from its header: nothing else is read, whatever its size. Depends on numpy and plain_yaml."""
+"""Shape and type of the heights in a .npy file, from its header alone, whatever the size of the file."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from rolling.scene.yaml_text import kind_of_file, open_at_once
 
 
 class HeaderError(Exception):
-    """A file that is no whole .npy file, and why."""
+    """A reason why a file is no whole .npy file."""
 
 
 def header(path: Path) -> tuple[tuple[int, ...], np.dtype]:
-    """Shape and type of the array in a .npy file.
+    """Read shape and type of the array in a .npy file.
 
     Raises
     ------
-    HeaderError : the file is missing, no regular file, no .npy file, or shorter than its header says.
+    HeaderError
+        The file is missing, no regular file, no .npy file, or shorter than its header says.
     """
     try:
         status = path.stat()

@@ -1,6 +1,6 @@
-"""The identity of a single run: the physics that the march depends on, as plain JSON, and the digest of heights from a file.
+"""The identity of a single run: the physics that the march depends on, and the digest of heights from a file.
 
-A result carries its identity, so that it is never mixed up with another scene or surface. Depends on `scenario`.
+A result carries its identity, so that it is never taken for that of another scene or surface.
 """
 
 from __future__ import annotations
@@ -40,9 +40,14 @@ STEPS, KIND = "track.steps", "surface.kind"
 class Identity:
     """The physics of a single run.
 
-    physics : values by dotted key, all defaults filled in. A section is there with the value true, or null where absent.
-    defaults : defaults by dotted key in the version that wrote the physics.
-    heights_sha256 : digest of the heights that were read from a file; None where the surface is made.
+    Attributes
+    ----------
+    physics : dict
+        Values by dotted key, all defaults filled in. A section has the value true, or null where it is absent.
+    defaults : dict
+        Defaults by dotted key in the version that wrote the physics.
+    heights_sha256 : str or None
+        Digest of the heights that were read from a file; None where the surface is made.
     """
 
     physics: dict[str, Any]
@@ -58,7 +63,7 @@ class Identity:
 
     @cached_property
     def text(self) -> str:
-        """The physics as canonical JSON."""
+        """Physics as canonical JSON."""
         return canonical(self.physics)
 
     @property
@@ -68,40 +73,44 @@ class Identity:
 
 
 def canonical(values: Mapping[str, Any]) -> str:
-    """Write values as JSON that is the same for the same values."""
+    """Write values as JSON that is the same text for the same values."""
     return json.dumps(values, sort_keys=True, separators=(",", ":"), allow_nan=False)
 
 
 def heights_digest(heights: NDArray[np.float64]) -> str:
-    """SHA-256 of heights (along, across): of their shape, then of their values in little-endian double precision."""
+    """Return the SHA-256 of heights: of their shape, then of their values in little-endian double precision."""
     digest = hashlib.sha256(f"{heights.shape[0]} x {heights.shape[1]}\n".encode())
     digest.update(np.ascontiguousarray(heights, dtype="<f8").data)
     return digest.hexdigest()
 
 
 def differences(solved: Identity, own: Identity, result: str, height_path: Path | None) -> list[str]:
-    """Name what differs between the identity of a stored result and that of a scene; empty where they are the same.
+    """List the differences between the identity of a stored result and that of a scene.
 
     Parameters
     ----------
-    result : name of the result file in the messages.
-    height_path : file of the scene's heights.
+    solved, own : Identity
+        Identities of the result and of the scene.
+    result : str
+        Name of the result file in the messages.
+    height_path : Path or None
+        File of the scene's heights.
     """
-    found = []
+    lines = []
     changed = changes(solved, own)
     for key, (old, new) in changed.items():
         if key == STEPS:
-            found.append(f"rolling.duration_s: {result} has {shown(old)} steps, the scene asks for {shown(new)}")
+            lines.append(f"rolling.duration_s: {result} has {shown(old)} steps, the scene asks for {shown(new)}")
         else:
-            found.append(f"{key}: {result} was solved with {said(old)}, the scene says {said(new)}")
+            lines.append(f"{key}: {result} was solved with {said(old)}, the scene says {said(new)}")
     surface = other_surface(solved.heights_sha256, own.heights_sha256, height_path)
-    return [*found, surface] if surface and KIND not in changed else found
+    return [*lines, surface] if surface and KIND not in changed else lines
 
 
 def changes(before: Identity, after: Identity) -> dict[str, tuple[Any, Any]]:
-    """Values by key where the physics differs; of a surface of another kind, the kind alone.
+    """Return both values of each key where the physics differs; for a surface of another kind, the kind alone.
 
-    A key that one side lacks has its default in the version of the other side, which knows it.
+    A key that one side lacks has the default of the other side, which knows it.
     """
     old, new = {**after.defaults, **before.physics}, {**before.defaults, **after.physics}
     keys = sorted({*before.physics, *after.physics})
@@ -111,7 +120,7 @@ def changes(before: Identity, after: Identity) -> dict[str, tuple[Any, Any]]:
 
 
 def other_surface(solved: str | None, own: str | None, height_path: Path | None) -> str | None:
-    """Say by the digests that heights are not the solved ones; None where they are, or where the surface is made."""
+    """Write a message where the digests of heights differ; None where they agree or the surface is made."""
     if solved == own:
         return None
     digests = [f"{digest[:16]}..." if digest else "none" for digest in (own, solved)]
@@ -126,7 +135,7 @@ def _is_physics(key: str) -> bool:
 
 
 def _flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Values by dotted key; a section is true."""
+    """Return values by dotted key; a section has the value true."""
     flat: dict[str, Any] = {}
     for name, value in data.items():
         if isinstance(value, Mapping):
@@ -137,7 +146,7 @@ def _flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def _defaults(model: BaseModel) -> dict[str, Any]:
-    """Defaults of the optional keys of a model and of the sections it has."""
+    """Return the defaults of the optional keys of a model and of its sections."""
     defaults: dict[str, Any] = {}
     for name, field in type(model).model_fields.items():
         value = getattr(model, name)
@@ -149,5 +158,5 @@ def _defaults(model: BaseModel) -> dict[str, Any]:
 
 
 def said(value: Any) -> str:
-    """A value of the physics as a scene file has it."""
+    """Write a value of the physics as a scene file has it."""
     return plain_number(value) if isinstance(value, float) else shown(value)

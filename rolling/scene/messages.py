@@ -1,6 +1,7 @@
-"""Keys, values and faults in words: what is known, allowed or nearest. Knows no model but those it is given.
+"""Keys, values and faults in words: known names, allowed values, the nearest name to a misspelt one.
 
-`root` is the model of a whole scene: sections of plain values, one of them perhaps of several kinds, and a sweep.
+`root` is the model of a whole scene or of one section. A scene has sections of plain values and a sweep; the surface
+has several kinds.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ Key = tuple[str | int, ...]  # where a value stands: ("rolling", "load_n"), ("sw
 
 @dataclass(frozen=True)
 class Words:
-    """Stands in the annotation of a field whose type does not tell what it may hold."""
+    """Allowed values in words, in the annotation of a field whose type does not tell them."""
 
     allowed: str
 
@@ -51,12 +52,12 @@ class SceneError(Exception):
 
 
 def fault(message: str, *at: str | int) -> PydanticCustomError:
-    """A fault for pydantic to collect; `at` is the key it belongs to when that is not the one being validated."""
+    """Make a fault for pydantic to collect; `at` is its key where that is not the validated one."""
     return PydanticCustomError("fault", "{message}", {"message": message, "at": at})
 
 
 def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
-    """Key and message of one pydantic fault."""
+    """Return key and message of one pydantic fault."""
     key: Key = error["loc"]
     outer = root.model_fields.get(str(key[0])) if key else None
     by = outer.discriminator if outer else None
@@ -85,14 +86,14 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
 
 
 def place(key: Key, places: Mapping[Key, str]) -> str:
-    """File and line (or --set) of a key, or of the nearest section around it that stands somewhere."""
+    """Return file and line (or --set) of a key, or of the nearest section around it that has a place."""
     return next(places[key[:n]] for n in range(len(key), -1, -1) if key[:n] in places)
 
 
 def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
-    """ ", nearest: name" from the first family that has a name like it; nothing when none has.
+    """Write ", nearest: name" with the first family's name that is like a misspelt one, or nothing.
 
-    Names are compared by their last part, or as a whole when the section is misspelt as well; the unit may be missing.
+    Names are compared by their last part, or as a whole when the section is misspelt as well. The unit may be missing.
     """
     if len(got) > _LONGEST_SLIP:
         return ""
@@ -101,11 +102,11 @@ def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
         return name.lower().replace("-", "_").replace(" ", "_")
 
     def alike(name: str) -> float:
-        one, two = norm(got), norm(name)
-        (section, _, last), (its_section, _, its_last) = one.rpartition("."), two.rpartition(".")
+        whole, its_whole = norm(got), norm(name)
+        (section, _, last), (its_section, _, its_last) = whole.rpartition("."), its_whole.rpartition(".")
         if its_last.startswith(f"{last}_"):
             return 0.95
-        pairs = [(last, its_last)] if section == its_section else [(last, its_last), (one, two)]
+        pairs = [(last, its_last)] if section == its_section else [(last, its_last), (whole, its_whole)]
         return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
 
     for names in families:
@@ -119,17 +120,17 @@ def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
 
 
 def is_number(value: Any) -> bool:
-    """A number, not true or false, not endless."""
+    """Tell whether a value is a finite number; true and false are none."""
     return isinstance(value, int | float) and not isinstance(value, bool) and -1e300 < value < 1e300
 
 
 def plain_number(value: float) -> str:
-    """A number without a needless point."""
+    """Write a number without a needless decimal point."""
     return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
 
 
 def shown(value: Any) -> str:
-    """A value as the user wrote it, or nearly: text in quotes, so that "20" is seen to be text."""
+    """Write a value as the user did, or nearly; text in quotes, so that "20" is seen to be text."""
     if value is None:
         return "nothing"
     if isinstance(value, float) and not math.isfinite(value):
@@ -140,12 +141,12 @@ def shown(value: Any) -> str:
 
 
 def cut(text: str) -> str:
-    """A text of at most 60 letters, the end of a longer one left out."""
+    """Shorten a text to at most 60 letters."""
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def first_line(error: BaseException) -> str:
-    """What an error says, on one line."""
+    """Return the message of an error, its first line."""
     return (str(error).strip().splitlines() or [type(error).__name__])[0]
 
 
@@ -153,28 +154,28 @@ def first_line(error: BaseException) -> str:
 
 
 def dotted(key: Key) -> str:
-    """("rolling", "load_n") as "rolling.load_n", places in a list in brackets."""
+    """Write ("rolling", "load_n") as "rolling.load_n", places in a list in brackets."""
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in key).removeprefix(".")
 
 
 def numeric_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
-    """Every key that holds a number, by its dotted name."""
+    """Map every dotted key that holds a number to its field."""
     return {name: field for name, field in _inner(root) if {int, float} & set(_kinds(field.annotation))}
 
 
 def all_keys(root: type[BaseModel]) -> list[str]:
-    """Every name that an override can set, sections and swept keys included."""
+    """List every name that an override can set, sections and swept keys included."""
     inner = [name for name, _ in _inner(root)]
     return list(dict.fromkeys([*root.model_fields, *inner, *(f"sweep.{key}" for key in numeric_keys(root))]))
 
 
 def required(model: type[BaseModel]) -> list[str]:
-    """The keys that must be given."""
+    """List the keys that must be given."""
     return [name for name, field in model.model_fields.items() if field.is_required()]
 
 
 def allowed(field: FieldInfo) -> str:
-    """What a field may hold, in words."""
+    """Write the allowed values of a field in words."""
     for words in field.metadata:
         if isinstance(words, Words):
             return words.allowed
@@ -193,27 +194,27 @@ def allowed(field: FieldInfo) -> str:
 
 
 def _inner(root: type[BaseModel]) -> Iterator[tuple[str, FieldInfo]]:
-    """Every dotted name with its field; those that several kinds of a section share come once per kind."""
+    """Yield every dotted name with its field; a name that several kinds of a section share comes once per kind."""
     for section, outer in root.model_fields.items():
         for model in _models(outer):
             yield from ((f"{section}.{name}", field) for name, field in model.model_fields.items())
 
 
 def _field(root: type[BaseModel], key: Key, data: Mapping[str, Any]) -> FieldInfo:
-    """The field of a key, or the last one around it."""
+    """Return the field of a key, or the last one around it."""
     field = root.model_fields[str(key[0])]
     model = _model(field, data.get(str(key[0])))
     return model.model_fields.get(str(key[1]), field) if model and len(key) > 1 else field
 
 
 def _siblings(root: type[BaseModel], key: Key, data: Mapping[str, Any]) -> list[str]:
-    """The names known where a key stands."""
+    """List the names that are known where a key stands."""
     model = _model(root.model_fields[str(key[0])], data.get(str(key[0]))) if len(key) > 1 else root
     return list(model.model_fields) if model else []
 
 
 def _model(field: FieldInfo, section: Any) -> type[BaseModel] | None:
-    """The model of a section, the first when it does not tell its kind; None for a plain value."""
+    """Return the model of a section, the first when its kind is unknown; None for a plain value."""
     models = _models(field)
     for model in models if isinstance(field.discriminator, str) and isinstance(section, Mapping) else []:
         if section.get(field.discriminator) in _choices(model.model_fields[str(field.discriminator)]):
@@ -222,12 +223,12 @@ def _model(field: FieldInfo, section: Any) -> type[BaseModel] | None:
 
 
 def _models(field: FieldInfo) -> list[type[BaseModel]]:
-    """The models of a section, one for each of its kinds; none for a plain value."""
+    """List the models of a section, one for each of its kinds; none for a plain value."""
     return [kind for kind in _kinds(field.annotation) if isinstance(kind, type) and issubclass(kind, BaseModel)]
 
 
 def _kinds(annotation: Any) -> tuple[Any, ...]:
-    """What a field may hold: the types of an annotation without None and Annotated."""
+    """Return the types of an annotation without None and Annotated."""
     if get_origin(annotation) is Annotated:
         return _kinds(get_args(annotation)[0])
     if get_origin(annotation) in (Union, types.UnionType):
@@ -236,12 +237,12 @@ def _kinds(annotation: Any) -> tuple[Any, ...]:
 
 
 def _choices(field: FieldInfo) -> list[str]:
-    """The names a field chooses from; none when it holds something else."""
+    """List the names that a field chooses from; none when it holds something else."""
     return [choice for kind in _kinds(field.annotation) if get_origin(kind) is Literal for choice in get_args(kind)]
 
 
 def _either(choices: Sequence[str]) -> str:
-    """ "a, b or c"."""
+    """Join names as in "a, b or c"."""
     return " or ".join(filter(None, [", ".join(choices[:-1]), choices[-1]]))
 
 

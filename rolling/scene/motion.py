@@ -1,4 +1,4 @@
-"""How far the sphere has rolled when: constant speed, or speeds joined by straight lines. Depends on numpy only."""
+"""Distance over time: at constant speed, or at speeds joined by straight lines."""
 
 from __future__ import annotations
 
@@ -20,12 +20,15 @@ class Motion:
 
     Parameters
     ----------
-    times : [s], strictly increasing from 0.
-    speeds : [m/s], one per time, none negative, not all zero.
+    times : tuple of float, s
+        Times, strictly increasing from 0.
+    speeds : tuple of float, m/s
+        One speed per time, none negative, not all zero.
 
     Raises
     ------
-    ValueError : times or speeds that are not so.
+    ValueError
+        Times or speeds are not as above.
     """
 
     times: tuple[float, ...]
@@ -42,7 +45,7 @@ class Motion:
 
     @classmethod
     def of(cls, speed: float | Sequence[Sequence[float]]) -> Motion:
-        """Motion at a constant speed [m/s], or along (time [s], speed [m/s]) pairs."""
+        """Make the motion at a constant speed [m/s], or along pairs of time [s] and speed [m/s]."""
         if isinstance(speed, int | float):
             return cls((0.0,), (float(speed),))
         return cls(tuple(float(t) for t, _ in speed), tuple(float(v) for _, v in speed))
@@ -53,15 +56,15 @@ class Motion:
         return bool(np.ptp(speeds) <= ROUNDING * speeds.max())
 
     def slowest(self, duration: float) -> float:
-        """Return the least speed [m/s] from the start to a time [s]."""
+        """Return the minimum speed [m/s] from the start to a time [s]."""
         return float(self._speeds_until(duration).min())
 
     def fastest(self, duration: float) -> float:
-        """Return the greatest speed [m/s] that is reached from the start to a time [s]."""
+        """Return the maximum speed [m/s] that is reached from the start to a time [s]."""
         return float(self._speeds_until(duration).max())
 
     def time_below(self, speed: float, duration: float) -> float:
-        """Return the time [s] for which the sphere moves, but slower than a speed [m/s], from the start to a time [s].
+        """Return the time [s] for which the sphere moves slower than a speed [m/s], from the start to a time [s].
 
         A sphere at rest makes no sound that could be missed, so rests do not count.
         """
@@ -82,28 +85,28 @@ class Motion:
         return np.array([*(t for t in self.times if t < duration), duration])
 
     def _speeds_until(self, duration: float) -> Array:
-        """Return the speeds [m/s] at those times: the least and the greatest speed are among them."""
+        """Return the speeds [m/s] at these times, the minimum and the maximum speed among them."""
         return self.speed(self._knots_until(duration))
 
     @property
     def final_distance(self) -> float:
-        """Distance [m] beyond which the sphere never comes: infinite unless the last speed is zero."""
+        """Maximum distance [m] that the sphere reaches: infinite unless the last speed is zero."""
         return np.inf if self.speeds[-1] > 0 else float(self._knots[2][-1])
 
     @cached_property
     def _knots(self) -> tuple[Array, Array, Array, Array]:
-        """Time, speed, distance rolled and acceleration at the start of each stretch."""
+        """Time, speed, distance and acceleration at the start of each stretch."""
         times, speeds = np.array(self.times), np.array(self.speeds)
         lasting = np.diff(times)
         distances = np.append(0.0, np.cumsum(lasting * (speeds[:-1] + speeds[1:]) / 2))
         return times, speeds, distances, np.append(np.diff(speeds) / lasting, 0.0)
 
     def speed(self, t: ArrayLike) -> Array:
-        """Speed [m/s] at the times t >= 0 [s]."""
+        """Return the speed [m/s] at the times t >= 0 [s]."""
         return np.interp(_from_zero(t, "time"), self.times, self.speeds)
 
     def distance(self, t: ArrayLike) -> Array:
-        """Distance rolled [m] up to the times t >= 0 [s]."""
+        """Return the distance rolled [m] up to the times t >= 0 [s]."""
         t = _from_zero(t, "time")
         times, speeds, distances, accelerations = self._knots
         k = np.searchsorted(times, t, side="right") - 1
@@ -111,11 +114,12 @@ class Motion:
         return distances[k] + tau * (speeds[k] + accelerations[k] * tau / 2)
 
     def time(self, distance: ArrayLike) -> Array:
-        """Time [s] at which each distance >= 0 [m] is reached, the earliest where the sphere rests there.
+        """Return the time [s] at which each distance >= 0 [m] is reached, the first one where the sphere rests there.
 
         Raises
         ------
-        ValueError : the sphere comes to rest before a distance.
+        ValueError
+            The sphere comes to rest before a distance.
         """
         d = _from_zero(distance, "distance")
         times, speeds, distances, accelerations = self._knots
@@ -136,12 +140,12 @@ class Motion:
         return times[k] + np.minimum(tau, lasting[k])
 
     def duration(self, distance: float) -> float:
-        """Time [s] it takes to roll a distance [m]; raises ValueError as `time` does."""
+        """Return the time [s] to roll a distance [m]; raise ValueError as `time` does."""
         return float(self.time(distance))
 
 
-def _from_zero(values: ArrayLike, what: str) -> Array:
+def _from_zero(values: ArrayLike, quantity: str) -> Array:
     array = np.asarray(values, dtype=float)
     if np.any(array < 0):
-        raise ValueError(f"a {what} before the start: {np.min(array):.6g}")
+        raise ValueError(f"a {quantity} before the start: {np.min(array):.6g}")
     return array

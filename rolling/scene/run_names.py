@@ -27,7 +27,7 @@ def run_name(values: Values, number: Callable[[float], str] = plain_number) -> s
 
 
 def run_names(runs: Sequence[Values]) -> list[str]:
-    """Return a name for each run of a sweep, all different: the short one, or one with all digits where two print alike.
+    """Return a name for each run of a sweep, all different; where two print alike, with all digits.
 
     Names that are too long end in a digest of their values. Upper and lower case make no difference.
     """

@@ -42,7 +42,7 @@ from rolling.scene.messages import (
 )
 from rolling.scene.motion import Motion
 from rolling.scene.sections import (
-    MOST_FAULTS,
+    MAX_FAULTS,
     HeightFile,
     MadeSurface,
     Numerics,
@@ -102,7 +102,7 @@ class Scene(Section):
         pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$",
         description="Name, used for the folder of the results",
     )
-    description: str | None = Field(default=None, description="What the scene shows")
+    description: str | None = Field(default=None, description="Subject of the scene")
     sphere: Sphere
     plate: Plate
     surface: Surface
@@ -179,18 +179,18 @@ class Scene(Section):
             The data has faults. The known ones come first.
         """
         data = plain(data)
-        scene, found = None, list[sweeps.Fault]()
+        scene, new_faults = None, list[sweeps.Fault]()
         try:
             scene = cls.model_validate(data)
         except ValidationError as error:
-            found += [explained(listed, data, cls) for listed in sweeps.first_errors(error)]
+            new_faults += [explained(listed, data, cls) for listed in sweeps.first_errors(error)]
         if "name" not in data:
-            found.insert(0, (("name",), f"missing, allowed: {NAME.allowed}"))
-        if not any(key[:1] == ("sweep",) for key, _ in found):
-            found += sweeps.faults_of_runs(data, found, cls)
-        lines = [f"{place(key, places)}: {cut(dotted(key))}: {message}" for key, message in found]
-        if len(lines) > MOST_FAULTS:
-            lines[MOST_FAULTS:] = [f"{place((), places)}: more than {MOST_FAULTS} faults, the others are not listed"]
+            new_faults.insert(0, (("name",), f"missing, allowed: {NAME.allowed}"))
+        if not any(key[:1] == ("sweep",) for key, _ in new_faults):
+            new_faults += sweeps.faults_of_runs(data, new_faults, cls)
+        lines = [f"{place(key, places)}: {cut(dotted(key))}: {message}" for key, message in new_faults]
+        if len(lines) > MAX_FAULTS:
+            lines[MAX_FAULTS:] = [f"{place((), places)}: more than {MAX_FAULTS} faults, the others are not listed"]
         if faults or lines or scene is None:
             raise SceneError(list(dict.fromkeys([*faults, *lines])))
         scene._folder = folder
@@ -316,6 +316,12 @@ class Scene(Section):
     def motion(self) -> Motion:
         """Distance and speed over time."""
         return Motion.of(self.rolling.speed_m_s)
+
+    @property
+    def duration(self) -> float:
+        """Time [s] that the track takes."""
+        # A track round a file has one step at least, even for a sphere that rests before.
+        return self.motion.duration(min(self.track.distance, self.motion.final_distance))
 
     @property
     def radius(self) -> float:

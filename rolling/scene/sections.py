@@ -33,7 +33,7 @@ else:
     ModelMetaclass = type(BaseModel)
 
 SMALLEST = 1e-15  # of any number but zero, in the units of the scene; one over it is the largest
-MOST_FAULTS = 100  # that are named
+MAX_FAULTS = 100  # that are named
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 
 
@@ -92,7 +92,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
             return cls.model_validate(values)
         except ValidationError as error:
             faults = []
-            for listed in error.errors(include_url=False)[:MOST_FAULTS]:
+            for listed in error.errors(include_url=False)[:MAX_FAULTS]:
                 key, message = explained(listed, values, cls)
                 key = key if key[:1] == (cls.SECTION,) else (cls.SECTION, *key)
                 faults.append(f"scene: {cut(dotted(key))}: {message}")
@@ -120,7 +120,7 @@ class Sphere(Section):
     density_kg_m3: float | None = Field(
         default=None,
         gt=0,
-        description="Density [kg/m3], from which the check of the contact resonance has the mass; absent: 7850, as if steel",
+        description="Density [kg/m3], for the mass in the check of the contact resonance; absent: 7850, as if steel",
     )
     youngs_modulus_gpa: float | None = Field(
         default=None, gt=0, description="Young's modulus [GPa]; absent: a rigid sphere"
@@ -140,14 +140,16 @@ class Sphere(Section):
 
 
 class Plate(Section):
-    """The half-space the sphere rolls on."""
+    """The half-space that the sphere rolls on."""
 
     SECTION: ClassVar[str] = "plate"
 
     youngs_modulus_gpa: float = Field(gt=0, description="Young's modulus [GPa]")
     poissons_ratio: float = Field(ge=0, le=0.5, description="Poisson's ratio [-]")
     hardness_gpa: float | None = Field(
-        default=None, gt=0, description="Hardness [GPa], the highest pressure it bears; absent: purely elastic"
+        default=None,
+        gt=0,
+        description="Hardness [GPa], the maximum pressure that the plate bears; absent: purely elastic",
     )
 
 
@@ -155,7 +157,7 @@ class Plate(Section):
 
 
 class MadeSurface(Section):
-    """A surface the program makes, as wide as it is told to."""
+    """A surface that the program makes, of a given width."""
 
     SECTION: ClassVar[str] = "surface"
 
@@ -214,7 +216,7 @@ class Smooth(MadeSurface):
 
 
 class HeightFile(Section):
-    """Measured or made heights, read as one period of the surface."""
+    """A surface read from a file, which holds one period of it."""
 
     model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
     SECTION: ClassVar[str] = "surface"
@@ -241,7 +243,7 @@ SPEED = Words("a number > 0, or at least two [time_s, speed_m_s] pairs")
 
 
 def _speed(value: Any) -> Any:
-    """A number, or pairs as tuples; raises the first fault of the pairs at its own place."""
+    """Return a speed, or pairs as tuples; raise the first fault of the pairs at its own place."""
     at = ("rolling", "speed_m_s")
     if is_number(value) and value > 0:
         return float(value)
@@ -262,7 +264,7 @@ def _speed(value: Any) -> Any:
 
 
 def _step_nodes(value: float) -> float:
-    """The allowed value that is meant: 0.333333 is a third."""
+    """Return the allowed value nearest to a rounded one: 0.333333 means a third."""
     closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
     if abs(value / closest - 1) > 1e-5:
         raise fault(
@@ -283,7 +285,7 @@ Speed = Annotated[
 
 
 class Rolling(Section):
-    """How the sphere rolls."""
+    """Load, speed and duration of the rolling."""
 
     SECTION: ClassVar[str] = "rolling"
 
@@ -295,11 +297,11 @@ class Rolling(Section):
     duration_s: float | None = Field(
         default=None, gt=0, description="Time rolled [s]; only with a height file it may be absent: once round the file"
     )
-    start_um: float = Field(default=0.0, description="Where along the track the sphere starts [um]")
+    start_um: float = Field(default=0.0, description="Start position along the track [um]")
 
 
 class Numerics(Section):
-    """How finely to compute."""
+    """Resolution and accuracy of the solution."""
 
     SECTION: ClassVar[str] = "numerics"
 
@@ -312,20 +314,21 @@ class Numerics(Section):
         default=1e-4,
         ge=1e-12,
         le=1e-1,
-        description="Largest violation of the contact conditions over the largest deflection [-]",
+        description="Maximum violation of the contact conditions over the maximum deflection [-]",
     )
     edges: Literal["sharp", "blended"] = Field(
         default="blended",
-        description="Nodes at the edge of yielding patches: all or nothing, or loaded by the share of their cell in contact",
+        description="Nodes at the edge of yielding patches: sharp loads them in full or not at all, blended by the share of their"
+        " cell in contact",
     )
     precision: Literal["single", "double"] = Field(
         default="single",
-        description="Of the transforms while iterating; what is accepted is checked and kept in double precision",
+        description="Precision of the transforms in the iteration; a solution is accepted after a check in double precision",
     )
 
 
 class Recovery(Section):
-    """What to keep of the recovering nodes."""
+    """Recovery of the nodes that leave the contact."""
 
     SECTION: ClassVar[str] = "recovery"
 
@@ -337,7 +340,7 @@ class Recovery(Section):
 
 
 class Sound(Section):
-    """How release power becomes sound pressure."""
+    """Listener, and conversion of release power to sound pressure."""
 
     SECTION: ClassVar[str] = "sound"
 

@@ -24,7 +24,7 @@ from rolling.scene.messages import (
     shown,
 )
 from rolling.scene.run_names import run_name
-from rolling.scene.sections import MOST_FAULTS
+from rolling.scene.sections import MAX_FAULTS
 
 MAX_RUNS = 10_000  # of a sweep
 Fault = tuple[Key, str]  # key and message
@@ -107,14 +107,14 @@ def faults_of_runs(data: Mapping[str, Any], known_faults: Sequence[Fault], root:
             elif key not in known:
                 known.add(key)
                 faults.append((key, f"{message} (in the run {run_name(values)} of the sweep)"))
-        if len(faults) > MOST_FAULTS:
+        if len(faults) > MAX_FAULTS:
             break
     return faults
 
 
 def first_errors(error: ValidationError) -> list[Any]:
     """List the faults that pydantic found, at most one more than are named."""
-    return error.errors(include_url=False)[: MOST_FAULTS + 1]
+    return error.errors(include_url=False)[: MAX_FAULTS + 1]
 
 
 def _errors(data: Mapping[str, Any], root: type[BaseModel]) -> list[Any]:

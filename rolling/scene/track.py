@@ -1,4 +1,4 @@
-"""Where the sphere goes, in whole nodes and whole steps: the arithmetic behind `scenario.track`, in SI."""
+"""The track of the sphere in whole nodes and whole steps, in SI."""
 
 from __future__ import annotations
 
@@ -18,10 +18,20 @@ _DURATION, _SPEED, _PATH = ("rolling", "duration_s"), ("rolling", "speed_m_s"), 
 
 @dataclass(frozen=True)
 class Track:
-    """Where the sphere goes.
+    """Positions of the sphere on its surface.
 
-    n_along, n_across : nodes of the surface.  steps : positions less one.  step, spacing : [m].
-    lap_steps : steps after which the positions repeat.  closed : the last position is the first one again.
+    Attributes
+    ----------
+    n_along, n_across : int
+        Nodes of the surface.
+    steps : int
+        Steps; there is one position more.
+    step, spacing : float, m
+        Distance between positions, and between nodes.
+    closed : bool
+        The last position is the first one again.
+    lap_steps : int
+        Steps after which the positions repeat.
     """
 
     n_along: int
@@ -34,7 +44,7 @@ class Track:
 
     @property
     def solved_steps(self) -> int:
-        """Steps that are different, all there is to solve."""
+        """Steps that differ from each other, which have to be solved."""
         return min(self.steps, self.lap_steps)
 
     @property
@@ -44,7 +54,10 @@ class Track:
 
 
 def made_track(n_across: int, spacing: float, step_nodes: float, motion: Motion, duration: float) -> Track:
-    """Track over a made surface: as long as the sphere rolls, rounded so that it closes on itself; raises faults."""
+    """Make the track over a made surface, as long as the sphere rolls, rounded so that it closes on itself.
+
+    A duration [s] that is too short or too long raises a fault.
+    """
     step_fraction = _fraction(step_nodes)
     # The track is counted in the larger of step and node; the smaller then fits in whole numbers.
     unit_nodes = max(1, math.ceil(step_fraction))
@@ -76,7 +89,10 @@ def made_track(n_across: int, spacing: float, step_nodes: float, motion: Motion,
 def file_track(
     path: Path, said: str, spacing: float, step_nodes: float, motion: Motion, duration: float | None
 ) -> Track:
-    """Track over the heights of a file, `said` in the scene: once round when no duration is given; raises faults."""
+    """Make the track over the heights of a file, by default once round it.
+
+    `said` is the path as the scene has it. A file without heights, or a sphere that rests too early, raises a fault.
+    """
     n_along, n_across = _shape(path, said)
     step_fraction, step = _fraction(step_nodes), spacing * step_nodes
     lap = n_along * spacing
@@ -96,16 +112,17 @@ def file_track(
 
 
 def _within_reach(count: int, length: float, motion: Motion) -> int:
-    """One less where rounding asks a sphere that stops for more."""
+    """Return a count, or one less where rounding asks a sphere that stops for more."""
     return count - 1 if count * length > motion.final_distance * (1 + ROUNDING) else count
 
 
 def _fraction(step_nodes: float) -> Fraction:
+    """Return the step in nodes as a fraction."""
     return Fraction(step_nodes).limit_denominator(16)
 
 
 def _shape(path: Path, said: str) -> tuple[int, int]:
-    """Shape of the height file, from its header."""
+    """Return the shape of a height file from its header."""
     try:
         shape, dtype = header(path)
     except HeaderError as error:

@@ -1,4 +1,4 @@
-"""YAML text to plain values and the line of each key, within limits of size, depth and number. Depends on `_wording`."""
+"""YAML text as plain values and the line of each key, within limits of size, depth and number."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MAX_NESTING = 4  # of values in a scene
 _MAX_BITS = 1000  # of a whole number: Python refuses to write much longer ones
 _MAX_DEPTH = 20  # of a text: the places of what is nested deeper than scenes are is not worth naming
 
-# How ruamel.yaml refuses some constructs, and how it stumbles over others, such as a directive of YAML 1.164.
+# Errors of ruamel.yaml: it refuses some constructs, and stumbles over others, such as a directive of YAML 1.164.
 _STUMBLES = (ArithmeticError, AssertionError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
 
 _KINDS = (
@@ -39,20 +39,21 @@ _KINDS = (
 
 
 class TextError(Exception):
-    """A text that is not read: the fault in one line, with its place."""
+    """A fault of a text in one line, with its place."""
 
 
 def kind_of_file(mode: int) -> str | None:
     """Name the kind of a file that is no regular one, by its mode; None for a regular file."""
-    return None if stat.S_ISREG(mode) else next((kind for told, kind in _KINDS if told(mode)), "no regular file")
+    return None if stat.S_ISREG(mode) else next((kind for is_kind, kind in _KINDS if is_kind(mode)), "no regular file")
 
 
 def read_text(path: Path) -> str:
-    """Read a regular file of UTF-8 text, of at most MAX_BYTES; what is no regular file is not even opened.
+    """Read a regular file of UTF-8 text, of at most MAX_BYTES; another kind of file is not even opened.
 
     Raises
     ------
-    TextError : the file is missing, no regular file, too large, not readable, or not UTF-8.
+    TextError
+        The file is missing, no regular file, too large, not readable, or not UTF-8.
     """
     try:
         kind = kind_of_file(path.stat().st_mode)
@@ -73,7 +74,7 @@ def read_text(path: Path) -> str:
 
 
 def open_at_once(path: Path) -> io.FileIO:
-    """Open a file to read without ever waiting: a pipe that takes its place meanwhile must not hold the program up."""
+    """Open a file for reading without waiting: a pipe that took its place must not hold the program up."""
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     return io.FileIO(os.open(path, flags), "rb")
 
@@ -92,7 +93,8 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
 
     Raises
     ------
-    TextError : the text is no YAML 1.2 of plain values, or beyond a limit.
+    TextError
+        The text is no YAML 1.2 of plain values, or beyond a limit.
     """
     if len(text) > MAX_BYTES:
         raise TextError(f"{where}: got {len(text):,} letters, allowed: at most {MAX_BYTES:,}")
@@ -120,7 +122,7 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
 
 
 class _BeyondLimit(Exception):
-    """A text that holds too much or is nested too deeply, found in a line."""
+    """A text that holds too much or is nested too deeply, with the line."""
 
     def __init__(self, message: str, line: int) -> None:
         super().__init__(message)
@@ -128,7 +130,7 @@ class _BeyondLimit(Exception):
 
 
 class _Counted(Composer):
-    """Counts the values of a text while they are read, an alias as all that it stands for, and stops beyond a limit."""
+    """A composer that counts the values of a text, an alias as all its values, and stops beyond a limit."""
 
     def __init__(self, loader: Any = None) -> None:
         super().__init__(loader)
@@ -160,7 +162,7 @@ class _Counted(Composer):
 
 
 def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
-    """Plain values of what ruamel.yaml loaded, and the line of every key."""
+    """Turn the values of ruamel.yaml into plain ones, and list the line of every key."""
     lines: dict[Key, int] = {(): 1}
 
     def plain(value: Any, key: Key) -> Any:

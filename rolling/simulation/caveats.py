@@ -60,7 +60,7 @@ def caveats(scene: Scene, sound: ContactSound, findings: Iterable[Finding], comp
     found.append(
         Caveat("quasi_static", "The load is held constant: the sphere neither bounces nor rings on its contact.")
     )
-    found += [Caveat(each.key, f"{each.what}: {each.warning}") for each in findings if each.warning]
+    found += [Caveat(each.key, f"{each.quantity}: {each.warning}") for each in findings if each.warning]
     hidden = resolution.doubt(scene, sound.audible_rms, sound.resolved_rms)
     return [*found, Caveat("solver", f"solver: {hidden}")] if hidden else found
 

@@ -1,4 +1,4 @@
-"""A scene to the rolling contact that the march takes: its surface, its bodies and its numerics as plain numbers."""
+"""The rolling contact of a scene for the march: surface, bodies and numerics as plain numbers."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ Array = NDArray[np.float64]
 
 
 def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
-    """Gather the numbers that the march needs of a scene, `over` these heights [m] or its own.
+    """Make the rolling contact of a scene, over its own heights or over others [m].
 
     Raises
     ------
-    SceneError : the surface cannot be made or read.
+    SceneError
+        The surface cannot be made or read.
     """
     return RollingContact(
         heights=heights(scene) if over is None else over,

@@ -1,4 +1,4 @@
-"""Periodic surface heights: generation by spectral filtering, files, statistics. Depends on numpy only."""
+"""Periodic surface heights: generation by spectral filtering, files, statistics."""
 
 from __future__ import annotations
 
@@ -20,15 +20,19 @@ LARGEST_RA = 1e-3  # [m]; anything rougher is a file in other units
 
 
 class SurfaceError(ValueError):
-    """Heights that cannot be used: what is wrong with them, and where."""
+    """A fault of heights and its place."""
 
 
 @dataclass(frozen=True)
 class Correlation:
     """Autocorrelation of heights along one axis, in two numbers.
 
-    length : lag [m] at which it falls to 1/e, infinite where it never does.
-    noise : share of the variance that one node does not share with the next, from 0 (smooth) to 1 (white noise).
+    Attributes
+    ----------
+    length : float, m
+        Lag at which the autocorrelation falls to 1/e, infinite where it never does.
+    noise : float
+        Share of the variance that one node does not share with the next, from 0 (smooth) to 1 (white noise).
     """
 
     length: float
@@ -56,20 +60,29 @@ def gaussian(
     autocorrelation: str,
     seed: int,
 ) -> Array:
-    """Periodic Gaussian heights [m] of exact Ra and zero mean, by filtering white noise with the root of the spectrum.
+    """Make periodic Gaussian heights [m] of exact Ra and zero mean.
+
+    White noise is filtered with the root of the spectrum.
 
     Parameters
     ----------
-    shape : nodes along and across the track.
-    spacing : node spacing [m].
-    ra : arithmetic mean roughness [m].
-    correlation_length : along and across the track [m].
-    autocorrelation : a key of AUTOCORRELATIONS; its r / L is the norm of (x / L_along, y / L_across).
-    seed : of numpy's default generator.
+    shape : (int, int)
+        Nodes along and across the track.
+    spacing : float, m
+        Node spacing.
+    ra : float, m
+        Arithmetic mean roughness.
+    correlation_length : (float, float), m
+        Correlation lengths along and across the track.
+    autocorrelation : str
+        Key of AUTOCORRELATIONS; its r / L is the norm of (x / L_along, y / L_across).
+    seed : int
+        Seed of numpy's default generator.
 
     Raises
     ------
-    SurfaceError : the filter leaves nothing (a correlation length far above the surface's size).
+    SurfaceError
+        The filter leaves nothing, because a correlation length is far above the size of the surface.
     """
     decay, exponent = AUTOCORRELATIONS[autocorrelation]
     along, across = (
@@ -77,7 +90,7 @@ def gaussian(
         for n, length in zip(shape, correlation_length, strict=True)
     )
     r2 = along[:, None] ** 2 + across[None, :] ** 2
-    # Folding the law onto the periodic grid can leave slightly negative spectral densities: they are nothing.
+    # The law on a periodic grid can have slightly negative spectral densities, which are rounding.
     density = np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0)
     noise = np.random.default_rng(seed).standard_normal(shape)
     heights = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
@@ -95,16 +108,17 @@ def gaussian(
 
 
 def smooth(shape: tuple[int, int]) -> Array:
-    """Flat heights [m]."""
+    """Make flat heights [m]."""
     return np.zeros(shape)
 
 
 def read(path: Path) -> Array:
-    """Heights [m] from a .npy file, shape (along track, across), the mean taken off.
+    """Read heights [m] from a .npy file, shape (along track, across), and take the mean off.
 
     Raises
     ------
-    SurfaceError : as `stored` and `usable` do.
+    SurfaceError
+        The file has faults that `stored` or `usable` names.
     """
     return usable(stored(path), path)
 
@@ -114,19 +128,20 @@ def stored(path: Path) -> Array:
 
     Raises
     ------
-    SurfaceError : not a 2-D array of real numbers, or heights that are not finite (the first is named).
+    SurfaceError
+        The file is no 2-D array of real numbers, or heights are not finite (the first is named).
     """
     try:
         content = np.load(path, allow_pickle=False)
     except (OSError, ValueError) as error:
         raise SurfaceError(f"{path}: not a readable .npy file of heights ({error})") from error
     if not isinstance(content, np.ndarray) or content.ndim != 2 or not content.size or content.dtype.kind not in "fiu":
-        what = (
+        kind = (
             f"{content.ndim}-D {content.dtype} of shape {content.shape}"
             if isinstance(content, np.ndarray)
             else "an archive"
         )
-        raise SurfaceError(f"{path}: got {what}, allowed is one 2-D array of real heights in m, (along track, across)")
+        raise SurfaceError(f"{path}: got {kind}, allowed is one 2-D array of real heights in m, (along track, across)")
     heights = content.astype(np.float64)
     bad = np.argwhere(~np.isfinite(heights))
     if len(bad):
@@ -142,7 +157,8 @@ def usable(heights: Array, path: Path) -> Array:
 
     Raises
     ------
-    SurfaceError : an Ra above 1 mm.
+    SurfaceError
+        Ra is above 1 mm.
     """
     heights = heights - heights.mean()
     ra = np.abs(heights).mean()
@@ -155,7 +171,10 @@ def usable(heights: Array, path: Path) -> Array:
 
 
 def statistics(heights: Array, spacing: float) -> Statistics:
-    """Roughness statistics of periodic heights (m, n) [m]; the rms slope is the norm of the gradient over one spacing."""
+    """Compute roughness statistics of periodic heights (m, n) [m].
+
+    The rms slope is the norm of the gradient over one spacing.
+    """
     z = heights - heights.mean()
     rq = float(np.sqrt(np.mean(z**2)))
     rough = rq > 0
@@ -172,10 +191,10 @@ def statistics(heights: Array, spacing: float) -> Statistics:
 
 
 def correlation(heights: Array, spacing: float, axis: int) -> Correlation:
-    """Estimate the correlation of periodic heights (m, n) [m] along one axis, from the mean autocorrelation of all lines.
+    """Estimate the correlation of periodic heights (m, n) [m] along one axis, from the mean of all lines.
 
-    The length is interpolated between nodes. White noise falls to 1/e at 0.63 of a node, as near to zero as a grid can say. The
-    noise is the drop from lag 0 to the value that a straight line through lags 1 and 2 has there: none on a smooth surface.
+    The length is interpolated between nodes. White noise falls to 1/e at 0.63 of a node, the minimum on a grid. The noise
+    is the drop from lag 0 to the value there of a straight line through lags 1 and 2; a smooth surface has none.
     """
     z = heights - heights.mean()
     n = z.shape[axis]

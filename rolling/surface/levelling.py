@@ -1,7 +1,7 @@
-"""Tilt and seam of measured heights: what a wrap-around would add to a crop, and the plane that takes it off.
+"""Tilt and seam of measured heights.
 
-Depends on numpy only. Heights are read as one period of the surface. A crop of a larger one is none: its last row does not lead
-to its first, and a tilt of the table passes for a cliff there.
+Heights are read as one period of the surface. A crop of a larger surface is none: its last row does not lead to its
+first, and a tilt of the table passes for a cliff there. Taking a plane off removes the tilt.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Of the greatest difference between neighbouring rows: a seam that stands out is larger by this much and by 4 / rows.
-BEYOND_GREATEST = 1.2
-# Of the distance from the median to the greatest: a seam that stands out lies further out by this much and by 16 / rows.
+# A seam that stands out is above the maximum difference between neighbouring rows by this factor plus 4 / rows.
+BEYOND_MAXIMUM = 1.2
+# It is above the median by this factor plus 16 / rows times the distance from the median to the maximum.
 BEYOND_RANGE = 2.0
-# Of the usual rms: less is no tilt by medians, which on coarsely quantized heights are zero or a whole quantum.
+# A median difference below this factor times the usual rms is no tilt: coarsely quantized heights have medians of zero or
+# a whole quantum.
 BEYOND_USUAL = 2.0
 
 
@@ -25,9 +26,14 @@ BEYOND_USUAL = 2.0
 class Seam:
     """The step from the last row of heights to the first one.
 
-    step : rms across the seam [m].
-    neighbours : median over all neighbouring rows of the rms between them [m].
-    stands_out : the seam is no neighbour like the others.
+    Attributes
+    ----------
+    step : float, m
+        Rms difference across the seam.
+    neighbours : float, m
+        Median over all neighbouring rows of their rms difference.
+    stands_out : bool
+        The difference across the seam is not like those between neighbours.
     """
 
     step: float
@@ -37,13 +43,20 @@ class Seam:
 
 @dataclass(frozen=True)
 class Levelling:
-    """The plane of heights that were read, and what was done about it; pairs are along and across the track.
+    """The plane of heights that were read, and the part that was taken off; pairs are along and across the track.
 
-    plane : slopes of the least-squares plane of the heights as they were read [m/m].
-    taken : slopes that were taken off [m/m], 0 where nothing was.
-    lengths : of the file [m].
-    ra_before, ra_after : arithmetic mean roughness [m].
-    seams : of the heights that are used.
+    Attributes
+    ----------
+    plane : (float, float), m/m
+        Slopes of the least-squares plane of the heights as they were read.
+    taken : (float, float), m/m
+        Slopes that were taken off, 0 where nothing was.
+    lengths : (float, float), m
+        Lengths of the file.
+    ra_before, ra_after : float, m
+        Arithmetic mean roughness.
+    seams : (Seam, Seam)
+        Seams of the heights that are used.
     """
 
     plane: tuple[float, float]
@@ -55,7 +68,7 @@ class Levelling:
 
     @property
     def rises(self) -> tuple[float, float]:
-        """Height that was taken off over the file [m], along and across."""
+        """Height [m] of the plane that was taken off, over the whole file along and across."""
         return self.taken[0] * self.lengths[0], self.taken[1] * self.lengths[1]
 
 
@@ -64,9 +77,12 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
 
     Parameters
     ----------
-    heights : (m, n) heights [m] along and across the track.
-    spacing : node spacing [m].
-    mode : auto, plane or none. auto: each direction of its own, where the seam stands out and the plane lowers it.
+    heights : (m, n) array, m
+        Heights along and across the track.
+    spacing : float, m
+        Node spacing.
+    mode : str
+        auto, plane or none. auto takes off each direction by itself, where the seam stands out and the plane lowers it.
     """
     seams = seam(heights, 0), seam(heights, 1)
     plane = slope(heights, spacing, 0), slope(heights, spacing, 1)
@@ -86,12 +102,12 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
 def seam(heights: Array, axis: int) -> Seam:
     """Judge the step across the seam of one axis by the differences between all neighbouring rows.
 
-    The seam stands out where its size s is beyond (1.2 + 4/m) times the greatest difference g of two neighbours, and beyond
-    the median d of them by more than (2 + 16/m) (g - d), m being the number of rows. The greatest one decides, so that grooves,
-    spikes and cliffs of a periodic surface, which come in pairs, are not called a seam when one half of a pair lies there; the
-    median and the number of rows measure how far out a chance difference may lie. The size of a difference is its rms, or its
-    median magnitude, which single outliers do not reach: either may show the seam. A groove or a cliff over the
-    whole width that is as deep as the seam's step hides it.
+    The seam stands out where its size s is above (1.2 + 4/m) times the maximum difference g of two neighbours, and above
+    their median d by more than (2 + 16/m) (g - d), with m rows. The maximum decides, because grooves, spikes and cliffs of
+    a periodic surface come in pairs: half a pair at the seam is no seam. The median and the number of rows measure how far
+    out a chance difference may lie. The size of a difference is its rms, or its median magnitude, which single outliers do
+    not reach; either may show the seam. A groove or a cliff over the whole width that is as deep as the step of the seam
+    hides it.
     """
     last_to_first = np.take(heights, 0, axis) - np.take(heights, -1, axis)
     differences = np.abs(np.diff(heights, axis=axis))
@@ -104,12 +120,12 @@ def seam(heights: Array, axis: int) -> Seam:
 
 
 def slope(heights: Array, spacing: float, axis: int) -> float:
-    """Slope of the least-squares plane along one axis [m/m]; on a grid it does not depend on the other one."""
+    """Return the slope [m/m] of the least-squares plane along one axis; on a grid the other axis does not change it."""
     return float(_share_of(heights, centred(heights.shape[axis]), axis)) / spacing
 
 
 def form_share(heights: Array) -> float:
-    """Share of the heights' variance that a plane and a parabola along and across make up, from 0 to 1."""
+    """Return the share of the variance that a plane and a parabola along and across make up, from 0 to 1."""
     variance = float(np.mean(np.square(heights)))
     if variance == 0:
         return 0.0
@@ -123,16 +139,17 @@ def form_share(heights: Array) -> float:
 
 
 def centred(n: int) -> Array:
-    """Places of n nodes about their middle, in nodes."""
+    """Return the positions of n nodes about their middle, in nodes."""
     return np.arange(n, dtype=np.float64) - (n - 1) / 2
 
 
 def _share_of(heights: Array, shape: Array, axis: int) -> float:
-    """Least-squares factor of a shape along one axis, of zero mean, in the heights."""
+    """Return the least-squares factor of a shape of zero mean along one axis in the heights."""
     return float(heights.mean(axis=1 - axis) @ shape / (shape @ shape))
 
 
 def _helps(heights: Array, spacing: float, axis: int, seam: Seam, slope: float) -> bool:
+    """Tell whether the seam stands out and taking the plane off lowers it."""
     if not seam.stands_out:
         return False
     step = np.take(heights, 0, axis) - np.take(heights, -1, axis) + slope * spacing * (heights.shape[axis] - 1)
@@ -140,8 +157,9 @@ def _helps(heights: Array, spacing: float, axis: int, seam: Seam, slope: float) 
 
 
 def _stands_out(size: float, neighbours: Array) -> bool:
+    """Tell whether a difference across the seam lies out of the range of all neighbours."""
     rows = len(neighbours) + 1
-    median, greatest = float(np.median(neighbours)), float(neighbours.max())
-    return size > (BEYOND_GREATEST + 4 / rows) * greatest and size - median > (BEYOND_RANGE + 16 / rows) * (
-        greatest - median
+    median, maximum = float(np.median(neighbours)), float(neighbours.max())
+    return size > (BEYOND_MAXIMUM + 4 / rows) * maximum and size - median > (BEYOND_RANGE + 16 / rows) * (
+        maximum - median
     )

@@ -1,6 +1,7 @@
-"""The surface of a scene: made, or read, centred and levelled; all that needs heights takes them from here.
+"""The surface of a scene: made, or read, centred and levelled.
 
-Depends on scenario, surface and levelling. The last surface is kept, because most runs of a sweep share it.
+March, statistics and pictures take the heights from here. The last surface is kept, because most runs of a sweep share
+it.
 """
 
 from __future__ import annotations
@@ -26,12 +27,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class SceneSurface:
-    """Heights of a scene and their statistics, each computed when it is first asked for.
+    """Heights of a scene and their statistics, each computed when it is first needed.
 
-    heights : [m], shape (along track, across).
-    spacing : of the nodes [m].
-    levelling : of heights that were read from a file; None: they were made.
-    sha256 : digest of the heights as their file holds them, before levelling; None: they were made.
+    Attributes
+    ----------
+    heights : (along, across) array, m
+        Heights.
+    spacing : float, m
+        Node spacing.
+    levelling : Levelling or None
+        Levelling of heights from a file; None for made heights.
+    sha256 : str or None
+        Digest of the heights as their file holds them, before levelling; None for made heights.
     """
 
     heights: Array
@@ -51,12 +58,12 @@ class SceneSurface:
 
     @cached_property
     def form_share(self) -> float:
-        """Share of the heights' variance that a plane and a parabola make up."""
+        """Share of the variance of the heights that a plane and a parabola make up."""
         return levelling.form_share(self.heights)
 
     @property
     def has_seam(self) -> bool:
-        """The step from the end of the track to its beginning stands out."""
+        """Tell whether the step from the end of the track to its beginning stands out."""
         return self.levelling is not None and self.levelling.seams[0].stands_out
 
 
@@ -68,7 +75,8 @@ def scene_surface(scene: Scene) -> SceneSurface:
 
     Raises
     ------
-    SceneError : the surface cannot be made or read.
+    SceneError
+        The surface cannot be made or read.
     """
     key = identity(scene)
     if key not in _kept:
@@ -83,23 +91,25 @@ def scene_surface(scene: Scene) -> SceneSurface:
 
 
 def heights(scene: Scene) -> Array:
-    """Surface heights of a scene [m], (along, across), as the march, the statistics and the pictures use them.
+    """Return the surface heights of a scene [m], shape (along, across).
 
     Raises
     ------
-    SceneError : the surface cannot be made or read.
+    SceneError
+        The surface cannot be made or read.
     """
     return scene_surface(scene).heights
 
 
 def identity(scene: Scene) -> tuple[Any, ...]:
-    """Values that are equal for scenes that share their surface; a file that was written again is another one.
+    """Return values that are equal for scenes with the same surface; a file that was written again is another one.
 
     Raises
     ------
-    SceneError : the height file is missing or has no heights.
+    SceneError
+        The height file is missing or has no heights.
     """
-    way, path = scene.track, scene.height_path
+    track, path = scene.track, scene.height_path
     try:
         stamp = path.stat() if path else None
     except OSError as error:
@@ -107,8 +117,8 @@ def identity(scene: Scene) -> tuple[Any, ...]:
     return (
         scene.surface.model_dump_json(),
         scene.folder,
-        way.n_along,
-        way.n_across,
+        track.n_along,
+        track.n_across,
         (stamp.st_mtime_ns, stamp.st_size, stamp.st_ino) if stamp else None,
     )
 
@@ -119,8 +129,8 @@ def _make(scene: Scene) -> SceneSurface:
         stored = surface.stored(scene.height_path)  # the digest is of the very array that is used
         heights, how = levelling.level(surface.usable(stored, scene.height_path), spacing, s.level)
         return SceneSurface(heights, spacing, how, heights_digest(stored))
-    way = scene.track
-    shape = way.n_along, way.n_across
+    track = scene.track
+    shape = track.n_along, track.n_across
     if isinstance(s, Gaussian):
         across = s.correlation_length_across_um or s.correlation_length_um
         lengths = (s.correlation_length_um * 1e-6, across * 1e-6)
