@@ -2,14 +2,16 @@
 
 r is the residual, the gap left open or overlapped on a free node [m]; z the preconditioned residual, d the direction, both [Pa];
 alpha and beta are the step length and the factor of the last direction. `violation` and `candidates` look at a whole window; all
-others at its candidates, the nodes that may be in contact, as flat arrays. The tuples below are built once per descent, because
-handing one to compiled code takes about a microsecond.
+others at its candidates, the nodes that may be in contact, as flat arrays.
+
+`iterate`, `lead` and `carry_load` are called from Python and take a System packed as plain tuples: numba unpickles the class of
+each named tuple that crosses the boundary, which takes 1 us or more, and plain ones cross as fast as arguments do.
 """
 
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -100,6 +102,18 @@ class System(NamedTuple):
     stencil: Stencil
     work: Work
     limits: Limits
+
+
+def pack(system: System) -> tuple[tuple[Any, ...], ...]:
+    """Make a System plain tuples, to be handed to compiled code."""
+    return tuple(tuple(part) for part in system)
+
+
+@njit(cache=True)
+def unpack(packed):
+    """Make the System again from its plain tuples."""
+    nodes, transform, stencil, work, limits = packed
+    return System(Nodes(*nodes), Transform(*transform), Stencil(*stencil), Work(*work), Limits(*limits))
 
 
 class Direction(NamedTuple):
@@ -256,7 +270,7 @@ def approach_of(p, g, hardness):
 
 
 @njit(cache=True)
-def find_residual(system, approach, snap):
+def find_residual(nodes, stencil, work, hardness, approach, snap):
     """Find the residual r and the nodes that may move; return the maximum violation [m] and the numbers of free and bound nodes.
 
     A loaded node that closing its own gap would carry past a bound goes straight there (two-metric projection, Bertsekas, SIAM
@@ -264,9 +278,9 @@ def find_residual(system, approach, snap):
     such nodes ever closer to their bound but never on it; within `snap` [Pa], too little to change a deflection, they are put
     there.
     """
-    p, g, softening, hardness = system.nodes.p, system.nodes.g, system.nodes.softening, system.limits.hardness
-    grid, place, stiffness = system.stencil.grid, system.stencil.node, system.stencil.stiffness
-    r, active = system.work.r, system.work.active
+    p, g, softening = nodes.p, nodes.g, nodes.softening
+    grid, place, stiffness = stencil.grid, stencil.node, stencil.stiffness
+    r, active = work.r, work.active
     worst = 0.0
     free = 0
     bound = 0
@@ -299,10 +313,10 @@ def find_residual(system, approach, snap):
 
 
 @njit(cache=True)
-def precondition(system, free):
+def precondition(stencil, softening, work, free):
     """Set z to the short stencil of the inverse half-space times the residual, on the free nodes."""
-    values, grid, place, row_length = system.stencil.values, system.stencil.grid, system.stencil.node, system.stencil.row_length
-    softening, active, z = system.nodes.softening, system.work.active, system.work.trial
+    values, grid, place, row_length = stencil.values, stencil.grid, stencil.node, stencil.row_length
+    active, z = work.active, work.trial
     for a in range(free):
         k = active[a]
         at = place[k]
@@ -314,7 +328,7 @@ def precondition(system, free):
 
 
 @njit(cache=True)
-def find_direction(system, approach, free, bound, direction, plain):
+def find_direction(nodes, stencil, work, limits, approach, free, bound, direction, plain):
     """Find the next feasible direction d: preconditioned conjugate gradient (Polak-Ribiere), projected.
 
     Where it does not descend, d is the projected preconditioned gradient (a restart), and where that does not descend or if
@@ -322,12 +336,11 @@ def find_direction(system, approach, free, bound, direction, plain):
 
     Returns the Direction and the numbers of restarts and of plain gradient steps (0 or 1 each).
     """
-    p, g, limits = system.nodes.p, system.nodes.g, system.limits
-    active, r, r_before, d = system.work.active, system.work.r, system.work.r_before, system.work.d
-    z = trial = system.work.trial
+    p, g, active, r, r_before, d = nodes.p, nodes.g, work.active, work.r, work.r_before, work.d
+    z = trial = work.trial
     sets = Sets(active, free, bound)
     length = direction.length
-    precondition(system, free)
+    precondition(stencil, nodes.softening, work, free)
     zr = 0.0
     change = 0.0
     for a in range(free):
@@ -346,7 +359,7 @@ def find_direction(system, approach, free, bound, direction, plain):
     if not slope < 0.0 and beta > 0.0:
         restarts = 1
         length = 1.0
-        precondition(system, free)
+        precondition(stencil, nodes.softening, work, free)
         for a in range(free):
             k = active[a]
             trial[k] = p[k] - z[k]
@@ -359,7 +372,7 @@ def find_direction(system, approach, free, bound, direction, plain):
         for k in range(p.size):
             active[k] = k
             # The factor is the same for all nodes: only so does the projection descend.
-            trial[k] = p[k] - system.stencil.stiffness * (g[k] - approach)
+            trial[k] = p[k] - stencil.stiffness * (g[k] - approach)
         slope, longest = project(p, g, approach, trial, Sets(active, p.size, 0), limits, d)
     r_before[:] = r
     return Direction(slope, longest, zr, length), restarts, plain_steps
@@ -374,55 +387,70 @@ def scatter(transform, d):
 
 
 @njit(cache=True)
-def iterate(system, direction, snap, allowed):
-    """Step along the direction, whose deflection is known; unless the violation is within `allowed` [m], find the next direction.
+def iterate(packed, direction, snap, allowed):
+    """Step along the direction and, unless the violation is within `allowed` [m], find the next direction.
 
-    Returns the Step taken and the Direction to convolve, which after a converged step is the one given.
+    The deflection by the direction must be known. Nodes within `snap` [Pa] of a bound that they move to are put there.
+
+    Returns the fields of the Step taken and of the Direction to convolve, which after a converged step is the one given.
     """
+    system, direction = unpack(packed), Direction(*direction)
+    nodes, limits = system.nodes, system.limits
     alpha = 1.0
     if direction.slope < 0.0:
         alpha = line_search(system, direction)
         # A long step multiplies the rounding of the load.
         take_step(system, min(alpha, direction.longest, 100.0))
-    approach = approach_of(system.nodes.p, system.nodes.g, system.limits.hardness)
-    worst, free, bound = find_residual(system, approach, snap)
+    approach = approach_of(nodes.p, nodes.g, limits.hardness)
+    worst, free, bound = find_residual(nodes, system.stencil, system.work, limits.hardness, approach, snap)
     restarts = 0
     plain_steps = 0
     if worst > allowed:
         length = direction.length * min(max(alpha, 0.5), 2.0)
-        direction = Direction(direction.slope, direction.longest, direction.zr, length)
+        last = Direction(direction.slope, direction.longest, direction.zr, length)
+        plain = alpha < LEAST_STEP
         direction, restarts, plain_steps = find_direction(
-            system, approach, free, bound, direction, alpha < LEAST_STEP
+            nodes, system.stencil, system.work, limits, approach, free, bound, last, plain
         )
         scatter(system.transform, system.work.d)
-    return Step(approach, worst, free, bound, restarts, plain_steps), direction
+    following = direction.slope, direction.longest, direction.zr, direction.length
+    return (approach, worst, free, bound, restarts, plain_steps), following
 
 
 @njit(cache=True)
-def lead(system, p_trend, u_trend):
+def lead(packed, p_trend, u_trend):
     """Find a first direction by way of the extrapolation q of the last solutions and of the gradient at q.
 
     The deflection at q is known but for the part that the bounds cut off. The step starts from the exact pressures, with an
     exact line search, so that this does no harm.
 
-    Returns the Direction; its slope is 0 where none descends.
+    Returns the fields of the Direction; its slope is 0 where none descends.
     """
-    nodes, limits, d = system.nodes, system.limits, system.work.d
+    system = unpack(packed)
+    nodes, limits, work = system.nodes, system.limits, system.work
     q = np.empty_like(nodes.p)
     h = nodes.g + u_trend
     for k in range(nodes.compliance.size):
         h[k] += nodes.compliance[k] * p_trend[k]
-    if extrapolate(nodes.p, p_trend, nodes.g, limits, system.work, q):
-        at_q = System(
-            Nodes(q, h, nodes.compliance, nodes.softening), system.transform, system.stencil, system.work, limits
-        )
+    if extrapolate(nodes.p, p_trend, nodes.g, limits, work, q):
+        at_q = Nodes(q, h, nodes.compliance, nodes.softening)
         approach = approach_of(q, h, limits.hardness)
-        _, free, bound = find_residual(at_q, approach, 0.0)
-        direction, _, _ = find_direction(at_q, approach, free, bound, Direction(0.0, 0.0, 0.0, 1.0), False)
+        _, free, bound = find_residual(at_q, system.stencil, work, limits.hardness, approach, 0.0)
+        first = Direction(0.0, 0.0, 0.0, 1.0)
+        direction, _, _ = find_direction(at_q, system.stencil, work, limits, approach, free, bound, first, False)
         if direction.slope < 0.0:
-            slope, longest = step_by_way_of(q, nodes.p, nodes.g, limits.hardness, d)
+            slope, longest = step_by_way_of(q, nodes.p, nodes.g, limits.hardness, work.d)
             if slope < 0.0:
-                scatter(system.transform, d)
-                return Direction(slope, longest, 0.0, 1.0)
-    d[:] = 0.0
-    return Direction(0.0, 0.0, 0.0, 1.0)
+                scatter(system.transform, work.d)
+                return slope, longest, 0.0, 1.0
+    work.d[:] = 0.0
+    return 0.0, 0.0, 0.0, 1.0
+
+
+@njit(cache=True)
+def carry_load(packed, approach, free):
+    """Shift the free nodes so that the pressures carry the load exactly."""
+    nodes, _, _, work, limits = unpack(packed)
+    work.trial[:] = nodes.p
+    project(nodes.p, nodes.g, approach, work.trial, Sets(work.active, free, 0), limits, work.d)
+    nodes.p[:] += work.d

@@ -301,7 +301,7 @@ class _Descent:
 
     Attributes
     ----------
-    system : System. Arrays of the compiled passes. direction : Direction. Numbers of the direction at hand.
+    system : System. Arrays of the compiled passes. packed : plain tuples of the same. direction : Direction. Numbers of the direction at hand.
     step : Step. State after the last step.
     """
 
@@ -334,7 +334,7 @@ class _Descent:
             in_grid,
         )
         unit = 1.0 / half_space.unit
-        stiffness = unit / OWN_COEFFICIENT
+        stiffness = float(unit / OWN_COEFFICIENT)
         soft = np.empty(0) if compliance is None else compliance.ravel()[node]
         vectors = (np.zeros(node.size) for _ in range(4))
         grid = np.zeros((candidates.rows + 2) * row_length)
@@ -345,6 +345,7 @@ class _Descent:
             _solver_kernels.Work(*vectors, np.empty(node.size, np.uint32)),
             limits,
         )
+        self.packed = _solver_kernels.pack(self.system)
         self.direction = _solver_kernels.Direction(0.0, 0.0, 0.0, 1.0)
         self.step = _solver_kernels.Step(np.nan, np.nan, 0, 0, 0, 0)
 
@@ -356,7 +357,7 @@ class _Descent:
     def lead(self, trend: Trend) -> None:
         """Take the first direction from the extrapolation of the last solutions."""
         ahead = trend.pressure.ravel()[self.node], trend.deflection.ravel()[self.node]
-        self.direction = _solver_kernels.lead(self.system, *ahead)
+        self.direction = _solver_kernels.Direction(*_solver_kernels.lead(self.packed, *ahead))
 
     def iterate(self, tried: _Tried) -> None:
         """Step until converged, stuck or out of iterations, at one convolution per step."""
@@ -367,9 +368,10 @@ class _Descent:
             self._convolve(tried)
         while True:
             last = tried.iterations >= MAX_ITERATIONS
-            self.step, self.direction = _solver_kernels.iterate(
-                self.system, self.direction, snap / share, np.inf if last else self.goal
+            step, direction = _solver_kernels.iterate(
+                self.packed, tuple(self.direction), snap / share, np.inf if last else self.goal
             )
+            self.step, self.direction = _solver_kernels.Step(*step), _solver_kernels.Direction(*direction)
             if last or not self.step.worst > self.goal:
                 break
             share = max(self.step.bound, 1)
@@ -387,10 +389,7 @@ class _Descent:
         if not step.worst > self.goal:
             # A node put on a bound took its share of the load along: the free nodes have it, or those nearest to moving.
             if step.free:
-                free = _projection.Sets(work.active, step.free, 0)
-                work.trial[:] = p
-                _projection.project(p, g, step.approach, work.trial, free, self.limits, work.d)
-                p += work.d
+                _solver_kernels.carry_load(self.packed, step.approach, step.free)
             elif abs(p.sum() / self.limits.total - 1) > 1e-13:
                 tried.snapping = False
                 _projection.settle_load(p, g, self.limits, 0.0)
