@@ -20,9 +20,10 @@ from tqdm import tqdm
 from rolling.check import cost
 from rolling.check.finding import Finding, clock, on_cores, si
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.march import ContactState, RollingContact, march
+from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
+from rolling.contact.state import ContactState, RollingContact
 from rolling.scene.scene import HeightFile, Scene, track
 from rolling.surface import scene_surface
 from rolling.surface.contact_of_scene import rolling_contact

@@ -2,176 +2,46 @@
 
 r is the residual, the gap left open or overlapped on a free node [m]; z the preconditioned residual, d the direction, both [Pa];
 alpha and beta are the step length and the factor of the last direction. `violation` and `candidates` look at a whole window; all
-others at its candidates, the nodes that may be in contact, as flat arrays.
-
-`iterate`, `lead` and `carry_load` are called from Python and take a System packed as plain tuples: numba unpickles the class of
-each named tuple that crosses the boundary, which takes 1 us or more, and plain ones cross as fast as arguments do.
+others at its candidates, the nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead` and `carry_load`.
 """
 
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from rolling.contact._projection import Limits, Sets, extrapolate, project, step_by_way_of
+from rolling.contact._projection import extrapolate, project, step_by_way_of
+from rolling.contact._system import Direction, Nodes, Sets, unpack
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.uint32]
-
-LEAST_STEP = 1e-3  # after a step length alpha below it the direction is dropped: nodes put on a bound point the wrong way
-
-
-class Nodes(NamedTuple):
-    """The candidates of a descent, flat arrays of equal length; the last two are empty where no node is compliant by itself.
-
-    Parameters
-    ----------
-    p : pressure, Pa.
-    g : gap before the approach is taken off, m.
-    compliance : closing of a node's gap by its own pressure beside the deflection, m/Pa.
-    softening : square root of the share of a node's stiffness that its compliance leaves.
-    """
-
-    p: Array
-    g: Array
-    compliance: Array
-    softening: Array
-
-
-class Transform(NamedTuple):
-    """The array of the transforms: the direction goes in, its deflection comes out.
-
-    Parameters
-    ----------
-    image : flat array, Pa times `unit` before the convolution, m after it.
-    node : index of each candidate in `image`.
-    unit : float, m/Pa. Deflection per pressure and coefficient.
-    """
-
-    image: NDArray[np.floating]
-    node: Indices
-    unit: float
-
-
-class Stencil(NamedTuple):
-    """The preconditioner, a short stencil of the inverse half-space, and the grid it acts on.
-
-    Parameters
-    ----------
-    values : (3, 3) stencil, Pa/m.
-    grid : flat array, m. Residual on the block of the candidates with a border of one open node.
-    node : index of each candidate in `grid`.
-    row_length : int. Nodes in a row of `grid`.
-    stiffness : float, Pa/m. Pressure on one node alone that opens its gap by a metre.
-    """
-
-    values: Array
-    grid: Array
-    node: Indices
-    row_length: int
-    stiffness: float
-
-
-class Work(NamedTuple):
-    """Vectors that the passes overwrite, one entry per candidate.
-
-    Parameters
-    ----------
-    trial : preconditioned residual, then trial pressure, Pa.
-    d : direction, Pa.
-    r, r_before : residual of this iteration and of the one before, m.
-    active : indices of candidates (see Sets).
-    """
-
-    trial: Array
-    d: Array
-    r: Array
-    r_before: Array
-    active: Indices
-
-
-class System(NamedTuple):
-    """One descent: its candidates and all that stays where it is in memory."""
-
-    nodes: Nodes
-    transform: Transform
-    stencil: Stencil
-    work: Work
-    limits: Limits
-
-
-def pack(system: System) -> tuple[tuple[Any, ...], ...]:
-    """Make a System plain tuples, to be handed to compiled code."""
-    return tuple(tuple(part) for part in system)
-
-
-@njit(cache=True)
-def unpack(packed):
-    """Make the System again from its plain tuples."""
-    nodes, transform, stencil, work, limits = packed
-    return System(Nodes(*nodes), Transform(*transform), Stencil(*stencil), Work(*work), Limits(*limits))
-
-
-class Direction(NamedTuple):
-    """The numbers that belong to a direction d.
-
-    Parameters
-    ----------
-    slope : float, Pa m. Slope of the energy along d; not negative: no direction descends.
-    longest : float. Longest step length within the bounds, at least 1.
-    zr : float, Pa m. Product z.r, 0 where the next direction forgets this one.
-    length : float. Step length that the unprojected direction had so far, for the next beta.
-    """
-
-    slope: float
-    longest: float
-    zr: float
-    length: float
-
-
-class Step(NamedTuple):
-    """The state after a step.
-
-    Parameters
-    ----------
-    approach : float, m.
-    worst : float, m. Maximum violation of the contact conditions.
-    free, bound : int. Numbers of candidates that may move freely and that are about to be put on a bound.
-    restarts, plain_steps : int. Whether the next direction is a restart or a plain gradient, 0 or 1.
-    """
-
-    approach: float
-    worst: float
-    free: int
-    bound: int
-    restarts: int
-    plain_steps: int
+LEAST_STEP = (
+    1e-3  # after a step length alpha below it the direction is dropped: nodes put on a bound point the wrong way
+)
 
 
 @njit(cache=True)
 def find_approach(inside, gap_sum, lowest_open, highest_capped):
-    """Approach [m] that closes the gaps between the bounds in the mean; with none there it is free over an interval: its middle."""
+    """Return the approach [m] that closes the gaps of the nodes between the bounds in the mean.
+
+    With no such node the approach is free over an interval, and the middle is returned.
+    """
     if inside:
         return gap_sum / inside
     middle = 0.5 * (lowest_open + highest_capped)
-    # Every node is capped, or open ones are not among those looked at.
+    # An infinite middle means that each node is capped, or that the open ones are no candidates.
     return middle if np.isfinite(middle) else highest_capped
 
 
 @njit(cache=True)
-def state_of(p, e, u, cap):
-    """Approach [m] and largest deflection [m] of pressures p and deflections u over undeformed gaps e, flat arrays."""
+def state_of(p, e, u, hardness):
+    """Return approach [m] and maximum deflection [m] of pressures p and deflections u over undeformed gaps e, flat arrays."""
     inside, gap_sum, lowest_open, highest_capped, u_max = 0, 0.0, np.inf, -np.inf, 0.0
     for k in range(p.size):
         g = e[k] + u[k]
         u_max = max(u_max, u[k])
         if p[k] <= 0.0:
             lowest_open = min(lowest_open, g)
-        elif p[k] >= cap:
+        elif p[k] >= hardness:
             highest_capped = max(highest_capped, g)
         else:
             gap_sum += g
@@ -180,14 +50,14 @@ def state_of(p, e, u, cap):
 
 
 @njit(cache=True)
-def violation(p, e, u, cap, approach):
-    """Largest violation of the contact conditions [m]."""
+def violation(p, e, u, hardness, approach):
+    """Return the maximum violation of the contact conditions [m]; it is infinite where numbers are not finite."""
     worst = 0.0
     for k in range(p.size):
         g = e[k] + u[k] - approach
         if p[k] <= 0.0:
             g = -g
-        elif p[k] < cap:
+        elif p[k] < hardness:
             g = abs(g)
         worst = max(worst, g) if g == g else np.inf
     return worst
@@ -195,9 +65,10 @@ def violation(p, e, u, cap, approach):
 
 @njit(cache=True)
 def candidates(p, e, u, highest, node):
-    """Nodes of a window that are loaded or lie lower than `highest` [m] before the approach is taken off: flat index into `node`.
+    """List the nodes of a window that are loaded or lie lower than `highest` [m]; their flat indices go into `node`.
 
-    Returns their number and their block (first row, last row, first column, last column).
+    Heights are those before the approach is taken off. Returns the number of candidates and their block (first row, last row,
+    first column, last column).
     """
     rows, columns = p.shape
     count = 0
@@ -217,14 +88,18 @@ def candidates(p, e, u, highest, node):
 
 
 @njit(cache=True)
-def places(node, columns, first_row, first_column, padded, bordered, in_padded, in_bordered):
-    """Where each candidate stands in the padded array of the transforms and in the residual's grid with its border of one."""
+def places(node, columns, corner, row_lengths, in_image, in_grid):
+    """Find the index of each candidate in the array of the transforms and in the residual's grid, which has a border of one.
+
+    `corner` is the first row and column of the candidates' block in a window of `columns` columns; `row_lengths` are the numbers
+    of nodes in a row of the two arrays.
+    """
     for a in range(node.size):
         i, j = divmod(node[a], columns)
-        i -= first_row
-        j -= first_column
-        in_padded[a] = i * padded + j
-        in_bordered[a] = (i + 1) * bordered + j + 1
+        i -= corner[0]
+        j -= corner[1]
+        in_image[a] = i * row_lengths[0] + j
+        in_grid[a] = (i + 1) * row_lengths[1] + j + 1
 
 
 @njit(cache=True)
@@ -256,7 +131,7 @@ def take_step(system, length):
 
 @njit(cache=True)
 def approach_of(p, g, hardness):
-    """Approach [m] of pressures p over deformed gaps g, flat arrays."""
+    """Return the approach [m] of pressures p over deformed gaps g, flat arrays."""
     inside, gap_sum, lowest_open, highest_capped = 0, 0.0, np.inf, -np.inf
     for k in range(p.size):
         if p[k] <= 0.0:
@@ -271,7 +146,7 @@ def approach_of(p, g, hardness):
 
 @njit(cache=True)
 def find_residual(nodes, stencil, work, hardness, approach, snap):
-    """Find the residual r and the nodes that may move; return the maximum violation [m] and the numbers of free and bound nodes.
+    """Find the residual r and the nodes that may move; return maximum violation [m], numbers of free and of bound nodes.
 
     A loaded node that closing its own gap would carry past a bound goes straight there (two-metric projection, Bertsekas, SIAM
     J. Control Optim. 20(2), 1982): mixed into the conjugate direction it would hold all other nodes back. Partial steps leave

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling.contact.recovery_statistics import EventStatistics, event_statistics
+from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.scene.scene import Scene, track
 from rolling.simulation import labels, summary
 from rolling.simulation.result import Result
