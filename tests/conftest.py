@@ -8,7 +8,8 @@ import numpy as np
 
 from rolling.contact import recovery
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.march import ContactState, RollingContact, march
+from rolling.contact.march import march
+from rolling.contact.state import ContactState, RollingContact
 from rolling.verification import optimality
 from rolling.verification.hard_cases import STEEL, make_track, rough
 from rolling.verification.optimality import gap_and_deflection

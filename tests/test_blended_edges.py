@@ -11,7 +11,7 @@ from conftest import assert_solved, make_track, releases, roll, rough, space_of,
 
 from rolling.accuracy.variants import refined
 from rolling.contact import solver
-from rolling.contact.march import RollingContact
+from rolling.contact.state import RollingContact
 
 HARDNESS = 2.1e9
 
@@ -84,9 +84,8 @@ def test_no_edge_is_no_change(coarse: RollingContact) -> None:
     track = replace(coarse, tolerance=1e-9)
     sharp = roll(track, 0, 0)[0]
     gap = track.gap(0, sharp.window)
-    again = solver.solve(
-        space_of(track), gap, track.load, sharp.pressure, 1e-9, HARDNESS, nearby=True, edge=np.zeros_like(gap)
-    )
+    start, options = solver.WarmStart(sharp.pressure, close=True), solver.SolverOptions(track.tolerance)
+    again = solver.solve_contact(space_of(track), gap, track.load, start, HARDNESS, np.zeros_like(gap), options)
     assert np.abs(again.pressure - sharp.pressure).max() < 1e-6 * HARDNESS
 
 

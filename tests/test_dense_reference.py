@@ -7,7 +7,8 @@ import pytest
 from conftest import STEEL, assert_solved, make_track, roll, rough
 
 from rolling.contact import closed_forms
-from rolling.contact.march import Window
+from rolling.contact.window import Window
+from rolling.verification.dense import dense_contact
 
 
 @pytest.mark.parametrize("hardness", [np.inf, 1.6e9, 0.9e9], ids=["elastic", "capped", "mostly capped"])
@@ -23,7 +24,7 @@ def test_fft_path_equals_the_dense_method(shape: tuple[int, int], hardness: floa
         w = state.loaded
         block = Window(w.row - 4, w.column - 3, w.rows + 8, w.columns + 6)
         e, mine = track.gap(state.position, block), state.window.moved(state.pressure, block)
-        pressure, approach = closed_forms.dense_contact(e, track.load, track.spacing, STEEL, hardness)
+        pressure, approach = dense_contact(e, track.load, track.spacing, STEEL, hardness)
         peak = pressure.max()
         assert (peak == hardness) == (hardness < np.inf)
         assert np.abs(mine - pressure).max() < 2e-8 * peak
@@ -36,5 +37,5 @@ def test_dense_method_meets_hertz() -> None:
     """The reference itself: measured 0.2 % below Hertz at a / spacing = 4.3."""
     spacing, load = 10e-6, 5.0
     x = (np.arange(15) - 7) * spacing
-    _, approach = closed_forms.dense_contact((x[:, None] ** 2 + x**2) / 0.01, load, spacing, STEEL)
+    _, approach = dense_contact((x[:, None] ** 2 + x**2) / 0.01, load, spacing, STEEL)
     assert approach == pytest.approx(closed_forms.hertz_approach(load, 5e-3, STEEL), rel=0.005)

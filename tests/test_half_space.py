@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from conftest import STEEL
 
-from rolling.contact import closed_forms
 from rolling.contact.half_space import HalfSpace, love, padded_length
+from rolling.verification.dense import influence_matrix
 
 SPACING = 2e-6
 
@@ -20,7 +20,7 @@ def nodes(rows: int, columns: int) -> np.ndarray:
 def test_love_coefficients_agree_with_the_influence_matrix() -> None:
     """Two ways of writing one closed form. Corner terms of size r cancel to 1 / r, and plain logarithms to less: measured 4e-12."""
     rows, columns = 21, 14
-    dense = closed_forms.influence_matrix(nodes(rows, columns), SPACING, STEEL)[0].reshape(rows, columns)
+    dense = influence_matrix(nodes(rows, columns), SPACING, STEEL)[0].reshape(rows, columns)
     closed = love(np.arange(rows), np.arange(columns)) * SPACING / (np.pi * STEEL)
     assert np.abs(closed / dense - 1).max() < 2e-11
 

@@ -18,8 +18,8 @@ import pytest
 from conftest import STEEL, make_track, roll, rough
 
 from rolling.contact import closed_forms
-from rolling.contact.march import ContactState, RollingContact
 from rolling.contact.solver import ContactError
+from rolling.contact.state import ContactState, RollingContact
 from rolling.verification import judge as hard_cases
 from rolling.verification import optimality
 from rolling.verification.hard_cases import CAPACITY, CASES, EXTREMES, SOLVED, WIDTH, HardCase

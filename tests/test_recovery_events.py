@@ -10,7 +10,7 @@ import pytest
 from conftest import make_track, releases, roll, rough, step_energies
 
 from rolling.contact import recovery
-from rolling.contact.march import Window
+from rolling.contact.window import Window
 
 STEPS = 60
 

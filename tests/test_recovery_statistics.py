@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rolling.contact.recovery_statistics import event_statistics
+from rolling.contact.recovery import event_statistics
 
 
 def table(first, last, energy, peak):

@@ -215,7 +215,7 @@ def test_a_full_disk_keeps_what_was_written(scene: Path, tmp_path: Path, monkeyp
 def test_resound_solves_nothing_and_speed_scales(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
     first, fast, far = tmp_path / "first", tmp_path / "fast", tmp_path / "far"
     assert cli.main(["run", str(scene), "--out", str(first), "--workers", "1"]) == 0
-    monkeypatch.setattr(solver, "solve", None)
+    monkeypatch.setattr(solver, "solve_contact", None)
     assert cli.main(["resound", str(first), "--set", "rolling.speed_m_s=0.2", "--out", str(fast)]) == 0
     slow, quick = summary(first), summary(fast)
     # Speed times 2: power times 2, half the time, spectrum at twice the frequency (DESIGN: scaling laws).

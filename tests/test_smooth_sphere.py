@@ -67,7 +67,9 @@ def test_sphere_is_silent_in_solves_that_know_nothing_of_each_other(hardness: fl
     for state in states:
         e, _, p = gap_and_deflection(track, state)
         start = solver.foundation(e * rng.uniform(0.5, 2, e.shape), LOAD, track.spacing, 1e16, hardness)
-        answer = solver.solve(space, e, LOAD, start, track.tolerance, hardness)
+        answer = solver.solve_contact(
+            space, e, LOAD, solver.WarmStart(start), hardness, options=solver.SolverOptions(track.tolerance)
+        )
         assert answer.iterations > 0
         assert not np.array_equal(answer.pressure, p)
         solved.append(answer)

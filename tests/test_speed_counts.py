@@ -14,7 +14,7 @@ from conftest import roll
 from speed import RIVALS, counts, measure_rival, table, timed_march
 from whole_run import scene_20_n
 
-from rolling.contact.march import Window
+from rolling.contact.window import Window
 from rolling.surface.contact_of_scene import rolling_contact
 
 GUARDS = {  # most iterations and convolutions per step: what was measured and 15 %

@@ -17,13 +17,15 @@ from acoustics.weighting import a_weighting_db
 from rolling import cli
 from rolling.contact import closed_forms
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.march import Window, march
+from rolling.contact.march import march
+from rolling.contact.window import Window
 from rolling.lee2025 import reproduce, study
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
 from rolling.simulation import result_file, simulate
 from rolling.sound import contact_sound
 from rolling.surface import contact_of_scene
+from rolling.verification.dense import dense_contact
 
 SCENES = Path(__file__).parent.parent / "scenarios" / "lee2025"
 READINGS = sorted(folder.name for folder in SCENES.iterdir())
@@ -232,7 +234,7 @@ def test_the_articles_own_method_agrees(reading: str, roughness: float) -> None:
     (state,) = march(contact, 0, 0, HalfSpace(contact.spacing, contact.contact_modulus))
     w = state.loaded
     block = Window(w.row - 2, w.column - 2, w.rows + 4, w.columns + 4)
-    pressure, approach = closed_forms.dense_contact(
+    pressure, approach = dense_contact(
         contact.gap(0, block), contact.load, contact.spacing, contact.contact_modulus, contact.hardness
     )
     assert np.abs(state.window.moved(state.pressure, block) - pressure).max() < 1e-6 * pressure.max()

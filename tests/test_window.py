@@ -7,7 +7,7 @@ import pytest
 from conftest import STEEL, assert_solved, make_track, releases, roll, rough, space_of
 
 from rolling.contact import solver
-from rolling.contact.march import Window
+from rolling.contact.window import Window
 
 
 @pytest.mark.parametrize("hardness", [np.inf, 2.1e9], ids=["elastic", "capped"])
@@ -19,7 +19,14 @@ def test_window_twice_as_large_gives_the_same_answer(hardness: float) -> None:
         large = Window(w.row - w.rows // 2, w.column - w.columns // 2, 2 * w.rows, 2 * w.columns)
         e = track.gap(state.position, large)
         start = solver.foundation(e, track.load, track.spacing, 4 * STEEL / (np.pi * 20e-6), hardness)
-        solved = solver.solve(space_of(track), e, track.load, start, track.tolerance, hardness)
+        solved = solver.solve_contact(
+            space_of(track),
+            e,
+            track.load,
+            solver.WarmStart(start),
+            hardness,
+            options=solver.SolverOptions(track.tolerance),
+        )
         inner = large.moved(solved.pressure, w)
         assert np.abs(inner - state.pressure).max() < 1e-7 * state.max_pressure
         assert solved.pressure.sum() == pytest.approx(inner.sum(), rel=1e-14)  # nothing outside

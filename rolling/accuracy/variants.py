@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling.contact.march import RollingContact
+from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
 from rolling.simulation import pool, simulate
 from rolling.surface import contact_of_scene

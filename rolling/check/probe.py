@@ -20,9 +20,10 @@ from tqdm import tqdm
 from rolling.check import cost
 from rolling.check.finding import Finding, clock, on_cores, si
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.march import ContactState, RollingContact, march
+from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
+from rolling.contact.state import ContactState, RollingContact
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
 from rolling.surface import scene_surface

@@ -1,0 +1,22 @@
+"""The contact: a sphere on a rough plate, elastic up to the hardness, solved at one position and marched along the track.
+
+Public:
+
+- `half_space`: pressure to deflection, Love's coefficients and the FFT convolution (`HalfSpace`).
+- `solver`: one contact under a load (`solve_contact`, `WarmStart`, `SolverOptions`, `ContactError`).
+- `window`, `state`: blocks of nodes (`Window`); the contact that rolls and its state at a position (`RollingContact`,
+  `ContactState`).
+- `march`: the contact at successive positions (`march`), the choice of each window and the warm starts.
+- `recovery`: the release from state to state, the energy ledger, recovery events (`step_energy`, `EventTable`).
+- `closed_forms`: Hertz, and the release of a smooth sphere.
+
+Private, and mostly compiled:
+
+- `_descent`, `_system`: one descent, and the named tuples that compiled passes take.
+- `_solver_kernels`: conjugate gradients: line search, residual, preconditioner (`precondition`), next direction.
+- `_projection`: pressures put within the bounds, with the load restored (`project`, `restore_load`, `settle_load`).
+- `_march_kernels`: gap, overlap, contact area, edges within cells, trends.
+- `_recovery_kernels`: release of each node (`node_work`) and the events it belongs to.
+
+The dense solver that all this is checked against is `rolling.verification.dense`.
+"""

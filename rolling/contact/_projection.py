@@ -1,44 +1,15 @@
 """Compiled projection of pressures onto the bounds and the load: shift, restoration of the load, slope and longest step.
 
-Numba's cache of `_solver_kernels` does not see changes in this module: delete `__pycache__` after an edit.
+Numba's cache of `_solver_kernels` does not see changes here or in `_system`: delete `__pycache__` after an edit.
 """
 
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-
-class Limits(NamedTuple):
-    """The bound of each pressure and the sum of all, a constant of a descent.
-
-    Parameters
-    ----------
-    hardness : float, Pa. Largest pressure of a node.
-    total : float, Pa. Sum of the pressures that carries the load.
-    """
-
-    hardness: float
-    total: float
-
-
-class Sets(NamedTuple):
-    """The candidates that may move.
-
-    Parameters
-    ----------
-    active : (n,) indices of candidates: first the free ones, then those about to be put on a bound.
-    free : int. Number of free candidates.
-    bound : int. Number of candidates about to be put on a bound.
-    """
-
-    active: NDArray[np.uint32]
-    free: int
-    bound: int
+from rolling.contact._system import Sets
 
 
 @njit(cache=True)
@@ -196,7 +167,7 @@ def settle_load(p, g, limits, trace):
 def extrapolate(p, trend, g, limits, work, q):
     """Set q to p + trend within the bounds, its free nodes shifted to carry the load; return whether they can.
 
-    `work` is a Work of `_solver_kernels`; its trial, direction and active nodes are overwritten.
+    The trial, direction and active nodes of `work` are overwritten.
     """
     hardness, trial, active, d = limits.hardness, work.trial, work.active, work.d
     free = 0

@@ -1,4 +1,4 @@
-"""Pressure to deflection on an elastic half-space: Love's influence coefficients and a zero-padded FFT convolution (pyfftw)."""
+"""Deflection of an elastic half-space by pressure: Love's influence coefficients and a zero-padded FFT convolution (pyfftw)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Padded lengths that are quick for their size, by a trial of the products of 2, 3, 5 and 7: those between cost more than the next.
+# Padded lengths that are quick for their size, by a trial of the products of 2, 3, 5 and 7: any length between costs more than the
+# next one here.
 _SHORT = (16, 20, 24, 32, 40, 48, 64, 80, 100, 128)
 _LONG = (1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
 _SINGLE_LENGTHS = (*_SHORT, 144, 160, 192, 240, 256, 320, 384, 400, 512, 640, 768, 800, 864, 896, 1024, 1280, *_LONG)
@@ -22,13 +23,18 @@ OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # of a unit square at its own cent
 
 
 def padded_length(reach: int, single: bool = False) -> int:
-    """Smallest quick length whose transform keeps nodes apart that are up to `reach` spacings from one another.
+    """Return the smallest quick length of a transform for nodes up to `reach` spacings from one another.
 
-    The coefficients are even, so a distance of just half the length is still right.
+    The coefficients are even, so that a distance of half the length is still right.
+
+    Parameters
+    ----------
+    reach : int. Maximum distance between a loaded node and one whose deflection counts.
+    single : bool. Whether the transform is of single precision. Default: False.
 
     Raises
     ------
-    ValueError : more than there is room for.
+    ValueError : `reach` is more than the longest transform has room for.
     """
     for length in _SINGLE_LENGTHS if single else _DOUBLE_LENGTHS:
         if length >= 2 * reach:
@@ -37,15 +43,17 @@ def padded_length(reach: int, single: bool = False) -> int:
 
 
 def love(rows: Array, columns: Array) -> Array:
-    """Deflection coefficients of unit squares, without pi E* and spacing (Love 1929).
+    """Compute the deflection coefficients of unit squares, without pi E* and spacing.
+
+    Source: A. E. H. Love, Phil. Trans. R. Soc. A 228 (1929).
 
     Parameters
     ----------
-    rows, columns : node distances from the loaded square's centre, in spacings, whole numbers.
+    rows, columns : (m,) and (n,) arrays. Distances of nodes from the centre of the loaded square, whole numbers of spacings.
 
     Returns
     -------
-    (rows.size, columns.size) coefficients k: u = spacing / (pi E*) * sum k p.
+    (m, n) array. Coefficients k of the deflection u = spacing / (pi E*) * sum k p.
     """
 
     def corner(s: Array, t: Array) -> Array:
@@ -59,31 +67,60 @@ def love(rows: Array, columns: Array) -> Array:
 
 @lru_cache(maxsize=32)
 def _love_spectrum(m: int, n: int) -> Array:
-    """Transform (m, n // 2 + 1) of the wrapped coefficients; real, because they are even in both directions."""
+    """Compute the transform (m, n // 2 + 1) of the wrapped coefficients; it is real, because they are even in both directions."""
     distances = [np.minimum(np.arange(k), k - np.arange(k)) for k in (m, n)]
     return np.ascontiguousarray(np.fft.rfft2(love(*distances)).real)
 
 
 class HalfSpace:
-    """Deflection by pressure on windows of square cells; transforms of every padded size met are kept.
+    """An elastic half-space under pressure on windows of square cells; it keeps the transforms of each padded size met.
 
     Parameters
     ----------
-    spacing : node spacing [m].
-    contact_modulus : E* [Pa], of both bodies when both are elastic (the deflection is then the sum of theirs).
+    spacing : float, m. Node spacing.
+    contact_modulus : float, Pa. E* of both bodies; where both are elastic, the deflection is the sum of theirs.
+
+    Attributes
+    ----------
+    unit : float, m/Pa. Deflection per pressure and coefficient.
+    count : int. Convolutions done, a cost that does not depend on the machine.
+
+    Examples
+    --------
+    Unit pressure on one cell deflects its centre by 4 ln(1 + sqrt 2) spacing / (pi E*):
+
+    >>> import numpy as np
+    >>> from rolling.contact.half_space import HalfSpace
+    >>> pressure = np.zeros((5, 5))
+    >>> pressure[2, 2] = 1e9
+    >>> deflection = HalfSpace(spacing=1e-6, contact_modulus=230e9).deflection(pressure)
+    >>> f"{deflection[2, 2] * 1e9:.3f} nm"
+    '4.879 nm'
     """
 
     def __init__(self, spacing: float, contact_modulus: float) -> None:
         self.spacing = spacing
         self.contact_modulus = contact_modulus
-        self.unit = spacing / (np.pi * contact_modulus)  # deflection [m] per pressure [Pa] and coefficient
+        self.unit = spacing / (np.pi * contact_modulus)
         self._convolutions: dict[tuple[int, int, bool], Convolution] = {}
-        self.count = 0  # convolutions done: a cost that does not depend on the machine
+        self.count = 0
 
     def deflection(self, pressure: Array) -> Array:
-        """Deflection [m] at the nodes of a window by the pressure [Pa] on them, shape (m, n) both; nothing is loaded outside.
+        """Compute the deflection of the nodes of a window by the pressure on them; all outside is unloaded.
 
-        Padded only for what lies between a loaded node and the farthest node of the window.
+        The padding is only as wide as the distance between a loaded node and the farthest node of the window.
+
+        Parameters
+        ----------
+        pressure : (m, n) array, Pa.
+
+        Returns
+        -------
+        (m, n) array, m.
+
+        Raises
+        ------
+        ValueError : the window is larger than the longest transform has room for.
         """
         m, n = pressure.shape
         convolution = self.convolution(*_reach(pressure))
@@ -94,7 +131,7 @@ class HalfSpace:
         return convolution.real[:m, :n] * self.unit
 
     def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
-        """The transforms for nodes at most so many rows and columns apart. Who applies them adds to `count`."""
+        """Return the transforms for nodes at most so many rows and columns apart; the caller that applies them adds to `count`."""
         key = (padded_length(row_reach, single), padded_length(column_reach, single), single)
         if key not in self._convolutions:
             self._convolutions[key] = Convolution(*key)
@@ -103,7 +140,7 @@ class HalfSpace:
 
 @njit(cache=True)
 def _reach(pressure):
-    """Greatest distance of any row from a loaded one, and never less than half the window, which must fit; so for columns."""
+    """Return the maximum distance of a row from a loaded one, at least half the window, which must fit; and so for columns."""
     rows, columns = pressure.shape
     first_row, last_row, first_column, last_column = rows, 0, columns, 0
     for i in range(rows):
@@ -121,7 +158,7 @@ def _reach(pressure):
 
 @njit(cache=True)
 def _multiply(lines, coefficients):
-    """lines *= coefficients, of which the second half of the rows mirrors the first."""
+    """Multiply lines by coefficients; the second half of their rows mirrors the first."""
     rows = lines.shape[0]
     for i in range(rows):
         line, row = lines[i], coefficients[min(i, rows - i)]
@@ -130,16 +167,16 @@ def _multiply(lines, coefficients):
 
 
 class Convolution:
-    """The transforms of one padded size and their work arrays: pressure into `real`, `apply`, deflection out of `real`.
+    """The transforms of one padded size and their work arrays: write the pressure, `apply`, read the deflection.
 
     Parameters
     ----------
-    m, n : padded lengths along and across.
-    single : transforms of single precision, about 1e-7 of the largest deflection off and up to twice as fast.
+    m, n : int. Padded lengths along and across.
+    single : bool. Whether transforms are of single precision, about 1e-7 of the maximum deflection off and up to twice as fast.
 
     Attributes
     ----------
-    real : (m, n) pressure in its first rows and columns before, deflection after, in units of spacing / (pi E*).
+    real : (m, n) array. Pressure in its first rows and columns before, deflection in units of spacing / (pi E*) after.
     """
 
     def __init__(self, m: int, n: int, single: bool) -> None:
@@ -148,8 +185,8 @@ class Convolution:
         self.real = pyfftw.zeros_aligned((m, n), real)
         self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
         self._as_pairs = self._lines.view(real)
-        # Each coefficient twice, for the real and the imaginary part of its line. Even along the columns, half of the rows says
-        # all and leaves the cache to the lines.
+        # Each coefficient stands twice, for the real and the imaginary part of its line. Coefficients are even along the columns:
+        # half of the rows is enough and leaves the cache to the lines.
         self._coefficients = np.repeat(_love_spectrum(m, n)[: m // 2 + 1] / (m * n), 2, axis=1).astype(real)
         # FFTW_ESTIMATE, because plans chosen by timing differ from run to run, and with them the last digits.
         flags = ("FFTW_ESTIMATE",)
@@ -166,7 +203,7 @@ class Convolution:
         return self.real[: rows + 8]
 
     def apply(self, rows: int) -> None:
-        """Deflection on the first `rows` rows by the pressure on them; `real` holds nothing of use below."""
+        """Replace the pressure on the first `rows` rows by their deflection; the rows below are of no use afterwards."""
         rows = min(-8 * (-rows // 8), self.real.shape[0])
         if rows not in self._row_plans:
             head, lines = self.real[:rows], self._lines[:rows]

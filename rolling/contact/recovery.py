@@ -1,29 +1,37 @@
-"""Deflection histories in the frame of the plate: release, loading and stored energy per step, recovery events, energy ledger.
+"""Recovery in the frame of the plate: release, loading and stored energy per step, recovery events and their statistics.
 
-Depends on march (states) and half_space. A node whose deflection falls by du under pressure p releases p du dA (Lee, Kim & Kim,
-Inventions 10(1), 17 (2025), Eq. 8-9); p is the mean over the step, second order in it, or its left end as in the article.
+A node whose deflection falls by du under pressure p releases p du dA (Lee, Kim & Kim, Inventions 10(1), 17 (2025), Eq. 8-9). p is
+the mean over the step, which is of second order in it, or its left end as in the article.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rolling.contact import _recovery_kernels
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.march import ContactState, Window
+from rolling.contact.state import ContactState
+from rolling.contact.window import Window
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class StepEnergy:
-    """Energies of the step between two states [J]: `defect` is loading - release - change of the stored energy.
+    """Energies of the step between two states.
 
-    `node_work` [J] is what each node of `window` released (positive) or took up (negative).
+    Parameters
+    ----------
+    release, loading : float, J. Sums of the energies that nodes gave up and took up.
+    defect : float, J. Loading - release - change of the stored energy, zero but for the error of the step.
+    window : Window. Nodes of `node_work`.
+    node_work : (rows, columns) array, J. Energy that each node released (positive) or took up (negative).
     """
 
     release: float
@@ -34,10 +42,20 @@ class StepEnergy:
 
 
 def step_energy(old: ContactState, new: ContactState, half_space: HalfSpace, left_end: bool = False) -> StepEnergy:
-    """Release and loading between two successive positions.
+    """Compute release and loading between two successive positions.
 
-    Every node loaded at either position counts, so both deflections must be known on all of them: the new window reaches over
-    the nodes that were loaded; where the old one does not reach over the new ones, its deflection is computed there.
+    Each node loaded at either position counts, so that both deflections must be known on all of them. The new window reaches
+    over the nodes that were loaded; where the old one does not reach over the new ones, its deflection is computed there.
+
+    Parameters
+    ----------
+    old, new : ContactState. States at successive positions.
+    half_space : HalfSpace. Pressure to deflection.
+    left_end : bool. Whether the pressure is that at the old position instead of the mean. Default: False.
+
+    Returns
+    -------
+    StepEnergy.
     """
     window, p_old, u_old = new.window, old.pressure, old.deflection
     offset = old.window.row - window.row, old.window.column - window.column
@@ -55,9 +73,16 @@ def step_energy(old: ContactState, new: ContactState, half_space: HalfSpace, lef
 
 @dataclass
 class EventTable:
-    """Recovery events of a march: each an unbroken fall of one loaded node's deflection.
+    """Recovery events of a march; each is an unbroken fall of one loaded node's deflection.
 
-    Columns: node (along, across), first and last position, energy [J], peak [J per step].
+    Parameters
+    ----------
+    shape : (int, int). Nodes of the surface along and across.
+    count : int. Number of events, the rows filled in each column.
+    node : (n, 2) array. Node along and across.
+    first, last : (n,) arrays. Positions between which the deflection fell.
+    energy : (n,) array, J.
+    peak : (n,) array, J per step. Maximum release in a step.
     """
 
     shape: tuple[int, int]
@@ -72,7 +97,7 @@ class EventTable:
         self._open = np.full(self.shape, -1, dtype=np.int64)
 
     def add(self, step: int, work: StepEnergy) -> None:
-        """Enter what was released between positions `step` and `step` + 1."""
+        """Add the releases between positions `step` and `step` + 1."""
         while True:
             count = _recovery_kernels.extend_events(
                 work.node_work,
@@ -98,19 +123,28 @@ class EventTable:
                 setattr(self, name, new)
 
     def columns(self) -> dict[str, NDArray]:
-        """The filled part, by column name."""
+        """Return copies of the filled part of each column, by its name."""
         names = ("node", "first", "last", "energy", "peak")
         return {name: getattr(self, name)[: self.count].copy() for name in names}
 
 
 def join_events(pieces: Iterable[dict[str, NDArray]]) -> dict[str, NDArray]:
-    """One table from the tables of pieces of a track, in their order: an event cut by a border between pieces is made whole."""
+    """Join the tables of successive pieces of a track; an event cut by a border between pieces is made whole.
+
+    Parameters
+    ----------
+    pieces : iterable of tables as EventTable.columns returns them, in the order of the pieces.
+
+    Returns
+    -------
+    dict of the joined columns.
+    """
     copies = [{name: column.copy() for name, column in piece.items()} for piece in pieces]
     tables = [piece for piece in copies if piece["energy"].size]
     if not tables:
         return copies[0] if copies else {}
     kept = [np.ones(table["energy"].size, dtype=bool) for table in tables]
-    # Where each event that reaches the last position of its piece began: a long one may run through whole pieces.
+    # Table and row of each event that reaches the last position of its piece: a long one may run through whole pieces.
     open_events: dict[tuple[int, ...], tuple[dict[str, NDArray], int]] = {}
     for table, keep in zip(tables, kept, strict=True):
         border = table["first"].min()
@@ -133,3 +167,56 @@ def join_events(pieces: Iterable[dict[str, NDArray]]) -> dict[str, NDArray]:
         name: np.concatenate([table[name][keep] for table, keep in zip(tables, kept, strict=True)])
         for name in tables[0]
     }
+
+
+@dataclass(frozen=True)
+class EventStatistics:
+    """Statistics of the recovery events of a stretch of track.
+
+    Parameters
+    ----------
+    count : int. Number of events.
+    per_metre : float, 1/m. Events per length of track.
+    energy_mean, energy_median, energy_p90 : float, J. Energy of an event; nine in ten release less than the last.
+    duration_mean : float. Steps that an event lasts.
+    peak : float, J. Maximum release of one node in a step.
+    top_tenth_share : float. Share of the release by the tenth of the events (rounded up) with the most energy.
+    """
+
+    count: int
+    per_metre: float
+    energy_mean: float
+    energy_median: float
+    energy_p90: float
+    duration_mean: float
+    peak: float
+    top_tenth_share: float
+
+
+def event_statistics(events: Mapping[str, NDArray[Any]], length: float) -> EventStatistics | None:
+    """Summarize a table of recovery events; return None when there are none.
+
+    Parameters
+    ----------
+    events : mapping of the columns first, last, energy [J] and peak [J per step], each (n,) (see EventTable).
+    length : float, m. Length of the track that they were released on.
+
+    Returns
+    -------
+    EventStatistics or None.
+    """
+    energy = events["energy"]
+    count = len(energy)
+    if count == 0:
+        return None
+    most = np.sort(energy)[-math.ceil(count / 10) :]
+    return EventStatistics(
+        count=count,
+        per_metre=count / length,
+        energy_mean=float(energy.mean()),
+        energy_median=float(np.median(energy)),
+        energy_p90=float(np.quantile(energy, 0.9)),
+        duration_mean=float((events["last"] - events["first"]).mean()),
+        peak=float(events["peak"].max()),
+        top_tenth_share=float(most.sum() / energy.sum()),
+    )

@@ -12,25 +12,19 @@ window.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rolling.contact import _projection, _solver_kernels
-from rolling.contact._projection import Limits
-from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace, love
+from rolling.contact._descent import Candidates, ContactError, Descent, Trend, Tried
+from rolling.contact._system import Limits, Sets
+from rolling.contact.half_space import HalfSpace
 
 Array = NDArray[np.float64]
 
-MAX_ITERATIONS = 1000
 NEAR = 0.01  # candidates for contact have a gap below this share of the largest deflection; 0.001 to 0.1 take the same iterations
-AIM = 0.98  # of the tolerance: the rest is for the difference between the deflection carried along and one computed afresh
 SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the largest deflection, serves no tighter one
-
-
-class ContactError(RuntimeError):
-    """A contact that cannot be solved: the limit in numbers, or the methods tried and the residual they reached."""
 
 
 @dataclass(frozen=True)
@@ -52,20 +46,6 @@ class Contact:
     approach: float
     residual: float
     iterations: int
-
-
-@dataclass(frozen=True)
-class Trend:
-    """Changes of a contact from the position before to this one, a guess at the next changes.
-
-    Parameters
-    ----------
-    pressure : (m, n) array, Pa.
-    deflection : (m, n) array, m.
-    """
-
-    pressure: Array
-    deflection: Array
 
 
 @dataclass(frozen=True)
@@ -102,14 +82,6 @@ class SolverOptions:
     single: bool = True
 
 
-@lru_cache(maxsize=1)
-def _inverse_stencil() -> Array:
-    """Return the 3 x 3 middle of the inverse of Love's coefficients on a large periodic grid, for unit spacing and pi E* = 1."""
-    distance = np.minimum(np.arange(256), 256 - np.arange(256))
-    inverse = np.fft.irfft2(1.0 / np.fft.rfft2(love(distance, distance)).real)
-    return np.ascontiguousarray(np.roll(inverse, (1, 1), axis=(0, 1))[:3, :3])
-
-
 def foundation(gap: Array, load: float, spacing: float, stiffness: float, hardness: float = np.inf) -> Array:
     """Solve the same contact on a Winkler foundation, for a cold start.
 
@@ -136,10 +108,7 @@ def foundation(gap: Array, load: float, spacing: float, stiffness: float, hardne
             f" {gap.size * spacing**2:.4g} m2 is {hardness * gap.size * spacing**2:.4g} N"
         )
     e = np.ascontiguousarray(gap, dtype=float).ravel()
-    limits, free = (
-        Limits(float(hardness), float(total)),
-        _projection.Sets(np.arange(e.size, dtype=np.uint32), e.size, 0),
-    )
+    limits, free = Limits(float(hardness), float(total)), Sets(np.arange(e.size, dtype=np.uint32), e.size, 0)
     pressure = np.empty_like(e)
     slope, _ = _projection.project(np.zeros_like(e), e, 0.0, -stiffness * e, free, limits, pressure)
     if slope == np.inf:  # heights so large that springs round the load away: the lowest nodes carry it
@@ -213,7 +182,7 @@ def solve_contact(
         # A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives 2 edge / H by itself.
         gap, compliance = gap - edge, 2 * edge / hardness
     near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
-    tried = _Tried()
+    tried = Tried()
     while True:
         v = u if compliance is None else u + compliance * p
         flat = p.ravel(), gap.ravel(), v.ravel(), limits.hardness
@@ -227,10 +196,10 @@ def solve_contact(
         if fresh and worst <= options.tolerance * u_max and abs(p.sum() / limits.total - 1) <= 1e-12:
             return Contact(p, u, float(approach), float(worst / u_max), tried.iterations)
         tried.refuse_more(worst / u_max, options.tolerance)
-        candidates = _candidates(p, gap, v, approach + near * u_max)
+        candidates = Candidates.below(p, gap, v, approach + near * u_max)
         # Not converged though no new node came into sight: single precision is not enough.
         precise = not options.single or options.tolerance < SINGLE_TOLERANCE or (fresh and candidates.node.size <= seen)
-        descent = _Descent(
+        descent = Descent(
             half_space, candidates, p, gap + v, compliance, limits, options.tolerance * u_max, not precise
         )
         if start.trend is not None and not fresh:
@@ -240,167 +209,3 @@ def solve_contact(
         p.ravel()[candidates.node] = descent.pressure
         u, fresh = half_space.deflection(p), True
         near, seen = NEAR, candidates.node.size
-
-
-@dataclass
-class _Tried:
-    """Work that a solve has done so far."""
-
-    iterations: int = 0
-    restarts: int = 0
-    plain_steps: int = 0
-    stuck: int = 0
-    rounds: int = 0
-    snapping: bool = True
-
-    def refuse_more(self, residual: float, tolerance: float) -> None:
-        """Raise ContactError once the solve is stuck or out of iterations."""
-        if self.stuck > 1 or self.iterations >= MAX_ITERATIONS or self.rounds > MAX_ITERATIONS:
-            raise ContactError(
-                f"the contact solve stopped after {self.iterations} iterations at a residual of {residual:.2g},"
-                f" {tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {self.restarts} restarts,"
-                f" {self.plain_steps} plain gradient steps)"
-            )
-
-
-@dataclass(frozen=True)
-class _Candidates:
-    """The nodes of a window that may be in contact, as flat indices, and the block of rows and columns that holds them."""
-
-    node: NDArray[np.int64]
-    first_row: int
-    first_column: int
-    rows: int
-    columns: int
-
-
-def _candidates(pressure: Array, gap: Array, deflection: Array, highest: float) -> _Candidates:
-    """Find the nodes that are loaded or lie lower than `highest` [m] before the approach is taken off."""
-    listed = np.empty(pressure.size, dtype=np.int64)
-    count, first_row, last_row, first_column, last_column = _solver_kernels.candidates(
-        pressure, gap, deflection, highest, listed
-    )
-    return _Candidates(
-        listed[:count], first_row, first_column, last_row - first_row + 1, last_column - first_column + 1
-    )
-
-
-class _Descent:
-    """Conjugate gradients on the candidates for contact, until these hold the conditions to `allowed`.
-
-    Parameters
-    ----------
-    half_space : HalfSpace. Pressure to deflection.
-    candidates : _Candidates. Nodes that may be in contact.
-    pressure, gap : (m, n) arrays on the window, Pa and m. Start, and its gaps before the approach is taken off.
-    compliance : (m, n) array, m/Pa, or None. Closing of a node's gap by its own pressure beside the deflection.
-    limits : Limits. Hardness and sum of pressures.
-    allowed : float, m. Largest violation of the contact conditions.
-    single : bool. Whether transforms are of single precision.
-
-    Attributes
-    ----------
-    system : System. Arrays of the compiled passes. direction : Direction. Numbers of the direction at hand.
-    step : Step. State after the last step.
-    """
-
-    def __init__(
-        self,
-        half_space: HalfSpace,
-        candidates: _Candidates,
-        pressure: Array,
-        gap: Array,
-        compliance: Array | None,
-        limits: Limits,
-        allowed: float,
-        single: bool,
-    ) -> None:
-        node = candidates.node
-        self.half_space, self.node, self.limits = half_space, node, limits
-        self.allowed, self.goal = allowed, AIM * allowed
-        self.rows = candidates.rows
-        self.transforms = half_space.convolution(candidates.rows - 1, candidates.columns - 1, single=single)
-        row_length = candidates.columns + 2
-        in_image, in_grid = np.empty(node.size, np.uint32), np.empty(node.size, np.uint32)
-        _solver_kernels.places(
-            node,
-            gap.shape[1],
-            candidates.first_row,
-            candidates.first_column,
-            self.transforms.real.shape[1],
-            row_length,
-            in_image,
-            in_grid,
-        )
-        unit = 1.0 / half_space.unit
-        stiffness = unit / OWN_COEFFICIENT
-        soft = np.empty(0) if compliance is None else compliance.ravel()[node]
-        vectors = (np.zeros(node.size) for _ in range(4))
-        grid = np.zeros((candidates.rows + 2) * row_length)
-        self.system = _solver_kernels.System(
-            _solver_kernels.Nodes(pressure.ravel()[node], gap.ravel()[node], soft, 1 / np.sqrt(1 + soft * stiffness)),
-            _solver_kernels.Transform(self.transforms.head(self.rows).ravel(), in_image, half_space.unit),
-            _solver_kernels.Stencil(_inverse_stencil() * unit, grid, in_grid, row_length, stiffness),
-            _solver_kernels.Work(*vectors, np.empty(node.size, np.uint32)),
-            limits,
-        )
-        self.direction = _solver_kernels.Direction(0.0, 0.0, 0.0, 1.0)
-        self.step = _solver_kernels.Step(np.nan, np.nan, 0, 0, 0, 0)
-
-    @property
-    def pressure(self) -> Array:
-        """Pressures of the candidates [Pa]."""
-        return self.system.nodes.p
-
-    def lead(self, trend: Trend) -> None:
-        """Take the first direction from the extrapolation of the last solutions."""
-        ahead = trend.pressure.ravel()[self.node], trend.deflection.ravel()[self.node]
-        self.direction = _solver_kernels.lead(self.system, *ahead)
-
-    def iterate(self, tried: _Tried) -> None:
-        """Step until converged, stuck or out of iterations, at one convolution per step."""
-        tried.rounds += 1
-        snap = 0.01 * self.allowed * self.system.stencil.stiffness if tried.snapping else 0.0
-        share = self.node.size  # of the snap that a node may take, so that the sum of them makes no difference
-        if self.direction.slope < 0:  # the direction of `lead`
-            self._convolve(tried)
-        while True:
-            last = tried.iterations >= MAX_ITERATIONS
-            self.step, self.direction = _solver_kernels.iterate(
-                self.system, self.direction, snap / share, np.inf if last else self.goal
-            )
-            if last or not self.step.worst > self.goal:
-                break
-            share = max(self.step.bound, 1)
-            tried.restarts += self.step.restarts
-            tried.plain_steps += self.step.plain_steps
-            if not self.direction.slope < 0:
-                tried.iterations += 1
-                break
-            tried.stuck = 0
-            self._convolve(tried)
-
-    def settle(self, tried: _Tried) -> None:
-        """Make the pressures carry the load exactly, or, where no step descends, find others to go on from."""
-        (p, g, *_), work, step = self.system.nodes, self.system.work, self.step
-        if not step.worst > self.goal:
-            # A node put on a bound took its share of the load along: the free nodes have it, or those nearest to moving.
-            if step.free:
-                free = _projection.Sets(work.active, step.free, 0)
-                work.trial[:] = p
-                _projection.project(p, g, step.approach, work.trial, free, self.limits, work.d)
-                p += work.d
-            elif abs(p.sum() / self.limits.total - 1) > 1e-13:
-                tried.snapping = False
-                _projection.settle_load(p, g, self.limits, 0.0)
-        elif not self.direction.slope < 0:
-            # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
-            tried.stuck += 1
-            p += work.d
-            _projection.settle_load(p, g, self.limits, 1e-9 * p.max())
-        np.clip(p, 0.0, self.limits.hardness, out=p)
-
-    def _convolve(self, tried: _Tried) -> None:
-        self.transforms.apply(self.rows)
-        self.half_space.count += 1
-        tried.iterations += 1

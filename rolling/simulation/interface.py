@@ -10,7 +10,8 @@ from pathlib import Path
 from rolling.check import long_steps, refusals
 from rolling.contact.solver import ContactError
 from rolling.folders.files import FolderError
-from rolling.scene.scene import Scene, SceneError
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
 from rolling.simulation import batch, labels, solving
 from rolling.simulation import simulate as pieces
 from rolling.simulation.pool import Outcome

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics import wav
-from rolling.contact.recovery_statistics import EventStatistics, event_statistics
+from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.folders import files
 from rolling.scene import file
 from rolling.scene.scene import Scene

@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.march import ContactState, RollingContact, march
+from rolling.contact.march import march
 from rolling.contact.recovery import EventTable, step_energy
 from rolling.contact.solver import ContactError
+from rolling.contact.state import ContactState, RollingContact
 from rolling.scene.identity import Identity, other_surface
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene

@@ -40,8 +40,8 @@ def whole_series(scene: Scene, result: Result) -> WholeSeries:
     ----------
     scene : the scene of the run, for its motion.
     """
-    middles: Array = (np.arange(result.steps) + 0.5) * result.step
-    ends: Array = np.arange(result.steps + 1) * result.step
+    middles = np.asarray((np.arange(result.steps) + 0.5) * result.step, dtype=np.float64)
+    ends = np.asarray(np.arange(result.steps + 1) * result.step, dtype=np.float64)
     times, speed = middle_speeds(scene.motion, result.steps, result.step)
     end_times = np.asarray(scene.motion.time(np.minimum(ends, scene.motion.final_distance)), dtype=float)
     of_steps = {name: result.whole(name) for name in STEP_SERIES} | {"speed": speed}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling.contact.march import RollingContact
+from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
 from rolling.surface.scene_surface import heights
 

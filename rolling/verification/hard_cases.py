@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling.contact import closed_forms
-from rolling.contact.march import RollingContact
+from rolling.contact.state import RollingContact
 from rolling.surface import heights as surface
 
 Array = NDArray[np.float64]

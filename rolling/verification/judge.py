@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.march import ContactState, RollingContact, march
+from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
+from rolling.contact.state import ContactState, RollingContact
 from rolling.folders import files
 from rolling.simulation import lifeline
 from rolling.verification import hard_cases, optimality

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.signal import fftconvolve
 
-from rolling.contact.march import ContactState, RollingContact
+from rolling.contact.state import ContactState, RollingContact
 
 Array = NDArray[np.float64]
 Nodes = NDArray[np.signedinteger]

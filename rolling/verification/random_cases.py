@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling.contact import closed_forms
-from rolling.contact.march import RollingContact
+from rolling.contact.state import RollingContact
 from rolling.verification.hard_cases import CAPACITY, SOLVED, WIDTH, HardCase, make_track, rough
 
 Array = NDArray[np.float64]

@@ -29,8 +29,10 @@ from against_peers import loosest, ours, quickest, theirs
 from whole_run import scene_20_n
 
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.march import ContactState, RollingContact, Window, march
+from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
+from rolling.contact.state import ContactState, RollingContact
+from rolling.contact.window import Window
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES
 from rolling.surface.contact_of_scene import rolling_contact
 

@@ -1,0 +1,199 @@
+"""One descent: conjugate gradients on the candidate nodes of a window, and the work that a solve has done."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling.contact import _projection, _solver_kernels
+from rolling.contact._system import Direction, Limits, Nodes, Stencil, Step, System, Transform, Work, pack
+from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace, love
+
+Array = NDArray[np.float64]
+
+MAX_ITERATIONS = 1000
+AIM = 0.98  # of the tolerance: the rest is for the difference between the deflection carried along and one computed afresh
+
+
+class ContactError(RuntimeError):
+    """A contact that cannot be solved: the limit in numbers, or the methods tried and the residual they reached."""
+
+
+@dataclass(frozen=True)
+class Trend:
+    """Changes of a contact from the position before to this one, a guess at the next changes.
+
+    Parameters
+    ----------
+    pressure : (m, n) array, Pa.
+    deflection : (m, n) array, m.
+    """
+
+    pressure: Array
+    deflection: Array
+
+
+@lru_cache(maxsize=1)
+def _inverse_stencil() -> Array:
+    """Return the 3 x 3 middle of the inverse of Love's coefficients on a large periodic grid, for unit spacing and pi E* = 1."""
+    distance = np.minimum(np.arange(256), 256 - np.arange(256))
+    inverse = np.fft.irfft2(1.0 / np.fft.rfft2(love(distance, distance)).real)
+    return np.ascontiguousarray(np.roll(inverse, (1, 1), axis=(0, 1))[:3, :3])
+
+
+@dataclass
+class Tried:
+    """Work that a solve has done so far."""
+
+    iterations: int = 0
+    restarts: int = 0
+    plain_steps: int = 0
+    stuck: int = 0
+    rounds: int = 0
+    snapping: bool = True
+
+    def refuse_more(self, residual: float, tolerance: float) -> None:
+        """Raise ContactError once the solve is stuck or out of iterations."""
+        if self.stuck > 1 or self.iterations >= MAX_ITERATIONS or self.rounds > MAX_ITERATIONS:
+            raise ContactError(
+                f"the contact solve stopped after {self.iterations} iterations at a residual of {residual:.2g},"
+                f" {tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {self.restarts} restarts,"
+                f" {self.plain_steps} plain gradient steps)"
+            )
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """The nodes of a window that may be in contact, as flat indices, and the block of rows and columns that holds them."""
+
+    node: NDArray[np.int64]
+    first_row: int
+    first_column: int
+    rows: int
+    columns: int
+
+    @classmethod
+    def below(cls, pressure: Array, gap: Array, deflection: Array, highest: float) -> Candidates:
+        """Find the nodes that are loaded or lie lower than `highest` [m] before the approach is taken off."""
+        listed = np.empty(pressure.size, dtype=np.int64)
+        count, first_row, last_row, first_column, last_column = _solver_kernels.candidates(
+            pressure, gap, deflection, highest, listed
+        )
+        return cls(listed[:count], first_row, first_column, last_row - first_row + 1, last_column - first_column + 1)
+
+
+class Descent:
+    """Conjugate gradients on the candidates for contact, until these hold the conditions to `allowed`.
+
+    Parameters
+    ----------
+    half_space : HalfSpace. Pressure to deflection.
+    candidates : Candidates. Nodes that may be in contact.
+    pressure, gap : (m, n) arrays on the window, Pa and m. Start, and its gaps before the approach is taken off.
+    compliance : (m, n) array, m/Pa, or None. Closing of a node's gap by its own pressure beside the deflection.
+    limits : Limits. Hardness and sum of pressures.
+    allowed : float, m. Largest violation of the contact conditions.
+    single : bool. Whether transforms are of single precision.
+
+    Attributes
+    ----------
+    system, packed : System. Arrays of the compiled passes, and plain tuples of the same.
+    direction : Direction. Numbers of the direction at hand.
+    step : Step. State after the last step.
+    """
+
+    def __init__(
+        self,
+        half_space: HalfSpace,
+        candidates: Candidates,
+        pressure: Array,
+        gap: Array,
+        compliance: Array | None,
+        limits: Limits,
+        allowed: float,
+        single: bool,
+    ) -> None:
+        node = candidates.node
+        self.half_space, self.node, self.limits = half_space, node, limits
+        self.allowed, self.goal = allowed, AIM * allowed
+        self.rows = candidates.rows
+        self.transforms = half_space.convolution(candidates.rows - 1, candidates.columns - 1, single=single)
+        row_length = candidates.columns + 2
+        in_image, in_grid = np.empty(node.size, np.uint32), np.empty(node.size, np.uint32)
+        corner = candidates.first_row, candidates.first_column
+        row_lengths = self.transforms.real.shape[1], row_length
+        _solver_kernels.places(node, gap.shape[1], corner, row_lengths, in_image, in_grid)
+        unit = 1.0 / half_space.unit
+        stiffness = float(unit / OWN_COEFFICIENT)
+        soft = np.empty(0) if compliance is None else compliance.ravel()[node]
+        trial, d, r, r_before = (np.zeros(node.size) for _ in range(4))
+        grid = np.zeros((candidates.rows + 2) * row_length)
+        self.system = System(
+            Nodes(pressure.ravel()[node], gap.ravel()[node], soft, 1 / np.sqrt(1 + soft * stiffness)),
+            Transform(self.transforms.head(self.rows).ravel(), in_image, half_space.unit),
+            Stencil(_inverse_stencil() * unit, grid, in_grid, row_length, stiffness),
+            Work(trial, d, r, r_before, np.empty(node.size, np.uint32)),
+            limits,
+        )
+        self.packed = pack(self.system)
+        self.direction = Direction(0.0, 0.0, 0.0, 1.0)
+        self.step = Step(np.nan, np.nan, 0, 0, 0, 0)
+
+    @property
+    def pressure(self) -> Array:
+        """Pressures of the candidates [Pa]."""
+        return self.system.nodes.p
+
+    def lead(self, trend: Trend) -> None:
+        """Take the first direction from the extrapolation of the last solutions."""
+        ahead = trend.pressure.ravel()[self.node], trend.deflection.ravel()[self.node]
+        self.direction = Direction(*_solver_kernels.lead(self.packed, *ahead))
+
+    def iterate(self, tried: Tried) -> None:
+        """Step until converged, stuck or out of iterations, at one convolution per step."""
+        tried.rounds += 1
+        snap = 0.01 * self.allowed * self.system.stencil.stiffness if tried.snapping else 0.0
+        share = self.node.size  # of the snap that a node may take, so that the sum of them makes no difference
+        if self.direction.slope < 0:  # the direction of `lead`
+            self._convolve(tried)
+        while True:
+            last = tried.iterations >= MAX_ITERATIONS
+            step, direction = _solver_kernels.iterate(
+                self.packed, tuple(self.direction), snap / share, np.inf if last else self.goal
+            )
+            self.step, self.direction = Step(*step), Direction(*direction)
+            if last or not self.step.worst > self.goal:
+                break
+            share = max(self.step.bound, 1)
+            tried.restarts += self.step.restarts
+            tried.plain_steps += self.step.plain_steps
+            if not self.direction.slope < 0:
+                tried.iterations += 1
+                break
+            tried.stuck = 0
+            self._convolve(tried)
+
+    def settle(self, tried: Tried) -> None:
+        """Make the pressures carry the load exactly, or, where no step descends, find others to go on from."""
+        (p, g, *_), work, step = self.system.nodes, self.system.work, self.step
+        if not step.worst > self.goal:
+            # A node put on a bound took its share of the load along: the free nodes have it, or those nearest to moving.
+            if step.free:
+                _solver_kernels.carry_load(self.packed, step.approach, step.free)
+            elif abs(p.sum() / self.limits.total - 1) > 1e-13:
+                tried.snapping = False
+                _projection.settle_load(p, g, self.limits, 0.0)
+        elif not self.direction.slope < 0:
+            # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
+            tried.stuck += 1
+            p += work.d
+            _projection.settle_load(p, g, self.limits, 1e-9 * p.max())
+        np.clip(p, 0.0, self.limits.hardness, out=p)
+
+    def _convolve(self, tried: Tried) -> None:
+        self.transforms.apply(self.rows)
+        self.half_space.count += 1
+        tried.iterations += 1

@@ -1,0 +1,135 @@
+"""A rolling contact, given, and its state at one position, solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling.contact import _march_kernels
+from rolling.contact.window import Window
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RollingContact:
+    """A sphere, the plate it rolls over, and the accuracy of the march.
+
+    Parameters
+    ----------
+    heights : (along, across) array, m. Surface of the plate, periodic both ways.
+    spacing : float, m. Node spacing.
+    radius : float, m. Radius of the sphere.
+    contact_modulus : float, Pa. E* of both bodies.
+    hardness : float, Pa. Largest pressure; infinite: purely elastic.
+    load : float, N. Normal load.
+    step : float, m. Distance between two positions.
+    start : float, m. Place of position 0 along the track.
+    tolerance : float. Largest KKT residual of a solve.
+    single : bool. Whether to iterate on deflections of single precision. Default: True.
+    blended : bool. Whether nodes at the edge of yielding patches bear the share of their cell in contact. Default: False.
+    """
+
+    heights: Array
+    spacing: float
+    radius: float
+    contact_modulus: float
+    hardness: float
+    load: float
+    step: float
+    start: float
+    tolerance: float
+    single: bool = True
+    blended: bool = False
+
+    @cached_property
+    def row_highest(self) -> Array:
+        """Maximum height of each row, an (along,) array [m]."""
+        return self.heights.max(axis=1)
+
+    @cached_property
+    def highest(self) -> float:
+        """Maximum height [m]."""
+        return float(self.row_highest.max())
+
+    @property
+    def has_blended_edges(self) -> bool:
+        """Whether edges are blended: an elastic contact has no patch at the hardness whose edge could be."""
+        return self.blended and bool(np.isfinite(self.hardness))
+
+    @property
+    def mid_width(self) -> float:
+        """Place of the sphere across the track [m]."""
+        return (self.heights.shape[1] - 1) / 2 * self.spacing
+
+    def position(self, k: int) -> float:
+        """Return the distance along the track of the sphere's centre at position k [m]."""
+        return self.start + k * self.step
+
+    def overlap(self, k: int, approach: float) -> Window | None:
+        """Find the window where the undeformed gap is below the approach [m] at position k, or None.
+
+        Contact at this approach or a smaller one lies inside.
+        """
+        block = _march_kernels.overlap_block(
+            self.heights,
+            self.row_highest,
+            self.highest,
+            self.spacing,
+            self.radius,
+            self.position(k),
+            self.mid_width,
+            approach,
+        )
+        return Window.spanning([block]) if block[1] >= block[0] else None
+
+    def gap(self, k: int, window: Window) -> Array:
+        """Compute the undeformed gap on a window at position k, a (rows, columns) array [m]."""
+        out = np.empty((window.rows, window.columns))
+        _march_kernels.undeformed_gap(
+            self.heights, self.spacing, self.radius, self.position(k), self.mid_width, window.row, window.column, out
+        )
+        return out
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """The solved contact at one position.
+
+    Parameters
+    ----------
+    position : int. Number of the position.
+    window : Window. Nodes it was solved on.
+    loaded : Window. Bounding block of the nodes under pressure.
+    pressure : (rows, columns) array on the window, Pa.
+    deflection : (rows, columns) array on the window, m.
+    approach : float, m.
+    contact_area, plastic_area : float, m2. Area of the nodes in contact, and of those at the hardness.
+    max_pressure : float, Pa.
+    max_deflection : float, m.
+    stored_energy : float, J. Elastic energy.
+    residual : float. KKT residual.
+    iterations, convolutions : int. Cost of the solve.
+    edge : (rows, columns) array, m, or None. Half of the range of gaps over the cells where a patch may end, of a blended march.
+    sphere_share : float. Share of the initial pressures that moved with the sphere; all others stayed with the plate.
+    """
+
+    position: int
+    window: Window
+    loaded: Window
+    pressure: Array
+    deflection: Array
+    approach: float
+    contact_area: float
+    plastic_area: float
+    max_pressure: float
+    max_deflection: float
+    stored_energy: float
+    residual: float
+    iterations: int
+    convolutions: int
+    edge: Array | None = None
+    sphere_share: float = 0.0

@@ -1,0 +1,60 @@
+"""Windows: blocks of nodes on the unrolled plate, where contact is solved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling.contact import _march_kernels
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Window:
+    """A block of nodes on the unrolled plate.
+
+    Parameters
+    ----------
+    row, column : int. First node along and across; it may be negative.
+    rows, columns : int. Number of nodes along and across.
+    """
+
+    row: int
+    column: int
+    rows: int
+    columns: int
+
+    @classmethod
+    def spanning(cls, blocks: list[tuple[int, int, int, int]]) -> Window:
+        """Return the smallest window over blocks given as (first row, last row, first column, last column)."""
+        row, last_row = min(b[0] for b in blocks), max(b[1] for b in blocks)
+        column, last_column = min(b[2] for b in blocks), max(b[3] for b in blocks)
+        return cls(row, column, last_row - row + 1, last_column - column + 1)
+
+    @classmethod
+    def around(cls, windows: Iterable[Window]) -> Window:
+        """Return the smallest window that covers all the given ones."""
+        return cls.spanning([(w.row, w.row + w.rows - 1, w.column, w.column + w.columns - 1) for w in windows])
+
+    def covers(self, other: Window) -> bool:
+        """Tell whether all nodes of the other window lie in this one."""
+        return (
+            self.row <= other.row
+            and self.column <= other.column
+            and self.row + self.rows >= other.row + other.rows
+            and self.column + self.columns >= other.column + other.columns
+        )
+
+    def bordered(self) -> Window:
+        """Add one node on every side, open in any contact that this window cannot cut off."""
+        return Window(self.row - 1, self.column - 1, self.rows + 2, self.columns + 2)
+
+    def moved(self, values: Array, target: Window) -> Array:
+        """Copy values (rows, columns) of this window into the target window; they are zero where this one does not reach."""
+        out = np.empty((target.rows, target.columns))
+        _march_kernels.copy_block(values, out, self.row - target.row, self.column - target.column)
+        return out
