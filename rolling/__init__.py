@@ -19,33 +19,29 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.2.0.dev0"
 
 if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
-    from rolling import check as check, plot as plot
-    from rolling.commands import save_run as save_run
-    from rolling.contact import closed_forms as closed_forms
-    from rolling.contact.half_space import HalfSpace as HalfSpace
-    from rolling.contact.march import march as march
-    from rolling.contact.solver import ContactError as ContactError, solve as solve_contact
-    from rolling.folders.files import FolderError as FolderError
+    from rolling import check, plot
+    from rolling.commands import save_run
+    from rolling.contact import closed_forms
+    from rolling.contact.half_space import HalfSpace
+    from rolling.contact.march import march
+    from rolling.contact.solver import ContactError
+    from rolling.contact.solver import solve as solve_contact
+    from rolling.folders.files import FolderError
     from rolling.scene.file import load as read_scene
     from rolling.scene.scene import (
-        Gaussian as Gaussian,
-        HeightFile as HeightFile,
-        Numerics as Numerics,
-        Plate as Plate,
-        Recovery as Recovery,
-        Rolling as Rolling,
-        Scene as Scene,
-        SceneError as SceneError,
-        Smooth as Smooth,
-        Sound as Sound,
-        Sphere as Sphere,
+        Gaussian,
+        HeightFile,
+        Numerics,
+        Plate,
+        Recovery,
+        Rolling,
+        Scene,
+        SceneError,
+        Smooth,
+        Sound,
+        Sphere,
     )
-    from rolling.simulation.interface import (
-        SweepError as SweepError,
-        open_run as open_run,
-        simulate as simulate,
-        simulate_sweep as simulate_sweep,
-    )
+    from rolling.simulation.interface import SweepError, open_run, simulate, simulate_sweep
 
 _SCENE, _RUNS = "rolling.scene.scene", "rolling.simulation.interface"
 _PLACES = {  # module and name in it; None: the module itself
@@ -76,7 +72,7 @@ _PLACES = {  # module and name in it; None: the module itself
     "closed_forms": ("rolling.contact.closed_forms", None),
 }
 
-__all__ = [  # noqa: PLE0604
+__all__ = [
     "ContactError",
     "FolderError",
     "Gaussian",

@@ -322,7 +322,7 @@ def _finish(work: _Work, sounds: Sequence[Heard | None], outcome: Outcome) -> Re
         if each is not None:
             _write_run(each, result)
     names = labels.labels(work.runs)
-    summaries = [each and each.summary for each in sounds]
+    summaries = [None if each is None else each.summary for each in sounds]
     exhibits = _write_pictures(work.folder, finished, work.with_page)
     if len(work.runs) > 1:
         _write_sweep(work, names, summaries)

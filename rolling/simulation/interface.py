@@ -11,7 +11,8 @@ from rolling.check import findings, long_steps
 from rolling.contact.solver import ContactError
 from rolling.folders.files import FolderError
 from rolling.scene.scene import Scene, SceneError, expand, track
-from rolling.simulation import batch, labels, simulate as pieces, solving
+from rolling.simulation import batch, labels, solving
+from rolling.simulation import simulate as pieces
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import Heard, hear
@@ -69,9 +70,7 @@ def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> He
     ((101,), (100,))
     """
     if scene.sweep:
-        raise SceneError(
-            [f"sweep: the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them, simulate a single scene"]
-        )
+        raise SceneError([f"sweep: the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them"])
     (run,) = _simulated(scene, [_Single({}, scene)], workers, progress).values()
     return run
 
@@ -159,9 +158,7 @@ class _Single:
     folder: Path = _HERE
 
 
-def _simulated(
-    scene: Scene, singles: Sequence[_Single], workers: int, progress: bool | None
-) -> dict[Values, Heard]:
+def _simulated(scene: Scene, singles: Sequence[_Single], workers: int, progress: bool | None) -> dict[Values, Heard]:
     """Simulate the runs of a scene; return them by their swept values."""
     refuse(scene, workers, None)
     results = [Result.empty(track(single.scene), single.scene.start) for single in singles]

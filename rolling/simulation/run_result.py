@@ -140,7 +140,7 @@ class Heard:
         """
         gain = wav.listening_gain(self.sound.pressure)
         try:
-            from IPython.display import Audio
+            from IPython.display import Audio  # type: ignore[import-not-found, unused-ignore]
         except ImportError:
             path = self.folder / "listen.wav"
             if not path.is_file():

@@ -19,13 +19,13 @@ class _Worker(SpawnProcess):
     @staticmethod
     def _Popen(process: Any) -> Any:  # multiprocessing calls it from `start`
         with _main_left_out():
-            return SpawnProcess._Popen(process)  # type: ignore[attr-defined]
+            return SpawnProcess._Popen(process)
 
 
 class _Context(SpawnContext):
     """The way to start processes that `concurrent.futures` is given."""
 
-    Process = _Worker  # type: ignore[assignment]
+    Process = _Worker
 
 
 def context() -> SpawnContext:
