@@ -224,7 +224,7 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     for each, label in zip(runs, labels.labels(runs), strict=True):
         findings.refuse_unavailable(each.scene)
         result = batch.stored(each)
-        run_with_sound = _sound_of(each, label, result) if result else None
+        run_with_sound = hear(label, each.values, each.folder, each.scene, result) if result else None
         if run_with_sound is None:
             unsolved.append(labels.title(each.scene.name, label))
         else:
@@ -301,13 +301,9 @@ def _sounds(work: _Work) -> list[Heard | None]:
     names = labels.labels(work.runs)
     return [
         # Numbers of another surface would not be the run's.
-        None if batch.other_surface(each, result) else _sound_of(each, label, result)
+        None if batch.other_surface(each, result) else hear(label, each.values, each.folder, each.scene, result)
         for each, label, result in zip(work.runs, names, work.results, strict=True)
     ]
-
-
-def _sound_of(each: Run, label: str, result: Result) -> Heard | None:
-    return hear(label, each.values, each.folder, each.scene, result)
 
 
 def _finish(work: _Work, sounds: Sequence[Heard | None], outcome: Outcome) -> Report:

@@ -76,7 +76,7 @@ def run(folder: Path) -> Heard:
 
 def executed(arguments: list[str], folder: Path, given: str | None = None) -> str:
     """Run Python in the folder; return the output of a program that leaves nothing on stderr."""
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, [os.getcwd(), *sys.path]))}
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, [str(Path.cwd()), *sys.path]))}
     done = subprocess.run(
         [sys.executable, *arguments],
         cwd=folder,
