@@ -82,6 +82,7 @@ class _Work:
 
     @property
     def folder(self) -> Path:
+        """The claimed folder."""
         return self.held.folder
 
 
@@ -153,7 +154,7 @@ def resound(
     Raises
     ------
     FolderError : no run folder, or nothing is solved in it.
-    SceneError : overrides that need a new solve, are not allowed or do not fit.
+    SceneError : overrides that need a new solve or are not allowed.
     """
     stored = read_runs(folder)
     # All is read and checked before the new folder is made.
@@ -219,16 +220,7 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     runs = list({each.folder.resolve(): each for folder in folders for each in read_runs(folder)}.values())
     if len(runs) > pages.MOST_RUNS:
         raise FolderError(f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare")
-    finished: list[Heard] = []
-    unsolved: list[str] = []  # titles
-    for each, label in zip(runs, labels.labels(runs), strict=True):
-        findings.refuse_unavailable(each.scene)
-        result = batch.stored(each)
-        run_with_sound = hear(label, each.values, each.folder, each.scene, result) if result else None
-        if run_with_sound is None:
-            unsolved.append(labels.title(each.scene.name, label))
-        else:
-            finished.append(run_with_sound)
+    finished, unsolved = _stored_sounds(runs)
     if not finished:
         raise FolderError(f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report")
     content = pages.page(finished, pages.exhibits(finished), unsolved)
@@ -240,6 +232,21 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return out
+
+
+def _stored_sounds(runs: Sequence[Run]) -> tuple[list[Heard], list[str]]:
+    """Make the sound of stored runs; return them, and the titles of runs of which too little is solved."""
+    finished: list[Heard] = []
+    unsolved: list[str] = []
+    for each, label in zip(runs, labels.labels(runs), strict=True):
+        findings.refuse_unavailable(each.scene)
+        result = batch.stored(each)
+        with_sound = hear(label, each.values, each.folder, each.scene, result) if result else None
+        if with_sound is None:
+            unsolved.append(labels.title(each.scene.name, label))
+        else:
+            finished.append(with_sound)
+    return finished, unsolved
 
 
 def _refuse_page(out: Path, force: bool) -> None:

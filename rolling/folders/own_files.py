@@ -1,4 +1,4 @@
-"""The names that this program gives to the files of its folders; everything else in them is foreign and never removed."""
+"""The names of the files that this program writes; any other file in its folders is foreign and never removed."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Contents:
 
 
 def contents(folder: Path, record: RunRecord) -> Contents:
-    """Tell what this program put into a folder of its own, runs in it included, from everything else.
+    """Tell the files of this program in one of its folders, and in the runs in it, from foreign ones.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def contents(folder: Path, record: RunRecord) -> Contents:
 
 
 def foreign(folder: Path, record: RunRecord) -> list[Path]:
-    """Return what this program did not put into a folder of its own.
+    """Return the foreign entries in a folder of this program.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def foreign(folder: Path, record: RunRecord) -> list[Path]:
 
 
 def remove(folder: Path, record: RunRecord) -> bool:
-    """Remove a folder of this program, its run.json last; return whether it is gone. Nothing is removed beside foreign files."""
+    """Remove a folder of this program unless foreign files are in it; return whether it is gone. Its run.json goes last."""
     with suppress(FolderError, OSError):
         inside = contents(folder, record)
         if inside.foreign:
@@ -91,6 +91,7 @@ def remove(folder: Path, record: RunRecord) -> bool:
 
 
 def _sort_run(folder: Path, record: RunRecord, into: Contents) -> None:
+    """Sort the entries of a folder of this program."""
     own = FILES.get(record.kind, frozenset())
     for entry in _entries(folder):
         path = Path(entry.path)
@@ -120,7 +121,10 @@ def _sort_inner(folder: Path, into: Contents) -> None:
 
 
 def _is_own(entry: os.DirEntry[str], names: frozenset[str] | None) -> bool:
-    """Whether an entry is a file with one of the names, or of a variant; those of killed writes included."""
+    """Return whether an entry is a file with one of the names; None stands for the names of variants.
+
+    Temporary files of killed writes count as well.
+    """
     if not entry.is_file(follow_symlinks=False):
         return False
     partial = _PARTIAL.fullmatch(entry.name)
