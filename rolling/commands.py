@@ -6,7 +6,6 @@ run.json. The runs of a sweep share a folder, figures that compare them, a table
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rolling.check import findings
-from rolling.folders import claim, files, new_folder
+from rolling.folders import claim, files, new_folder, own_files
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError, Stopped
 from rolling.folders.run_record import Kind
@@ -216,7 +215,7 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     from rolling.report import page as pages
 
     if out is not None:
-        _refuse_page(out, force)
+        own_files.refuse_file(out, force, pages.is_page)
     runs = list({each.folder.resolve(): each for folder in folders for each in read_runs(folder)}.values())
     if len(runs) > pages.MOST_RUNS:
         raise FolderError(f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare")
@@ -228,7 +227,7 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     if out is None:
         out = (folders[0] if len(folders) == 1 else new_folder.stamped(Path("outputs") / "report")) / PAGE
     else:
-        _refuse_page(out, force)  # the page took a while to make
+        own_files.refuse_file(out, force, pages.is_page)  # the page took a while to make
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return out
@@ -247,28 +246,6 @@ def _stored_sounds(runs: Sequence[Run]) -> tuple[list[Heard], list[str]]:
         else:
             finished.append(with_sound)
     return finished, unsolved
-
-
-def _refuse_page(out: Path, force: bool) -> None:
-    """Raise FolderError if a page may not be written to a file."""
-    from rolling.report import page as pages
-
-    if not os.path.lexists(out):
-        return
-    if out.is_symlink():
-        raise FolderError(f"{out}: a symbolic link, which is not replaced; take another --out")
-    if not out.is_file():
-        raise FolderError(f"{out}: {'is a folder' if out.is_dir() else 'is no file'}, --out is the file to write")
-    if not force:
-        raise FolderError(f"{out}: exists; take another --out, or --force to replace a page of this program")
-    try:
-        is_page = pages.is_page(out)
-    except OSError as error:
-        raise FolderError(f"{out}: not readable ({error.strerror or error}), so it is not replaced") from error
-    if not is_page:
-        raise FolderError(
-            f"{out}: not replaced, because it is not a page that this version can tell as its own; take another --out"
-        )
 
 
 def _solve(work: _Work, workers: int) -> Report:

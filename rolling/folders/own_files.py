@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -88,6 +89,32 @@ def remove(folder: Path, record: RunRecord) -> bool:
         folder.rmdir()
         return True
     return False
+
+
+def refuse_file(out: Path, force: bool, is_page: Callable[[Path], bool]) -> None:
+    """Raise FolderError if a report page may not be written to a file.
+
+    Parameters
+    ----------
+    force : Whether a page of this program may be replaced.
+    is_page : Returns whether a file is such a page.
+    """
+    if not os.path.lexists(out):
+        return
+    if out.is_symlink():
+        raise FolderError(f"{out}: a symbolic link, which is not replaced; take another --out")
+    if not out.is_file():
+        raise FolderError(f"{out}: {'is a folder' if out.is_dir() else 'is no file'}, --out is the file to write")
+    if not force:
+        raise FolderError(f"{out}: exists; take another --out, or --force to replace a page of this program")
+    try:
+        replaceable = is_page(out)
+    except OSError as error:
+        raise FolderError(f"{out}: not readable ({error.strerror or error}), so it is not replaced") from error
+    if not replaceable:
+        raise FolderError(
+            f"{out}: not replaced, because it is not a page that this version can tell as its own; take another --out"
+        )
 
 
 def _sort_run(folder: Path, record: RunRecord, into: Contents) -> None:
