@@ -21,6 +21,7 @@ __version__ = "0.2.0.dev0"
 if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling import check, plot
     from rolling.commands import save_run
+    from rolling.commands.interface import SweepError, open_run, simulate, simulate_sweep
     from rolling.contact import closed_forms
     from rolling.contact.half_space import HalfSpace
     from rolling.contact.march import march
@@ -41,9 +42,8 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
         Sound,
         Sphere,
     )
-    from rolling.simulation.interface import SweepError, open_run, simulate, simulate_sweep
 
-_SCENE, _RUNS = "rolling.scene.scene", "rolling.simulation.interface"
+_SCENE, _RUNS = "rolling.scene.scene", "rolling.commands.interface"
 _PLACES = {  # module and name in it; None: the module itself
     "read_scene": ("rolling.scene.file", "load"),
     "Scene": (_SCENE, "Scene"),

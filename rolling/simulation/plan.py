@@ -4,12 +4,38 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from rolling.check import findings, long_steps
 from rolling.folders import files, run_record
 from rolling.folders.run_record import RunRecord
 from rolling.scene import file
 from rolling.scene.run_names import run_names
-from rolling.scene.scene import Scene, expand
+from rolling.scene.scene import Scene, SceneError, expand
 from rolling.simulation.batch import Run, seen_from
+from rolling.surface import contact_of_scene
+
+
+def refuse(scene: Scene, workers: int, folder: Path | None) -> None:
+    """Refuse a scene that cannot be run, before anything is computed or written.
+
+    Parameters
+    ----------
+    folder : Path. The place of the files; None: nothing is written.
+
+    Raises
+    ------
+    SceneError : a package is missing, steps are too long, or memory or disk do not suffice.
+    """
+    findings.refuse_unavailable(scene)
+    long_steps.refuse_long_steps(scene)
+    try:
+        findings.refuse_what_cannot_fit(scene, workers, folder or findings.OUTPUTS)
+    except SceneError as error:
+        # A run in memory needs no disk.
+        faults = [fault for fault in error.faults if folder is not None or not fault.startswith("disk:")]
+        if faults:
+            raise SceneError(faults) from error
+    for _, single in expand(scene):
+        contact_of_scene.rolling_contact(single)  # reads the surface
 
 
 class Plan:

@@ -21,8 +21,7 @@ from rolling.scene import file
 from rolling.scene.scene import track
 from rolling.simulation import batch, labels, sound_files, summary
 from rolling.simulation.batch import Run
-from rolling.simulation.interface import refuse
-from rolling.simulation.plan import Plan
+from rolling.simulation.plan import Plan, refuse
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import Heard, hear
