@@ -19,41 +19,30 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.2.0.dev0"
 
 if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
-    from rolling import check as check
-    from rolling import plot as plot
-    from rolling.commands import save_run as save_run
-    from rolling.contact import closed_forms as closed_forms
-    from rolling.contact.half_space import HalfSpace as HalfSpace
-    from rolling.contact.march import march as march
-    from rolling.contact.solver import ContactError as ContactError
-    from rolling.contact.solver import solve_contact as solve_contact
-    from rolling.folders.files import FolderError as FolderError
-    from rolling.scene.file import read_scene as read_scene
-    from rolling.scene.messages import SceneError as SceneError
-    from rolling.scene.scene import Scene as Scene
-    from rolling.scene.sections import Gaussian as Gaussian
-    from rolling.scene.sections import HeightFile as HeightFile
-    from rolling.scene.sections import Numerics as Numerics
-    from rolling.scene.sections import Plate as Plate
-    from rolling.scene.sections import Recovery as Recovery
-    from rolling.scene.sections import Rolling as Rolling
-    from rolling.scene.sections import Smooth as Smooth
-    from rolling.scene.sections import Sound as Sound
-    from rolling.scene.sections import Sphere as Sphere
-    from rolling.simulation.interface import (
-        SweepError as SweepError,
-    )
-    from rolling.simulation.interface import (
-        open_run as open_run,
-    )
-    from rolling.simulation.interface import (
-        simulate as simulate,
-    )
-    from rolling.simulation.interface import (
-        simulate_sweep as simulate_sweep,
+    from rolling import check, plot
+    from rolling.commands import save_run
+    from rolling.commands.interface import SweepError, open_run, simulate, simulate_sweep
+    from rolling.contact import closed_forms
+    from rolling.contact.half_space import HalfSpace
+    from rolling.contact.march import march
+    from rolling.contact.solver import ContactError, solve_contact
+    from rolling.folders.files import FolderError
+    from rolling.scene.file import read_scene
+    from rolling.scene.messages import SceneError
+    from rolling.scene.scene import Scene
+    from rolling.scene.sections import (
+        Gaussian,
+        HeightFile,
+        Numerics,
+        Plate,
+        Recovery,
+        Rolling,
+        Smooth,
+        Sound,
+        Sphere,
     )
 
-_SECTIONS, _RUNS = "rolling.scene.sections", "rolling.simulation.interface"
+_SECTIONS, _RUNS = "rolling.scene.sections", "rolling.commands.interface"
 _PLACES = {  # module and name in it; None: the module itself
     "read_scene": ("rolling.scene.file", "read_scene"),
     "Scene": ("rolling.scene.scene", "Scene"),
@@ -66,7 +55,7 @@ _PLACES = {  # module and name in it; None: the module itself
     "Numerics": (_SECTIONS, "Numerics"),
     "Recovery": (_SECTIONS, "Recovery"),
     "Sound": (_SECTIONS, "Sound"),
-    "SceneError": (_SECTIONS, "SceneError"),
+    "SceneError": ("rolling.scene.messages", "SceneError"),
     "check": ("rolling.check", None),
     "simulate": (_RUNS, "simulate"),
     "simulate_sweep": (_RUNS, "simulate_sweep"),

@@ -1,4 +1,4 @@
-"""The command `rolling`. Imports what a command needs inside it, so that --help is instant."""
+"""The command `rolling`. Each command imports its modules itself, so that --help is instant."""
 
 from __future__ import annotations
 
@@ -6,17 +6,22 @@ import argparse
 import io
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rolling import __version__
+
+if TYPE_CHECKING:
+    from rolling.commands import Report
 
 OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit code: 0 done, 1 failed, 2 bad scene or usage, 130 interrupted."""
-    # The solve is cut into processes; libraries that start threads of their own only get in their way.
+    """Run the command line; return the exit code: 0 done, 1 failed, 2 bad scene or usage, 130 interrupted."""
+    # The solve is cut into processes; threads of libraries only get in their way.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     for stream in (sys.stdout, sys.stderr):
@@ -36,117 +41,94 @@ def main(argv: Sequence[str] | None = None) -> int:
         return FAILED
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="rolling", description="Contact noise of a sphere rolling over a rough surface."
+# ---- the arguments of the commands -----------------------------------------------------------------------------------
+
+
+def _scene(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("scene", type=_path, metavar="SCENE", help="scene file (YAML)")
+
+
+def _folder(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("folder", type=_path, metavar="RUN", help="run folder")
+
+
+def _settings(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="override, such as rolling.load_n=50"
     )
-    parser.add_argument("--version", action="version", version=f"rolling-contact-noise {__version__}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    def command(name, function, text, *parts):
-        sub = commands.add_parser(name, help=text, description=text)
-        sub.set_defaults(command=function)
-        for part in parts:
-            part(sub)
 
-    def scene(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("scene", type=_path, metavar="SCENE", help="scene file (YAML)")
-
-    def folder(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("folder", type=_path, metavar="RUN", help="run folder")
-
-    def settings(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument(
-            "--set", action="append", default=[], metavar="KEY=VALUE", help="override, such as rolling.load_n=50"
-        )
-
-    def target(sub: argparse.ArgumentParser, default: str = "outputs/NAME/TIME") -> None:
-        sub.add_argument("--out", type=_path, metavar="FOLDER", help=f"run folder to make (default: {default})")
-        sub.add_argument(
-            "--force",
-            action="store_true",
-            help="replace the run in --out, which stays beside it as OUT.previous until the new one is done",
-        )
-
-    def workers(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("--workers", type=_count, default=0, metavar="N", help="processes (default: one per core)")
-
-    def page(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("--no-report", action="store_true", help="leave out the report page (of 24 runs at most)")
-
-    def pages(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("folders", type=_path, nargs="+", metavar="RUN", help="run folder, of one run or of a sweep")
-        sub.add_argument(
-            "--out",
-            type=_path,
-            metavar="FILE",
-            help="page to write (default: RUN/report.html, of several RUN outputs/report/TIME/report.html)",
-        )
-        sub.add_argument("--force", action="store_true", help="replace the page in --out")
-
-    def fast(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("--fast", action="store_true", help="solve no positions: closed forms and estimates only")
-
-    def studied(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument(
-            "study", choices=("lee2025",), metavar="STUDY", help="lee2025: Lee, Kim & Kim, Inventions 10(1), 17"
-        )
-        sub.add_argument("--readings", nargs="+", default=[], metavar="NAME", help="readings to run (default: all)")
-        sub.add_argument(
-            "--quick",
-            action="store_true",
-            help="one surface, three loads, 0.015 s in steps of 6 um; without the outlook unless named",
-        )
-        sub.add_argument("--out", type=_path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)")
-
-    def claimed(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument(
-            "--take-over",
-            action="store_true",
-            help="go on although a process of another host is said to work on it: it must have ended",
-        )
-
-    def trial(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("scene", type=_path, nargs="?", metavar="SCENE", help="scene file (YAML), not with --hard")
-        sub.add_argument(
-            "--finest", type=_power_of_two, metavar="N", help="divide the spacing by 2, 4, ... up to N (default 4)"
-        )
-        sub.add_argument(
-            "--duration",
-            type=_seconds,
-            metavar="S",
-            help="seconds of rolling at most (default 0.045: no third octave from 100 Hz is empty)",
-        )
-        sub.add_argument("--hard", action="store_true", help="judge the solver on hard cases instead")
-        sub.add_argument("--random", type=_count, metavar="N", help="with --hard: random scenes (default 2000)")
-        sub.add_argument("--long", action="store_true", help="with --hard: the march of 1e5 steps as well")
-
-    command("run", _run, "run a scene: release, sound, levels and plots", scene, settings, target, workers, page)
-    command(
-        "check", _check, "validate a scene and say what it will cost and where it is doubtful", scene, settings, fast
+def _target(sub: argparse.ArgumentParser, default: str = "outputs/NAME/TIME") -> None:
+    sub.add_argument("--out", type=_path, metavar="FOLDER", help=f"run folder to make (default: {default})")
+    sub.add_argument(
+        "--force",
+        action="store_true",
+        help="replace the run in --out, which stays beside it as OUT.previous until the new one is done",
     )
-    command("resume", _resume, "go on with a run that was interrupted", folder, workers, page, claimed)
-    command("resound", _resound, "new sound from a stored run, without solving again", folder, settings, target, page)
-    command("report", _report, "one page to hear, see and read runs: a single HTML file that needs no network", pages)
-    command(
-        "accuracy",
-        _accuracy,
-        "speed against error: a scene on finer grids, with other edges, tolerances, steps; or the solver on hard cases",
-        settings,
-        lambda sub: target(sub, "outputs/NAME-accuracy/TIME"),
-        workers,
-        trial,
+
+
+def _accuracy_target(sub: argparse.ArgumentParser) -> None:
+    _target(sub, "outputs/NAME-accuracy/TIME")
+
+
+def _workers(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--workers", type=_count, default=0, metavar="N", help="processes (default: one per core)")
+
+
+def _no_page(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--no-report", action="store_true", help="leave out the report page (of 24 runs at most)")
+
+
+def _reported_folders(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("folders", type=_path, nargs="+", metavar="RUN", help="run folder, of one run or of a sweep")
+    sub.add_argument(
+        "--out",
+        type=_path,
+        metavar="FILE",
+        help="page to write (default: RUN/report.html, of several RUN outputs/report/TIME/report.html)",
     )
-    command(
-        "reproduce",
-        _reproduce,
-        "run the study of an article in several readings and answer for its statements; again: goes on where it stopped",
-        studied,
-        workers,
-        claimed,
+    sub.add_argument("--force", action="store_true", help="replace the page in --out")
+
+
+def _fast(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--fast", action="store_true", help="solve no positions: closed forms and estimates only")
+
+
+def _study(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "study", choices=("lee2025",), metavar="STUDY", help="lee2025: Lee, Kim & Kim, Inventions 10(1), 17"
     )
-    command("schema", _schema, "print the JSON Schema of scene files, for editors")
-    return parser
+    sub.add_argument("--readings", nargs="+", default=[], metavar="NAME", help="readings to run (default: all)")
+    sub.add_argument(
+        "--quick",
+        action="store_true",
+        help="one surface, three loads, 0.015 s in steps of 6 um; without the outlook unless named",
+    )
+    sub.add_argument("--out", type=_path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)")
+
+
+def _take_over(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "--take-over",
+        action="store_true",
+        help="go on although a process of another host is said to work on it: it must have ended",
+    )
+
+
+def _trial(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("scene", type=_path, nargs="?", metavar="SCENE", help="scene file (YAML), not with --hard")
+    sub.add_argument(
+        "--finest", type=_power_of_two, metavar="N", help="divide the spacing by 2, 4, ... up to N (default 4)"
+    )
+    sub.add_argument(
+        "--duration",
+        type=_seconds,
+        metavar="S",
+        help="seconds of rolling at most (default 0.045: no third octave from 100 Hz is empty)",
+    )
+    sub.add_argument("--hard", action="store_true", help="judge the solver on hard cases instead")
+    sub.add_argument("--random", type=_count, metavar="N", help="with --hard: random scenes (default 2000)")
+    sub.add_argument("--long", action="store_true", help="with --hard: the march of 1e5 steps as well")
 
 
 def _path(text: str) -> Path:
@@ -176,63 +158,56 @@ def _seconds(text: str) -> float:
     return value
 
 
+# ---- the commands ----------------------------------------------------------------------------------------------------
+
+
 def _run(arguments: argparse.Namespace) -> int:
-    from rolling import commands as run
+    from rolling import commands
 
     a = arguments
-    return _reported(lambda: run.run(a.scene, a.set, a.out, a.force, a.workers, not a.no_report), not a.no_report)
+    return _reported(lambda: commands.run(a.scene, a.set, a.out, a.force, a.workers, not a.no_report), not a.no_report)
 
 
 def _resume(arguments: argparse.Namespace) -> int:
-    from rolling import commands as run
+    from rolling import commands
 
     a = arguments
-    return _reported(lambda: run.resume(a.folder, a.workers, not a.no_report, a.take_over), not a.no_report)
+    return _reported(lambda: commands.resume(a.folder, a.workers, not a.no_report, a.take_over), not a.no_report)
 
 
 def _resound(arguments: argparse.Namespace) -> int:
-    from rolling import commands as run
+    from rolling import commands
 
     a = arguments
-    return _reported(lambda: run.resound(a.folder, a.set, a.out, a.force, not a.no_report), not a.no_report)
+    return _reported(lambda: commands.resound(a.folder, a.set, a.out, a.force, not a.no_report), not a.no_report)
 
 
 def _report(arguments: argparse.Namespace) -> int:
-    from rolling import commands as run
+    from rolling import commands
     from rolling.folders.files import FolderError
     from rolling.scene.messages import SceneError
 
     try:
-        print(run.report(arguments.folders, arguments.out, arguments.force))
+        print(commands.report(arguments.folders, arguments.out, arguments.force))
     except (SceneError, FolderError) as error:
         _say(str(error))
         return BAD_INPUT
     return OK
 
 
-def _reported(act, page: bool) -> int:
+def _reported(act: Callable[[], Report], page: bool) -> int:
+    """Run a command that works on a run folder, and print what came of it."""
     from rolling.folders.files import FolderError
     from rolling.scene.messages import SceneError
-    from rolling.simulation import labels, summary
 
     try:
         report = act()
     except (SceneError, FolderError) as error:
         _say(str(error))
         return BAD_INPUT
-    names = labels.labels([one for one, _ in report.runs])
-    rows = [(label, str(one.folder), numbers) for label, (one, numbers) in zip(names, report.runs, strict=True)]
-    print(summary.table(rows))
-    for label, reason in report.failures.items():
-        _say(f"failed: {label}: {reason}")
+    _print_levels(report)
     if report.exit_code == OK:
-        print(f"\nlisten: {report.runs[0][0].folder / 'listen.wav'}   pictures, numbers: {report.folder}")
-        if report.page:
-            print(f"all on one page: {report.page}")
-        elif page:
-            print(
-                f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes one of those to compare"
-            )
+        _print_files(report, page)
     else:
         solved = f"what is solved is in {report.folder}" if report.solved else "nothing is solved yet"
         _say(f"stopped early; {solved}, `rolling resume {report.folder}` goes on")
@@ -244,6 +219,26 @@ def _reported(act, page: bool) -> int:
         )
         _say(f"{report.previous}, which this run replaces, {why}")
     return report.exit_code
+
+
+def _print_levels(report: Report) -> None:
+    """Print the table of levels with its caveats, then the failures."""
+    from rolling.simulation import labels, summary
+
+    names = labels.labels([run for run, _ in report.runs])
+    rows = [(label, str(run.folder), numbers) for label, (run, numbers) in zip(names, report.runs, strict=True)]
+    print(summary.table(rows))
+    for label, reason in report.failures.items():
+        _say(f"failed: {label}: {reason}")
+
+
+def _print_files(report: Report, page: bool) -> None:
+    """Print where the files are that a person opens first."""
+    print(f"\nlisten: {report.runs[0][0].folder / 'listen.wav'}   pictures, numbers: {report.folder}")
+    if report.page:
+        print(f"all on one page: {report.page}")
+    elif page:
+        print(f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes one of those to compare")
 
 
 def _check(arguments: argparse.Namespace) -> int:
@@ -337,7 +332,79 @@ def _schema(arguments: argparse.Namespace) -> int:
 
 
 def _say(text: str) -> None:
+    """Print a line for a person, apart from the output."""
     print(text, file=sys.stderr)
+
+
+@dataclass(frozen=True)
+class _Command:
+    """A command of the command line.
+
+    act : does it and returns the exit code.
+    parts : add its arguments to its parser.
+    """
+
+    name: str
+    act: Callable[[argparse.Namespace], int]
+    text: str
+    parts: tuple[Callable[[argparse.ArgumentParser], None], ...] = ()
+
+
+_COMMANDS = (
+    _Command(
+        "run",
+        _run,
+        "run a scene: release, sound, levels and plots",
+        (_scene, _settings, _target, _workers, _no_page),
+    ),
+    _Command(
+        "check",
+        _check,
+        "validate a scene and say what it will cost and where it is doubtful",
+        (_scene, _settings, _fast),
+    ),
+    _Command("resume", _resume, "go on with a run that was interrupted", (_folder, _workers, _no_page, _take_over)),
+    _Command(
+        "resound",
+        _resound,
+        "new sound from a stored run, without solving again",
+        (_folder, _settings, _target, _no_page),
+    ),
+    _Command(
+        "report",
+        _report,
+        "one page to hear, see and read runs: a single HTML file that needs no network",
+        (_reported_folders,),
+    ),
+    _Command(
+        "accuracy",
+        _accuracy,
+        "speed against error: a scene on finer grids, with other edges, tolerances, steps; or the solver on hard cases",
+        (_settings, _accuracy_target, _workers, _trial),
+    ),
+    _Command(
+        "reproduce",
+        _reproduce,
+        "run the study of an article in several readings and answer for its statements; again: goes on where it stopped",
+        (_study, _workers, _take_over),
+    ),
+    _Command("schema", _schema, "print the JSON Schema of scene files, for editors"),
+)
+
+
+def _parser() -> argparse.ArgumentParser:
+    """Build the parser of the command line."""
+    parser = argparse.ArgumentParser(
+        prog="rolling", description="Contact noise of a sphere rolling over a rough surface."
+    )
+    parser.add_argument("--version", action="version", version=f"rolling-contact-noise {__version__}")
+    parsers = parser.add_subparsers(required=True, metavar="COMMAND")
+    for command in _COMMANDS:
+        sub = parsers.add_parser(command.name, help=command.text, description=command.text)
+        sub.set_defaults(command=command.act)
+        for part in command.parts:
+            part(sub)
+    return parser
 
 
 if __name__ == "__main__":

@@ -23,12 +23,13 @@ from acoustics.weighting import a_weighting_db
 from rolling.figures import axes
 from rolling.scene.scene import Scene
 from rolling.simulation import labels
+from rolling.simulation.run_result import Heard
 from rolling.surface import scene_surface
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from rolling.simulation.run_result import Heard
+    from rolling.scene.scene import Scene
 
 __all__ = ["contact_pressure", "levels", "release_power", "spectrum", "surface", "third_octaves"]
 
@@ -134,7 +135,7 @@ def surface(shown: Heard | Scene, ax: Axes | None = None) -> Axes:
     -------
     ax : heights, µm, over the first 0.8 mm of the plate, µm.
     """
-    scene = shown if isinstance(shown, Scene) else shown.scene
+    scene = shown.scene if isinstance(shown, Heard) else shown
     ax = _axes(ax)
     return axes.surface(ax, _bar(ax), scene_surface.heights(scene), scene.spacing)
 

@@ -139,14 +139,14 @@ def test_worker_processes_compare_the_heights_that_they_read(scene: Path, tmp_pa
 
 
 def test_heights_replaced_in_the_last_moment_give_no_numbers(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
-    inner = simulate.simulate
+    inner = simulate.march_pieces
 
     def replace(*arguments: object) -> object:
         outcome = inner(*arguments)
         np.save(tmp_path / "z.npy", made(2))
         return outcome
 
-    monkeypatch.setattr(simulate, "simulate", replace)
+    monkeypatch.setattr(simulate, "march_pieces", replace)
     out = tmp_path / "out"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
     assert "another surface than the one solved" in capsys.readouterr().err

@@ -1,6 +1,6 @@
-"""Claims: a folder is worked on by one process at a time. The claim is the state `running` in run.json.
+"""Claims: one process at a time works on a folder. The claim is the state `running` in run.json.
 
-A run in a sweep and the sweep respect each other's claims. A claim of a process that is gone counts for nothing.
+A sweep and the runs in it respect each other's claims. The claim of a process that has ended does not count.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _held: set[str] = set()  # ids of the records that this process has claimed and 
 
 
 class Claim:
-    """A folder that this process works on. Leaving it gives the folder back with the state that the work came to."""
+    """A folder that this process works on. Leaving the context gives the folder back with the state of the work."""
 
     def __init__(self, folder: Path, record: RunRecord, before: RunRecord) -> None:
         self.folder, self.record = folder, record
@@ -81,12 +81,12 @@ class Claim:
             self._running.pop(folder, None)
 
     def forget_replaced(self) -> None:
-        """Write that nothing is left beside the folder that it replaces."""
+        """Write that the replaced folder is gone."""
         self.record = replace(self.record, replaces=None)
         run_record.write(self.folder, self.record)
 
     def _left(self, error: BaseException | None) -> tuple[State, str | None]:
-        """State and reason of work that ended with an error."""
+        """Return state and reason of work that ended with an error."""
         if error is None or _is_refusal(error):  # nothing was done
             before = self._before
             return ("waiting", "the process was killed") if before.state == "running" else (before.state, before.reason)
@@ -104,9 +104,9 @@ def take(folder: Path, kind: Kind, runs: Sequence[str] = (), take_over: bool = F
 
     Parameters
     ----------
-    kind : of the folder where it has no run.json: one of version 0.1.0, which is given one.
-    runs : folders of the runs in it; a study adds them to those that it has.
-    take_over : claim it from a process that cannot be seen from here, too.
+    kind : Kind. The kind that a folder of version 0.1.0, which has no run.json, is given.
+    runs : Names of the folders of its runs; a study adds them to the runs that it has.
+    take_over : bool. Claim the folder even from a process that cannot be seen from here. Default: false.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def take(folder: Path, kind: Kind, runs: Sequence[str] = (), take_over: bool = F
 
 
 def begin(folder: Path, record: RunRecord) -> Claim:
-    """Claim a folder that this process makes, by the first run.json in it."""
+    """Claim a new folder by writing its first run.json."""
     claimed = record.with_state("running")
     run_record.write(folder, claimed)
     return Claim(folder, claimed, record)
@@ -142,7 +142,7 @@ def refuse_folder_in_use(folder: Path, record: RunRecord) -> None:
 
 
 def refuse_in_use(folder: Path, record: RunRecord, take_over: bool) -> None:
-    """Raise FolderError if the record is claimed; `take_over` lets claims pass that cannot be judged from here."""
+    """Raise FolderError if the record is claimed; `take_over` ignores claims that cannot be judged from here."""
     process = record.process
     if process is None:
         return
@@ -156,7 +156,7 @@ def refuse_in_use(folder: Path, record: RunRecord, take_over: bool) -> None:
 
 
 def owner_of(folder: Path) -> Path | None:
-    """Return the folder of the sweep or study that a run belongs to, None for one that stands alone."""
+    """Return the folder of the sweep or study that a run belongs to, None where it stands alone."""
     own = folder.resolve()
     for above in (own.parent, own.parent.parent):
         try:
@@ -169,7 +169,7 @@ def owner_of(folder: Path) -> Path | None:
 
 
 def _unmarked_sweep(folder: Path) -> Path | None:
-    """The sweep of version 0.1.0 that a run belongs to: it has no record until it is resumed."""
+    """Return the sweep of version 0.1.0 that a run belongs to; it has no record until it is resumed."""
     above = folder.resolve().parent
     return above if (above / "resolved.yaml").is_file() and not (above / run_record.FILE).exists() else None
 
@@ -195,7 +195,7 @@ def guard(folder: Path) -> Iterator[None]:
 
 
 def _locked(path: Path) -> int | None:
-    """Descriptor of the locked file; -1: try again; None: the file system has no locks."""
+    """Lock a file; return its descriptor, -1 to try again, or None where the file system has no locks."""
     if fcntl is None:
         return None
     try:

@@ -1,4 +1,4 @@
-"""Files of a run folder: written whole or not at all, and the errors that folders and their files raise."""
+"""Writing of whole files, and the errors that folders and their files raise."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from typing import Any
 
 
 class FolderError(Exception):
-    """A folder that cannot be written to or read from, and what to do."""
+    """The reason why a folder cannot be written or read, and the way out."""
 
 
 class Stopped(OSError):
-    """Work on a run folder that the system stopped, for instance by a full disk, and the way on."""
+    """An error of the system that stopped work on a run folder, such as a full disk, and the way on."""
 
     def __init__(self, cause: OSError, way_on: str) -> None:
         super().__init__(f"{cause}\n{way_on}")
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file under another name, then give it its own: it is whole or it is not there."""
+    """Write a file under a temporary name, then rename it, so that it is either whole or not there."""
     partial = path.with_name(f".{path.name}.partial")
     try:
         with partial.open("wb") as stream:
@@ -35,17 +35,20 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 
 def write_json(path: Path, content: Any) -> None:
+    """Write a JSON file, whole or not at all."""
     write_bytes(path, (json.dumps(content, indent=2, allow_nan=False) + "\n").encode())
 
 
 class Keeper:
-    """Writes results while a run goes on, often, but never for more than a twentieth of the time."""
+    """A clock for writing results while a run goes on: often, but for at most a twentieth of the time."""
 
     def __init__(self) -> None:
         self._next = time.monotonic()
 
     def due(self) -> bool:
+        """Return whether it is time to write."""
         return time.monotonic() >= self._next
 
     def wrote(self, seconds: float) -> None:
+        """Note that writing took `seconds` [s]."""
         self._next = time.monotonic() + max(2.0, 20 * seconds)

@@ -1,7 +1,7 @@
-"""New folders of this program, and folders that take the place of older ones.
+"""New folders of this program, and folders that replace older ones.
 
-All refusals come before anything is touched. A folder that replaces another is made under a temporary name beside it; the other
-stays as OUT.previous until the new one is done.
+All refusals come before anything is touched. A folder that replaces another is made under a temporary name beside it. The
+older folder stays as OUT.previous until the work in the new folder is done.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rolling.folders.files import FolderError
 from rolling.folders.run_record import Kind, RunRecord
 
 PREVIOUS = ".previous"
-MOMENT = 60.0  # [s]; what has no run.json for longer is no folder that somebody makes just now
+MOMENT = 60.0  # [s]; a folder without run.json for longer is not being made just now
 Fill = Callable[[Path], object]  # writes the inputs of a run into its folder
 
 
@@ -30,9 +30,11 @@ Fill = Callable[[Path], object]  # writes the inputs of a run into its folder
 class Target:
     """A folder that may be made.
 
-    folder : the folder, or the one below which a folder named after the time is made.
-    kinds : kinds of folders that the command makes, and may replace.
-    inputs : files and folders that the command reads.
+    folder : Path. The folder itself; if `stamped`, its parent.
+    stamped : bool. Whether the folder is named after the time.
+    replaces : bool. Whether a folder of this program is there, which the new folder replaces.
+    kinds : The kinds of folders that the command makes, and may replace.
+    inputs : The files and folders that the command reads.
     """
 
     folder: Path
@@ -43,12 +45,15 @@ class Target:
 
 
 def aim(base: Path, out: Path | None, force: bool, kinds: Sequence[Kind], inputs: Sequence[Path] = ()) -> Target:
-    """Check where a new folder may be made: at `out`, or below `base` under a name after the time. Nothing is touched.
+    """Check where a new folder may be made, without touching anything.
 
     Parameters
     ----------
-    force : allow a folder of these kinds at `out` to be replaced, if nothing foreign is in it.
-    inputs : files and folders that the command reads; none may be replaced.
+    base : Path. Parent of a folder named after the time, which is made where `out` is None.
+    out : Path. The folder to make.
+    force : bool. Allow a folder of these kinds at `out` to be replaced, if nothing foreign is in it.
+    kinds : The kinds of folders that the command makes.
+    inputs : The files and folders that the command reads; none may be replaced.
 
     Raises
     ------
@@ -84,11 +89,12 @@ def _aim(out: Path, force: bool, kinds: Sequence[Kind], inputs: Sequence[Path]) 
 
 
 def make(target: Target, record: RunRecord, fill: Fill = lambda folder: None) -> Claim:
-    """Make the folder of a target, claimed by this process: run.json first, then its inputs.
+    """Make the folder of a target and claim it for this process: run.json first, then its inputs.
 
     Raises
     ------
-    FolderError : it cannot be made, or another process was faster. OSError : an input cannot be written; nothing is left.
+    FolderError : it cannot be made, or another process was faster.
+    OSError : an input cannot be written; nothing is left.
     """
     if target.stamped:
         return _fill(stamped(target.folder), record, fill, True)
@@ -119,7 +125,7 @@ def previous(folder: Path) -> Path:
 
 
 def drop_previous(held: Claim) -> Path | None:
-    """Remove the folder that a claimed one replaces, which is done now; return it if it had to stay."""
+    """Remove the older folder that a claimed folder replaces; return it if it has to stay."""
     if held.record.replaces is None:
         return None
     old = previous(held.folder)
@@ -138,7 +144,7 @@ def drop_previous(held: Claim) -> Path | None:
 
 
 def is_empty(folder: Path) -> bool:
-    """Return whether nothing is in a folder, apart from traces of a command that was killed before its first file."""
+    """Return whether a folder is empty, apart from traces of a command that was killed before its first file."""
     traces = {claim.LOCK, f".{run_record.FILE}.partial"}
     return all(entry.name in traces and entry.is_file() and not entry.is_symlink() for entry in folder.iterdir())
 
@@ -147,11 +153,11 @@ def is_empty(folder: Path) -> bool:
 
 
 def _marked(folder: Path, kinds: Sequence[Kind]) -> RunRecord:
-    """The record of a folder of this program.
+    """Read the record of a folder of this program.
 
     Raises
     ------
-    FolderError : it is none, or of another kind.
+    FolderError : the folder is not of this program, or of another kind.
     """
     record = run_record.read(folder)
     if record is None:
@@ -167,12 +173,12 @@ def _marked(folder: Path, kinds: Sequence[Kind]) -> RunRecord:
 
 
 def _named(kinds: Sequence[Kind]) -> str:
-    """Word for a folder of the first of these kinds."""
+    """Return the word for a folder of the first of these kinds."""
     return {"accuracy": "study of accuracy", "hard-cases": "table of hard cases"}.get(kinds[0], kinds[0])
 
 
 def _refuse_losses(target: Target, record: RunRecord) -> None:
-    """Raise FolderError if replacing the folder would lose what cannot be computed again, or what somebody works on."""
+    """Raise FolderError if replacing the folder would lose data, or is in the way of other work."""
     out = target.folder
     if out.is_symlink():
         raise FolderError(f"{out}: a symbolic link, which is not replaced; give --out the folder {out.resolve()}")
@@ -187,6 +193,7 @@ def _refuse_losses(target: Target, record: RunRecord) -> None:
 
 
 def _refuse_loss(folder: Path, record: RunRecord, inputs: Sequence[Path]) -> None:
+    """Raise FolderError if removing one folder would lose data."""
     if record.adopted:
         raise FolderError(
             f"{folder}: made by version 0.1.0 and never replaced; take another --out, or remove it yourself"
@@ -207,7 +214,7 @@ def _refuse_loss(folder: Path, record: RunRecord, inputs: Sequence[Path]) -> Non
 
 
 def _contains(folder: Path, path: Path) -> bool:
-    """Whether a folder is the path or holds it, however both are written."""
+    """Return whether a folder is the path or holds it, however both are written."""
     own = path.resolve()
     for above in (own, *own.parents):
         with suppress(OSError):
@@ -243,7 +250,7 @@ def _make_in_place(folder: Path, record: RunRecord, fill: Fill) -> Claim:
 
 
 def _fill(folder: Path, record: RunRecord, fill: Fill, new: bool, held: Claim | None = None) -> Claim:
-    """Write run.json and inputs into a folder of ours; leave nothing when that fails."""
+    """Write run.json and inputs into a new folder; leave nothing when that fails."""
     try:
         held = held or claim.begin(folder, record)
         fill(folder)
@@ -258,7 +265,7 @@ def _fill(folder: Path, record: RunRecord, fill: Fill, new: bool, held: Claim | 
 
 
 def _replace(target: Target, record: RunRecord, fill: Fill) -> Claim:
-    """Make the folder under a temporary name, then exchange it for the one that is there."""
+    """Make the folder under a temporary name, then exchange it for the older folder."""
     out = target.folder
     temporary = _temporary(out)
     _mkdir(temporary)
@@ -277,16 +284,16 @@ def _replace(target: Target, record: RunRecord, fill: Fill) -> Claim:
 
 @contextmanager
 def _both_guarded(out: Path) -> Iterator[None]:
-    """Keep other processes from beginning work in a folder and in that which it replaced."""
+    """Keep other processes from beginning work in a folder and in its predecessor."""
     with claim.guard(out), claim.guard(previous(out)) if previous(out).is_dir() else nullcontext():
         yield
 
 
 def _exchange(target: Target, new: Claim) -> None:
-    """Give the new folder the name OUT, and that which was there the name OUT.previous.
+    """Give the new folder the name OUT, and the older folder the name OUT.previous.
 
-    OUT.previous stays when it was done once and OUT was not: the last run that is done is kept, whatever happened after it. A
-    folder that is not kept is renamed, too; `_left_over` finds it.
+    An OUT.previous that was done once stays if OUT was never done: the last finished run is kept, whatever happened after
+    it. The folder that is not kept is renamed, too; `_left_over` finds it.
     """
     out, old = target.folder, previous(target.folder)
     there = _marked(out, target.kinds)
@@ -306,7 +313,7 @@ def _exchange(target: Target, new: Claim) -> None:
 
 
 def _rename(moves: Sequence[tuple[Path, Path]]) -> None:
-    """Rename folders one after the other; all of them or none."""
+    """Rename all folders in order, or none of them."""
     done: list[tuple[Path, Path]] = []
     try:
         for source, name in moves:
@@ -327,7 +334,7 @@ def _temporary(out: Path) -> Path:
 
 
 def _left_over(out: Path) -> Iterator[tuple[Path, RunRecord]]:
-    """Folders of ours under temporary names, which commands left beside `out`."""
+    """Yield the folders under temporary names that killed commands left beside `out`."""
     name = re.compile(rf"\.{re.escape(out.name)}\.[0-9a-f]{{32}}\.partial")
     with suppress(OSError):
         for path in sorted(out.parent.iterdir()):
@@ -342,7 +349,7 @@ def _left_over(out: Path) -> Iterator[tuple[Path, RunRecord]]:
 
 
 def _interrupted_swap(out: Path) -> str | None:
-    """Id of OUT.previous where a command was killed after it had moved OUT there and before the new folder got the name."""
+    """Return the id of OUT.previous where a command was killed between its two renamings."""
     with suppress(FolderError):
         old = run_record.read(previous(out))
         for left, record in _left_over(out):

@@ -1,9 +1,10 @@
-"""The names that this program gives to the files of its folders; everything else in them is foreign and never removed."""
+"""The names of the files that this program writes; any other file in its folders is foreign and never removed."""
 
 from __future__ import annotations
 
 import os
 import re
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,7 +52,7 @@ class Contents:
 
 
 def contents(folder: Path, record: RunRecord) -> Contents:
-    """Tell what this program put into a folder of its own, runs in it included, from everything else.
+    """Tell the files of this program in one of its folders, and in the runs in it, from foreign ones.
 
     Raises
     ------
@@ -63,7 +64,7 @@ def contents(folder: Path, record: RunRecord) -> Contents:
 
 
 def foreign(folder: Path, record: RunRecord) -> list[Path]:
-    """Return what this program did not put into a folder of its own.
+    """Return the foreign entries in a folder of this program.
 
     Raises
     ------
@@ -73,7 +74,7 @@ def foreign(folder: Path, record: RunRecord) -> list[Path]:
 
 
 def remove(folder: Path, record: RunRecord) -> bool:
-    """Remove a folder of this program, its run.json last; return whether it is gone. Nothing is removed beside foreign files."""
+    """Remove a folder of this program unless foreign files are in it; return whether it is gone. Its run.json goes last."""
     with suppress(FolderError, OSError):
         inside = contents(folder, record)
         if inside.foreign:
@@ -90,7 +91,34 @@ def remove(folder: Path, record: RunRecord) -> bool:
     return False
 
 
+def refuse_file(out: Path, force: bool, is_page: Callable[[Path], bool]) -> None:
+    """Raise FolderError if a report page may not be written to a file.
+
+    Parameters
+    ----------
+    force : Whether a page of this program may be replaced.
+    is_page : Returns whether a file is such a page.
+    """
+    if not os.path.lexists(out):
+        return
+    if out.is_symlink():
+        raise FolderError(f"{out}: a symbolic link, which is not replaced; take another --out")
+    if not out.is_file():
+        raise FolderError(f"{out}: {'is a folder' if out.is_dir() else 'is no file'}, --out is the file to write")
+    if not force:
+        raise FolderError(f"{out}: exists; take another --out, or --force to replace a page of this program")
+    try:
+        replaceable = is_page(out)
+    except OSError as error:
+        raise FolderError(f"{out}: not readable ({error.strerror or error}), so it is not replaced") from error
+    if not replaceable:
+        raise FolderError(
+            f"{out}: not replaced, because it is not a page that this version can tell as its own; take another --out"
+        )
+
+
 def _sort_run(folder: Path, record: RunRecord, into: Contents) -> None:
+    """Sort the entries of a folder of this program."""
     own = FILES.get(record.kind, frozenset())
     for entry in _entries(folder):
         path = Path(entry.path)
@@ -120,7 +148,10 @@ def _sort_inner(folder: Path, into: Contents) -> None:
 
 
 def _is_own(entry: os.DirEntry[str], names: frozenset[str] | None) -> bool:
-    """Whether an entry is a file with one of the names, or of a variant; those of killed writes included."""
+    """Return whether an entry is a file with one of the names; None stands for the names of variants.
+
+    Temporary files of killed writes count as well.
+    """
     if not entry.is_file(follow_symlinks=False):
         return False
     partial = _PARTIAL.fullmatch(entry.name)

@@ -1,4 +1,4 @@
-"""Processes that outlive their number: host, number and birth, so that a lock of a process that is gone is recognised."""
+"""Processes told apart by host, number and birth: a number is used again after its process has ended."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PROC = Path("/proc")
 
 @dataclass(frozen=True, config=ConfigDict(strict=True, extra="forbid"))
 class Process:
-    """A process as others can recognise it.
+    """A process in a form that other processes can recognise.
 
     started : when it was started, for people.
     birth : for programs; no two processes of a host and number share it. Empty where the system does not tell it.
@@ -41,7 +41,7 @@ def _host() -> str:
 
 
 def this_process() -> Process:
-    """Return the process that calls."""
+    """Return the calling process."""
     pid = os.getpid()
     birth = _birth(pid) or ""
     return Process(_host(), pid, _started(birth), birth)
@@ -68,7 +68,7 @@ def is_alive(process: Process) -> bool | None:
 
 
 def _is_hidden(pid: int) -> bool:
-    """Whether the system hides a process of another user (mounts of /proc with hidepid)."""
+    """Return whether the system hides a process of another user (mounts of /proc with hidepid)."""
     try:
         os.kill(pid, 0)
     except PermissionError:
@@ -79,7 +79,7 @@ def _is_hidden(pid: int) -> bool:
 
 
 def _birth(pid: int) -> str | None:
-    """Boot, number space and start of a process on Linux, the start elsewhere; None when there is no such process."""
+    """Return boot, number space and start of a process on Linux, its start elsewhere; None for no such process."""
     if (PROC / "self" / "stat").exists():
         with suppress(OSError, ValueError, IndexError):
             # The second field is the command's name in brackets, which may hold brackets and spaces itself.
@@ -96,7 +96,7 @@ def _birth(pid: int) -> str | None:
 
 
 def _started(birth: str) -> str:
-    """Time of a birth as people read it; empty where it is not known."""
+    """Return the time of a birth for people; empty where it is not known."""
     parts = birth.split()
     if len(parts) != 3:
         return birth

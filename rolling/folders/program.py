@@ -1,4 +1,4 @@
-"""The identity of this program: its version, a digest of its own sources, and the commit where a checkout has one."""
+"""The identity of this program: its version, the digest of its sources, and the commit of a checkout."""
 
 from __future__ import annotations
 

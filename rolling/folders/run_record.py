@@ -1,6 +1,6 @@
-"""The file `run.json`: it says what a folder of this program is, how far it is, who works on it and what made it.
+"""The file `run.json`, which marks a folder of this program: its kind, its state, the process that works on it, its maker.
 
-It is the marker of such a folder. A process changes it only while it holds the folder (see `claim`).
+A process changes the file only while it holds the folder (see `claim`).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ State = Literal["waiting", "running", "done", "failed"]
 
 
 def _inner(path: str) -> str:
-    """A path that stays below the folder it starts from."""
+    """Check that a path stays below the folder that it starts from."""
     parts = PurePosixPath(path).parts
     if not parts or path != "/".join(parts) or {"..", "/"} & {*parts} or "\\" in path or "\0" in path:
         raise ValueError("not a path below the folder")
@@ -41,14 +41,14 @@ def _inner(path: str) -> str:
 class RunRecord:
     """The contents of run.json.
 
-    id : of this folder alone.
-    reason : why it failed, or why it waits after it was begun.
-    process : the process that works on it while its state is running.
-    version, sources, commit, dirty : the program that worked on it last (see `program.Identity`).
-    completed : when it was done for the first time; work on it since, killed perhaps, takes nothing from it.
-    runs : folders of the runs in it, in the order of the scene's sweep; each has a run.json of its own.
-    replaces : id of the folder beside it, named OUT.previous, that is removed when this one is done.
-    adopted : whether version 0.1.0 made the folder; it is never replaced.
+    id : The id of this folder alone.
+    reason : The reason why the work failed, or why it waits after it was begun.
+    process : The process that works on the folder while its state is running.
+    version, sources, commit, dirty : The program that worked on it last (see `program.Identity`).
+    completed : The time when it was done first; later work on it does not change this.
+    runs : The folders of its runs, in the order of the scene's sweep; each has a run.json of its own.
+    replaces : The id of OUT.previous beside it, which is removed when the work is done.
+    adopted : Whether version 0.1.0 made the folder; it is never replaced.
     """
 
     kind: Kind
@@ -76,7 +76,7 @@ class RunRecord:
         return self
 
     def with_state(self, state: State, reason: str | None = None) -> RunRecord:
-        """Return the record of another state, now: of this process if it runs, without a process otherwise."""
+        """Return the record with another state from now on, with this process if the state is running."""
         process = this_process() if state == "running" else None
         made_by = asdict(program.identity()) if state == "running" else {}
         now = _now()
@@ -85,7 +85,7 @@ class RunRecord:
 
 
 def new(kind: Kind, runs: Sequence[str] = (), adopted: bool = False) -> RunRecord:
-    """Return the record of a folder that nobody has worked on yet."""
+    """Return the record of a new folder, which waits."""
     now = _now()
     return RunRecord(
         kind=kind,

@@ -1,4 +1,4 @@
-"""The layout of result.h5, format 2: a netCDF-4 tree whose every dimension has a name, whose every value has a unit.
+"""The layout of result.h5, format 2: a netCDF-4 tree in which every dimension has a name and every value a unit.
 
 Root: series along the track. Groups: snapshot, pressure_maps, events (event_pieces while steps are missing), sound.
 """
@@ -49,7 +49,7 @@ _BARE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
 
 
 def image(result: Result, scene: Scene, scene_text: str, sound: ContactSound | None) -> bytes:
-    """Build the file in memory: whatever happens to a disk, the HDF5 library is not there to see it."""
+    """Build the file in memory, so that the HDF5 library never meets a full disk."""
     with h5py.File("result.h5", "w", driver="core", backing_store=False, block_size=1 << 20) as file:
         _attributes(file, result, scene, scene_text)
         _series(file, result, scene)
@@ -203,7 +203,7 @@ def _maps(file: h5py.File, result: Result) -> None:
 
 
 def _events(file: h5py.File, result: Result) -> None:
-    """Write the events of a complete run as one table, others piece after piece, to be joined when all are there."""
+    """Write the events of a complete run as one table, the events of other runs piece after piece."""
     if not result.event_pieces:
         return
     group = _Group(file.create_group("events" if result.complete else "event_pieces"))

@@ -1,4 +1,4 @@
-"""Reads an open result.h5, format 2 or older, and checks all of it: type, shape, range, and that its parts agree.
+"""Reading of result.h5, format 2 or older, with a check of every type, shape and range, and of the parts against each other.
 
 Version 0.1.0 and what followed it wrote no format: no identity, maps one after the other, a group for each piece of events.
 """
@@ -28,7 +28,7 @@ SUM_TOLERANCE = 1e-6  # of the energy of all events to the released energy: the 
 
 
 class Damage(ValueError):
-    """What is wrong with a file and where, on one line."""
+    """The first fault of a file and its place, on one line."""
 
 
 def read(file: h5py.File) -> Result:
@@ -36,7 +36,7 @@ def read(file: h5py.File) -> Result:
 
     Raises
     ------
-    Damage : the first fault that was found, its field first. Files that HDF5 cannot read raise what h5py raises.
+    Damage : the first fault, its field first. For files that HDF5 cannot read, h5py raises its own errors.
     """
     steps = _number(file, "steps", 1, MOST_STEPS)
     solved = _number(file, "solved_steps", 1, steps)
@@ -60,7 +60,7 @@ def read(file: h5py.File) -> Result:
 
 
 def format_of(file: h5py.File) -> int:
-    """The format of a file; 1 where it does not say, as in version 0.1.0."""
+    """Read the format of a file; 1 where it has none, as in version 0.1.0."""
     return _number(file, "format", 1, 2**31) if "format" in file.attrs else 1
 
 
@@ -92,7 +92,7 @@ def _attribute(group: h5py.Group, name: str) -> Any:
 
 
 def _array(group: h5py.Group, name: str, kinds: str, shape: tuple[int | None, ...]) -> NDArray[Any]:
-    """Values of one of the kinds (numpy's letters) and of a shape, in which None stands for any length."""
+    """Read values of one of the kinds (numpy's letters) and of a shape, in which None stands for any length."""
     where = _path(group, name)
     link = group.get(name, getlink=True)
     if link is None:
@@ -154,7 +154,7 @@ def _values(file: h5py.File, name: str) -> dict[str, Any]:
 
 
 def _series(file: h5py.File, steps: int, solved: int) -> dict[str, Array]:
-    """The series of the solved part."""
+    """Read the series of the solved part."""
     series = {name: _array(file, name, "f", (steps,))[:solved] for name in STEP_SERIES}
     for name in STATE_SERIES:
         if name == "max_deflection" and name not in file and format_of(file) < FORMAT:  # as of version 0.1.0
@@ -236,7 +236,7 @@ def _maps(file: h5py.File, result: Result) -> dict[int, PressureMap]:
 
 
 def _padded_pressures(group: h5py.Group, count: int) -> list[NDArray[np.float32]]:
-    """Maps of format 2: one above the other, the smaller ones with NaN around them."""
+    """Read the maps of format 2, which are padded with NaN to one size."""
     padded = _array(group, "pressure", "f", (count, None, None)).astype(np.float32, copy=False)
     sizes = [_array(group, name, "iu", (count,)).astype(np.int64) for name in ("rows", "columns")]
     for name, values, most in zip(("rows", "columns"), sizes, padded.shape[1:], strict=True):
@@ -250,7 +250,7 @@ def _padded_pressures(group: h5py.Group, count: int) -> list[NDArray[np.float32]
 
 
 def _flat_pressures(group: h5py.Group, count: int) -> list[NDArray[np.float32]]:
-    """Maps of older files: one after the other."""
+    """Read the maps of older files, which stand one after the other."""
     shapes = _array(group, "shape", "iu", (count, 2)).astype(np.int64)
     flat = _array(group, "pressure", "f", (None,)).astype(np.float32, copy=False)
     _refuse("pressure_maps/shape", (shapes < 1) | (shapes > flat.size), f"are not from 1 to {flat.size}")
@@ -265,7 +265,7 @@ def _flat_pressures(group: h5py.Group, count: int) -> list[NDArray[np.float32]]:
 
 
 def _events(file: h5py.File, result: Result) -> dict[int, dict[str, NDArray[Any]]]:
-    """Tables of events by the first position of their piece; of a complete run one table."""
+    """Read the tables of events by the first position of their piece; a complete run has one table."""
     whole, parts = _group(file, "events"), _group(file, "event_pieces")
     if whole is not None and parts is not None:
         raise Damage("events: there beside event_pieces, allowed is one of them")
@@ -317,7 +317,7 @@ def _table(group: h5py.Group) -> dict[str, NDArray[Any]]:
 
 
 def _check_events(result: Result, done: NDArray[np.bool_]) -> None:
-    """Hold the events against the steps that are solved."""
+    """Compare the events with the solved steps."""
     for first, table in result.event_pieces.items():
         where = "events" if first == 0 and result.complete else f"event_pieces/{first}"
         if first >= result.solved_steps or not done[first]:

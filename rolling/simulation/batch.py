@@ -37,7 +37,7 @@ class Run:
 
     @property
     def label(self) -> str:
-        """The name of the run alone: its swept values, or its load. Several are named together by `labels.labels`."""
+        """The name of the run alone: its swept values, or its load. `labels.labels` names several runs together."""
         return labels.labels([self])[0]
 
 
@@ -141,7 +141,7 @@ def other_surface(run: Run, result: Result) -> str | None:
 
 
 def seen_from(folder: Path, scene: Scene) -> Scene:
-    """Return a scene whose height file has its path from a run folder, from where the scene will be read again."""
+    """Return a scene with the path of its height file from a run folder, where it will be read again."""
     data = scene.to_dict()
     if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
         return scene

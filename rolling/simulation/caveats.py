@@ -1,4 +1,4 @@
-"""What a reader of a run's numbers must know: the one source for terminal, page and files. Depends on scenario and sound."""
+"""The caveats of a run's numbers, which terminal, page and files share."""
 
 from __future__ import annotations
 
@@ -47,26 +47,26 @@ class Remark:
 
 
 def caveats(scene: Scene, sound: ContactSound, findings: Iterable[Finding], complete: bool) -> list[Caveat]:
-    """List the caveats of a run: the standing ones that apply to it, then the warnings of its check and of its solver.
+    """List the caveats of a run: its standing ones, then the warnings of its check and of its solver.
 
     Parameters
     ----------
     findings : Findings of the scene.
-    complete : All steps are solved.
+    complete : Whether all steps are solved.
     """
-    found = [*_of_levels(scene, sound), *_of_record(scene, sound)]
+    result = [*_of_levels(scene, sound), *_of_record(scene, sound)]
     if not complete:
-        found.append(Caveat("partial", "Not all steps are solved: numbers and sound cover the solved beginning only."))
-    found.append(
+        result.append(Caveat("partial", "Not all steps are solved: numbers and sound cover the solved beginning only."))
+    result.append(
         Caveat("quasi_static", "The load is held constant: the sphere neither bounces nor rings on its contact.")
     )
-    found += [Caveat(each.key, f"{each.quantity}: {each.warning}") for each in findings if each.warning]
+    result += [Caveat(each.key, f"{each.quantity}: {each.warning}") for each in findings if each.warning]
     hidden = resolution.doubt(scene, sound.audible_rms, sound.resolved_rms)
-    return [*found, Caveat("solver", f"solver: {hidden}")] if hidden else found
+    return [*result, Caveat("solver", f"solver: {hidden}")] if hidden else result
 
 
 def loops(sound: ContactSound) -> bool:
-    """Tell whether the record can be played round and round without a click."""
+    """Return whether the record can be repeated without a click."""
     return sound.loops
 
 
@@ -76,7 +76,7 @@ def stored(numbers: Mapping[str, Any]) -> list[Caveat]:
 
 
 def gathered(runs: Sequence[tuple[str, Sequence[Caveat]]]) -> list[Remark]:
-    """Say each kind of caveat once, in the words of the first run that it concerns.
+    """Merge equal kinds of caveats, in the words of the first run that each concerns.
 
     Parameters
     ----------
@@ -86,63 +86,63 @@ def gathered(runs: Sequence[tuple[str, Sequence[Caveat]]]) -> list[Remark]:
     for label, each in runs:
         for caveat in each:
             by_key.setdefault(caveat.key, {})[label] = caveat.text
-    found = []
+    remarks = []
     for key, texts in by_key.items():
         first, text = next(iter(texts.items()))
         if len(set(texts.values())) > 1:
             text += f" (in the numbers of {first})"
-        found.append(Remark(key, text, () if len(texts) == len(runs) else tuple(texts)))
-    return found
+        remarks.append(Remark(key, text, () if len(texts) == len(runs) else tuple(texts)))
+    return remarks
 
 
 def _of_levels(scene: Scene, sound: ContactSound) -> list[Caveat]:
-    """List what belongs beside the levels, if there are any."""
+    """List the caveats of the levels, if there are any."""
     if sound.steady_level is None and sound.levels.level_db is None:
         return []
-    found, s = [], scene.sound
+    result, s = [], scene.sound
     fixed = s.gain_pa_per_w_m2 is not None
     if s.q == 1:
         levels = "The steady level is" if fixed or sound.levels.level_db is None else "Levels are"
         text = f"{levels} an upper bound: all released energy counts as radiated (q = 1)."
-        found.append(Caveat("upper_bound", text))
+        result.append(Caveat("upper_bound", text))
     else:
-        found.append(Caveat("assumed_q", f"The scene assumes that {s.q:g} of the released energy is radiated (q)."))
+        result.append(Caveat("assumed_q", f"The scene assumes that {s.q:g} of the released energy is radiated (q)."))
     if fixed:
         text = f"The scene's gain of {s.gain_pa_per_w_m2:g} Pa per W/m² decides every level but the steady one."
-        found.append(Caveat("fixed_gain", text))
-    found.append(Caveat("unvalidated", "No level has been validated against a microphone."))
+        result.append(Caveat("fixed_gain", text))
+    result.append(Caveat("unvalidated", "No level has been validated against a microphone."))
     if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
         text = (
             "± covers the record's length alone, taken as stationary Gaussian noise; it holds no error of model, grid or"
             " solver."
         )
-        found.append(Caveat("uncertainty", text))
-    return found
+        result.append(Caveat("uncertainty", text))
+    return result
 
 
 def _of_record(scene: Scene, sound: ContactSound) -> list[Caveat]:
-    """List what belongs beside the player: a record that does not loop, or is heard as the tone of its repetition."""
-    found = []
+    """List the caveats of a record that does not loop, or is heard as the tone of its repetition."""
+    result = []
     if not loops(sound):
         text = "The record does not close on itself: it is faded at both ends, and a loop of it has gaps."
         if sound.closed:
             text = "The ends of the record do not fit together: a loop of it clicks."
-        found.append(Caveat("not_loopable", text))
+        result.append(Caveat("not_loopable", text))
     if sound.levels.level_db is None:
-        return found
+        return result
     lap = _lap_seconds(scene, sound)
     heard = f"{_times(lap)} a second: the pitch that is heard is the repetition, not the contact."
     if loops(sound) and sound.duration < SHORT_S:
-        found.append(Caveat("short_loop", f"When it loops, the record of {sound.duration:.3g} s repeats {heard}"))
+        result.append(Caveat("short_loop", f"When it loops, the record of {sound.duration:.3g} s repeats {heard}"))
     elif lap < min(SHORT_S, 0.999 * sound.duration):
-        found.append(Caveat("short_track", f"The track repeats in the record every {lap:.3g} s, {heard}"))
-    return found
+        result.append(Caveat("short_track", f"The track repeats in the record every {lap:.3g} s, {heard}"))
+    return result
 
 
 def _lap_seconds(scene: Scene, sound: ContactSound) -> float:
-    """Measure the time after which a record repeats itself, on average where the speed changes [s]."""
-    way = scene.track
-    lap = way.lap_steps * way.step
+    """Return the time after which a record repeats itself [s], the mean where the speed changes."""
+    rolled_track = scene.track
+    lap = rolled_track.lap_steps * rolled_track.step
     rolled = float(scene.motion.distance(sound.duration))
     return sound.duration * min(1.0, lap / rolled)
 

@@ -1,4 +1,4 @@
-"""The words of a scene's keys, and the labels that tell runs apart. Depends on scenario.
+"""The words of a scene's keys, and the labels that tell runs apart.
 
 Terminal, pictures, tables, page and files all take the names of runs from `labels`.
 """
@@ -99,18 +99,18 @@ def worded(key: str, value: float) -> str:
 
 
 def labels(runs: Sequence[Labelled]) -> list[str]:
-    """Name runs by what tells them apart; all labels differ, are printable and have at most `LONGEST` characters.
+    """Name runs by their differences; all labels differ, are printable and have at most `LONGEST` characters.
 
-    The scene's name comes first where there are several names. Then come the swept values and whatever else differs between
-    the scenes, at least as much as tells the runs apart. Runs of equal scenes are told apart by their folders' names, and at
+    The scene's name comes first where there are several names. The swept values and other differences between the scenes
+    follow, as many as tell the runs apart. Runs of equal scenes are told apart by their folders' names, and at
     last by a number. A run alone is named by its swept values, or by its load.
     """
     names, folders = [run.scene.name for run in runs], _folder_names(runs)
     parts = _parts(runs)
-    found = _joined(names, folders, parts)
-    if max(map(len, found), default=0) > LONGEST:
-        found = _joined(shortened(names, _LONGEST_PART), shortened(folders, _LONGEST_PART), parts)
-    return _numbered(shortened(found, LONGEST))
+    texts = _joined(names, folders, parts)
+    if max(map(len, texts), default=0) > LONGEST:
+        texts = _joined(shortened(names, _LONGEST_PART), shortened(folders, _LONGEST_PART), parts)
+    return _numbered(shortened(texts, LONGEST))
 
 
 def title(name: str, label: str) -> str:
@@ -186,7 +186,7 @@ def _absent(scene: Scene, key: str) -> str:
 
 
 def _value(scene: Scene, key: str) -> Hashable:
-    """Read the value of a dotted key, None where the scene has none; a height file counts by its place on the disk."""
+    """Read the value of a dotted key, None where the scene has none; of a height file its place on the disk."""
     if key == "surface.path":
         return scene.height_path and scene.height_path.resolve()
     section, _, last = key.partition(".")
@@ -227,7 +227,7 @@ def _folder_names(runs: Sequence[Labelled]) -> list[str]:
 
 
 def _joined(names: Sequence[str], folders: Sequence[str], parts: Sequence[Sequence[str]]) -> list[str]:
-    """Join the parts of each label, with the scene's name if there are several, with the folder's where labels are alike."""
+    """Join the parts of each label; add the names of scenes and folders where they tell labels apart."""
     several = len(set(names)) > 1
     texts = [
         ", ".join(filter(None, [name if several else "", *(part[k] for part in parts)])) for k, name in enumerate(names)
@@ -268,7 +268,7 @@ def _numbered(texts: Sequence[str]) -> list[str]:
     """Put a number behind texts that are equal."""
     count = Counter(texts)
     taken, numbers = {text for text in texts if count[text] == 1}, Counter[str]()
-    found = []
+    result = []
     for text in texts:
         label = text
         while count[text] > 1 and (label == text or label in taken):
@@ -276,5 +276,5 @@ def _numbered(texts: Sequence[str]) -> list[str]:
             ending = f" ({numbers[text]})"
             label = text[: LONGEST - len(ending)] + ending
         taken.add(label)
-        found.append(label)
-    return found
+        result.append(label)
+    return result

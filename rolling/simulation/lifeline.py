@@ -1,4 +1,4 @@
-"""Worker processes that end with the process that started them, however that one ends. Depends on the standard library."""
+"""Worker processes that end with the process that started them, however it ends."""
 
 from __future__ import annotations
 

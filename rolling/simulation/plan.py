@@ -1,19 +1,50 @@
-"""Scene to the runs that it makes, their folders and their inputs. Depends on scene files and run.json."""
+"""The runs of a scene, their folders and their inputs."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from rolling.check import long_steps, refusals
 from rolling.folders import files, run_record
 from rolling.folders.run_record import RunRecord
 from rolling.scene import file
+from rolling.scene.messages import SceneError
 from rolling.scene.run_names import run_names
 from rolling.scene.scene import Scene
 from rolling.simulation.batch import Run, seen_from
+from rolling.surface import contact_of_scene
+
+
+def refuse(scene: Scene, workers: int, folder: Path | None) -> None:
+    """Refuse a scene that cannot be run, before anything is computed or written.
+
+    Parameters
+    ----------
+    folder : Path. The place of the files; None: nothing is written.
+
+    Raises
+    ------
+    SceneError : a package is missing, steps are too long, or memory or disk do not suffice.
+    """
+    refusals.refuse_unavailable(scene)
+    long_steps.refuse_long_steps(scene)
+    try:
+        refusals.refuse_what_cannot_fit(scene, workers, folder or refusals.OUTPUTS)
+    except SceneError as error:
+        # A run in memory needs no disk.
+        faults = [fault for fault in error.faults if folder is not None or not fault.startswith("disk:")]
+        if faults:
+            raise SceneError(faults) from error
+    for _, single in scene.runs():
+        contact_of_scene.rolling_contact(single)  # reads the surface
 
 
 class Plan:
-    """The runs of a scene and their inputs, before they have a folder."""
+    """The runs of a scene and their inputs, before they have a folder.
+
+    scene : Scene. A scene with or without a sweep.
+    given : bytes. The text of the scene file; None for a scene that was made in memory.
+    """
 
     def __init__(self, scene: Scene, given: bytes | None) -> None:
         self.scene, self.given = scene, given
@@ -22,7 +53,7 @@ class Plan:
 
     @property
     def height_files(self) -> list[Path]:
-        """The file of heights, if the scene reads one."""
+        """The height file, if the scene reads one."""
         return [self.scene.height_path] if self.scene.height_path is not None else []
 
     def record(self) -> RunRecord:
@@ -36,13 +67,13 @@ class Plan:
         ]
 
     def write(self, folder: Path) -> None:
-        """Write the inputs of each run into its folder, and those of the sweep into the one above."""
-        for one in self.runs(folder):
-            # A single run can be resumed and resounded on its own: it says what it was given, too.
-            if one.folder != folder:
-                one.folder.mkdir(exist_ok=True)
-                run_record.write(one.folder, run_record.new("run"))
-                self._write_scene(one.folder, one.scene)
+        """Write the inputs of each run into its folder, and the inputs of the sweep into the folder above."""
+        for run in self.runs(folder):
+            # A run of a sweep can be resumed and resounded on its own, so it has the inputs as well.
+            if run.folder != folder:
+                run.folder.mkdir(exist_ok=True)
+                run_record.write(run.folder, run_record.new("run"))
+                self._write_scene(run.folder, run.scene)
         self._write_scene(folder, self.scene)
 
     def _write_scene(self, folder: Path, scene: Scene) -> None:

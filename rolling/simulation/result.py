@@ -1,7 +1,4 @@
-"""The result of a run while it grows: series, snapshot, pressure maps, recovery events, and the identity of the run.
-
-Depends on simulate, whose pieces it collects, and on recovery, which joins their events. `store` writes and reads it.
-"""
+"""The result of a run while it grows: series, snapshot, pressure maps, recovery events, and the identity of the run."""
 
 from __future__ import annotations
 
@@ -21,12 +18,14 @@ Array = NDArray[np.float64]
 
 @dataclass
 class Result:
-    """Series of a run: of one lap of the track or less, which is all that is ever solved; NaN where not solved yet.
+    """The solved lap of a run; its series are NaN where a step is not solved yet.
 
-    steps : steps of the whole run; `solved_steps` of them are different, the rest go round again.
-    maps : pressure maps along the track, by position.
-    event_pieces : tables of recovery events by the first position of their piece; joined into one once all are there.
-    identity : scene and surface that were solved; None in files of version 0.1.0, which do not say it.
+    steps : int. Steps of the whole run. `solved_steps` of them differ, the others repeat them.
+    step : float, m. Length of a step. start : float, m. First position along the track.
+    series : Series of the lap by name, in SI units.
+    maps : Pressure maps along the track, by position.
+    event_pieces : Tables of recovery events by the first position of their piece; one table once all are there.
+    identity : Scene and surface that were solved; None in files of version 0.1.0.
     """
 
     steps: int
@@ -41,40 +40,48 @@ class Result:
 
     @classmethod
     def empty(cls, track: Track, start: float) -> Result:
+        """Return a result without a solved step.
+
+        Parameters
+        ----------
+        start : float, m. First position along the track.
+        """
         solved = track.solved_steps
         series = {name: np.full(solved, np.nan) for name in STEP_SERIES}
         series |= {name: np.full(solved + 1, np.nan) for name in STATE_SERIES}
         return cls(track.steps, solved, track.step, start, series)
 
     def add(self, piece: Piece) -> None:
+        """Add a solved piece of the lap."""
         for name, values in piece.steps.items():
             self.series[name][piece.first : piece.last] = values
         for name, values in piece.states.items():
             self.series[name][piece.last + 1 - len(values) : piece.last + 1] = values
         self.snapshot = piece.snapshot or self.snapshot
-        self.maps |= {one.position: one for one in piece.maps}
+        self.maps |= {pressure_map.position: pressure_map for pressure_map in piece.maps}
         if piece.events is not None:
             self.event_pieces[piece.first] = piece.events
 
     @property
     def complete(self) -> bool:
+        """Whether all steps are solved."""
         return not np.isnan(self.series["release_energy"]).any()
 
     @property
     def done_steps(self) -> int:
-        """Length of the unbroken beginning that is solved."""
+        """Number of steps from the start to the first unsolved step."""
         gaps = np.flatnonzero(np.isnan(self.series["release_energy"]))
         return int(gaps[0]) if len(gaps) else self.steps
 
     def whole(self, name: str) -> Array:
-        """A series over the whole run, laps repeated."""
+        """Return a series of the whole run, laps repeated."""
         values = self.series[name]
         if name in STEP_SERIES:
             return values[np.arange(self.steps) % self.solved_steps]
         return values[np.append(np.arange(self.steps) % self.solved_steps, (self.steps - 1) % self.solved_steps + 1)]
 
     def events(self) -> dict[str, NDArray[Any]] | None:
-        """The table of recovery events of what is solved; None when none were asked for."""
+        """Return the table of recovery events on the solved steps; None when none were asked for."""
         if not self.event_pieces:
             return None
         table = join_events([self.event_pieces[first] for first in sorted(self.event_pieces)])

@@ -1,4 +1,4 @@
-"""result.h5: written whole or not at all, sealed by a digest, refused where a byte has changed; opens in xarray.
+"""The file result.h5: written whole or not at all, sealed by a digest, refused when a byte has changed.
 
 The last line of the file is a SHA-256 of all before it. HDF5 does not look beyond its own end, so readers of HDF5 do not
 notice the line. It is checked before the HDF5 library sees the file, which damage could crash.
@@ -33,9 +33,9 @@ def save(path: Path, result: Result, scene: Scene, scene_text: str, sound: Conta
 
     Parameters
     ----------
-    scene : the run's, for time and speed along the track.
-    scene_text : the same as YAML, with paths as they are from the run folder.
-    sound : once it is known.
+    scene : Scene. The scene of the run, for time and speed along the track.
+    scene_text : str. The scene as YAML, with paths from the run folder.
+    sound : ContactSound. Default: none yet.
 
     Raises
     ------

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import io
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     import xarray
 
 Array = NDArray[np.float64]
+Writer = Callable[["Heard", Path, bool, bool], Path]  # run, folder, force, report
 _LEVELS = (  # name, key of the summary and of its uncertainty, unit
     ("LAeq", "laeq_db", "laeq", "dB(A)"),
     ("LZeq", "level_db", "level", "dB"),
@@ -50,6 +51,7 @@ class Heard:
     result : Result. Series of the solved lap, pressure maps, snapshot and recovery events.
     sound : ContactSound. Sound pressure, levels and their uncertainty.
     summary : dict. The numbers of summary.json.
+    writer : The function behind `save`. It draws figures and writes the page, which stand above this module.
     """
 
     label: str
@@ -59,6 +61,7 @@ class Heard:
     result: Result
     sound: ContactSound
     summary: dict[str, Any]
+    writer: Writer | None = None
 
     @property
     def numbers(self) -> dict[str, Any]:
@@ -140,7 +143,7 @@ class Heard:
         """
         gain = wav.listening_gain(self.sound.pressure)
         try:
-            from IPython.display import Audio
+            from IPython.display import Audio  # type: ignore[import-not-found, unused-ignore]
         except ImportError:
             path = self.folder / "listen.wav"
             if not path.is_file():
@@ -166,9 +169,9 @@ class Heard:
         ------
         FolderError : the folder is taken.
         """
-        import rolling  # its commands stand above this module, because they draw and write the page
-
-        return rolling.save_run(self, Path(folder), force, report)
+        if self.writer is None:
+            raise TypeError("only runs of simulate, simulate_sweep and open_run can be saved")
+        return self.writer(self, Path(folder), force, report)
 
     def to_xarray(self) -> xarray.DataTree:
         """Return the content of result.h5 as a tree: series, snapshot, pressure_maps, events and sound.

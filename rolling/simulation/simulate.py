@@ -1,7 +1,7 @@
-"""Scenes to release series: a track is cut into pieces that depend on nothing but the scene, marched by any number of processes.
+"""The march of a scene: its track is cut into pieces, which any number of processes solve.
 
-Depends on march, recovery, scene_surface and pool. Each piece starts cold, so the numbers are the same however many workers there
-are, and what is done when a run stops is kept and never done again.
+A piece depends on the scene alone and starts cold. The numbers are therefore the same for any number of workers, and the
+solved pieces of a run that stopped are not solved again.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ Array = NDArray[np.float64]
 PIECE_STEPS = (
     200  # a cold start costs about three steps, seven with blended edges and their run-in: 1.5 and 3.5 % of a piece
 )
-MAPS = 120  # of a run: about what the eye follows in ten seconds
-MAP_CELLS = 96  # a side, at most
+MAPS = 120  # pressure maps of a run: about as many as the eye follows in ten seconds
+MAP_CELLS = 96  # maximum cells along a side of a map
 STEP_SERIES = ("release_energy", "loading_energy", "energy_defect", "step_time")
 STATE_SERIES = (
     "approach",
@@ -50,7 +50,7 @@ STATE_SERIES = (
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Pressure [Pa] and deflection [m] at one position, with the plate coordinates [m] of the window's first node."""
+    """The pressure [Pa] and deflection [m] at one position, with the plate coordinates [m] of the window's first node."""
 
     distance: float
     along: float
@@ -61,11 +61,12 @@ class Snapshot:
 
 @dataclass(frozen=True)
 class PressureMap:
-    """Pressure [Pa] on the loaded part of the plate at one position, to be looked at.
+    """The pressure [Pa] on the loaded part of the plate at one position, for the eye.
 
-    distance : of the sphere along the track [m].
+    distance : distance of the sphere along the track [m].
     along, across : plate coordinates of the first cell's corner [m].
-    cell : side of a square cell [m], over which the pressure is the mean: a node, or several where contact is wide.
+    cell : side of a square cell [m] of one node, or of several where the contact is wide.
+    pressure : mean pressure of each cell [Pa].
     """
 
     position: int
@@ -78,7 +79,7 @@ class PressureMap:
 
 @dataclass(frozen=True)
 class Piece:
-    """Series of the steps first .. last - 1 and of the states first + 1 .. last (and of state 0, in the first piece)."""
+    """The series of the steps first .. last - 1 and of the states first + 1 .. last; the first piece has state 0 as well."""
 
     first: int
     last: int
@@ -100,7 +101,7 @@ def identity_of(scene: Scene) -> Identity:
 
 
 def surface_fault(scene: Scene, solved: str | None) -> str | None:
-    """Say why the surface of a scene is not the one with the digest `solved`, None where it is."""
+    """Return the reason why the surface of a scene has not the digest `solved`, None where it has."""
     if scene.height_path is None:
         return None
     try:
@@ -115,17 +116,17 @@ def _half_space(spacing: float, contact_modulus: float) -> HalfSpace:
 
 
 def pieces(steps: int) -> list[tuple[int, int]]:
-    """First and last position of each piece of a track of that many steps."""
+    """Return first and last position of each piece of a track of that many steps."""
     return [(first, min(first + PIECE_STEPS, steps)) for first in range(0, steps, PIECE_STEPS)]
 
 
 def mapped_positions(steps: int) -> NDArray[np.int64]:
-    """Positions whose pressure is kept, evenly along a track of that many steps: all of them on a short one."""
+    """Return the positions whose pressure is kept, evenly along a track of that many steps; all of a short track."""
     return np.unique(np.arange(MAPS) * steps // MAPS)
 
 
 def pressure_map(state: ContactState, distance: float, spacing: float) -> PressureMap:
-    """The loaded part of a state, on cells of as many nodes as keep it small."""
+    """Return the pressure map of a state, with as many nodes per cell as keep it small."""
     loaded, window = state.loaded, state.window
     across = max(loaded.rows, loaded.columns)
     nodes = -(-across // MAP_CELLS)
@@ -147,11 +148,19 @@ def simulate_piece(
     contact: RollingContact | None = None,
     mapped: bool = True,
 ) -> Piece:
-    """March one piece of a scene, or of the same scene made otherwise, as `contact` says; keep pressure maps if `mapped`.
+    """March one piece of a scene.
+
+    Parameters
+    ----------
+    first, last : int. Positions between which the piece lies.
+    stopped : returns whether the march has to stop.
+    progress : gets the number of solved steps, step by step.
+    contact : RollingContact. The same contact made otherwise. Default: made from the scene.
+    mapped : bool. Whether pressure maps are kept. Default: true.
 
     Raises
     ------
-    ContactError : as march does.
+    ContactError : as `march` does.
     Interrupted : `stopped` said so.
     """
     contact = contact or rolling_contact(scene)
@@ -195,7 +204,11 @@ def simulate_piece(
 
 @dataclass(frozen=True)
 class Order:
-    """How a run is marched: what a step costs of the progress, whether maps are kept, the digest of its heights' file."""
+    """The way in which a run is marched.
+
+    step_cost : progress of a step. mapped : whether pressure maps are kept.
+    surface_sha256 : digest of the height file, None for a made surface.
+    """
 
     step_cost: float = 1.0
     mapped: bool = True
@@ -214,7 +227,7 @@ def _ordered_piece(
 
     Raises
     ------
-    ContactError : as march does, and where the heights were replaced or removed: a run is of one surface.
+    ContactError : as `march` does, or the heights were replaced or removed: a run has one surface.
     Interrupted : `stopped` said so.
     """
     try:
@@ -239,12 +252,17 @@ def march_pieces(
     orders: Sequence[Order] | None = None,
     begun: Callable[[int], object] = lambda run: None,
 ) -> pool.Outcome:
-    """March pieces (number of the scene, first, last) on `workers` processes; `finished` gets each piece as it is done.
-
-    Each scene has its order. `progress` gets what a step of its scene costs, step by step or piece by piece.
-    `begun` gets the number of a scene as each of its pieces is handed out.
+    """March pieces of scenes on `workers` processes.
 
     A scene that fails does not stop the others. The first Ctrl-C or SIGTERM stops all after the step at hand.
+
+    Parameters
+    ----------
+    todo : The pieces: number of the scene, first and last position.
+    finished : Gets the number of the scene and each piece as it is done.
+    progress : Gets the cost of solved steps, step by step or piece by piece.
+    orders : One for each scene.
+    begun : Gets the number of a scene as each of its pieces is handed out.
     """
     orders = orders or [Order(surface_sha256=identity_of(scene).heights_sha256) for scene in scenes]
     tasks = [
@@ -260,7 +278,7 @@ def march_pieces(
 
 
 def missing(steps: int, release: Array) -> Iterator[tuple[int, int]]:
-    """Pieces of a track whose release is not known yet (NaN)."""
+    """Yield the pieces of a track whose release is not known yet (NaN)."""
     for first, last in pieces(steps):
         if np.isnan(release[first:last]).any():
             yield first, last

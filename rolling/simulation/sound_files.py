@@ -1,4 +1,4 @@
-"""The sound files of a run, and beside each what its numbers mean. Depends on sound, store and acoustics.wav."""
+"""The sound files of a run, each with a JSON file that gives the meaning of its numbers."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from rolling.sound import ContactSound
 
 
 def write(folder: Path, scene: Scene, label: str, sound: ContactSound, caveats: Sequence[Mapping[str, str]]) -> None:
-    """signal.wav (1.0 = 1 Pa) and listen.wav (for the ear), each with a JSON of the same name; the same bytes every time.
+    """Write signal.wav (1.0 = 1 Pa) and listen.wav (for the ear), each with a JSON file.
 
     Parameters
     ----------
-    folder : an existing run folder.
-    label : what tells the run from its neighbours.
-    caveats : Key and text of each, as in summary.json.
+    folder : Path. An existing run folder.
+    label : str. The label that tells the run from its neighbours.
+    caveats : Key and text of each caveat, as in summary.json.
 
     Raises
     ------
-    OSError : one cannot be written; what was there before is still there.
+    OSError : a file cannot be written; an earlier file is still there.
     """
     s = scene.sound
     facts = (
@@ -62,7 +62,7 @@ def write(folder: Path, scene: Scene, label: str, sound: ContactSound, caveats: 
 
 
 def _rule_of_gain(sound: ContactSound, gain: float) -> tuple[str, str]:
-    """Name the rule that the gain of the listening version follows, and say what it means for the ear."""
+    """Name the rule that the gain of listen.wav follows, and its consequence for the ear."""
     if not sound.pressure.any():
         return "silence", "the record is silent, and the gain is 1"
     if gain >= wav.MOST_GAIN:
@@ -77,6 +77,7 @@ def _rule_of_gain(sound: ContactSound, gain: float) -> tuple[str, str]:
 
 
 def _sidecar(scene: Scene, label: str, sound: ContactSound, gain: float, form: str, meaning: str) -> dict[str, Any]:
+    """Return the JSON content beside a sound file."""
     return {
         "meaning": meaning,
         "scene": scene.name,

@@ -1,4 +1,4 @@
-"""Run folders to the runs in them, of this version and of 0.1.0. Depends on run.json, scene files and store."""
+"""The runs in run folders of this version and of version 0.1.0."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def read_runs(folder: Path) -> list[Run]:
 
     Raises
     ------
-    FolderError : it is none, two of its runs share a folder, or the folder of a run in it says another scene than its sweep.
+    FolderError : no run folder, two of its runs share a folder, or a run in it has another scene than the sweep.
     SceneError : its scene cannot be read.
     """
     record = run_record.read(folder)
@@ -49,8 +49,8 @@ def read_runs(folder: Path) -> list[Run]:
             " all but the last of them are lost: run the scene again"
         )
     runs = [Run(values, single, folder / name) for (values, single), name in zip(singles, names, strict=True)]
-    for one in runs:
-        batch.refuse_other_scene(one)
+    for run in runs:
+        batch.refuse_other_scene(run)
     return runs
 
 
@@ -70,20 +70,21 @@ def resolved_scene(folder: Path) -> Scene:
     return scene
 
 
-def is_kept(one: Run) -> bool:
-    """Whether anything solved of a run is in its folder."""
+def is_kept(run: Run) -> bool:
+    """Return whether the folder of a run holds a solved step."""
     try:
-        return (one.folder / batch.RESULT).is_file() and is_begun(result_file.load(one.folder / batch.RESULT))
+        return (run.folder / batch.RESULT).is_file() and is_begun(result_file.load(run.folder / batch.RESULT))
     except (FolderError, OSError):
         return False
 
 
 def is_begun(result: Result) -> bool:
+    """Return whether any step is solved."""
     return bool(np.isfinite(result.series["release_energy"]).any())
 
 
 def records_of(folders: Sequence[Path]) -> list[RunRecord | None]:
-    """The records of folders, with one warning of those that have none."""
+    """Read the records of folders, and warn of the folders that have none."""
     records = [run_record.read(folder) for folder in folders]
     if old := [str(folder) for folder, record in zip(folders, records, strict=True) if record is None]:
         print(
@@ -95,7 +96,7 @@ def records_of(folders: Sequence[Path]) -> list[RunRecord | None]:
 
 
 def warn_of_other_program(folder: Path, before: RunRecord | None, results: Sequence[Result]) -> None:
-    """Say that a part of the results was solved by another state of the program."""
+    """Warn if another state of the program solved a part of the results."""
     ours = program.identity()
     solved = [result for result in results if is_begun(result) and not result.complete]
     if before is not None and before.sources != ours.sources and solved:
@@ -107,6 +108,7 @@ def warn_of_other_program(folder: Path, before: RunRecord | None, results: Seque
 
 
 def _hint(folder: Path, record: RunRecord | None) -> str:
+    """Say why a folder may hold no run, if that can be told."""
     old = new_folder.previous(folder) if folder.name not in ("", "..") else folder
     if not folder.exists() and run_record.read(old) is not None:
         return f"; a command was killed while it replaced the folder, {old} holds the run before it"

@@ -1,4 +1,4 @@
-"""The numbers of a run by name, what made them, and the table of them; depends on simulate's results and the sound."""
+"""The numbers of a run by name, their provenance, and the table of levels for the terminal."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5p
 
 
 def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: float) -> dict[str, Any]:
-    """Plain numbers of a run, by name; what has no sound is None. Of a partial run: of what is solved."""
+    """Collect the numbers of a run by name, over the solved steps; levels of silence are None."""
     steps = result.done_steps
     made = scene_surface(scene)
     series = {name: result.whole(name)[:steps] for name in simulate.STEP_SERIES}
@@ -86,7 +86,7 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
 
 
 def _levelling(levelling: Levelling) -> dict[str, Any]:
-    """What was taken off heights from a file, and the seam of those that are used."""
+    """Collect the tilt taken off the heights of a file, and the seam of the heights that are used."""
     (along, across), (rise_along, rise_across), seam = levelling.taken, levelling.rises, levelling.seams[0]
     return {
         "slope_along": along,
@@ -103,15 +103,15 @@ def _levelling(levelling: Levelling) -> dict[str, Any]:
 
 
 def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
-    """Loudness and sharpness where the scene asks for them."""
+    """Compute loudness and sharpness if the scene asks for them."""
     if not scene.sound.loudness:
         return {}
-    heard = loudness.loudness(sound.pressure, sound.sample_rate, sound.closed)
-    return {"loudness_sone": heard.sone, "sharpness_acum": heard.acum}
+    result = loudness.loudness(sound.pressure, sound.sample_rate, sound.closed)
+    return {"loudness_sone": result.sone, "sharpness_acum": result.acum}
 
 
 def provenance(scene: Scene) -> dict[str, Any]:
-    """What made the numbers: versions, the state of the source, machine, seed."""
+    """Collect the provenance of the numbers: versions, state of the source, machine, seed."""
     made_by = program.identity()
     packages = (*PACKAGES, "mosqito") if scene.sound.loudness else PACKAGES
     return {
@@ -126,12 +126,12 @@ def provenance(scene: Scene) -> dict[str, Any]:
 
 
 def uncertain(level: float, uncertainty: float | None) -> str:
-    """A level with its standard uncertainty [dB], rounded up to a tenth: nothing is known to 0.0 dB."""
+    """Write a level with its standard uncertainty [dB], rounded up to a tenth: no level is known to 0.0 dB."""
     return f"{level:.1f}" + ("" if uncertainty is None else f" ± {math.ceil(uncertainty * 10) / 10:.1f}")
 
 
 def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
-    """Levels and cost of runs given by label, folder and summary (None: not enough was solved), for the terminal.
+    """Write levels and cost of runs given by label, folder and summary (None: too little is solved), for the terminal.
 
     LAeq stands with its standard uncertainty, the caveats of all levels right below.
     """
@@ -167,7 +167,7 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
 
 
 def _remarks(runs: list[tuple[str, dict[str, Any]]]) -> list[str]:
-    """Say the caveats of the levels, then the surfaces, what repeats, and each kind of warning once."""
+    """Write the caveats of the levels, then the surfaces, short repetitions, and each kind of warning once."""
     remarks = caveats.gathered([(label, caveats.stored(summary)) for label, summary in runs])
     beside = [each for each in remarks if each.key in caveats.HEADLINE]
     of_levels = " ".join(each.line for each in beside if each.key != "uncertainty")

@@ -49,4 +49,5 @@ def whole_series(scene: Scene, result: Result) -> WholeSeries:
         of_steps[f"{kind}_per_metre"] = of_steps[f"{kind}_energy"] * (1 / result.step)
         of_steps[f"{kind}_power"] = of_steps[f"{kind}_energy"] * (speed / result.step)
     of_positions = {name: result.whole(name) for name in STATE_SERIES}
-    return WholeSeries(result.start + middles, times, result.start + ends, end_times, of_steps, of_positions)
+    distance, position = (np.asarray(result.start + each, dtype=float) for each in (middles, ends))
+    return WholeSeries(distance, times, position, end_times, of_steps, of_positions)

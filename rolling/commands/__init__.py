@@ -6,7 +6,6 @@ run.json. The runs of a sweep share a folder, figures that compare them, a table
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -14,15 +13,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rolling.check import refusals
-from rolling.folders import claim, files, new_folder
+from rolling.folders import claim, files, new_folder, own_files
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError, Stopped
 from rolling.folders.run_record import Kind
 from rolling.scene import file
 from rolling.simulation import batch, labels, sound_files, summary
 from rolling.simulation.batch import Run
-from rolling.simulation.interface import refuse
-from rolling.simulation.plan import Plan
+from rolling.simulation.plan import Plan, refuse
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import Heard, hear
@@ -81,6 +79,7 @@ class _Work:
 
     @property
     def folder(self) -> Path:
+        """The claimed folder."""
         return self.held.folder
 
 
@@ -152,7 +151,7 @@ def resound(
     Raises
     ------
     FolderError : no run folder, or nothing is solved in it.
-    SceneError : overrides that need a new solve, are not allowed or do not fit.
+    SceneError : overrides that need a new solve or are not allowed.
     """
     stored = read_runs(folder)
     # All is read and checked before the new folder is made.
@@ -214,20 +213,11 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     from rolling.report import page as pages
 
     if out is not None:
-        _refuse_page(out, force)
+        own_files.refuse_file(out, force, pages.is_page)
     runs = list({each.folder.resolve(): each for folder in folders for each in read_runs(folder)}.values())
     if len(runs) > pages.MOST_RUNS:
         raise FolderError(f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare")
-    finished: list[Heard] = []
-    unsolved: list[str] = []  # titles
-    for each, label in zip(runs, labels.labels(runs), strict=True):
-        refusals.refuse_unavailable(each.scene)
-        result = batch.stored(each)
-        run_with_sound = _sound_of(each, label, result) if result else None
-        if run_with_sound is None:
-            unsolved.append(labels.title(each.scene.name, label))
-        else:
-            finished.append(run_with_sound)
+    finished, unsolved = _stored_sounds(runs)
     if not finished:
         raise FolderError(f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report")
     content = pages.page(finished, pages.exhibits(finished), unsolved)
@@ -235,32 +225,25 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     if out is None:
         out = (folders[0] if len(folders) == 1 else new_folder.stamped(Path("outputs") / "report")) / PAGE
     else:
-        _refuse_page(out, force)  # the page took a while to make
+        own_files.refuse_file(out, force, pages.is_page)  # the page took a while to make
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return out
 
 
-def _refuse_page(out: Path, force: bool) -> None:
-    """Raise FolderError if a page may not be written to a file."""
-    from rolling.report import page as pages
-
-    if not os.path.lexists(out):
-        return
-    if out.is_symlink():
-        raise FolderError(f"{out}: a symbolic link, which is not replaced; take another --out")
-    if not out.is_file():
-        raise FolderError(f"{out}: {'is a folder' if out.is_dir() else 'is no file'}, --out is the file to write")
-    if not force:
-        raise FolderError(f"{out}: exists; take another --out, or --force to replace a page of this program")
-    try:
-        is_page = pages.is_page(out)
-    except OSError as error:
-        raise FolderError(f"{out}: not readable ({error.strerror or error}), so it is not replaced") from error
-    if not is_page:
-        raise FolderError(
-            f"{out}: not replaced, because it is not a page that this version can tell as its own; take another --out"
-        )
+def _stored_sounds(runs: Sequence[Run]) -> tuple[list[Heard], list[str]]:
+    """Make the sound of stored runs; return them, and the titles of runs of which too little is solved."""
+    finished: list[Heard] = []
+    unsolved: list[str] = []
+    for each, label in zip(runs, labels.labels(runs), strict=True):
+        refusals.refuse_unavailable(each.scene)
+        result = batch.stored(each)
+        with_sound = hear(label, each.values, each.folder, each.scene, result) if result else None
+        if with_sound is None:
+            unsolved.append(labels.title(each.scene.name, label))
+        else:
+            finished.append(with_sound)
+    return finished, unsolved
 
 
 def _solve(work: _Work, workers: int) -> Report:
@@ -300,13 +283,9 @@ def _sounds(work: _Work) -> list[Heard | None]:
     names = labels.labels(work.runs)
     return [
         # Numbers of another surface would not be the run's.
-        None if batch.other_surface(each, result) else _sound_of(each, label, result)
+        None if batch.other_surface(each, result) else hear(label, each.values, each.folder, each.scene, result)
         for each, label, result in zip(work.runs, names, work.results, strict=True)
     ]
-
-
-def _sound_of(each: Run, label: str, result: Result) -> Heard | None:
-    return hear(label, each.values, each.folder, each.scene, result)
 
 
 def _finish(work: _Work, sounds: Sequence[Heard | None], outcome: Outcome) -> Report:
@@ -321,7 +300,7 @@ def _finish(work: _Work, sounds: Sequence[Heard | None], outcome: Outcome) -> Re
         if each is not None:
             _write_run(each, result)
     names = labels.labels(work.runs)
-    summaries = [each.summary if each else None for each in sounds]
+    summaries = [None if each is None else each.summary for each in sounds]
     exhibits = _write_pictures(work.folder, finished, work.with_page)
     if len(work.runs) > 1:
         _write_sweep(work, names, summaries)

@@ -7,18 +7,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rolling.check import long_steps, refusals
+from rolling.commands import save_run
 from rolling.contact.solver import ContactError
 from rolling.folders.files import FolderError
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.simulation import batch, labels, solving
 from rolling.simulation import simulate as pieces
+from rolling.simulation.plan import refuse
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import Heard, hear
 from rolling.simulation.stored_runs import read_runs
-from rolling.surface import contact_of_scene
 
 Values = float | tuple[float, ...]
 _HERE = Path()  # of a run in memory
@@ -71,11 +71,7 @@ def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> He
     ((101,), (100,))
     """
     if scene.sweep:
-        raise SceneError(
-            [
-                f"sweep: the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them, simulate a single scene"
-            ]
-        )
+        raise SceneError([f"sweep: the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them"])
     (run,) = _simulated(scene, [_Single({}, scene)], workers, progress).values()
     return run
 
@@ -127,31 +123,7 @@ def open_run(folder: Path | str) -> Heard:
     run = hear(runs[0].label, runs[0].values, runs[0].folder, runs[0].scene, result) if result else None
     if run is None:
         raise FolderError(f"{folder}: too little is solved for a sound; `rolling resume {folder}` goes on with it")
-    return _with_stored_time(run)
-
-
-def refuse(scene: Scene, workers: int, folder: Path | None) -> None:
-    """Refuse a scene that cannot be run, before anything is computed or written.
-
-    Parameters
-    ----------
-    folder : Path. The place of the files; None: nothing is written.
-
-    Raises
-    ------
-    SceneError : a package is missing, steps are too long, or memory or disk do not suffice.
-    """
-    refusals.refuse_unavailable(scene)
-    long_steps.refuse_long_steps(scene)
-    try:
-        refusals.refuse_what_cannot_fit(scene, workers, folder or refusals.OUTPUTS)
-    except SceneError as error:
-        # A run in memory needs no disk.
-        faults = [fault for fault in error.faults if folder is not None or not fault.startswith("disk:")]
-        if faults:
-            raise SceneError(faults) from error
-    for _, single in scene.runs():
-        contact_of_scene.rolling_contact(single)  # reads the surface
+    return _with_stored_time(replace(run, writer=save_run))
 
 
 @dataclass(frozen=True)
@@ -181,7 +153,7 @@ def _simulated(scene: Scene, singles: Sequence[_Single], workers: int, progress:
             if run is None:
                 outcome.failures[number] = "less than two steps, too few for a sound"
             else:
-                runs[_key(single.values)] = run
+                runs[_key(single.values)] = replace(run, writer=save_run)
     _raise_failures(outcome, names, runs, bool(scene.sweep))
     return runs
 
