@@ -1,6 +1,6 @@
 """What this package computes, against IEC 61672-1, IEC 61260-1 and its own requirements: a page of tables in Markdown.
 
-`python -m acoustics.conformance` prints it; every number on it is computed then. Depends on the numeric modules here.
+`python -m acoustics.conformance` prints it; every number on it is computed then.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterable, Sequence
 
 from acoustics.conformance import bands, levels, resampling
-from acoustics.conformance.rows import GREATEST_DB, Row, Table
+from acoustics.conformance.rows import MAX_DB, Row, Table
 
 COMMAND = "python -m acoustics.conformance > acoustics/CONFORMANCE.md"
 
@@ -51,7 +51,7 @@ def page(measured: Sequence[Table]) -> str:
         "(∞), the lower limit is the least attenuation.\n"
         "- *Share* is the part of the tolerance used: the difference over the limit on its side, or the attenuation "
         "required over the one computed. Above 100 % the limit is exceeded; such a share is in **bold**.\n"
-        f"- *> {GREATEST_DB:g}*: what is left is rounding, or near it.\n"
+        f"- *> {MAX_DB:g}*: what is left is rounding, or near it.\n"
         "- *Class 1*: the acceptance limits of IEC 61672-1:2013 and IEC 61260-1:2014. They leave out the uncertainty of "
         "a testing laboratory, which the tolerance limits of earlier editions included.\n"
         "- Only arithmetic is tested here: no microphone, no display, no environment. This is no pattern evaluation.",
@@ -83,7 +83,7 @@ def verdict(table: Table) -> str:
 def _cells(row: Row, decimals: int) -> tuple[str, ...]:
     share = _number(row.share, 1)
     if math.isinf(row.expected):
-        computed = f"> {GREATEST_DB:g}" if math.isinf(row.computed) else _number(row.computed, decimals)
+        computed = f"> {MAX_DB:g}" if math.isinf(row.computed) else _number(row.computed, decimals)
         difference, lower, upper = "", _number(row.lower, decimals), ""
     else:
         computed, difference = _number(row.computed, decimals), _number(row.difference, decimals, signed=True)

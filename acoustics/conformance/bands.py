@@ -1,4 +1,4 @@
-"""Third octaves against IEC 61260-1:2014. Depends on the numeric modules here."""
+"""Third octaves against IEC 61260-1:2014."""
 
 from __future__ import annotations
 
@@ -81,12 +81,12 @@ class MaskPoint:
 
     side: int
     ratio: float
-    least_db: float
-    greatest_db: float
+    min_db: float
+    max_db: float
 
     @property
     def inside(self) -> bool:
-        return math.isfinite(self.greatest_db)
+        return math.isfinite(self.max_db)
 
     @property
     def at_edge(self) -> bool:
@@ -96,10 +96,10 @@ class MaskPoint:
 def mask_points() -> tuple[MaskPoint, ...]:
     """The standard's frequencies and limits for third octaves, from the lowest to the highest."""
     points = []
-    for exponent, least_db, greatest_db in standards.OCTAVE_ATTENUATION:
+    for exponent, min_db, max_db in standards.OCTAVE_ATTENUATION:
         ratio = standards.third_octave_frequency_ratio(exponent)
         for side in (-1, 1) if exponent > 0.0 else (1,):
-            points.append(MaskPoint(side, ratio**side, least_db, greatest_db))
+            points.append(MaskPoint(side, ratio**side, min_db, max_db))
     return tuple(sorted(points, key=lambda point: (point.ratio, point.inside == (point.side < 0))))
 
 
@@ -150,7 +150,7 @@ def _ratio(point: MaskPoint) -> str:
 
 
 def _attenuation_row(what: tuple[str, ...], point: MaskPoint, computed: float) -> Row:
-    return Row(what, 0.0 if point.inside else math.inf, computed, point.least_db, point.greatest_db)
+    return Row(what, 0.0 if point.inside else math.inf, computed, point.min_db, point.max_db)
 
 
 @dataclass(frozen=True)

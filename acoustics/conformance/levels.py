@@ -1,4 +1,4 @@
-"""A-weighting, time weightings and levels against IEC 61672-1:2013. Depends on the numeric modules here."""
+"""A-weighting, time weightings and levels against IEC 61672-1:2013."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Resampling and interpolation against this package's own requirements. Depends on the numeric modules here."""
+"""Resampling and interpolation against this package's own requirements."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from acoustics._typing import Array
 from acoustics.conformance.rows import ONE_PA_DB, Row, Table, known, suppression_db
 from acoustics.level import sound_levels
 from acoustics.resampling import band_limit, fade, interpolate_closed, resample_closed, undo_step_mean
@@ -20,10 +21,11 @@ _FADE_S = 0.01
 STEP_RATE_HZ = 50_000  # steps of 2 um at 0.1 m/s
 
 
-def step_means(frequency_hz: float, samples: int, rate_hz: float) -> np.ndarray:
-    """Means over consecutive steps of a sine of 1 Pa rms, in closed form (samples,)."""
+def step_means(frequency_hz: float, samples: int, rate_hz: float) -> Array:
+    """Return the means over consecutive steps of a sine of 1 Pa rms, in closed form (samples,)."""
     omega = 2.0 * np.pi * frequency_hz / rate_hz
-    return -math.sqrt(2.0) / omega * np.diff(np.cos(omega * np.arange(samples + 1)))
+    means: Array = -math.sqrt(2.0) / omega * np.diff(np.cos(omega * np.arange(samples + 1)))
+    return means
 
 
 def resampled_levels() -> Table:
@@ -135,7 +137,7 @@ def _sweep_error(top_hz: float) -> float:
     steps = round(0.5 * (slow + fast) * duration_s / step_m)
     waves = round(steps * step_m * top_hz / fast)
 
-    def steps_passed(time_s: np.ndarray) -> np.ndarray:
+    def steps_passed(time_s: Array) -> Array:
         return (slow * time_s + 0.5 * (fast - slow) / duration_s * time_s**2) / step_m
 
     at_steps = undo_step_mean(step_means(waves, steps, steps))

@@ -1,4 +1,4 @@
-"""Rows and tables of the conformance page, and what its measurements share. Depends on radiation and wav."""
+"""Rows and tables of the conformance page, and what its measurements share."""
 
 from __future__ import annotations
 
@@ -7,22 +7,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from acoustics._typing import Array
 from acoustics.radiation import P_REF_PA
 from acoustics.wav import SAMPLE_RATE_HZ
 
 ONE_PA_DB = 20.0 * math.log10(1.0 / P_REF_PA)
 
-# Attenuations above this count as infinite: their digits would be rounding, which differs from machine to machine. The
-# sine of 1e6 rad is wrong by 1e-10 (-200 dB), which moves what lies at -120 dB by 1e-3 dB at most.
-GREATEST_DB = 120.0
+# Attenuations above this count as infinite: their digits would be rounding, which differs between machines. The sine of
+# 1e6 rad is wrong by 1e-10 (-200 dB), which changes a level of -120 dB by 1e-3 dB at most.
+MAX_DB = 120.0
 
 
 @dataclass(frozen=True)
 class Row:
-    """One comparison: what was measured, the design goal, what this package computes, and the limits.
+    """A comparison of a computed value with its design goal.
 
-    The limits are on computed - expected. Where the design goal is infinite (an attenuation), ``lower`` is the least
-    value required and ``upper`` is infinite.
+    Parameters
+    ----------
+    what : tuple of str. Cells that name the measurement.
+    expected, computed : float. Design goal and value of this package.
+    lower, upper : float. Limits on computed - expected. If the design goal is infinite (an
+        attenuation), ``lower`` is the minimum required and ``upper`` is infinite.
     """
 
     what: tuple[str, ...]
@@ -57,8 +62,17 @@ class Row:
 class Table:
     """Rows of one kind.
 
-    ``limits`` names whose limits they are, ``source`` the clause, ``text`` how it is measured, ``heads`` the columns of
-    `Row.what`, ``after`` what follows from the rows.
+    Parameters
+    ----------
+    title : str. Heading.
+    limits : str. Name of the limits, such as class 1.
+    source : str. Clause of the standard.
+    text : str. Method of the measurement.
+    heads : tuple of str. Column heads of `Row.what`.
+    unit : str. Unit of the values.
+    decimals : int. Digits after the decimal point.
+    rows : tuple of Row.
+    after : str. Conclusion below the table. Default: empty.
     """
 
     title: str
@@ -73,7 +87,7 @@ class Table:
 
     @property
     def worst(self) -> Row:
-        """The row that uses most of its tolerance, the first of equals."""
+        """The row with the maximum share of its tolerance, the first of equals."""
         return max(self.rows, key=lambda row: row.share)
 
     @property
@@ -81,19 +95,20 @@ class Table:
         return tuple(row for row in self.rows if not row.within)
 
 
-def tone(frequency_hz: float, samples: int, rate_hz: float = SAMPLE_RATE_HZ, phase: float = 0.4) -> np.ndarray:
-    """A sine of 1 Pa rms (samples,)."""
-    return math.sqrt(2.0) * np.sin(2.0 * np.pi * frequency_hz / rate_hz * np.arange(samples) + phase)
+def tone(frequency_hz: float, samples: int, rate_hz: float = SAMPLE_RATE_HZ, phase: float = 0.4) -> Array:
+    """Return a sine of 1 Pa rms (samples,)."""
+    sine: Array = math.sqrt(2.0) * np.sin(2.0 * np.pi * frequency_hz / rate_hz * np.arange(samples) + phase)
+    return sine
 
 
 def suppression_db(left: float) -> float:
-    """Attenuation, dB, that leaves this share of a mean square; infinite above what rounding leaves."""
+    """Return the attenuation that leaves a share of a mean square, dB; infinite if only rounding is left."""
     attenuation = -10.0 * math.log10(left) if left > 0.0 else math.inf
-    return attenuation if attenuation <= GREATEST_DB else math.inf
+    return attenuation if attenuation <= MAX_DB else math.inf
 
 
 def known(level: float | None) -> float:
-    """A level that must exist.
+    """Return a level that must exist.
 
     Raises
     ------
