@@ -225,5 +225,5 @@ def _a_weighted(frequency_hz: Array, line_mean_square: Array) -> Array:
 
 
 def _above_rounding(mean_square: float, whole: float) -> float:
-    """Return the mean square of a part of a record, or 0 if it is no more than the rounding of the whole."""
+    """Return the mean square of a part of a record, or 0 if it is rounding of the whole."""
     return float(mean_square) if mean_square > _ROUNDING * whole else 0.0

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import matplotlib
@@ -21,26 +19,44 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLo
 
 from acoustics._typing import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, LEAST_BT, MID_HZ, reliable
+from acoustics.drawn_lines import DENSE, NOTHING_DB, PER_OCTAVE, Lines, is_thinned, power_envelope
 from acoustics.spectrogram import Spectrogram
+
+__all__ = [
+    "COLOURS",
+    "FEW",
+    "LINE_STYLES",
+    "MARKERS",
+    "PER_OCTAVE",
+    "Lines",
+    "drawn_as_means",
+    "is_thinned",
+    "level_against",
+    "level_limits",
+    "power",
+    "power_envelope",
+    "power_share",
+    "spectrogram",
+    "spectrum",
+    "third_octaves",
+]
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 LINE_STYLES: tuple[str | tuple[int, tuple[int, ...]], ...] = (
     "-", "--", "-.", ":", (0, (8, 2)), (0, (4, 1, 1, 1, 1, 1)), (0, (1, 1)),
 )  # fmt: skip
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-PER_OCTAVE = 12  # of the means drawn of dense spectra
 _GREY = "0.6"
 
 _SHOWN_DB = 70.0
-_NOTHING_DB = -300.0  # stands for -inf, which matplotlib would drop together with its neighbours
-_DENSE = 500  # more lines than this hide one another: they fade behind their mean
-_COLUMNS = 1500  # across a plot: more than its dots, so that an envelope looks like the curve itself
 _SHADES = 36  # of a spectrogram: 2 dB in 70, less than noise leaves uncertain; more make large files
 FEW = 3  # curves whose single lines or error bars can be told apart
 
 
 def level_limits(levels_db: Iterable[float | None]) -> tuple[float, float]:
-    """Return limits of a level axis: multiples of 5 dB with room of 2.5 dB, and the upper 70 dB at most.
+    """Return limits of a level axis, at most 70 dB apart.
+
+    The limits are multiples of 5 dB and leave room of at least 2.5 dB.
 
     Give all curves of several plots at once to put them on the same axis.
 
@@ -60,59 +76,12 @@ def level_limits(levels_db: Iterable[float | None]) -> tuple[float, float]:
     (35.0, 65.0)
     """
     values = _numbers(levels_db)
-    values = values[np.isfinite(values) & (values > _NOTHING_DB)]
+    values = values[np.isfinite(values) & (values > NOTHING_DB)]
     if not len(values):
         return 0.0, _SHOWN_DB
     top = 5.0 * math.ceil(float(values.max()) / 5.0 + 0.5)
     bottom = 5.0 * math.floor(float(values.min()) / 5.0 - 0.5)
     return max(bottom, top - _SHOWN_DB), top
-
-
-@dataclass(frozen=True, eq=False)
-class Lines:
-    """A spectrum as it is drawn, 20 Hz to 20 kHz, with means and envelope that are computed once.
-
-    Parameters
-    ----------
-    frequency_hz : array (n,), Hz. Rising frequencies of the lines.
-    level_db : array (n,), dB. Their levels; -inf is no sound.
-    """
-
-    frequency_hz: Array
-    level_db: Array
-
-    @classmethod
-    def audible(cls, frequency_hz: Array, level_db: Array) -> Lines:
-        """Keep the lines between 20 Hz and 20 kHz."""
-        inside = (frequency_hz >= AUDIBLE_HZ[0]) & (frequency_hz < AUDIBLE_HZ[1])
-        return cls(frequency_hz[inside], level_db[inside])
-
-    @property
-    def dense(self) -> bool:
-        """Whether there are too many lines to tell them apart."""
-        return len(self.frequency_hz) > _DENSE
-
-    @cached_property
-    def mean(self) -> tuple[Array, Array]:
-        """Mid frequency and level of the mean power of the lines in each 1/12 octave that has any."""
-        return _band_mean(self.frequency_hz, self.level_db)
-
-    @cached_property
-    def envelope(self) -> tuple[Array, Array]:
-        """The lines, or minimum and maximum of each column of the plot where several lines share one."""
-        low, high = np.log(AUDIBLE_HZ)
-        column = (np.log(self.frequency_hz) - low) / (high - low)
-        return _thinned(self.frequency_hz, np.maximum(self.level_db, _NOTHING_DB), column)
-
-    @cached_property
-    def extremes(self) -> list[float]:
-        """Minimum and maximum level to show, dB; empty for a silent spectrum.
-
-        Single low lines of a dense spectrum do not count.
-        """
-        shown = np.append(self.mean[1], self.level_db.max()) if self.dense else self.level_db
-        shown = shown[shown > _NOTHING_DB]
-        return [float(shown.min()), float(shown.max())] if len(shown) else []
 
 
 def drawn_as_means(curves: Sequence[tuple[str, Lines]]) -> list[tuple[str, Lines]]:
@@ -153,7 +122,7 @@ def spectrum(ax: Axes, curves: Sequence[tuple[str, Lines]], limits_db: tuple[flo
                 ax.plot(*lines.envelope, color=look["color"], linewidth=0.3, alpha=0.4, zorder=1.5)
             ax.plot(*lines.mean, linewidth=1.8, label=label, **look)
         else:
-            level = np.maximum(lines.level_db, _NOTHING_DB)
+            level = np.maximum(lines.level_db, NOTHING_DB)
             ax.plot(lines.frequency_hz, level, linewidth=1.2, label=label, **look)
     ax.set_ylim(limits_db or level_limits([level for _, lines in curves for level in lines.extremes]))
     ax.set_xscale("log")
@@ -336,7 +305,7 @@ def power(
         time / time_unit[0],
         shown / power_unit[0],
         color=COLOURS[0],
-        linewidth=0.5 if len(time) > _DENSE else 1.5,
+        linewidth=0.5 if len(time) > DENSE else 1.5,
         label="release power",
     )
     ax.axhline(mean, color=COLOURS[1], linestyle="--", linewidth=1.5, label=f"mean {mean:.4g} {power_unit[1]}W")
@@ -356,18 +325,6 @@ def power_share(power_w: Array, mean_w: float) -> tuple[float, float]:
     """
     mean = mean_w or 1.0
     return min(float(power_w.min()) / mean, 0.99), max(float(power_w.max()) / mean, 1.01)
-
-
-def is_thinned(time_s: Array) -> bool:
-    """Return whether a plot shows fewer values than a record has."""
-    return len(time_s) > 2 * _COLUMNS
-
-
-def power_envelope(time_s: Array, power_w: Array) -> tuple[Array, Array]:
-    """Return time and power as drawn: minimum and maximum in each of 1,500 columns of more than 3,000 values."""
-    if not is_thinned(time_s):
-        return time_s, power_w
-    return _thinned(time_s, power_w, (time_s - time_s[0]) / (time_s[-1] - time_s[0]))
 
 
 def level_against(
@@ -453,37 +410,6 @@ def _steps(ax: Axes, level_db: Array, edges_hz: Array, few: bool, **look: Any) -
 
 def _bars(ax: Axes, x: Array, level_db: Array, uncertainty_db: Array, colour: str) -> None:
     ax.errorbar(x, level_db, yerr=uncertainty_db, fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5, capthick=0.9)
-
-
-def _thinned(x: Array, y: Array, share: Array) -> tuple[Array, Array]:
-    """Replace the points of each column of a plot by its minimum and maximum y at its first x.
-
-    Columns of one or two points stay. x rises, and `share` (n,), 0 to 1, is the place of each point in
-    the width of the plot.
-    """
-    column = np.minimum(np.floor(share * _COLUMNS), _COLUMNS - 1)
-    starts = np.flatnonzero(np.diff(column, prepend=-1.0))
-    counts = np.diff(starts, append=len(x))
-    crowded = counts > 2
-    alone = np.repeat(~crowded, counts)
-    at = np.repeat(x[starts[crowded]], 2)
-    extremes = np.stack([np.minimum.reduceat(y, starts)[crowded], np.maximum.reduceat(y, starts)[crowded]], 1).ravel()
-    merged = np.argsort(np.concatenate([x[alone], at]), kind="stable")
-    return np.concatenate([x[alone], at])[merged], np.concatenate([y[alone], extremes])[merged]
-
-
-def _band_mean(frequency_hz: Array, level_db: Array) -> tuple[Array, Array]:
-    """Return mid frequency and level of the mean power of the lines in each 1/12 octave that has any."""
-    octaves = math.log2(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
-    edges = AUDIBLE_HZ[0] * 2.0 ** (np.arange(math.ceil(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)
-    band = np.searchsorted(edges, frequency_hz, side="right") - 1
-    lines = np.bincount(band, minlength=len(edges) - 1)
-    power = np.bincount(band, weights=10.0 ** (level_db / 10.0), minlength=len(edges) - 1)
-    held = lines > 0
-    mid = np.sqrt(edges[:-1] * edges[1:])
-    with np.errstate(divide="ignore"):
-        level = 10.0 * np.log10(power[held] / lines[held])
-    return mid[held], np.maximum(level, _NOTHING_DB)
 
 
 def _numbers(levels_db: Iterable[float | None]) -> Array:

@@ -47,7 +47,7 @@ def undo_step_mean(means: Array) -> Array:
 def band_limit(
     signal: Array, sample_rate_hz: float, low_hz: float = AUDIBLE_HZ[0], high_hz: float = AUDIBLE_HZ[1]
 ) -> Array:
-    """Limit a closed record to low <= f < high with a brick wall on its lines, and remove its mean.
+    """Limit a closed record to low <= f < high by a brick wall, and remove its mean.
 
     Give the signal with its mean. A remainder that is only rounding (1e-13 of the rms) is recognised
     against it and returned as zeros, so a constant power is silent.

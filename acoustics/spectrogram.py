@@ -83,9 +83,9 @@ def spectrogram(
     --------
     >>> import numpy as np
     >>> from acoustics.spectrogram import spectrogram
-    >>> shown = spectrogram(np.sin(2 * np.pi * 1000 * np.arange(24000) / 48000), 48000)
+    >>> shown = spectrogram(np.sin(2 * np.pi * 1025 * np.arange(24000) / 48000), 48000)
     >>> row, _ = np.unravel_index(np.nanargmax(shown.level_db), shown.level_db.shape)
-    >>> bool(shown.edges_hz[row] < 1000 < shown.edges_hz[row + 1])
+    >>> bool(shown.edges_hz[row] < 1025 < shown.edges_hz[row + 1])
     True
     """
     check_record(pressure_pa)

@@ -24,13 +24,13 @@ class Row:
 
     Parameters
     ----------
-    what : tuple of str. Cells that name the measurement.
+    keys : tuple of str. Cells that name the measurement.
     expected, computed : float. Design goal and value of this package.
     lower, upper : float. Limits on computed - expected. If the design goal is infinite (an
         attenuation), ``lower`` is the minimum required and ``upper`` is infinite.
     """
 
-    what: tuple[str, ...]
+    keys: tuple[str, ...]
     expected: float
     computed: float
     lower: float
@@ -45,7 +45,7 @@ class Row:
     def share(self) -> float:
         """Share of the tolerance used, %: the difference over the limit on its side, or required over computed.
 
-        Above 100 the limit is exceeded. Rounded to what a page shows, so that rows that differ by rounding are equal.
+        Above 100 the limit is exceeded. It is rounded to the digits of the page, so that rows that differ by rounding are equal.
         """
         if math.isinf(self.expected):
             share = self.lower / self.computed if self.computed > 0.0 else math.inf
@@ -55,6 +55,7 @@ class Row:
 
     @property
     def within(self) -> bool:
+        """Whether the computed value is within the limits."""
         return self.share <= 100.0
 
 
@@ -68,7 +69,7 @@ class Table:
     limits : str. Name of the limits, such as class 1.
     source : str. Clause of the standard.
     text : str. Method of the measurement.
-    heads : tuple of str. Column heads of `Row.what`.
+    heads : tuple of str. Column heads of `Row.keys`.
     unit : str. Unit of the values.
     decimals : int. Digits after the decimal point.
     rows : tuple of Row.
@@ -92,6 +93,7 @@ class Table:
 
     @property
     def outside(self) -> tuple[Row, ...]:
+        """The rows outside the limits."""
         return tuple(row for row in self.rows if not row.within)
 
 

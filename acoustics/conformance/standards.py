@@ -23,7 +23,10 @@ class WeightingRow(NamedTuple):
 
 
 class BurstRow(NamedTuple):
-    """Response to a 4 kHz tone burst relative to the steady tone, with limits, dB; slow is None below 2 ms."""
+    """Response to a 4 kHz tone burst relative to the steady tone, dB, with limits.
+
+    The Slow response is None below 2 ms.
+    """
 
     duration_ms: float
     fast_db: float

@@ -261,7 +261,7 @@ def spectrogram_of(run: Heard, among: Sequence[Heard]) -> Picture:
 
 
 def release_power(run: Heard, among: Sequence[Heard]) -> Picture:
-    """Draw the release power of a run; its axis spans the same share of the mean for all the runs `among`."""
+    """Draw the release power of a run, with one share of the mean for all the runs `among`."""
     sound = run.sound
     shares = np.array([sound_plots.power_share(other.sound.power, other.sound.mean_power) for other in among])
     share = float(shares[:, 0].min()), float(shares[:, 1].max())
@@ -310,7 +310,7 @@ def swept_key(runs: Sequence[Heard]) -> str | None:
 
 
 def level_panels(key: str, runs: Sequence[Heard], x: Array) -> list[LevelPanel]:
-    """Return LAeq and LZeq of runs at the values x (n,) of a swept key; a missing run is a gap."""
+    """Return LAeq and LZeq of runs at the values x (n,) of a swept key, with gaps."""
     several = len({run.scene.name for run in runs}) > 1
 
     def others(run: Heard) -> tuple[str, tuple[tuple[str, float], ...]]:

@@ -1,4 +1,4 @@
-"""Pressure maps of a run as one picture that the page cuts up, and the times at which each map is shown."""
+"""Pressure maps of a run as one picture that the page cuts up, with the times of each map."""
 
 from __future__ import annotations
 
