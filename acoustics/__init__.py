@@ -1,1 +1,84 @@
-"""Sound from a released power: levels, spectra and WAV files. Knows arrays and sample rates, nothing of contact."""
+"""Sound from a released power: levels, third octaves, weighting, spectra, uncertainty, sound files, plots.
+
+The package knows arrays and sample rates and nothing of contact. Every name below is imported when
+it is first used, so that ``import acoustics`` takes no time.
+
+>>> import numpy as np
+>>> import acoustics
+>>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(48000) / 48000)  # 1 Pa rms
+>>> round(acoustics.laeq_db(tone, 48000), 2)
+93.98
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from acoustics import plots, wav
+    from acoustics.bands import (
+        BAND_NAMES,
+        EDGES_HZ,
+        MID_HZ,
+        band_uncertainty_db,
+        reliable,
+        third_octave_mean_square,
+    )
+    from acoustics.level import SoundLevels, laeq_db, level_db, sound_levels
+    from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C, intensity, sound_pressure
+    from acoustics.spectrum import Psd, line_spectrum, welch
+    from acoustics.uncertainty import LevelUncertainty, level_uncertainty
+    from acoustics.weighting import a_weighting_db
+
+__all__ = [
+    "BAND_NAMES",
+    "EDGES_HZ",
+    "I_REF_W_M2",
+    "MID_HZ",
+    "P_REF_PA",
+    "RHO_C",
+    "LevelUncertainty",
+    "Psd",
+    "SoundLevels",
+    "a_weighting_db",
+    "band_uncertainty_db",
+    "intensity",
+    "laeq_db",
+    "level_db",
+    "level_uncertainty",
+    "line_spectrum",
+    "plots",
+    "reliable",
+    "sound_levels",
+    "sound_pressure",
+    "third_octave_mean_square",
+    "wav",
+    "welch",
+]
+
+_MODULES = {
+    "bands": ("BAND_NAMES", "EDGES_HZ", "MID_HZ", "band_uncertainty_db", "reliable", "third_octave_mean_square"),
+    "level": ("SoundLevels", "laeq_db", "level_db", "sound_levels"),
+    "radiation": ("I_REF_W_M2", "P_REF_PA", "RHO_C", "intensity", "sound_pressure"),
+    "spectrum": ("Psd", "line_spectrum", "welch"),
+    "uncertainty": ("LevelUncertainty", "level_uncertainty"),
+    "weighting": ("a_weighting_db",),
+}
+_MODULE_BY_NAME = {name: module for module, names in _MODULES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used."""
+    if name in ("plots", "wav"):
+        return import_module(f"{__name__}.{name}")
+    if name not in _MODULE_BY_NAME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_MODULE_BY_NAME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """List the public names, for completion."""
+    return sorted({*globals(), *__all__})

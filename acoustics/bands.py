@@ -1,8 +1,11 @@
-"""Third-octave bands from 20 Hz to 20 kHz: edges, sums of line power, uncertainty. Depends on numpy only."""
+"""Third-octave bands from 20 Hz to 20 kHz: edges, sums of line power, uncertainty."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
+
+from acoustics._typing import Array
 
 # Nominal mid frequencies of IEC 61260-1:2014. They name the bands; they are not used to calculate.
 # fmt: off
@@ -22,41 +25,86 @@ for _constant in (MID_HZ, EDGES_HZ, BANDWIDTH_HZ):
 
 AUDIBLE_HZ: tuple[float, float] = (float(EDGES_HZ[0]), float(EDGES_HZ[-1]))
 
-# With fewer than this many independent lines in a band (B T) its level is uncertain by 2 dB or more.
+# With fewer independent lines in a band (B T) its level is uncertain by 2 dB or more.
 LEAST_BT = 5.0
 
 
-def third_octave_mean_square(frequency_hz: np.ndarray, line_mean_square: np.ndarray) -> np.ndarray:
-    """Mean square in each third octave: the sum over the lines that lie in it.
+def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Array:
+    """Sum the mean squares of the lines in each third octave.
 
-    A line on an edge belongs to the band above it, so every line in ``AUDIBLE_HZ`` is counted once and the bands add up
-    to the lines. Lines outside are not counted.
+    A line on an edge belongs to the band above it. Every line in ``AUDIBLE_HZ`` is therefore counted
+    once, and the bands add up to the lines. Lines outside are not counted.
 
     Parameters
     ----------
-    frequency_hz
-        Frequencies of the lines (n,), Hz, in any order.
-    line_mean_square
-        Mean square of each line (n,), any unit.
+    frequency_hz : array (n,), Hz. Frequencies of the lines, in any order.
+    line_mean_square : array (n,), any unit. Mean square of each line.
 
     Returns
     -------
-    Mean square per band (31,), same unit. A band without a line holds 0.
+    array (31,), same unit
+        Mean square per band; a band without a line holds 0.
+
+    References
+    ----------
+    IEC 61260-1:2014, 5.4 and 5.6, for mid and edge frequencies.
+
+    Examples
+    --------
+    >>> from acoustics import BAND_NAMES, third_octave_mean_square
+    >>> bands = third_octave_mean_square([990.0, 1010.0, 2000.0], [1.0, 2.0, 4.0])
+    >>> float(bands[BAND_NAMES.index("1000")]), float(bands.sum())
+    (3.0, 7.0)
     """
     band = np.searchsorted(EDGES_HZ, frequency_hz, side="right") - 1
     inside = (band >= 0) & (band < len(NOMINAL_HZ))
-    return np.bincount(band[inside], weights=np.asarray(line_mean_square)[inside], minlength=len(NOMINAL_HZ))
+    weights = np.asarray(line_mean_square)[inside]
+    return np.asarray(np.bincount(band[inside], weights=weights, minlength=len(NOMINAL_HZ)), dtype=float)
 
 
-def band_uncertainty_db(duration_s: float) -> np.ndarray:
-    """Standard uncertainty of a band level of Gaussian noise: 4.34 / sqrt(B T) dB, (31,).
+def band_uncertainty_db(duration_s: float) -> Array:
+    """Return the standard uncertainty of band levels of Gaussian noise, 4.34 / sqrt(B T) dB.
 
-    The mean square of a band of width B over a time T has the relative standard deviation 1/sqrt(B T) (Bendat and
-    Piersol, Random Data, 4th ed. 2010, chapter 8); 10/ln(10) = 4.34 turns it into dB.
+    The mean square of a band of width B over a time T has the relative standard deviation
+    1/sqrt(B T). The factor 10/ln(10) = 4.34 converts it to dB.
+
+    Parameters
+    ----------
+    duration_s : float, s. Duration T of the record.
+
+    Returns
+    -------
+    array (31,), dB
+
+    References
+    ----------
+    Bendat and Piersol, Random Data, 4th ed. 2010, chapter 8.
+
+    Examples
+    --------
+    >>> from acoustics import BAND_NAMES, band_uncertainty_db
+    >>> round(float(band_uncertainty_db(1.0)[BAND_NAMES.index("1000")]), 2)
+    0.29
     """
-    return 10.0 / np.log(10.0) / np.sqrt(BANDWIDTH_HZ * duration_s)
+    return np.asarray(10.0 / np.log(10.0) / np.sqrt(BANDWIDTH_HZ * duration_s))
 
 
-def reliable(duration_s: float) -> np.ndarray:
-    """Whether each band holds enough of a record of this duration, B T >= 5, to be read as a level: bool (31,)."""
-    return BANDWIDTH_HZ * duration_s >= LEAST_BT
+def reliable(duration_s: float) -> NDArray[np.bool_]:
+    """Return for each band whether a record is long enough to read its level, B T >= 5.
+
+    Parameters
+    ----------
+    duration_s : float, s. Duration T of the record.
+
+    Returns
+    -------
+    array (31,) of bool
+
+    Examples
+    --------
+    >>> from acoustics import BAND_NAMES, reliable
+    >>> first = int(reliable(0.5).argmax())  # bands widen upwards
+    >>> BAND_NAMES[first]
+    '50'
+    """
+    return np.asarray(BANDWIDTH_HZ * duration_s >= LEAST_BT)

@@ -1,6 +1,6 @@
-"""Levels of a sound pressure record: equivalent, greatest, in third octaves. Depends on the other numeric modules here.
+"""Levels of a sound pressure record: equivalent, maximum, in third octaves.
 
-What has no sound is None, never -inf.
+A level without sound is None, never -inf.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from acoustics._typing import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C
 from acoustics.resampling import resample_closed
@@ -19,7 +20,7 @@ from acoustics.weighting import a_weighting_db
 
 __all__ = ["I_REF_W_M2", "P_REF_PA", "RHO_C", "SoundLevels", "a_weighted_rms", "laeq_db", "level_db", "sound_levels"]
 
-# What lies 200 dB below the record counts as rounding. Transforms leave -300 dB, or -200 dB of a fluctuation that is
+# A part 200 dB below the record counts as rounding. Transforms leave -300 dB, or -200 dB of a fluctuation that is
 # 1e-5 of its mean; hearing spans 130 dB, and no contact solve is better than 1e-10.
 _ROUNDING = 1e-20
 
@@ -33,9 +34,14 @@ _PEAK_OVERSAMPLING = 8
 class SoundLevels:
     """Levels of one record, dB re 20 uPa; None where there is no sound.
 
-    laeq_db, level_db : LAeq and LZeq of the whole record. laf_max_db, las_max_db : LAFmax and LASmax, greatest A-weighted
-    level with time weighting Fast and Slow. lz_peak_db : LZpeak, of the greatest |p| between and at the samples.
-    The two dictionaries go by nominal mid frequency, "20" to "20000", and always hold all 31 bands.
+    Parameters
+    ----------
+    laeq_db, level_db : float or None, dB. LAeq and LZeq of the whole record.
+    laf_max_db, las_max_db : float or None, dB. LAFmax and LASmax, the maximum A-weighted level with
+        time weighting Fast and Slow.
+    lz_peak_db : float or None, dB. LZpeak, the level of the maximum |p| at and between the samples.
+    third_octave_db, third_octave_a_db : dict, dB. Z and A levels by nominal mid frequency, "20" to
+        "20000"; all 31 bands are always there.
     """
 
     laeq_db: float | None
@@ -48,84 +54,138 @@ class SoundLevels:
 
 
 def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None:
-    """10 lg(mean square / reference) in dB, or None when there is no sound (<= 0).
+    """Return 10 lg(mean square / reference) in dB, or None if there is no sound (<= 0).
 
-    Serves intensities too, with their own reference ``I_REF_W_M2``.
+    Parameters
+    ----------
+    mean_square : float, Pa^2. Mean square, or an intensity with its own reference.
+    reference : float, Pa^2. Reference. Default (20 uPa)^2; `I_REF_W_M2` for intensities.
+
+    Returns
+    -------
+    float or None, dB
 
     Raises
     ------
     ValueError
-        If the mean square is not finite: a fault upstream must not pass as silence, nor as a level.
+        If the mean square is not finite: a fault upstream must pass neither as silence nor as a level.
+
+    References
+    ----------
+    ISO 1683:2015 for the reference values.
+
+    Examples
+    --------
+    >>> from acoustics import level_db
+    >>> round(level_db(1.0), 2), level_db(0.0)
+    (93.98, None)
     """
     if not math.isfinite(mean_square):
         raise ValueError(f"the mean square is not a finite number ({mean_square})")
     return 10.0 * (math.log10(mean_square) - math.log10(reference)) if mean_square > 0.0 else None
 
 
-def laeq_db(pressure_pa: np.ndarray, sample_rate_hz: float) -> float | None:
-    """A-weighted equivalent level LAeq of the whole record in dB re 20 uPa, or None when there is no sound.
+def laeq_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
+    """Return the A-weighted equivalent level LAeq of the whole record, or None if there is no sound.
 
-    Weighted in the frequency domain with the exact curve, so without a filter's settling time or error near Nyquist.
+    The weighting is exact and works in the frequency domain. It has neither the settling time of a
+    filter nor its error near the Nyquist frequency.
 
     Parameters
     ----------
-    pressure_pa
-        Sound pressure (n,), Pa; the record closes on itself or is faded.
-    sample_rate_hz
-        Sample rate, Hz.
+    pressure_pa : array (n,), Pa. Sound pressure; the record closes on itself or is faded.
+    sample_rate_hz : float, Hz. Sample rate.
+
+    Returns
+    -------
+    float or None, dB re 20 uPa
+
+    Raises
+    ------
+    ValueError
+        As `acoustics.spectrum.check_record`.
+
+    References
+    ----------
+    IEC 61672-1:2013, 3.9 and annex E.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import laeq_db
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 100 * np.arange(48000) / 48000)  # 1 Pa rms, 100 Hz
+    >>> round(laeq_db(tone, 48000), 2)  # 93.98 - 19.14
+    74.84
     """
     return level_db(a_weighted_rms(pressure_pa, sample_rate_hz) ** 2)
 
 
-def a_weighted_rms(pressure_pa: np.ndarray, sample_rate_hz: float) -> float:
-    """A-weighted rms of the whole record, in the unit of the record; 0 where only rounding is left."""
+def a_weighted_rms(pressure_pa: Array, sample_rate_hz: float) -> float:
+    """Return the A-weighted rms of the whole record, in its unit; 0 if only rounding is left."""
     frequency_hz, mean_square = line_spectrum(pressure_pa, sample_rate_hz)
-    return math.sqrt(_heard(_a_weighted(frequency_hz, mean_square).sum(), mean_square.sum()))
+    return math.sqrt(_above_rounding(_a_weighted(frequency_hz, mean_square).sum(), mean_square.sum()))
 
 
-def peak_pressure(pressure_pa: np.ndarray) -> float:
-    """Greatest |p| of a record in Pa, between its samples, too: 8-fold interpolation.
+def peak_pressure(pressure_pa: Array) -> float:
+    """Return the maximum |p| of a record at and between its samples [Pa], by 8-fold interpolation.
 
-    What lies between those points can exceed them by 0.01 dB at 5 kHz and 0.15 dB at the top of the audible band (48 kHz).
+    The pressure between the interpolated points can exceed them by 0.01 dB at 5 kHz, and by 0.15 dB at
+    the top of the audible band (at 48 kHz).
 
     Parameters
     ----------
-    pressure_pa
-        Sound pressure (n,), Pa; the record closes on itself or is faded.
+    pressure_pa : array (n,), Pa. Sound pressure; the record closes on itself or is faded.
+
+    Returns
+    -------
+    float, Pa
     """
     fine = resample_closed(pressure_pa, _PEAK_OVERSAMPLING * len(pressure_pa))
     return float(max(fine.max(), -fine.min()))
 
 
 def sound_levels(
-    pressure_pa: np.ndarray, sample_rate_hz: float, highest_hz: float = math.inf, closed: bool = True
+    pressure_pa: Array, sample_rate_hz: float, highest_hz: float = math.inf, closed: bool = True
 ) -> SoundLevels:
-    """All levels of one record.
+    """Compute all levels of one record.
 
-    ``level_db`` and ``laeq_db`` are over all lines of the record; each A-weighted third octave is weighted line by
-    line, so the bands of a record limited to 20 Hz to 20 kHz add up to the two.
+    ``level_db`` and ``laeq_db`` cover all lines of the record. Each A-weighted third octave is
+    weighted line by line, so the bands of a record limited to 20 Hz to 20 kHz add up to the two.
 
     Parameters
     ----------
-    pressure_pa
-        Sound pressure (n,), Pa; the record closes on itself or is faded.
-    sample_rate_hz
-        Sample rate, Hz.
-    highest_hz
-        Up to where the record carries information, e.g. the Nyquist frequency of the simulation it comes from. A band
-        that reaches above it, or above the record's own Nyquist frequency, is None: it is not known, or only in part.
-    closed
-        The record closes on itself, and the time weightings read it as it loops; otherwise they start from silence.
+    pressure_pa : array (n,), Pa. Sound pressure; the record closes on itself or is faded.
+    sample_rate_hz : float, Hz. Sample rate.
+    highest_hz : float, Hz. Highest frequency that the record resolves, for example the Nyquist
+        frequency of its simulation. A band that reaches above it, or above the record's own Nyquist
+        frequency, is None. Default infinity.
+    closed : bool. If true, the time weightings read the record as a loop; otherwise they start from
+        silence. Default True.
 
     Returns
     -------
-    Levels in dB re 20 uPa. A band is None, too, if it has no line power; what is below 1e-20 of the record's mean
-    square (-200 dB) is rounding and counts as none.
+    SoundLevels, dB re 20 uPa
+        A band without line power is None. Power below 1e-20 of the record's mean square (-200 dB) is
+        rounding and counts as none.
 
     Raises
     ------
     ValueError
         As `acoustics.spectrum.check_record`, or if the mean square is not finite.
+
+    References
+    ----------
+    IEC 61672-1:2013 for weightings, IEC 61260-1:2014 for third octaves. `acoustics/CONFORMANCE.md`
+    has the deviations from both.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import sound_levels
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(48000) / 48000)  # 1 Pa rms
+    >>> levels = sound_levels(tone, 48000)
+    >>> round(levels.laf_max_db, 2), round(levels.third_octave_db["1000"], 2), round(levels.lz_peak_db, 2)
+    (93.98, 93.98, 96.99)
     """
     frequency_hz, mean_square = line_spectrum(pressure_pa, sample_rate_hz)
     weighted = _a_weighted(frequency_hz, mean_square)
@@ -135,18 +195,21 @@ def sound_levels(
         return SoundLevels(None, None, None, None, None, {**nothing}, {**nothing})
     known = EDGES_HZ[1:] <= min(highest_hz, sample_rate_hz / 2.0)
 
-    def bands(line_mean_square: np.ndarray) -> dict[str, float | None]:
+    def bands(line_mean_square: Array) -> dict[str, float | None]:
         band_mean_square = np.where(known, third_octave_mean_square(frequency_hz, line_mean_square), 0.0)
-        return {name: level_db(_heard(value, whole)) for name, value in zip(BAND_NAMES, band_mean_square, strict=True)}
+        return {
+            name: level_db(_above_rounding(value, whole))
+            for name, value in zip(BAND_NAMES, band_mean_square, strict=True)
+        }
 
     a_weighted_pa = a_weighted(pressure_pa, sample_rate_hz)
 
     def a_maximum(time_constant_s: float) -> float | None:
-        greatest = maximum_mean_square(a_weighted_pa, sample_rate_hz, time_constant_s, closed)
-        return level_db(_heard(greatest, whole))
+        maximum = maximum_mean_square(a_weighted_pa, sample_rate_hz, time_constant_s, closed)
+        return level_db(_above_rounding(maximum, whole))
 
     return SoundLevels(
-        laeq_db=level_db(_heard(weighted.sum(), whole)),
+        laeq_db=level_db(_above_rounding(weighted.sum(), whole)),
         level_db=level_db(whole),
         laf_max_db=a_maximum(FAST_S),
         las_max_db=a_maximum(SLOW_S),
@@ -156,10 +219,11 @@ def sound_levels(
     )
 
 
-def _a_weighted(frequency_hz: np.ndarray, line_mean_square: np.ndarray) -> np.ndarray:
+def _a_weighted(frequency_hz: Array, line_mean_square: Array) -> Array:
+    """Return the A-weighted mean squares of lines."""
     return line_mean_square * 10.0 ** (a_weighting_db(frequency_hz) / 10.0)
 
 
-def _heard(mean_square: float, whole: float) -> float:
-    """The mean square of a part of a record, 0 if it is no more than the rounding of the whole."""
+def _above_rounding(mean_square: float, whole: float) -> float:
+    """Return the mean square of a part of a record, or 0 if it is rounding of the whole."""
     return float(mean_square) if mean_square > _ROUNDING * whole else 0.0

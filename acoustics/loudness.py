@@ -1,4 +1,4 @@
-"""Loudness and sharpness of a steady sound. Depends on the package mosqito, imported only when it is asked for."""
+"""Loudness and sharpness of a steady sound, by the package mosqito, which is imported when needed."""
 
 from __future__ import annotations
 
@@ -7,41 +7,48 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from acoustics._typing import Array
 from acoustics.spectrum import check_record
 
 LEAST_RATE_HZ = 48000  # below, mosqito would resample
 
-# The filters of the lowest bands (25 Hz, 5.8 Hz wide) take 0.2 s to swing in; a loop is played for as long as makes
-# that no matter.
+# The filters of the lowest bands (25 Hz, 5.8 Hz wide) settle in 0.2 s; a loop is played long enough to make that
+# negligible.
 _PLAYED_S = 4.0
 
 
 @dataclass(frozen=True)
 class Loudness:
-    """Loudness in sone, 0 for silence; sharpness in acum, None where there is no loudness.
+    """Loudness and sharpness of a record.
 
-    Both are None where the method does not hold: a third octave up to 250 Hz above 120 dB, or a record of some
-    milliseconds that does not close.
+    Both are None where the method does not hold: if a third octave up to 250 Hz exceeds 120 dB, or if
+    a record of some milliseconds does not close.
+
+    Parameters
+    ----------
+    sone : float or None, sone. Loudness; 0 for silence.
+    acum : float or None, acum. Sharpness; None without loudness.
     """
 
     sone: float | None
     acum: float | None
 
 
-def loudness(pressure_pa: np.ndarray, sample_rate_hz: float, closed: bool) -> Loudness:
-    """Loudness (ISO 532-1:2017, method 1, stationary) and sharpness (DIN 45692:2009) of a record, by mosqito.
+def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudness:
+    """Compute loudness and sharpness of a steady record with mosqito.
 
-    The sound field at the listener is taken to be free, the sound to come from the front, heard by both ears.
+    The sound field at the listener is free, and the sound comes from the front to both ears.
 
     Parameters
     ----------
-    pressure_pa
-        Sound pressure (n,), Pa: calibrated, the result hangs on its level.
-    sample_rate_hz
-        Sample rate, 48 kHz or more.
-    closed
-        The record closes on itself; it is looped for 4 s or more. Otherwise it is taken as it is,
-        and of one shorter than about a second the lowest bands are read too low.
+    pressure_pa : array (n,), Pa. Calibrated sound pressure.
+    sample_rate_hz : float, Hz. Sample rate, at least 48 kHz.
+    closed : bool. If true, the record is looped for at least 4 s. Otherwise it is read once; the
+        lowest bands of a record shorter than about a second are then too low.
+
+    Returns
+    -------
+    Loudness
 
     Raises
     ------
@@ -49,19 +56,23 @@ def loudness(pressure_pa: np.ndarray, sample_rate_hz: float, closed: bool) -> Lo
         If mosqito is not installed.
     ValueError
         As `acoustics.spectrum.check_record`, or for a sample rate below 48 kHz.
+
+    References
+    ----------
+    ISO 532-1:2017, method 1, for stationary sounds; DIN 45692:2009 for sharpness.
     """
     from mosqito.sq_metrics import loudness_zwst, sharpness_din_from_loudness
 
     check_record(pressure_pa)
     if sample_rate_hz < LEAST_RATE_HZ:
         raise ValueError(f"loudness needs a sample rate of {LEAST_RATE_HZ} Hz or more, got {sample_rate_hz:g}")
-    heard = pressure_pa - np.mean(pressure_pa)  # to the filters its onset would be a bang
-    if not np.any(heard):
+    fluctuation = pressure_pa - np.mean(pressure_pa)  # the onset of a mean would be a bang to the filters
+    if not np.any(fluctuation):
         return Loudness(0.0, None)
     rounds = math.ceil(_PLAYED_S * sample_rate_hz / len(pressure_pa)) if closed else 1
     try:
-        sone, specific, _ = loudness_zwst(np.tile(heard, rounds), sample_rate_hz, field_type="free")
-    except ValueError:  # its words for either
+        sone, specific, _ = loudness_zwst(np.tile(fluctuation, rounds), sample_rate_hz, field_type="free")
+    except ValueError:  # raised in either case
         return Loudness(None, None)
     if not sone > 0.0:
         return Loudness(0.0, None)

@@ -1,15 +1,14 @@
-"""Plots of levels and power. Each draws on the axes it is given and returns them. Depends on matplotlib.
+"""Plots of levels and power: each function draws on `ax` and returns it.
 
-Colours are those of Okabe and Ito (2008), told apart with any colour vision; line styles differ too, for grey print. More
-curves than there are such colours go from dark to light in the order given. Titles and legends are the figure's.
+The colours are those of Okabe and Ito (2008), which differ for any colour vision. Line styles differ too,
+for grey print. More curves than colours go from dark to light in the order given. The functions label
+their curves, but leave title and legend to the caller.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import matplotlib
@@ -18,37 +17,66 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
 
+from acoustics._typing import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, LEAST_BT, MID_HZ, reliable
+from acoustics.drawn_lines import DENSE, NOTHING_DB, PER_OCTAVE, Lines, is_thinned, power_envelope
 from acoustics.spectrogram import Spectrogram
+
+__all__ = [
+    "COLOURS",
+    "FEW",
+    "LINE_STYLES",
+    "MARKERS",
+    "PER_OCTAVE",
+    "Lines",
+    "drawn_as_means",
+    "is_thinned",
+    "level_against",
+    "level_limits",
+    "power",
+    "power_envelope",
+    "power_share",
+    "spectrogram",
+    "spectrum",
+    "third_octaves",
+]
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 LINE_STYLES: tuple[str | tuple[int, tuple[int, ...]], ...] = (
     "-", "--", "-.", ":", (0, (8, 2)), (0, (4, 1, 1, 1, 1, 1)), (0, (1, 1)),
 )  # fmt: skip
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-PER_OCTAVE = 12  # of the means drawn of dense spectra
 _GREY = "0.6"
 
 _SHOWN_DB = 70.0
-_NOTHING_DB = -300.0  # stands for -inf, which matplotlib would leave out together with its neighbours
-_DENSE = 500  # more lines than this hide one another: they fade behind their mean
-_COLUMNS = 1500  # across a plot: more than it has dots, so that an envelope looks like the curve itself
 _SHADES = 36  # of a spectrogram: 2 dB in 70, less than noise leaves uncertain; more make large files
 FEW = 3  # curves whose single lines or error bars can be told apart
 
 
 def level_limits(levels_db: Iterable[float | None]) -> tuple[float, float]:
-    """Limits of a level axis in dB: multiples of 5 with 2.5 dB of room or more, and the upper 70 dB at most.
+    """Return limits of a level axis, at most 70 dB apart.
+
+    The limits are multiples of 5 dB and leave room of at least 2.5 dB.
 
     Give all curves of several plots at once to put them on the same axis.
 
     Parameters
     ----------
-    levels_db
-        Levels, dB; None and what is below -300 do not count. Without any level: 0 to 70.
+    levels_db : iterable of float or None, dB. Levels; None and values below -300 do not count.
+
+    Returns
+    -------
+    pair of float, dB
+        Lower and upper limit; 0 to 70 without any level.
+
+    Examples
+    --------
+    >>> from acoustics import plots
+    >>> plots.level_limits([41.0, None, 62.0])
+    (35.0, 65.0)
     """
     values = _numbers(levels_db)
-    values = values[np.isfinite(values) & (values > _NOTHING_DB)]
+    values = values[np.isfinite(values) & (values > NOTHING_DB)]
     if not len(values):
         return 0.0, _SHOWN_DB
     top = 5.0 * math.ceil(float(values.max()) / 5.0 + 0.5)
@@ -56,66 +84,35 @@ def level_limits(levels_db: Iterable[float | None]) -> tuple[float, float]:
     return max(bottom, top - _SHOWN_DB), top
 
 
-@dataclass(frozen=True, eq=False)
-class Lines:
-    """A spectrum as it is drawn, 20 Hz to 20 kHz: what takes time is done once however often it is asked for.
-
-    frequency_hz, level_db : the lines (n,), rising frequencies; -inf is no sound.
-    """
-
-    frequency_hz: np.ndarray
-    level_db: np.ndarray
-
-    @classmethod
-    def audible(cls, frequency_hz: np.ndarray, level_db: np.ndarray) -> Lines:
-        """The lines that lie between 20 Hz and 20 kHz."""
-        inside = (frequency_hz >= AUDIBLE_HZ[0]) & (frequency_hz < AUDIBLE_HZ[1])
-        return cls(frequency_hz[inside], level_db[inside])
-
-    @property
-    def dense(self) -> bool:
-        """More lines than can be told apart."""
-        return len(self.frequency_hz) > _DENSE
-
-    @cached_property
-    def mean(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mid frequency and level of the mean power of the lines in each 1/12 octave that has any."""
-        return _band_mean(self.frequency_hz, self.level_db)
-
-    @cached_property
-    def envelope(self) -> tuple[np.ndarray, np.ndarray]:
-        """The lines, or the lowest and highest of each column of the plot where several share one."""
-        low, high = np.log(AUDIBLE_HZ)
-        column = (np.log(self.frequency_hz) - low) / (high - low)
-        return _thinned(self.frequency_hz, np.maximum(self.level_db, _NOTHING_DB), column)
-
-    @cached_property
-    def extremes(self) -> list[float]:
-        """Lowest and highest level that is to be seen, nothing of a silent spectrum; low single lines of many do not count."""
-        shown = np.append(self.mean[1], self.level_db.max()) if self.dense else self.level_db
-        shown = shown[shown > _NOTHING_DB]
-        return [float(shown.min()), float(shown.max())] if len(shown) else []
-
-
 def drawn_as_means(curves: Sequence[tuple[str, Lines]]) -> list[tuple[str, Lines]]:
-    """Those of which the mean over 1/12 octave is drawn: their lines, or they themselves, are too many to be told apart."""
+    """Return the curves whose mean over 1/12 octave is drawn: dense spectra, or all of more than three."""
     return [curve for curve in curves if curve[1].dense or len(curves) > FEW]
 
 
 def spectrum(ax: Axes, curves: Sequence[tuple[str, Lines]], limits_db: tuple[float, float] | None = None) -> Axes:
-    """Spectra against frequency, 20 Hz to 20 kHz.
+    """Draw spectra against frequency, 20 Hz to 20 kHz.
 
-    Of more than 500 lines, and of more than three curves, the mean (of powers) over 1/12 octave is drawn; the lines of
-    three curves at most are thin and pale behind it.
+    More than 500 lines, and more than three curves, are drawn as the mean (of powers) over 1/12 octave.
+    The lines of up to three curves are thin and pale behind it.
 
     Parameters
     ----------
-    ax
-        Axes to draw on.
-    curves
-        Label and spectrum, levels in dB; -inf lies below the axis.
-    limits_db
-        Of the level axis; otherwise those of the curves, see `level_limits`.
+    ax : axes to draw on.
+    curves : sequence of pairs. Label and spectrum in dB; -inf lies below the axis.
+    limits_db : pair of float, dB. Limits of the level axis. Default: `level_limits` of the curves.
+
+    Returns
+    -------
+    the axes
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from acoustics import plots
+    >>> lines = plots.Lines.audible(np.array([100.0, 1000.0]), np.array([40.0, 60.0]))
+    >>> plots.spectrum(Figure().subplots(), [("two tones", lines)]).get_xlabel()
+    'frequency [Hz]'
     """
     for number, (label, lines) in enumerate(curves):
         look = _look(number, len(curves))
@@ -125,7 +122,7 @@ def spectrum(ax: Axes, curves: Sequence[tuple[str, Lines]], limits_db: tuple[flo
                 ax.plot(*lines.envelope, color=look["color"], linewidth=0.3, alpha=0.4, zorder=1.5)
             ax.plot(*lines.mean, linewidth=1.8, label=label, **look)
         else:
-            level = np.maximum(lines.level_db, _NOTHING_DB)
+            level = np.maximum(lines.level_db, NOTHING_DB)
             ax.plot(lines.frequency_hz, level, linewidth=1.2, label=label, **look)
     ax.set_ylim(limits_db or level_limits([level for _, lines in curves for level in lines.extremes]))
     ax.set_xscale("log")
@@ -145,24 +142,32 @@ def third_octaves(
     duration_s: float,
     limits_db: tuple[float, float] | None = None,
 ) -> Axes:
-    """Third-octave levels as steps over the bands, 20 Hz to 20 kHz.
+    """Draw third-octave levels as steps over the bands, 20 Hz to 20 kHz.
 
-    More than three curves are straight lines from band to band instead.
-
-    Bands of which the record holds too little to be read as a level (B T < 5, uncertain by 2 dB or more) are grey. Up to
-    three curves have bars of their standard uncertainty in the others.
+    More than three curves are drawn as lines from band to band instead. A band is grey if the record is
+    too short to read its level (B T < 5, uncertain by 2 dB or more). In the other bands up to three
+    curves have bars of their standard uncertainty.
 
     Parameters
     ----------
-    ax
-        Axes to draw on.
-    curves
-        Label with the weighting, levels in dB re 20 uPa and their standard uncertainty in dB by nominal frequency; None is
-        a gap.
-    duration_s
-        Duration T of the record, s; of several the shortest.
-    limits_db
-        Of the level axis; otherwise those of the curves, see `level_limits`.
+    ax : axes to draw on.
+    curves : sequence of triples. Label with the weighting, levels in dB re 20 uPa and their standard
+        uncertainty in dB, both by nominal frequency; None is a gap.
+    duration_s : float, s. Duration T of the record; the shortest of several.
+    limits_db : pair of float, dB. Limits of the level axis. Default: `level_limits` of the curves.
+
+    Returns
+    -------
+    the axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from acoustics import BAND_NAMES, plots
+    >>> levels, spread = dict.fromkeys(BAND_NAMES, 50.0), dict.fromkeys(BAND_NAMES, 0.5)
+    >>> ax = plots.third_octaves(Figure().subplots(), [("noise, Z", levels, spread)], 10.0)
+    >>> ax.get_xlabel()
+    'third octave, nominal mid frequency [Hz]'
     """
     read = reliable(duration_s)
     first = int(np.argmax(read)) if read.any() else len(read)  # bands widen upwards, so the grey ones are the lowest
@@ -171,27 +176,7 @@ def third_octaves(
         level, spread = (_numbers(by_name[name] for name in BAND_NAMES) for by_name in (levels, uncertainty))
         seen += [*level]
         look = _look(number, len(curves))
-        colour, style = look["color"], look["linestyle"]
-        marker = {"marker": look["marker"], "markersize": 4, "linestyle": "none"}
-        few = len(curves) <= FEW
-        if first > 0:
-            _steps(
-                ax,
-                level[:first],
-                EDGES_HZ[: first + 1],
-                few,
-                color=_GREY,
-                linestyle=style,
-                linewidth=1.2 if few else 0.7,
-            )
-            if few:
-                ax.plot(MID_HZ[:first], level[:first], color=_GREY, markerfacecolor="white", **marker)
-        if first < len(read):
-            _steps(ax, level[first:], EDGES_HZ[first:], few, color=colour, linestyle=style, linewidth=1.5)
-            if few:
-                _bars(ax, MID_HZ[first:], level[first:], spread[first:], colour)
-        ax.plot(MID_HZ[first:], level[first:], color=colour, **marker)
-        ax.plot([], [], color=colour, linestyle=style, marker=marker["marker"], markersize=4, label=label)
+        _band_curve(ax, label, level, spread, first, look, len(curves) <= FEW)
     if first > 0:
         ax.axvspan(
             EDGES_HZ[0], EDGES_HZ[first], color="0.93", zorder=0, label=f"B T < {LEAST_BT:g}: uncertain by 2 dB or more"
@@ -206,25 +191,55 @@ def third_octaves(
     return _finish(ax, "sound pressure level [dB re 20 µPa]")
 
 
-def spectrogram(ax: Axes, bar: Axes, shown: Spectrogram, duration_s: float, limits_db: tuple[float, float]) -> Axes:
-    """Level of the spectral density as colours over time and frequency, light where there is nothing to show.
+def _band_curve(ax: Axes, label: str, level: Array, spread: Array, first: int, look: dict[str, Any], few: bool) -> None:
+    """Draw one curve of third octaves: grey bands below the first that can be read, coloured ones from it on."""
+    colour, style = look["color"], look["linestyle"]
+    marker = {"marker": look["marker"], "markersize": 4, "linestyle": "none"}
+    if first > 0:
+        width = 1.2 if few else 0.7
+        _steps(ax, level[:first], EDGES_HZ[: first + 1], few, color=_GREY, linestyle=style, linewidth=width)
+        if few:
+            ax.plot(MID_HZ[:first], level[:first], color=_GREY, markerfacecolor="white", **marker)
+    if first < len(level):
+        _steps(ax, level[first:], EDGES_HZ[first:], few, color=colour, linestyle=style, linewidth=1.5)
+        if few:
+            _bars(ax, MID_HZ[first:], level[first:], spread[first:], colour)
+    ax.plot(MID_HZ[first:], level[first:], color=colour, **marker)
+    ax.plot([], [], color=colour, linestyle=style, marker=marker["marker"], markersize=4, label=label)
+
+
+def spectrogram(
+    ax: Axes, bar: Axes | None, shown: Spectrogram, duration_s: float, limits_db: tuple[float, float]
+) -> Axes:
+    """Draw a spectrogram as colours over time and frequency, light where there is no sound.
 
     Parameters
     ----------
-    ax, bar
-        Axes to draw on, and those of the colour bar.
-    shown
-        Spectrogram with rows of equal width on a logarithmic scale.
-    duration_s
-        Duration of the record, s: the whole width of the axes.
-    limits_db
-        Of the colours.
+    ax : axes to draw on.
+    bar : axes of the colour bar; with None the bar takes its room from `ax`.
+    shown : Spectrogram. Its rows have equal width on a logarithmic scale.
+    duration_s : float, s. Duration of the record, the whole width of the axes.
+    limits_db : pair of float, dB. Levels of the first and the last colour.
+
+    Returns
+    -------
+    the axes
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from acoustics import plots
+    >>> from acoustics.spectrogram import spectrogram
+    >>> shown = spectrogram(np.random.default_rng(1).standard_normal(24000), 48000)
+    >>> plots.spectrogram(Figure().subplots(), None, shown, 0.5, (20.0, 90.0)).get_xlabel()
+    'time [ms]'
     """
     factor, prefix = _prefix(duration_s)
     first, last = (shown.time_s[[0, -1]] + np.array([-0.5, 0.5]) * shown.hop_s) / factor
     low, high = np.log10(shown.edges_hz[[0, -1]])
     colours = matplotlib.colormaps["magma"].resampled(_SHADES).with_extremes(bad="0.85")
-    # Rows are equally wide on a logarithmic scale: an image on a linear axis of logarithms is drawn as it is, each value a dot.
+    # Rows are equally wide on a logarithmic scale, so an image on a linear axis of logarithms shows each value as a dot.
     image = ax.imshow(
         shown.level_db,
         origin="lower",
@@ -242,37 +257,46 @@ def spectrogram(ax: Axes, bar: Axes, shown: Spectrogram, duration_s: float, limi
     ax.set_yticks(np.log10(MID_HZ[octaves]), [_short(name) for name in BAND_NAMES[octaves]])
     ax.set_xlabel(f"time [{prefix}s]")
     ax.set_ylabel("frequency [Hz]")
-    ax.figure.colorbar(image, cax=bar, label="density level [dB re (20 µPa)²/Hz]", extend="both")
+    ax.figure.colorbar(
+        image, cax=bar, ax=None if bar else ax, label="density level [dB re (20 µPa)²/Hz]", extend="both"
+    )
     return ax
 
 
 def power(
     ax: Axes,
-    time_s: np.ndarray,
-    power_w: np.ndarray,
+    time_s: Array,
+    power_w: Array,
     mean_w: float,
     duration_s: float,
     share: tuple[float, float] | None = None,
 ) -> Axes:
     """Draw release power against time with its mean, in units that suit the numbers.
 
-    The power axis spans at least 2 % of the mean, so that a steady power looks steady. Of more than 3,000 values the least
-    and the greatest in each of 1,500 columns are drawn.
+    The power axis spans at least 2 % of the mean, so that a steady power looks steady. More than 3,000
+    values are drawn as minimum and maximum in each of 1,500 columns.
 
     Parameters
     ----------
-    ax
-        Axes to draw on.
-    time_s
-        Time (n,), s.
-    power_w
-        Release power (n,), W.
-    mean_w
-        Its mean over time, W: that of the values only where they are evenly spaced.
-    duration_s
-        Duration of the record, s: the whole width of the axes.
-    share
-        Least and greatest power shown as shares of the mean; otherwise those of the power, see `power_share`.
+    ax : axes to draw on.
+    time_s : array (n,), s. Time.
+    power_w : array (n,), W. Release power.
+    mean_w : float, W. Mean of the power over time; the values may be unevenly spaced.
+    duration_s : float, s. Duration of the record, the whole width of the axes.
+    share : pair of float. Minimum and maximum power shown, as shares of the mean. Default: `power_share`.
+
+    Returns
+    -------
+    the axes
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from acoustics import plots
+    >>> ax = plots.power(Figure().subplots(), np.arange(4) / 4, np.full(4, 2e-6), 2e-6, 1.0)
+    >>> ax.get_ylabel()
+    'release power [µW]'
     """
     time_unit, power_unit = _prefix(duration_s), _prefix(np.max(np.abs(power_w)))
     mean = mean_w / power_unit[0]
@@ -281,7 +305,7 @@ def power(
         time / time_unit[0],
         shown / power_unit[0],
         color=COLOURS[0],
-        linewidth=0.5 if len(time) > _DENSE else 1.5,
+        linewidth=0.5 if len(time) > DENSE else 1.5,
         label="release power",
     )
     ax.axhline(mean, color=COLOURS[1], linestyle="--", linewidth=1.5, label=f"mean {mean:.4g} {power_unit[1]}W")
@@ -294,45 +318,44 @@ def power(
     return _finish(ax, f"release power [{power_unit[1]}W]")
 
 
-def power_share(power_w: np.ndarray, mean_w: float) -> tuple[float, float]:
-    """Return least and greatest power as shares of the mean, no nearer to it than 1 %; several give a common axis."""
+def power_share(power_w: Array, mean_w: float) -> tuple[float, float]:
+    """Return minimum and maximum power as shares of the mean, at least 1 % away from it.
+
+    The extremes of several runs give a common axis.
+    """
     mean = mean_w or 1.0
     return min(float(power_w.min()) / mean, 0.99), max(float(power_w.max()) / mean, 1.01)
 
 
-def is_thinned(time_s: np.ndarray) -> bool:
-    """Whether a record has more values than are drawn of it."""
-    return len(time_s) > 2 * _COLUMNS
-
-
-def power_envelope(time_s: np.ndarray, power_w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Time and power as drawn: of more than 3,000 values the least and the greatest in each of 1,500 columns."""
-    if not is_thinned(time_s):
-        return time_s, power_w
-    return _thinned(time_s, power_w, (time_s - time_s[0]) / (time_s[-1] - time_s[0]))
-
-
 def level_against(
     ax: Axes,
-    x: Sequence[float] | np.ndarray,
+    x: Sequence[float] | Array,
     curves: Sequence[tuple[str, Sequence[float | None], Sequence[float | None]]],
     xlabel: str,
     limits_db: tuple[float, float] | None = None,
 ) -> Axes:
-    """Levels against a quantity that was varied, such as the load; logarithmic when it spans more than a decade.
+    """Draw levels against a varied quantity, such as the load; logarithmic over more than a decade.
 
     Parameters
     ----------
-    ax
-        Axes to draw on.
-    x
-        Values of the quantity (n,).
-    curves
-        Label with the weighting, the levels (n,) in dB and their standard uncertainty (n,) in dB; None is a gap.
-    xlabel
-        Name and unit of the quantity.
-    limits_db
-        Of the level axis; otherwise those of the curves, see `level_limits`.
+    ax : axes to draw on.
+    x : array (n,). Values of the quantity.
+    curves : sequence of triples. Label with the weighting, levels (n,) in dB and their standard
+        uncertainty (n,) in dB; None is a gap.
+    xlabel : str. Name and unit of the quantity.
+    limits_db : pair of float, dB. Limits of the level axis. Default: `level_limits` of the curves.
+
+    Returns
+    -------
+    the axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from acoustics import plots
+    >>> curve = ("LAeq", [60.0, None, 70.0], [0.5, None, 0.2])
+    >>> plots.level_against(Figure().subplots(), [5, 20, 100], [curve], "load [N]").get_xscale()
+    'log'
     """
     values = np.asarray(x, dtype=float)
     order = np.argsort(values)
@@ -356,6 +379,7 @@ def level_against(
 
 
 def _finish(ax: Axes, ylabel: str) -> Axes:
+    """Label the vertical axis and draw a grid behind the curves."""
     ax.set_ylabel(ylabel)
     ax.grid(True, color="0.85", linewidth=0.5)
     ax.set_axisbelow(True)
@@ -363,66 +387,37 @@ def _finish(ax: Axes, ylabel: str) -> Axes:
 
 
 def _say_if_silent(ax: Axes, sounds: bool) -> None:
+    """Write `no sound` on axes without a level."""
     if not sounds:
         ax.text(0.5, 0.5, "no sound", transform=ax.transAxes, ha="center", va="center", color="0.4", fontsize=14)
 
 
 def _look(number: int, count: int) -> dict[str, Any]:
-    """Colour, line style and marker of one of so many curves."""
+    """Return colour, line style and marker of a curve among a count of curves."""
     colour = COLOURS[number % len(COLOURS)]
     if count > len(COLOURS):  # beyond 0.9 the map is too light for white paper
         colour = to_hex(matplotlib.colormaps["viridis"](0.9 * number / (count - 1)))
     return {"color": colour, "linestyle": _cycled(LINE_STYLES, number), "marker": _cycled(MARKERS, number)}
 
 
-def _steps(ax: Axes, level_db: np.ndarray, edges_hz: np.ndarray, few: bool, **look: Any) -> None:
-    """Bands as steps, or as a line through their middles where steps of many curves would hide one another."""
+def _steps(ax: Axes, level_db: Array, edges_hz: Array, few: bool, **look: Any) -> None:
+    """Draw bands as steps, or as a line where the steps of many curves would hide one another."""
     if few:
         ax.stairs(level_db, edges_hz, baseline=None, **look)
     else:
         ax.plot(np.sqrt(edges_hz[:-1] * edges_hz[1:]), level_db, **look)
 
 
-def _bars(ax: Axes, x: np.ndarray, level_db: np.ndarray, uncertainty_db: np.ndarray, colour: str) -> None:
+def _bars(ax: Axes, x: Array, level_db: Array, uncertainty_db: Array, colour: str) -> None:
     ax.errorbar(x, level_db, yerr=uncertainty_db, fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5, capthick=0.9)
 
 
-def _thinned(x: np.ndarray, y: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of each column that holds more than two points, the least and the greatest y at its first x; x rising.
-
-    `share` of the width (n,), 0 to 1, says where each point lies.
-    """
-    column = np.minimum(np.floor(share * _COLUMNS), _COLUMNS - 1)
-    starts = np.flatnonzero(np.diff(column, prepend=-1.0))
-    counts = np.diff(starts, append=len(x))
-    crowded = counts > 2
-    alone = np.repeat(~crowded, counts)
-    at = np.repeat(x[starts[crowded]], 2)
-    extremes = np.stack([np.minimum.reduceat(y, starts)[crowded], np.maximum.reduceat(y, starts)[crowded]], 1).ravel()
-    merged = np.argsort(np.concatenate([x[alone], at]), kind="stable")
-    return np.concatenate([x[alone], at])[merged], np.concatenate([y[alone], extremes])[merged]
-
-
-def _band_mean(frequency_hz: np.ndarray, level_db: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Level of the mean power of the lines in each 1/12 octave that has any, at its mid frequency."""
-    octaves = math.log2(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
-    edges = AUDIBLE_HZ[0] * 2.0 ** (np.arange(math.ceil(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)
-    band = np.searchsorted(edges, frequency_hz, side="right") - 1
-    lines = np.bincount(band, minlength=len(edges) - 1)
-    power = np.bincount(band, weights=10.0 ** (level_db / 10.0), minlength=len(edges) - 1)
-    held = lines > 0
-    mid = np.sqrt(edges[:-1] * edges[1:])
-    with np.errstate(divide="ignore"):
-        level = 10.0 * np.log10(power[held] / lines[held])
-    return mid[held], np.maximum(level, _NOTHING_DB)
-
-
-def _numbers(levels_db: Iterable[float | None]) -> np.ndarray:
+def _numbers(levels_db: Iterable[float | None]) -> Array:
     return np.array([np.nan if level is None else level for level in levels_db], dtype=float)
 
 
 def _prefix(largest: float) -> tuple[float, str]:
-    """Factor and SI prefix that bring a value to between 1 and 1000."""
+    """Return the factor and the SI prefix that bring a value to between 1 and 1000."""
     prefixes = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M"}
     thousands = math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
     thousands = min(max(thousands, min(prefixes)), max(prefixes))
@@ -430,10 +425,10 @@ def _prefix(largest: float) -> tuple[float, str]:
 
 
 def _short(name: str) -> str:
-    """Frequency as tick labels give it: 1000 is 1k."""
+    """Write a frequency for a tick label: 1000 is 1k."""
     value = float(name)
     return f"{value / 1000.0:g}k" if value >= 1000.0 else name
 
 
-def _cycled(items: Sequence, number: int):
+def _cycled(items: Sequence[Any], number: int) -> Any:
     return items[number % len(items)]

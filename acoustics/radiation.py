@@ -1,54 +1,77 @@
-"""From radiated power to intensity and sound pressure at a distance. Depends on numpy only."""
+"""From radiated power to intensity and sound pressure at a distance."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from acoustics._typing import Array
 
 P_REF_PA = 20e-6  # reference sound pressure in air
 I_REF_W_M2 = 1e-12  # reference intensity
 RHO_C = 413.3  # characteristic impedance of air at 20 C, Pa s/m
 
 
-def intensity(power_w: np.ndarray, distance_m: float, q: float = 1.0) -> np.ndarray:
-    """Intensity q W / (4 pi r^2) in W/m^2 at the distance r from a compact source that radiates evenly all round.
+def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
+    """Return the intensity q W / (4 pi r^2) of a compact source that radiates evenly in all directions.
 
     Parameters
     ----------
-    power_w
-        Release power, any shape, W.
-    distance_m
-        Distance r, m.
-    q
-        Share of the release power that is radiated; 1 is the upper bound.
+    power_w : array of any shape, W. Release power.
+    distance_m : float, m. Distance r.
+    q : float. Share of the release power that is radiated. Default 1, the upper bound.
+
+    Returns
+    -------
+    array of the same shape, W/m^2
+
+    References
+    ----------
+    Lee, Kim & Kim, Inventions 2025, 10(1), 17, equation (10).
+
+    Examples
+    --------
+    >>> from acoustics import intensity
+    >>> round(float(intensity(1.0, 1.0)), 5)
+    0.07958
     """
     return q * np.asarray(power_w, dtype=float) / (4.0 * np.pi * distance_m**2)
 
 
-def sound_pressure(
-    intensity_fluctuation: np.ndarray, gain_pa_per_w_m2: float | None = None
-) -> tuple[np.ndarray, float]:
-    """Sound pressure p = factor * I', linear in the intensity fluctuation and carrying its level.
+def sound_pressure(intensity_fluctuation: ArrayLike, gain_pa_per_w_m2: float | None = None) -> tuple[Array, float]:
+    """Convert the intensity fluctuation to a sound pressure, p = factor * I'.
 
-    Without a gain the factor is sqrt(rho c / rms(I')), so that mean(p^2)/(rho c) = rms(I'): equation (11) of Lee, Kim &
-    Kim (2025) on the rms. One factor per record: *between* records the level follows 10 lg of the release, *within* a
-    record 20 lg. A given gain holds 20 lg everywhere and superposition, at a level that the gain decides.
+    Without a gain the factor is sqrt(rho c / rms(I')), so that mean(p^2)/(rho c) = rms(I'). The
+    factor is one number per record: *between* records the level follows 10 lg of the release,
+    *within* a record 20 lg. A fixed gain follows 20 lg everywhere and keeps superposition, but the
+    gain then decides the level.
 
     Parameters
     ----------
-    intensity_fluctuation
-        I' (n,), W/m^2, free of its mean and band-limited.
-    gain_pa_per_w_m2
-        The factor, Pa per W/m^2, if it is to be fixed.
+    intensity_fluctuation : array (n,), W/m^2. I', free of its mean and band-limited.
+    gain_pa_per_w_m2 : float or None, Pa per W/m^2. Fixed factor. Default None.
 
     Returns
     -------
-    pressure_pa, factor_pa_per_w_m2
-        p (n,) and the factor used. A silent record gives zeros and the factor 0 (or the gain).
+    pressure_pa : array (n,), Pa
+    factor_pa_per_w_m2 : float, Pa per W/m^2
+        The factor used. A silent record gives zeros and the factor 0, or the gain.
 
     Raises
     ------
     ValueError
         If the gain is not a positive number.
+
+    References
+    ----------
+    Lee, Kim & Kim, Inventions 2025, 10(1), 17, equation (11), applied to the rms.
+
+    Examples
+    --------
+    >>> from acoustics import sound_pressure
+    >>> pressure, factor = sound_pressure([1e-6, -1e-6])
+    >>> [round(float(value), 4) for value in pressure]
+    [0.0203, -0.0203]
     """
     fluctuation = np.asarray(intensity_fluctuation, dtype=float)
     if gain_pa_per_w_m2 is not None:

@@ -1,7 +1,7 @@
-"""From step means of a closed track to audible samples: exact spectral operations. Depends on numpy and scipy.
+"""Exact spectral operations that lead from step means of a closed track to audible samples.
 
-A record of n samples is closed when its end meets its beginning: n samples are one period. On it the transform's lines
-are the signal itself, so filters are brick walls without ripple, delay or alias.
+A record of n samples is closed when its end meets its beginning: n samples are one period. The lines
+of its transform are the signal itself, so filters are brick walls without ripple, delay or alias.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
+from acoustics._typing import Array
 from acoustics.bands import AUDIBLE_HZ
 
 _OVERSAMPLING = 8
@@ -17,21 +18,22 @@ _OVERSAMPLING = 8
 _ROUNDING = 1e-13
 
 
-def undo_step_mean(means: np.ndarray) -> np.ndarray:
-    """Values at the step boundaries of a signal known by its means over consecutive steps.
+def undo_step_mean(means: Array) -> Array:
+    """Return a signal at the step boundaries from its means over consecutive steps.
 
-    Mean i covers the step from i to i + 1. Averaging multiplies the line k of n by sinc(k/n), and the mean belongs to
-    i + 1/2; both are undone, which is exact for every band-limited signal. The line at Nyquist (even n) is set to zero:
-    a mean over a whole step sees only its sine, and that vanishes at the boundaries.
+    Mean i covers the step from i to i + 1. Averaging multiplies line k of n by sinc(k/n), and the mean
+    belongs to i + 1/2. Both are undone, which is exact for every band-limited signal. The line at
+    Nyquist (even n) is set to zero: a step mean contains only its sine, which vanishes at the
+    boundaries.
 
     Parameters
     ----------
-    means
-        Step means (n,) of a signal periodic over the n steps.
+    means : array (n,), any unit. Step means of a signal that is periodic over the n steps.
 
     Returns
     -------
-    The signal at 0, 1, ..., n - 1 steps (n,), same unit.
+    array (n,), same unit
+        The signal at 0, 1, ..., n - 1 steps.
     """
     n = len(means)
     lines = np.fft.rfft(means)
@@ -43,25 +45,23 @@ def undo_step_mean(means: np.ndarray) -> np.ndarray:
 
 
 def band_limit(
-    signal: np.ndarray, sample_rate_hz: float, low_hz: float = AUDIBLE_HZ[0], high_hz: float = AUDIBLE_HZ[1]
-) -> np.ndarray:
-    """The part of a closed record with low <= f < high: a brick wall on its lines, free of its mean.
+    signal: Array, sample_rate_hz: float, low_hz: float = AUDIBLE_HZ[0], high_hz: float = AUDIBLE_HZ[1]
+) -> Array:
+    """Limit a closed record to low <= f < high by a brick wall, and remove its mean.
 
-    Give the signal with its mean: against it a remainder that is no more than rounding (1e-13 of the rms) is recognised
-    and returned as zeros, so a constant power is silent.
+    Give the signal with its mean. A remainder that is only rounding (1e-13 of the rms) is recognised
+    against it and returned as zeros, so a constant power is silent.
 
     Parameters
     ----------
-    signal
-        Closed record (n,), any unit.
-    sample_rate_hz
-        Sample rate, Hz.
-    low_hz, high_hz
-        Edges of the pass band, Hz; the default is the 31 third octaves from 20 Hz to 20 kHz.
+    signal : array (n,), any unit. Closed record.
+    sample_rate_hz : float, Hz. Sample rate.
+    low_hz, high_hz : float, Hz. Edges of the pass band. Default: the 31 third octaves from 20 Hz to
+        20 kHz.
 
     Returns
     -------
-    The limited record (n,), same unit.
+    array (n,), same unit
     """
     n = len(signal)
     lines = np.fft.rfft(signal)
@@ -74,22 +74,22 @@ def band_limit(
     return limited
 
 
-def resample_closed(signal: np.ndarray, n_out: int) -> np.ndarray:
-    """A closed record on another number of samples over the same period.
+def resample_closed(signal: Array, n_out: int) -> Array:
+    """Resample a closed record to another number of samples over the same period.
 
-    Exact for what both lengths can carry; what lies at or above the new Nyquist frequency is dropped, so nothing folds
-    back. The new sample rate is n_out / duration: choose a duration that holds a whole number of output samples.
+    Frequencies that both lengths can carry are exact. Lines at or above the new Nyquist frequency are
+    dropped, so nothing folds back. The new sample rate is n_out / duration: choose a duration that
+    holds a whole number of output samples.
 
     Parameters
     ----------
-    signal
-        Closed record (n,), any unit.
-    n_out
-        Number of samples wanted.
+    signal : array (n,), any unit. Closed record.
+    n_out : int. Number of output samples.
 
     Returns
     -------
-    Closed record (n_out,), same unit; sample 0 stays where it was.
+    array (n_out,), same unit
+        Closed record; sample 0 keeps its place.
     """
     n = len(signal)
     if n_out == n:
@@ -99,35 +99,45 @@ def resample_closed(signal: np.ndarray, n_out: int) -> np.ndarray:
     below_nyquist = (min(n, n_out) + 1) // 2
     kept[:below_nyquist] = lines[:below_nyquist]
     if n < n_out and n % 2 == 0:
-        kept[n // 2] = lines[n // 2] / 2.0  # it stands for +Nyquist and -Nyquist, which are two lines from here on
+        kept[n // 2] = lines[n // 2] / 2.0  # it stood for +Nyquist and -Nyquist, which are two lines now
     return np.fft.irfft(kept, n_out) * (n_out / n)
 
 
-def interpolate_closed(signal: np.ndarray, index: np.ndarray) -> np.ndarray:
-    """Values of a closed record between its samples.
+def interpolate_closed(signal: Array, index: Array) -> Array:
+    """Interpolate a closed record between its samples.
 
-    Eight-fold oversampling of the lines, then a periodic cubic spline. Measured error, rms over rms of a sine: -112 dB
-    at half of Nyquist, -91 dB at 0.9 of it. Values taken at unequal intervals (a track at varying speed) can reach
-    above the Nyquist frequency of a coarse output: take them densely, then fade and `resample_closed`.
+    The lines are oversampled eight-fold, then a periodic cubic spline follows. Its measured error, rms
+    over rms of a sine, is -112 dB at half of Nyquist and -91 dB at 0.9 of it. Values at unequal
+    intervals (a track at varying speed) can reach above the Nyquist frequency of a coarse output: take
+    them densely, then fade and `resample_closed`.
 
     Parameters
     ----------
-    signal
-        Closed record (n,), any unit.
-    index
-        Where, in samples, any shape; whole numbers are the samples themselves. Goes round at 0 and n.
+    signal : array (n,), any unit. Closed record.
+    index : array of any shape, samples. Positions; whole numbers are the samples themselves, and
+        positions beyond 0 and n wrap.
 
     Returns
     -------
-    Values, shape of ``index``, unit of ``signal``.
+    array in the shape of ``index``, unit of ``signal``
     """
     fine = resample_closed(signal, _OVERSAMPLING * len(signal))
     position = np.asarray(index, dtype=float) * _OVERSAMPLING
-    return ndimage.map_coordinates(fine, position[np.newaxis], order=3, mode="grid-wrap")
+    values: Array = ndimage.map_coordinates(fine, position[np.newaxis], order=3, mode="grid-wrap")
+    return values
 
 
-def fade(signal: np.ndarray, n: int) -> np.ndarray:
-    """A record that does not close, brought to zero over its first and last n samples by a raised cosine.
+def fade(signal: Array, n: int) -> Array:
+    """Fade a record that does not close to zero over its first and last n samples by a raised cosine.
+
+    Parameters
+    ----------
+    signal : array, any unit. Record.
+    n : int. Samples of each fade.
+
+    Returns
+    -------
+    array of the same length, same unit
 
     Raises
     ------
@@ -143,5 +153,5 @@ def fade(signal: np.ndarray, n: int) -> np.ndarray:
     return faded
 
 
-def _rms(signal: np.ndarray) -> float:
+def _rms(signal: Array) -> float:
     return float(np.sqrt(np.mean(np.square(signal))))

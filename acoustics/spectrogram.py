@@ -1,4 +1,4 @@
-"""Spectral density against time in rows of a twelfth octave. Depends on numpy, scipy and spectrum."""
+"""Spectral density against time in rows of a twelfth octave."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import ShortTimeFFT, get_window
 
+from acoustics._typing import Array
 from acoustics.radiation import P_REF_PA
 from acoustics.spectrum import check_record, equivalent_noise_bandwidth
 
@@ -20,21 +21,26 @@ _FRAME_S = 0.04
 _FRAMES_IN_RECORD = 12.5  # 40 ms in 0.5 s; a shorter record has shorter frames
 _HOPS_IN_FRAME = 16
 _LEAST_FRAME = 16
-_ROUNDING = 1e-20  # of the greatest density, as for levels
+_ROUNDING = 1e-20  # of the maximum density, as for levels
 
 
 @dataclass(frozen=True)
 class Spectrogram:
     """Level of the spectral density against time.
 
-    time_s : middles of the frames (m,). edges_hz : edges of the rows (r + 1,). level_db : (r, m), dB re (20 uPa)^2/Hz, NaN
-    where there is no sound or none is known. window : its name. frame_s, hop_s : length and distance of frames.
-    line_width_hz, enbw_hz : distance and equivalent noise bandwidth of the lines the rows are made of.
+    Parameters
+    ----------
+    time_s : array (m,), s. Middles of the frames.
+    edges_hz : array (r + 1,), Hz. Edges of the rows.
+    level_db : array (r, m), dB re (20 uPa)^2/Hz. NaN where there is no sound or none is known.
+    window : str. Name of the window.
+    frame_s, hop_s : float, s. Length and distance of the frames.
+    line_width_hz, enbw_hz : float, Hz. Distance and equivalent noise bandwidth of the lines.
     """
 
-    time_s: np.ndarray
-    edges_hz: np.ndarray
-    level_db: np.ndarray
+    time_s: Array
+    edges_hz: Array
+    level_db: Array
     window: str
     frame_s: float
     hop_s: float
@@ -43,33 +49,44 @@ class Spectrogram:
 
 
 def spectrogram(
-    pressure_pa: np.ndarray, sample_rate_hz: float, highest_hz: float = math.inf, closed: bool = True
+    pressure_pa: Array, sample_rate_hz: float, highest_hz: float = math.inf, closed: bool = True
 ) -> Spectrogram:
-    """Density of a sound pressure record in up to 400 frames and 124 rows from 20 Hz to 20 kHz.
+    """Compute the density of a record in up to 400 frames and 124 rows from 20 Hz to 20 kHz.
 
-    A row holds the mean density over its width, each line taken to fill the distance to the next: white noise is flat,
-    a row narrower than a line has the density of the line it lies in, and rows times widths add up to the lines. A tone
-    rises above noise by its mean square over its row's width, or over `enbw_hz` where that is wider.
+    A row holds the mean density over its width, where each line fills the distance to the next. White
+    noise is therefore flat, a row narrower than a line has the density of its line, and rows times
+    widths add up to the lines. A tone rises above noise by its mean square over its row's width, or
+    over `enbw_hz` if that is wider.
 
-    Hann frames of 40 ms, or a 12.5th of a shorter record; 16 to a frame at most, and long enough (from 8 s on) that they
-    overlap by half.
+    The frames are Hann windows of 40 ms, or of a 12.5th of a shorter record. At most 16 begin within
+    the length of one frame. From 8 s on they are long enough to overlap by half.
 
     Parameters
     ----------
-    pressure_pa
-        Sound pressure (n,), Pa; the record closes on itself or is faded.
-    sample_rate_hz
-        Sample rate, Hz.
-    highest_hz
-        Up to where the record carries information. Rows that reach above it, or above the record's own Nyquist
-        frequency, are NaN.
-    closed
-        Frames at the ends go round; otherwise there is silence before and after.
+    pressure_pa : array (n,), Pa. Sound pressure; the record closes on itself or is faded.
+    sample_rate_hz : float, Hz. Sample rate.
+    highest_hz : float, Hz. Highest frequency that the record resolves. Rows that reach above it, or
+        above the record's own Nyquist frequency, are NaN. Default infinity.
+    closed : bool. If true, frames at the ends continue at the other end; otherwise there is silence
+        before and after. Default True.
+
+    Returns
+    -------
+    Spectrogram
 
     Raises
     ------
     ValueError
         As `acoustics.spectrum.check_record`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics.spectrogram import spectrogram
+    >>> shown = spectrogram(np.sin(2 * np.pi * 1025 * np.arange(24000) / 48000), 48000)
+    >>> row, _ = np.unravel_index(np.nanargmax(shown.level_db), shown.level_db.shape)
+    >>> bool(shown.edges_hz[row] < 1025 < shown.edges_hz[row + 1])
+    True
     """
     check_record(pressure_pa)
     n = len(pressure_pa)
@@ -86,10 +103,10 @@ def spectrogram(
     density = transform.spectrogram(padded, p0=before // hop, p1=before // hop + frames)
     rows = _share_of_lines(transform.f, sample_rate_hz / frame) @ density
 
-    heard = rows > _ROUNDING * rows.max()
-    heard &= (ROW_EDGES_HZ[1:] <= min(highest_hz, sample_rate_hz / 2.0))[:, np.newaxis]
+    sounding = rows > _ROUNDING * rows.max()
+    sounding &= (ROW_EDGES_HZ[1:] <= min(highest_hz, sample_rate_hz / 2.0))[:, np.newaxis]
     level_db = np.full(rows.shape, np.nan)
-    level_db[heard] = 10.0 * (np.log10(rows[heard]) - math.log10(P_REF_PA**2))
+    level_db[sounding] = 10.0 * (np.log10(rows[sounding]) - math.log10(P_REF_PA**2))
     return Spectrogram(
         time_s=(first + hop * np.arange(frames)) / sample_rate_hz,
         edges_hz=ROW_EDGES_HZ,
@@ -102,9 +119,10 @@ def spectrogram(
     )
 
 
-def _share_of_lines(frequency_hz: np.ndarray, line_width_hz: float) -> np.ndarray:
-    """How much each line (l,) has of the width of each row: (r, l), adding up to 1 along a row."""
+def _share_of_lines(frequency_hz: Array, line_width_hz: float) -> Array:
+    """Return the share of each row's width that each line (l,) covers: (r, l), 1 in all along a row."""
     low, high = ROW_EDGES_HZ[:-1, np.newaxis], ROW_EDGES_HZ[1:, np.newaxis]
     from_line = np.maximum(low, frequency_hz - line_width_hz / 2.0)
     to_line = np.minimum(high, frequency_hz + line_width_hz / 2.0)
-    return np.maximum(to_line - from_line, 0.0) / (high - low)
+    share: Array = np.maximum(to_line - from_line, 0.0) / (high - low)
+    return share

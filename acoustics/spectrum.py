@@ -1,15 +1,14 @@
-"""Spectra of a record: lines of the whole that add up, their mean density (Welch), the line level of Lee, Kim & Kim (2025).
-
-Depends on numpy, scipy and the A-weighting.
-"""
+"""Spectra of a record: lines that add up, density by Welch's method, line level of Lee, Kim & Kim (2025)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import signal as scipy_signal
 
+from acoustics._typing import Array
 from acoustics.radiation import I_REF_W_M2, intensity
 from acoustics.weighting import a_weighting_db
 
@@ -19,26 +18,32 @@ _LEAST_SEGMENT = 16
 
 @dataclass(frozen=True)
 class Psd:
-    """Power spectral density of a record, one-sided.
+    """One-sided power spectral density of a record.
 
-    frequency_hz (n,), psd (n,) [unit of the record squared per Hz], window : its name. line_width_hz : distance of the
-    lines. enbw_hz : equivalent noise bandwidth of a line; a tone's mean square is its line's density times this.
+    Parameters
+    ----------
+    frequency_hz : array (n,), Hz. Frequencies of the lines.
+    psd : array (n,), unit of the record squared per Hz. Density.
+    window : str. Name of the window.
+    line_width_hz : float, Hz. Distance of the lines.
+    enbw_hz : float, Hz. Equivalent noise bandwidth of a line. A tone's mean square is the density of
+        its line times this bandwidth.
     """
 
-    frequency_hz: np.ndarray
-    psd: np.ndarray
+    frequency_hz: Array
+    psd: Array
     window: str
     line_width_hz: float
     enbw_hz: float
 
 
-def check_record(signal: np.ndarray) -> None:
-    """Refuse what is no record (n,) of any unit.
+def check_record(signal: Array) -> None:
+    """Refuse an array that is no record (n,) of any unit.
 
     Raises
     ------
     ValueError
-        If it is empty, not one-dimensional, or holds a value that is not finite.
+        If the array is empty, not one-dimensional, or holds a value that is not finite.
     """
     if np.ndim(signal) != 1 or len(signal) == 0:
         raise ValueError(f"a record is a series of at least one sample, got an array of shape {np.shape(signal)}")
@@ -46,47 +51,58 @@ def check_record(signal: np.ndarray) -> None:
         raise ValueError("the record holds values that are not finite")
 
 
-def line_spectrum(signal: np.ndarray, sample_rate_hz: float) -> tuple[np.ndarray, np.ndarray]:
-    """Mean square of each spectral line; their sum is mean(signal**2) (Parseval).
+def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
+    """Compute the mean square of each spectral line; their sum is mean(signal**2) (Parseval's theorem).
 
-    Rectangular window: the record is taken to close on itself, or to be faded.
+    The window is rectangular, so the record must close on itself or be faded.
 
     Parameters
     ----------
-    signal
-        Record (n,), any unit.
-    sample_rate_hz
-        Sample rate, Hz.
+    signal : array (n,), any unit. Record.
+    sample_rate_hz : float, Hz. Sample rate.
 
     Returns
     -------
-    frequency_hz, line_mean_square
-        One-sided lines from 0 Hz up (n//2 + 1,), a line width of sample_rate/n apart; the unit of the signal squared.
+    frequency_hz : array (n//2 + 1,), Hz
+        Frequencies from 0 Hz up, sample_rate/n apart.
+    line_mean_square : array (n//2 + 1,), unit of the record squared
+        One-sided mean squares.
 
     Raises
     ------
     ValueError
         As `check_record`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import line_spectrum
+    >>> frequency, mean_square = line_spectrum(np.sin(2 * np.pi * np.arange(8) / 8), 8)
+    >>> float(frequency[1]), round(float(mean_square[1]), 9), round(float(mean_square.sum()), 9)
+    (1.0, 0.5, 0.5)
     """
     lines = _lines(signal)
-    mean_square = np.square(lines.real) + np.square(lines.imag)
+    mean_square: Array = np.square(lines.real) + np.square(lines.imag)
     mean_square[_paired(len(signal))] *= 2.0
-    return np.fft.rfftfreq(len(signal), 1.0 / sample_rate_hz), mean_square
+    return _frequencies(len(signal), sample_rate_hz), mean_square
 
 
-def welch(signal: np.ndarray, sample_rate_hz: float) -> Psd:
-    """Power spectral density by Welch's method: Hann window, segments overlapping by half, no mean taken off.
+def welch(signal: Array, sample_rate_hz: float) -> Psd:
+    """Compute the power spectral density by Welch's method with Hann windows that overlap by half.
 
-    Lines 10 Hz apart, or farther in a record of less than 0.4 s: a segment is a quarter of it at most, so that seven are
-    averaged and a line of noise is uncertain by 1.7 dB or less. Never fewer than 16 samples in a segment, or all there
-    are. What fills no segment at the end is left out.
+    The lines are 10 Hz apart, or farther in a record of less than 0.4 s. A segment is at most a
+    quarter of the record, so that at least seven are averaged and a line of noise is uncertain by
+    1.7 dB or less. A segment has at least 16 samples, or all of the record. The mean is not
+    subtracted. Samples at the end that fill no segment are left out.
 
     Parameters
     ----------
-    signal
-        Record (n,), any unit: Pa for a density in Pa^2/Hz.
-    sample_rate_hz
-        Sample rate, Hz.
+    signal : array (n,), any unit. Record; Pa gives a density in Pa^2/Hz.
+    sample_rate_hz : float, Hz. Sample rate.
+
+    Returns
+    -------
+    Psd
 
     Raises
     ------
@@ -97,6 +113,16 @@ def welch(signal: np.ndarray, sample_rate_hz: float) -> Psd:
     ----------
     Welch, IEEE Transactions on Audio and Electroacoustics 1967, 15(2), 70-73. Harris, Proceedings of the IEEE 1978,
     66(1), 51-83, for the equivalent noise bandwidth.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import welch
+    >>> density = welch(np.random.default_rng(1).standard_normal(48000), 48000)  # 1 Pa, to 24 kHz
+    >>> density.line_width_hz, round(density.enbw_hz, 6)
+    (10.0, 15.0)
+    >>> round(float(density.psd.sum() * density.line_width_hz), 1)
+    1.0
     """
     check_record(signal)
     segment = min(round(sample_rate_hz / _PSD_LINE_HZ), len(signal) // 4)
@@ -114,36 +140,43 @@ def welch(signal: np.ndarray, sample_rate_hz: float) -> Psd:
     )
 
 
-def equivalent_noise_bandwidth(window: np.ndarray, sample_rate_hz: float) -> float:
-    """Width in Hz of the rectangle that passes as much white noise as a line behind this window (n,): 1.5 lines of Hann."""
+def equivalent_noise_bandwidth(window: Array, sample_rate_hz: float) -> float:
+    """Return the width of the rectangle that passes as much white noise as a line of this window [Hz].
+
+    It is 1.5 lines for a Hann window.
+
+    Parameters
+    ----------
+    window : array (n,). Window.
+    sample_rate_hz : float, Hz. Sample rate.
+    """
     return sample_rate_hz * float(np.sum(np.square(window)) / np.sum(window) ** 2)
 
 
 def article_line_level_db(
-    power_w: np.ndarray, sample_rate_hz: float, distance_m: float, q: float = 1.0
-) -> tuple[np.ndarray, np.ndarray]:
-    """A-weighted level of each line as the article plots it: 10 lg(q |E'^(f)| / (S I_ref)) + A(f).
+    power_w: Array, sample_rate_hz: float, distance_m: float, q: float = 1.0
+) -> tuple[Array, Array]:
+    """Return the A-weighted line levels as the article plots them, 10 lg(q |E'^(f)| / (S I_ref)) + A(f).
 
-    |E'^(f)| is the single-sided amplitude of the line of the release power in watts, S = 4 pi r^2. **The level depends
-    on the length of the record**: the lines of a noise fall by 5 dB when it becomes ten times as long (an amplitude
-    falls with the square root of the line width and is read here as a power), a tone stays. State duration and line
-    width wherever it is shown. It is a second view of the power; no sound pressure has this spectrum.
+    |E'^(f)| is the single-sided amplitude of a line of the release power in watts, and S = 4 pi r^2.
+    **The level depends on the length of the record**: the lines of a noise fall by 5 dB when the
+    record becomes ten times as long, because an amplitude falls with the square root of the line
+    width and is read here as a power; a tone stays. State duration and line width beside it. This
+    spectrum is a second view of the power; no sound pressure has it.
 
     Parameters
     ----------
-    power_w
-        Release power (n,), W.
-    sample_rate_hz
-        Sample rate, Hz.
-    distance_m
-        Distance r, m.
-    q
-        Share of the release power that is radiated.
+    power_w : array (n,), W. Release power.
+    sample_rate_hz : float, Hz. Sample rate.
+    distance_m : float, m. Distance r.
+    q : float. Share of the release power that is radiated. Default 1.
 
     Returns
     -------
-    frequency_hz, level_db
-        Lines above 0 Hz (n//2,) and their levels in dB re 1e-12 W/m^2; -inf where a line is zero.
+    frequency_hz : array (n//2,), Hz
+        Frequencies of the lines above 0 Hz.
+    level_db : array (n//2,), dB re 1e-12 W/m^2
+        Levels of the lines; -inf where a line is zero.
 
     Raises
     ------
@@ -156,18 +189,23 @@ def article_line_level_db(
     """
     amplitude_w = np.abs(_lines(power_w))
     amplitude_w[_paired(len(power_w))] *= 2.0
-    frequency_hz = np.fft.rfftfreq(len(power_w), 1.0 / sample_rate_hz)[1:]
+    frequency_hz = _frequencies(len(power_w), sample_rate_hz)[1:]
     with np.errstate(divide="ignore"):
         level_db = 10.0 * np.log10(intensity(amplitude_w[1:], distance_m, q) / I_REF_W_M2)
     return frequency_hz, level_db + a_weighting_db(frequency_hz)
 
 
-def _lines(signal: np.ndarray) -> np.ndarray:
-    """Complex lines divided by the length of the record."""
+def _lines(signal: Array) -> NDArray[np.complex128]:
+    """Return the complex lines divided by the length of the record."""
     check_record(signal)
     return np.fft.rfft(signal) / len(signal)
 
 
+def _frequencies(n: int, sample_rate_hz: float) -> Array:
+    """Return the frequencies of the lines of n samples [Hz]."""
+    return np.asarray(np.fft.rfftfreq(n, 1.0 / sample_rate_hz), dtype=np.float64)
+
+
 def _paired(n: int) -> slice:
-    """The lines whose mirror image at negative frequency rfft leaves out: all but 0 Hz and, for even n, Nyquist."""
+    """Return the lines with a mirror image at negative frequency: all but 0 Hz and, for even n, Nyquist."""
     return slice(1, (n + 1) // 2)

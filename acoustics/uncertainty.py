@@ -1,8 +1,9 @@
-"""Standard uncertainty of levels from the length of the record. Depends on the other numeric modules here.
+"""Standard uncertainty of levels from the length of the record.
 
-The record is taken for a stretch of stationary Gaussian noise: the uncertainty is the standard deviation of the level
-over other stretches as long, e.g. other seeds of a surface. Errors of the model are not in it. First order in the
-relative spread u of the mean square, 10/ln(10) u = 4.34 u dB: what is above 2 dB is more in truth.
+The record counts as a stretch of stationary Gaussian noise. The uncertainty is the standard deviation
+of the level over other stretches of the same length, for example over other seeds of a surface. It
+holds no error of the model. It is of first order in the relative spread u of the mean square,
+10/ln(10) u = 4.34 u dB; a value above 2 dB is too small.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from acoustics._typing import Array
 from acoustics.bands import BANDWIDTH_HZ, third_octave_mean_square
 from acoustics.level import SoundLevels
 from acoustics.spectrum import line_spectrum
@@ -20,16 +22,21 @@ from acoustics.weighting import a_weighting_db
 
 _DB = 10.0 / math.log(10.0)
 
-# The density at 0 Hz is read off the lines below: enough of them to be known, low enough to be that of 0 Hz.
+# The lines below give the density at 0 Hz: enough of them to average, all of them close to 0 Hz.
 _NEAR_ZERO_HZ = 50.0
 _FEWEST_LINES = 4
 
 
 @dataclass(frozen=True)
 class LevelUncertainty:
-    """Standard uncertainty in dB of each level of `acoustics.level.SoundLevels`; None where that is None.
+    """Standard uncertainty of each level of `SoundLevels`, dB; None where the level is None.
 
-    Those of LAFmax and LASmax are upper bounds. ``third_octave_db`` goes by nominal mid frequency and holds for Z and A.
+    The uncertainties of LAFmax and LASmax are upper bounds.
+
+    Parameters
+    ----------
+    laeq_db, level_db, laf_max_db, las_max_db, lz_peak_db : float or None, dB. As in `SoundLevels`.
+    third_octave_db : dict, dB. Uncertainty by nominal mid frequency; it holds for Z and A levels.
     """
 
     laeq_db: float | None
@@ -41,46 +48,62 @@ class LevelUncertainty:
 
 
 def level_uncertainty(
-    pressure_pa: np.ndarray, sample_rate_hz: float, levels: SoundLevels, own_factor: bool, laps: float = 1.0
+    pressure_pa: Array, sample_rate_hz: float, levels: SoundLevels, own_factor: bool, laps: float = 1.0
 ) -> LevelUncertainty:
-    """Standard uncertainty of the levels of one record.
+    """Compute the standard uncertainty of the levels of one record.
 
-    - LZeq, LAeq: 4.34/sqrt(N) with the number N of independent lines, 2 (sum P)^2 / (sum P^2) - 1, over their mean
-      squares P (A-weighted for LAeq). The 2 because a line of Gaussian noise is exponentially distributed,
-      E P^2 = 2 (E P)^2; the 1 because the same few lines stand in numerator and denominator: it makes N = M for M equal
-      lines. At least 1 line.
-    - third octaves: 4.34/sqrt(B T), see `acoustics.bands.band_uncertainty_db`.
-    - LAFmax, LASmax: the spread of a single reading, an average over min(T, 2 tau) (exponential averaging over tau
-      equals a block of 2 tau). An upper bound: the greatest of many readings spreads less than each of them.
-    - LZpeak: of the greatest of N extremes of Gaussian noise (Gumbel), relatively pi/sqrt(6) / (2 (ln N + 0.577)), with
-      N = 2 f T, f the rms frequency; and of LZeq. Cartwright and Longuet-Higgins (1956) for the extremes, Davenport
-      (1964) for the greatest.
+    - LZeq, LAeq: 4.34/sqrt(N) with the number N of independent lines, 2 (sum P)^2 / (sum P^2) - 1, over
+      their mean squares P (A-weighted for LAeq). The factor 2 follows from the exponential distribution
+      of a line of Gaussian noise, E P^2 = 2 (E P)^2. The 1 accounts for the same few lines in numerator
+      and denominator; it makes N = M for M equal lines. N is at least 1.
+    - Third octaves: 4.34/sqrt(B T), see `band_uncertainty_db`.
+    - LAFmax, LASmax: the spread of a single reading, an average over min(T, 2 tau), because exponential
+      averaging over tau equals a block of 2 tau. This is an upper bound: the maximum of many readings
+      spreads less than each of them.
+    - LZpeak: the spread of the maximum of N extremes of Gaussian noise (Gumbel), relatively
+      pi/sqrt(6) / (2 (ln N + 0.577)) with N = 2 f T and the rms frequency f, combined with LZeq.
 
-    A record that was given its level by the rms of its own fluctuation (`own_factor`) has the mean square X/sqrt(Z) in
-    place of X, where Z is the mean square of that fluctuation: the spread of Z goes out by half. LZeq then spreads half
-    as much, a narrow band hardly less than with a fixed factor.
+    A record whose level follows from the rms of its own fluctuation (`own_factor`) has the mean square
+    X/sqrt(Z) in place of X, where Z is the mean square of that fluctuation. The spread of Z then
+    cancels by half: LZeq spreads half as much, a narrow band hardly less than with a fixed factor.
 
-    In simulations with N of ten or more what is stated holds within 15 %, for the peak within 20 % (a narrow band has
-    fewer extremes than it seems: they come in groups), and LAFmax spreads down to 0.4 times its bound, and
-    red noise once 9 % above it. Fades at the ends are not counted off: a tenth of the record at either end is 6 % more.
+    In simulations with N of ten or more these values hold within 15 %, for the peak within 20 %
+    because the extremes of a narrow band come in groups. LAFmax spreads down to 0.4 times its bound,
+    and red noise once 9 % above it. Fades at the ends are not deducted: a tenth of the record at either
+    end adds 6 %.
 
     Parameters
     ----------
-    pressure_pa
-        Sound pressure (n,), Pa; the record closes on itself or is faded.
-    sample_rate_hz
-        Sample rate, Hz.
-    levels
-        The levels of the record, from `acoustics.level.sound_levels`.
-    own_factor
-        The factor to sound pressure is the record's own, as `acoustics.radiation.sound_pressure` gives without a gain.
-    laps
-        How often the record repeats itself; the noise is one lap long.
+    pressure_pa : array (n,), Pa. Sound pressure; the record closes on itself or is faded.
+    sample_rate_hz : float, Hz. Sample rate.
+    levels : SoundLevels. Levels of the record, from `sound_levels`.
+    own_factor : bool. If true, the factor to sound pressure is the record's own, as `sound_pressure`
+        gives it without a gain.
+    laps : float. Number of repetitions in the record; the noise is one lap long. Default 1.
+
+    Returns
+    -------
+    LevelUncertainty, dB
 
     Raises
     ------
     ValueError
         As `acoustics.spectrum.check_record`.
+
+    References
+    ----------
+    Bendat and Piersol, Random Data, 4th ed. 2010, chapter 8. Cartwright and Longuet-Higgins, Proceedings
+    of the Royal Society A 1956, 237, 212-232, for the extremes. Davenport, Proceedings of the Institution
+    of Civil Engineers 1964, 28(2), 187-196, for their maximum.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import level_uncertainty, sound_levels
+    >>> noise = np.random.default_rng(1).standard_normal(48000)  # 1 s of 24,000 lines
+    >>> spread = level_uncertainty(noise, 48000, sound_levels(noise, 48000), own_factor=False)
+    >>> round(spread.level_db, 2), round(spread.third_octave_db["1000"], 2)
+    (0.03, 0.29)
     """
     if levels.level_db is None:
         return LevelUncertainty(None, None, None, None, None, dict.fromkeys(levels.third_octave_db))
@@ -114,22 +137,21 @@ def level_uncertainty(
     )
 
 
-def steady_uncertainty_db(power: np.ndarray, sample_rate_hz: float) -> float | None:
-    """Standard uncertainty in dB of the level of a mean power, from the power's density at 0 Hz.
+def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
+    """Return the standard uncertainty of the level of a mean power, from its density at 0 Hz [dB].
 
-    The mean over T spreads as the lines next to 0 Hz do, whose mean squares are each twice its variance:
-    u = sqrt(mean of P / 2) / mean over the lines up to 50 Hz, or the first four where these reach higher.
+    The mean over T spreads like the lines next to 0 Hz, whose mean squares are each twice its variance:
+    u = sqrt(mean of P / 2) / mean, over the lines up to 50 Hz or the first four if they reach higher.
 
     Parameters
     ----------
-    power
-        Power (n,), or anything in proportion to it; one lap of a record that repeats itself.
-    sample_rate_hz
-        Sample rate, Hz.
+    power : array (n,), any unit. Power; one lap of a record that repeats itself.
+    sample_rate_hz : float, Hz. Sample rate.
 
     Returns
     -------
-    Uncertainty, or None where the mean has no level (<= 0) or the record no line above 0 Hz.
+    float or None, dB
+        None if the mean has no level (<= 0) or the record has no line above 0 Hz.
     """
     mean = float(np.mean(power))
     frequency_hz, mean_square = line_spectrum(power, sample_rate_hz)
@@ -140,16 +162,16 @@ def steady_uncertainty_db(power: np.ndarray, sample_rate_hz: float) -> float | N
     return _DB * math.sqrt(float(low.mean()) / 2.0) / mean
 
 
-def _variance(part: np.ndarray, whole: np.ndarray, exponent: float) -> float:
-    """Relative variance of sum(part) / sum(whole)**exponent, both over lines of Gaussian noise."""
+def _variance(part: Array, whole: Array, exponent: float) -> float:
+    """Return the relative variance of sum(part) / sum(whole)**exponent over lines of Gaussian noise."""
     share, total = part / part.sum(), whole / whole.sum()
-    # The few lines that the sums are made of make this too small by 1/N of it.
+    # Sums of few lines make this too small by 1/N.
     few = float(np.sum(share**2)) / 2.0
     return float(np.sum(np.square(share - exponent * total))) / 2.0 / (1.0 - few)
 
 
-def _peak_variance(frequency_hz: np.ndarray, mean_square: np.ndarray, duration_s: float) -> float:
-    """Relative variance of the square of the greatest |p| over the mean square."""
+def _peak_variance(frequency_hz: Array, mean_square: Array, duration_s: float) -> float:
+    """Return the relative variance of the square of the maximum |p| over the mean square."""
     rms_hz = math.sqrt(float(np.sum(np.square(frequency_hz) * (mean_square / mean_square.sum()))))
     extremes = max(1.0, 2.0 * rms_hz * duration_s)
     return (math.pi / math.sqrt(6.0) / (math.log(extremes) + np.euler_gamma)) ** 2

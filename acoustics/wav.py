@@ -1,4 +1,4 @@
-"""Sound files as bytes: calibrated in pascals, or scaled for listening. Depends on soundfile.
+"""Sound files as bytes, calibrated in pascals or scaled for listening.
 
 The same record gives the same bytes at any time.
 """
@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import io
 import os
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import soundfile
+from numpy.typing import ArrayLike, NDArray
 
+from acoustics._typing import Array
 from acoustics.level import a_weighted_rms
 from acoustics.radiation import P_REF_PA
 from acoustics.spectrum import check_record
@@ -22,33 +24,44 @@ SAMPLE_RATE_HZ = 48000
 _LONGEST_TEXT = 2000
 
 _TARGET_RMS = 10.0 ** (-23.0 / 20.0)  # the programme loudness of EBU R 128, here as A-weighted rms
-PEAK = 10.0 ** (-1.0 / 20.0)  # largest sample of a record for the ear, of full scale
-# The threshold of hearing, 0 dB(A), comes to the target and no higher: below it a record keeps its distance from the others,
-# because a gain that grows without bound makes the rounding of a silent record as loud as a sound.
+PEAK = 10.0 ** (-1.0 / 20.0)  # largest sample of a record for listening, of full scale
+# The threshold of hearing, 0 dB(A), reaches the target. Quieter records stay quieter, because an unbounded gain would make
+# the rounding of a silent record as loud as a sound.
 MOST_GAIN = _TARGET_RMS / P_REF_PA  # full scale per pascal
 
 
-def calibrated(pressure_pa: np.ndarray, comment: str, title: str = "") -> bytes:
-    """Sound pressure as a mono 32-bit float WAV in which 1.0 is 1 Pa.
+def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "") -> bytes:
+    """Write sound pressure as a mono 32-bit float WAV in which 1.0 is 1 Pa.
 
-    Full scale is 91 dB rms for a sine, so a quiet record plays as quietly. 32 bits are what players read, and their
+    Full scale is a sine of 91 dB rms, so a quiet record plays quietly. Players read 32 bits, and their
     rounding lies 150 dB below the record.
 
     Parameters
     ----------
-    pressure_pa
-        Sound pressure (n,) at 48 kHz, Pa.
-    comment, title
-        Go into the file's metadata as they are; up to 2000 bytes of UTF-8 each.
+    pressure_pa : array (n,), Pa. Sound pressure at 48 kHz.
+    comment, title : str. Metadata of the file, up to 2000 bytes of UTF-8 each. Default title: empty.
 
     Returns
     -------
-    The file.
+    bytes
+        The file.
 
     Raises
     ------
     ValueError
-        If the record is not a finite series of at least one sample, or exceeds what 32 bits hold, or a text does not fit.
+        If the record is not a finite series of at least one sample, or exceeds the range of a 32-bit
+        float, or if a text does not fit.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> from acoustics import wav
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder) / "signal.wav"
+    ...     _ = file.write_bytes(wav.calibrated([0.25, -0.5], "1.0 is 1 Pa"))
+    ...     samples, rate, comment = wav.read(file)
+    >>> samples.tolist(), rate, comment
+    ([0.25, -0.5], 48000, '1.0 is 1 Pa')
     """
     samples = np.asarray(pressure_pa, dtype=float)
     check_record(samples)
@@ -57,31 +70,44 @@ def calibrated(pressure_pa: np.ndarray, comment: str, title: str = "") -> bytes:
     return _wav(samples, "FLOAT", comment, title)
 
 
-def listening(pressure_pa: np.ndarray, gain: float, comment: str, title: str = "", bits: Literal[16, 24] = 24) -> bytes:
-    """gain * pressure as a mono PCM WAV, for the ear.
+def listening(pressure_pa: Array, gain: float, comment: str, title: str = "", bits: Literal[16, 24] = 24) -> bytes:
+    """Write gain * pressure as a mono PCM WAV for listening.
 
-    Rounded without dither, so that silence stays silence: the noise of rounding is white, LSB/sqrt(12) or -101 dB of full
-    scale (16 bits) and -149 dB (24 bits) rms in all, 78 and 126 dB below a record at -23 dB.
+    Samples are rounded without dither, so silence stays silent. The noise of rounding is white. Its
+    rms is LSB/sqrt(12): -101 dB of full scale with 16 bits and -149 dB with 24 bits, which is 78 and
+    126 dB below a record at -23 dB.
 
     Parameters
     ----------
-    pressure_pa
-        Sound pressure (n,) at 48 kHz, Pa.
-    gain
-        Full scale per pascal, e.g. from `listening_gain`. One gain for several records keeps their differences.
-    comment, title
-        Go into the file's metadata as they are, and should state the gain; up to 2000 bytes of UTF-8 each.
-    bits
-        Of a sample.
+    pressure_pa : array (n,), Pa. Sound pressure at 48 kHz.
+    gain : float, full scale per Pa. Gain, for example from `listening_gain`. One gain for several
+        records keeps their differences.
+    comment, title : str. Metadata of the file, up to 2000 bytes of UTF-8 each; the comment should state
+        the gain. Default title: empty.
+    bits : 16 or 24. Bits of a sample. Default 24.
 
     Returns
     -------
-    The file.
+    bytes
+        The file.
 
     Raises
     ------
     ValueError
         If a sample exceeds full scale (nothing is clipped), and as `calibrated`.
+
+    References
+    ----------
+    EBU R 128 for the level of -23 dB, here applied to the A-weighted rms.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import wav
+    >>> tone = 0.01 * np.sin(2 * np.pi * 1000 * np.arange(4800) / 48000)
+    >>> gain = wav.listening_gain(tone)
+    >>> len(wav.listening(tone, gain, f"gain {gain:g}", bits=16)) > 2 * len(tone)
+    True
     """
     check_record(pressure_pa)
     samples = gain * np.asarray(pressure_pa, dtype=float)
@@ -91,29 +117,36 @@ def listening(pressure_pa: np.ndarray, gain: float, comment: str, title: str = "
             f"a gain of {gain:g} per Pa drives the peak to {peak:.4g} of full scale; "
             f"the largest that fits is {gain / peak:g}"
         )
-    # libsndfile would round down, which leaves half a step of offset. It takes 32-bit integers, the upper bits of which
-    # are the file's. Full scale itself lies one step above the greatest number.
+    # libsndfile would round down, which leaves half a step of offset. It takes 32-bit integers and writes their upper
+    # bits. Full scale itself lies one step above the largest number.
     steps = np.minimum(np.rint(samples * 2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1.0)
     return _wav(steps.astype(np.int32) << (32 - bits), f"PCM_{bits}", comment, title)
 
 
-def listening_gain(pressure_pa: np.ndarray, target_rms: float = _TARGET_RMS, peak: float = PEAK) -> float:
-    """Return the gain, full scale per pascal, that makes a record as loud as others without clipping.
+def listening_gain(pressure_pa: Array, target_rms: float = _TARGET_RMS, peak: float = PEAK) -> float:
+    """Return the gain that makes a record as loud as others without clipping.
 
-    A record below 0 dB(A) gets `MOST_GAIN`, which takes 0 dB(A) to the default target: it stays quieter than the others.
+    A record below 0 dB(A) gets `MOST_GAIN`, which brings 0 dB(A) to the default target, and stays
+    quieter than the others.
 
     Parameters
     ----------
-    pressure_pa
-        Sound pressure (n,) at 48 kHz, Pa.
-    target_rms
-        A-weighted rms to reach, of full scale; default -23 dB.
-    peak
-        Largest sample allowed, of full scale; default -1 dB. It wins over the target.
+    pressure_pa : array (n,), Pa. Sound pressure at 48 kHz.
+    target_rms : float, of full scale. A-weighted rms to reach. Default -23 dB.
+    peak : float, of full scale. Largest sample allowed; it takes precedence over the target. Default -1 dB.
 
     Returns
     -------
-    The gain, at most `MOST_GAIN`; 1 for a silent record.
+    float, full scale per Pa
+        At most `MOST_GAIN`; 1 for a silent record.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import wav
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(48000) / 48000)  # 1 Pa rms, 0 dB at 1 kHz
+    >>> round(float(20 * np.log10(wav.listening_gain(tone))), 2)
+    -23.0
     """
     largest = float(np.max(np.abs(pressure_pa), initial=0.0))
     if largest < np.finfo(float).tiny:  # the gain would be no number
@@ -122,23 +155,34 @@ def listening_gain(pressure_pa: np.ndarray, target_rms: float = _TARGET_RMS, pea
     return min(target_rms / weighted if weighted > 0.0 else MOST_GAIN, peak / largest, MOST_GAIN)
 
 
-def read(path: str | os.PathLike[str]) -> tuple[np.ndarray, int, str]:
-    """Read a sound file.
+def read(path: str | os.PathLike[str]) -> tuple[Array, int, str]:
+    """Read a sound file, for example one that `calibrated` made.
+
+    Parameters
+    ----------
+    path : str or path. Sound file.
 
     Returns
     -------
-    samples, sample_rate_hz, comment
-        Float64 (n,) for a mono file (pascals if calibrated, else of full scale), Hz, and the metadata's comment.
+    samples : array (n,) for a mono file, Pa if calibrated, otherwise of full scale
+    sample_rate_hz : int, Hz
+    comment : str
+        Comment in the metadata.
+
+    Raises
+    ------
+    soundfile.LibsndfileError
+        If the file is missing or no sound file.
     """
     with soundfile.SoundFile(os.fspath(path)) as file:
         return file.read(dtype="float64"), file.samplerate, file.comment
 
 
-def _wav(samples: np.ndarray, subtype: str, comment: str, title: str) -> bytes:
-    for what, text in (("comment", comment), ("title", title)):
+def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str) -> bytes:
+    for field, text in (("comment", comment), ("title", title)):
         length = len(text.encode())
         if length > _LONGEST_TEXT:
-            raise ValueError(f"the {what} takes {length} bytes, at most {_LONGEST_TEXT} fit")
+            raise ValueError(f"the {field} takes {length} bytes, at most {_LONGEST_TEXT} fit")
     memory = io.BytesIO()
     with soundfile.SoundFile(memory, "w", SAMPLE_RATE_HZ, channels=1, subtype=subtype, format="WAV") as file:
         if comment:  # libsndfile refuses an empty one
@@ -150,10 +194,10 @@ def _wav(samples: np.ndarray, subtype: str, comment: str, title: str) -> bytes:
 
 
 def _without_time_stamp(wav: bytes) -> bytes:
-    """The file with the time of writing in its PEAK chunk set to zero.
+    """Set the time of writing in the PEAK chunk of a file to zero.
 
-    A float WAV of libsndfile carries it behind the chunk's name, size and version, four bytes each. soundfile has no
-    public call that leaves the chunk out.
+    A float WAV of libsndfile carries the time behind the chunk's name, size and version, four bytes
+    each. soundfile has no public call that leaves the chunk out.
     """
     start = 12
     while start + 8 <= len(wav):

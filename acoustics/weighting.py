@@ -1,15 +1,18 @@
-"""A-weighting in the frequency domain. Depends on numpy only."""
+"""A-weighting in the frequency domain."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from acoustics._typing import Array
 
 # IEC 61672-1:2013, annex E: the poles follow from these four frequencies in Hz and D = sqrt(1/2).
 _REFERENCE, _LOW, _HIGH, _A = 1000.0, 10.0**1.5, 10.0**3.9, 10.0**2.45
 
 
 def _pole_frequencies() -> tuple[float, float, float, float]:
-    """Pole frequencies in Hz: 20.60 (double), 107.7, 737.9 and 12194 (double), not rounded."""
+    """Return the pole frequencies in Hz, not rounded: 20.60 (double), 107.7, 737.9 and 12194 (double)."""
     d = np.sqrt(0.5)
     c = (_LOW * _HIGH) ** 2
     b = (_REFERENCE**2 + c / _REFERENCE**2 - d * (_LOW**2 + _HIGH**2)) / (1.0 - d)
@@ -21,8 +24,8 @@ def _pole_frequencies() -> tuple[float, float, float, float]:
 POLES_HZ = _pole_frequencies()
 
 
-def _response(frequency_hz: np.ndarray | float) -> np.ndarray:
-    """Magnitude of the A-weighting, not normalised."""
+def _response(frequency_hz: ArrayLike) -> Array:
+    """Return the magnitude of the A-weighting, not normalised."""
     f1, f2, f3, f4 = (pole**2 for pole in POLES_HZ)
     f = np.square(frequency_hz)
     return f**2 * f4 / ((f + f1) * np.sqrt((f + f2) * (f + f3)) * (f + f4))
@@ -31,20 +34,29 @@ def _response(frequency_hz: np.ndarray | float) -> np.ndarray:
 _RESPONSE_1KHZ = float(_response(_REFERENCE))
 
 
-def a_weighting_db(frequency_hz: np.ndarray | float) -> np.ndarray:
-    """A-weighting in dB: 0 at 1 kHz exactly, -inf at 0 Hz.
+def a_weighting_db(frequency_hz: ArrayLike) -> Array:
+    """Return the A-weighting: 0 dB at 1 kHz exactly, -inf at 0 Hz.
 
-    The exact curve of IEC 61672-1:2013 (annex E, poles not rounded). The standard's table holds at the exact mid
-    frequencies 10**(n/10) Hz; at the nominal ones the curve differs from it by up to 0.28 dB.
+    This is the exact curve with poles that are not rounded. The standard's table holds at the exact
+    mid frequencies 10**(n/10) Hz; at the nominal ones the curve differs from it by up to 0.28 dB.
 
     Parameters
     ----------
-    frequency_hz
-        Frequencies, any shape, Hz.
+    frequency_hz : float or array of any shape, Hz. Frequencies.
 
     Returns
     -------
-    Level differences in dB, same shape.
+    array of the same shape, dB
+
+    References
+    ----------
+    IEC 61672-1:2013, annex E.
+
+    Examples
+    --------
+    >>> from acoustics import a_weighting_db
+    >>> [round(float(a_weighting_db(f)), 1) for f in (100.0, 1000.0, 10000.0)]
+    [-19.1, 0.0, -2.5]
     """
     ratio = _response(frequency_hz) / _RESPONSE_1KHZ
     with np.errstate(divide="ignore"):

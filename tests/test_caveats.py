@@ -147,7 +147,7 @@ def test_summary_sidecars_csv_tsv_and_table_say_the_same(runs: Runs) -> None:
     table = summary.table([(each.label, "folder", each.numbers) for each in heard]).splitlines()
     assert texts[0] in table[4] and "microphone" in table[4] and "± covers" in table[5] and table[6] == ""
     assert report_text.headline(heard) == f"{table[4]} {table[5]}"
-    words = " ".join(fact.what + value for fact in report_text.assumptions(heard) for _, value in fact.values)
+    words = " ".join(fact.name + value for fact in report_text.assumptions(heard) for _, value in fact.values)
     for text in (words, report_text.LEVELS_NOTE, report_text.BANDS_NOTE):
         assert "upper bound" not in text and "stationary" not in text and "no error of" not in text
 

@@ -8,7 +8,7 @@ import pytest
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, band_uncertainty_db
 from acoustics.conformance import __main__, standards
-from acoustics.conformance.bands import least_lines_inside
+from acoustics.conformance.bands import min_lines_inside
 from acoustics.conformance.rows import Row, Table
 
 ROOT = Path(__file__).parents[1]
@@ -51,8 +51,8 @@ def test_every_row_is_within_its_limits_but_those_the_page_states(tables):
 def named(title: str, row: Row) -> tuple[str, ...]:
     """A row by what does not depend on where in its band the worst point lies."""
     if title == OPEN:
-        return row.what[0], row.what[1], row.what[4]
-    return row.what[:2]
+        return row.keys[0], row.keys[1], row.keys[4]
+    return row.keys[:2]
 
 
 def test_the_sizes_are_those_of_the_standards(tables):
@@ -91,9 +91,9 @@ def test_third_octave_frequency_ratios_are_those_the_standard_tables():
 
 def test_what_the_page_says_of_few_lines_is_so(tables):
     # The page prints one decimal of it beside the B T of reliable bands.
-    assert least_lines_inside() == pytest.approx(LEAST_BT, abs=0.25)
+    assert min_lines_inside() == pytest.approx(LEAST_BT, abs=0.25)
     for row in tables[BANDWIDTH].rows:
-        uncertainty_db = band_uncertainty_db(float(row.what[0].split()[0]))[BAND_NAMES.index(row.what[1])]
+        uncertainty_db = band_uncertainty_db(float(row.keys[0].split()[0]))[BAND_NAMES.index(row.keys[1])]
         assert abs(row.computed) < 0.5 * uncertainty_db
 
 

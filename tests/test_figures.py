@@ -255,7 +255,7 @@ def test_ten_seconds_stay_small(runs: list[Heard]) -> None:
     pictures = by_name(run_figures.of_run(replace(runs[0], sound=sound)))
     for name, picture in pictures.items():
         assert len(picture.svg()) < 150e3, name
-    assert "least and greatest in each of 1,500 columns" in note(pictures["release_power"])
+    assert "minimum and maximum in each of 1,500 columns" in note(pictures["release_power"])
     assert len(pictures["release_power"].columns["release power [W]"]) == 500_000
 
 

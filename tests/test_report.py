@@ -260,7 +260,7 @@ def test_each_kind_of_warning_and_equal_assumptions_are_said_once(runs) -> None:
         first = next(iter(texts))
         assert each.text == texts[first] + (f" (in the numbers of {first})" if len(set(texts.values())) > 1 else "")
     assert any("in the numbers of" in each.text for each in warnings)  # each load has a resonance of its own
-    facts = {fact.what: fact.values for fact in text.assumptions(heard)}
+    facts = {fact.name: fact.values for fact in text.assumptions(heard)}
     assert facts["distance"] == [("", "1 m, spherical spreading")]
     assert any("rms slope 0.025 (holds up to 0.3)" in value for _, value in facts["half-space"])
     assert facts["load"] == [(one.label, f"{one.scene.load:g} N, constant") for one in heard]

@@ -1,6 +1,6 @@
-"""What this package computes, against IEC 61672-1, IEC 61260-1 and its own requirements: a page of tables in Markdown.
+"""Results of this package against IEC 61672-1, IEC 61260-1 and its own requirements, as a Markdown page.
 
-`python -m acoustics.conformance` prints it; every number on it is computed then. Depends on the numeric modules here.
+`python -m acoustics.conformance` prints it; every number on it is computed then.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterable, Sequence
 
 from acoustics.conformance import bands, levels, resampling
-from acoustics.conformance.rows import GREATEST_DB, Row, Table
+from acoustics.conformance.rows import MAX_DB, Row, Table
 
 COMMAND = "python -m acoustics.conformance > acoustics/CONFORMANCE.md"
 
@@ -18,7 +18,7 @@ _HEADS = ("expected", "computed", "difference", "lower limit", "upper limit")
 
 
 def tables() -> tuple[Table, ...]:
-    """All tables of the page, computed now."""
+    """Compute all tables of the page."""
     return (
         levels.a_weighting(),
         levels.tone_bursts(),
@@ -38,7 +38,7 @@ def tables() -> tuple[Table, ...]:
 
 
 def page(measured: Sequence[Table]) -> str:
-    """The page in Markdown: what it is, a summary, and the tables."""
+    """Write the page in Markdown: introduction, summary and tables."""
     summary = [
         (f"{number}. {table.title}", table.source, len(table.rows), _number(table.worst.share, 1), verdict(table))
         for number, table in enumerate(measured, start=1)
@@ -46,12 +46,12 @@ def page(measured: Sequence[Table]) -> str:
     parts = [
         "# Conformance of the package `acoustics`",
         f"Every number on this page is computed by\n\n```sh\n{COMMAND}\n```\n\n"
-        "and a test fails when the page differs from what that prints now.",
+        "and a test fails when the page differs from the output of that command.",
         "- *Limits* are on the difference between computed and expected; for an attenuation, which ideally is infinite "
-        "(∞), the lower limit is the least attenuation.\n"
+        "(∞), the lower limit is the minimum attenuation.\n"
         "- *Share* is the part of the tolerance used: the difference over the limit on its side, or the attenuation "
         "required over the one computed. Above 100 % the limit is exceeded; such a share is in **bold**.\n"
-        f"- *> {GREATEST_DB:g}*: what is left is rounding, or near it.\n"
+        f"- *> {MAX_DB:g}*: the remainder is rounding, or close to it.\n"
         "- *Class 1*: the acceptance limits of IEC 61672-1:2013 and IEC 61260-1:2014. They leave out the uncertainty of "
         "a testing laboratory, which the tolerance limits of earlier editions included.\n"
         "- Only arithmetic is tested here: no microphone, no display, no environment. This is no pattern evaluation.",
@@ -59,14 +59,14 @@ def page(measured: Sequence[Table]) -> str:
         _markdown(("section", "source", "rows", "worst share %", "verdict"), summary, "llrrl"),
     ]
     for number, table in enumerate(measured, start=1):
-        cells = [(*row.what, *_cells(row, table.decimals)) for row in table.rows]
+        cells = [(*row.keys, *_cells(row, table.decimals)) for row in table.rows]
         heads = (*table.heads, *(f"{head} {table.unit}" for head in _HEADS), "share %")
         parts += [
             f"## {number}. {table.title}",
             f"{table.source[0].upper()}{table.source[1:]}. {table.text}",
             _markdown(heads, cells, "l" * len(table.heads) + "r" * (len(_HEADS) + 1)),
             f"{len(table.rows)} rows, worst share {_number(table.worst.share, 1)} % "
-            f"({', '.join(table.worst.what)}): {verdict(table)}.",
+            f"({', '.join(table.worst.keys)}): {verdict(table)}.",
         ]
         if table.after:
             parts.append(table.after)
@@ -74,7 +74,7 @@ def page(measured: Sequence[Table]) -> str:
 
 
 def verdict(table: Table) -> str:
-    """All within, or how many rows are not."""
+    """State that all rows are within the limits, or count the rows outside."""
     if table.outside:
         return f"**{len(table.outside)} of {len(table.rows)} outside {table.limits}**"
     return f"all within {table.limits}"
@@ -83,7 +83,7 @@ def verdict(table: Table) -> str:
 def _cells(row: Row, decimals: int) -> tuple[str, ...]:
     share = _number(row.share, 1)
     if math.isinf(row.expected):
-        computed = f"> {GREATEST_DB:g}" if math.isinf(row.computed) else _number(row.computed, decimals)
+        computed = f"> {MAX_DB:g}" if math.isinf(row.computed) else _number(row.computed, decimals)
         difference, lower, upper = "", _number(row.lower, decimals), ""
     else:
         computed, difference = _number(row.computed, decimals), _number(row.difference, decimals, signed=True)
@@ -92,7 +92,7 @@ def _cells(row: Row, decimals: int) -> tuple[str, ...]:
 
 
 def _number(value: float, decimals: int, signed: bool = False) -> str:
-    """The number rounded, without the sign of a zero, so that rounding noise does not show; no limit is empty."""
+    """Write a rounded number without the sign of a zero, so that rounding does not show; empty without a limit."""
     if math.isinf(value):
         return "∞" if value > 0.0 else ""
     rounded = round(value, decimals) + 0.0  # turns -0.0 into 0.0
@@ -100,7 +100,7 @@ def _number(value: float, decimals: int, signed: bool = False) -> str:
 
 
 def _markdown(heads: Sequence[str], rows: Iterable[Sequence[object]], align: str) -> str:
-    """A Markdown table with padded columns; ``align`` holds l or r for each."""
+    """Write a Markdown table with padded columns; ``align`` holds l or r for each."""
     cells = [list(map(str, heads)), *(list(map(str, row)) for row in rows)]
     widths = [max(3, *(len(cell) for cell in column)) for column in zip(*cells, strict=True)]
 
@@ -116,6 +116,7 @@ def _markdown(heads: Sequence[str], rows: Iterable[Sequence[object]], align: str
 
 
 def main() -> None:
+    """Print the page."""
     sys.stdout.buffer.write(page(tables()).encode())  # UTF-8 and plain line ends wherever it runs
 
 

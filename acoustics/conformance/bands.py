@@ -1,4 +1,4 @@
-"""Third octaves against IEC 61260-1:2014. Depends on the numeric modules here."""
+"""Third octaves against IEC 61260-1:2014."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _OFFSETS = range(-17, 14)
 
 
 def mid_band_frequencies() -> Table:
-    """Mid-band frequencies and names."""
+    """Compare mid-band frequencies and names."""
     return Table(
         "Third octaves: mid-band frequencies and names",
         f"the limit of {FREQUENCY_LIMIT_PPM:g} ppm",
@@ -49,7 +49,7 @@ def mid_band_frequencies() -> Table:
 
 
 def band_edges() -> Table:
-    """Band-edge frequencies."""
+    """Compare band-edge frequencies."""
     expected = [standards.third_octave_edge_hz(x, -1) for x in _OFFSETS]
     expected.append(standards.third_octave_edge_hz(_OFFSETS[-1], 1))
     names = [(f"lower edge of {name}",) for name in BAND_NAMES]
@@ -67,9 +67,9 @@ def band_edges() -> Table:
     )
 
 
-def _frequency_row(what: tuple[str, ...], expected: float, computed: float) -> Row:
+def _frequency_row(keys: tuple[str, ...], expected: float, computed: float) -> Row:
     limit = FREQUENCY_LIMIT_PPM * 1e-6 * expected
-    return Row(what, expected, float(computed), -limit, limit)
+    return Row(keys, expected, float(computed), -limit, limit)
 
 
 @dataclass(frozen=True)
@@ -81,32 +81,34 @@ class MaskPoint:
 
     side: int
     ratio: float
-    least_db: float
-    greatest_db: float
+    min_db: float
+    max_db: float
 
     @property
     def inside(self) -> bool:
-        return math.isfinite(self.greatest_db)
+        """Whether the point lies inside the band."""
+        return math.isfinite(self.max_db)
 
     @property
     def at_edge(self) -> bool:
+        """Whether the point lies at a band edge."""
         return math.isclose(self.ratio**self.side, standards.third_octave_frequency_ratio(0.5), rel_tol=1e-6)
 
 
 def mask_points() -> tuple[MaskPoint, ...]:
-    """The standard's frequencies and limits for third octaves, from the lowest to the highest."""
+    """Return the standard's frequencies and limits for third octaves, in rising order."""
     points = []
-    for exponent, least_db, greatest_db in standards.OCTAVE_ATTENUATION:
+    for exponent, min_db, max_db in standards.OCTAVE_ATTENUATION:
         ratio = standards.third_octave_frequency_ratio(exponent)
         for side in (-1, 1) if exponent > 0.0 else (1,):
-            points.append(MaskPoint(side, ratio**side, least_db, greatest_db))
+            points.append(MaskPoint(side, ratio**side, min_db, max_db))
     return tuple(sorted(points, key=lambda point: (point.ratio, point.inside == (point.side < 0))))
 
 
 def attenuation_db(
     frequency_hz: float, band: int, samples: int, rate_hz: float, phase: float = 0.4, fade_s: float = 0.0
 ) -> float:
-    """Level of a tone's record minus its level in a band, dB; infinite where the band holds rounding."""
+    """Return the level of a tone's record minus its level in a band, dB; infinite if the band holds rounding."""
     record = fade(tone(frequency_hz, samples, rate_hz, phase), round(fade_s * rate_hz))
     lines_hz, mean_square = line_spectrum(record, rate_hz)
     in_band = third_octave_mean_square(lines_hz, mean_square)[band]
@@ -114,7 +116,7 @@ def attenuation_db(
 
 
 def closed_records() -> Table:
-    """Attenuation on records that hold a whole number of periods: what records of closed tracks are."""
+    """Measure the attenuation on records of a whole number of periods, as closed tracks give them."""
     duration_s = 10.0
     samples = round(duration_s * SAMPLE_RATE_HZ)
     rows = []
@@ -126,15 +128,15 @@ def closed_records() -> Table:
                 line = math.ceil(line) if toward_mid else math.floor(line)
             frequency_hz = round(line) / duration_s
             if frequency_hz < SAMPLE_RATE_HZ / 2.0:
-                what = (BAND_NAMES[band], _ratio(point), f"{frequency_hz:.1f}")
-                rows.append(_attenuation_row(what, point, attenuation_db(frequency_hz, band, samples, SAMPLE_RATE_HZ)))
+                keys = (BAND_NAMES[band], _ratio(point), f"{frequency_hz:.1f}")
+                rows.append(_attenuation_row(keys, point, attenuation_db(frequency_hz, band, samples, SAMPLE_RATE_HZ)))
     return Table(
         "Third octaves: tones on a line",
         "class 1",
         "IEC 61260-1:2014, 5.10, Table 1 and formulas (9), (10)",
         "Tones at the standard's normalised frequencies f/f_mid, each moved to the nearest of the 0.1 Hz lines of a 10 s "
         "record at 48 kHz, so that the record holds a whole number of periods. The lines of a record that closes on "
-        "itself are the signal itself, as those of every sound at constant speed on a closed track. Computed: level of "
+        "itself are the signal itself, as for every sound at constant speed on a closed track. Computed: level of "
         "the tone minus its level in the band. *in*, *out*: the line next to the edge, on this side of it. No record at "
         "48 kHz holds a tone above 24 kHz.",
         ("band", "f/f_mid", "f Hz"),
@@ -149,19 +151,20 @@ def _ratio(point: MaskPoint) -> str:
     return f"{point.ratio:.4f}{mark}"
 
 
-def _attenuation_row(what: tuple[str, ...], point: MaskPoint, computed: float) -> Row:
-    return Row(what, 0.0 if point.inside else math.inf, computed, point.least_db, point.greatest_db)
+def _attenuation_row(keys: tuple[str, ...], point: MaskPoint, computed: float) -> Row:
+    return Row(keys, 0.0 if point.inside else math.inf, computed, point.min_db, point.max_db)
 
 
 @dataclass(frozen=True)
 class OpenRecord:
-    """A record whose tone does not fit."""
+    """A record that does not hold a whole number of periods."""
 
     duration_s: float
     fade_s: float
 
     @property
     def name(self) -> str:
+        """Duration and ends, for a table."""
         return f"{self.duration_s:g} s, {'faded' if self.fade_s else 'cut'}"
 
 
@@ -175,14 +178,14 @@ _PARTS: tuple[tuple[str, Callable[[MaskPoint], bool]], ...] = (
 
 
 def open_attenuation(record: OpenRecord, band: int, part: Callable[[MaskPoint], bool]) -> Row:
-    """The worst attenuation of a band at the points of one part, for tones half a line off.
+    """Measure the worst attenuation of a band at the points of one part, for tones half a line off.
 
     The tones have the standard's frequencies, and the record is lengthened or shortened by up to half a period until
     they lie midway between two lines; many periods are changed in frequency instead, which keeps the length of the
-    transform a fast one. Tones at the edges are one to two lines off. Two phases, a quarter period apart:
-    a tone's own mirror at negative frequency adds or subtracts.
+    transform a fast one. Tones at the edges are one to two lines off. The two phases are a
+    quarter period apart, because a tone's mirror at negative frequency adds or subtracts.
     """
-    # No more samples than 5.39 f_mid, the standard's highest frequency, and a fade of 10 ms take.
+    # The standard's highest frequency, 5.39 f_mid, and a fade of 10 ms need no more samples.
     rate_hz = float(np.clip(12.0 * math.ceil(MID_HZ[band]), 2400.0, SAMPLE_RATE_HZ))
     rows = []
     for point in filter(part, mask_points()):
@@ -198,35 +201,35 @@ def open_attenuation(record: OpenRecord, band: int, part: Callable[[MaskPoint], 
             frequency_hz = (math.floor(line) + 0.5) / duration_s
         if frequency_hz >= rate_hz / 2.0:
             continue
-        what = (record.name, BAND_NAMES[band], f"{BANDWIDTH_HZ[band] * record.duration_s:.1f}", _ratio(point))
+        keys = (record.name, BAND_NAMES[band], f"{BANDWIDTH_HZ[band] * record.duration_s:.1f}", _ratio(point))
         for phase in (0.0, 0.5 * math.pi):
             computed = attenuation_db(frequency_hz, band, round(duration_s * rate_hz), rate_hz, phase, record.fade_s)
-            rows.append(_attenuation_row(what, point, computed))
+            rows.append(_attenuation_row(keys, point, computed))
     return max(rows, key=lambda row: row.share)
 
 
-def least_lines_inside() -> float:
-    """B T from which on class 1 holds inside a band for every record length, however its lines lie in the band.
+def min_lines_inside() -> float:
+    """Find the B T from which class 1 holds inside a band for every record length.
 
-    Lengths from B T = 4 to 8, cut: a scan up to 40 found no other. Leakage of a cut record depends on nothing but the
-    number of lines in the band.
+    The scan covers cut records from B T = 4 to 8; a scan up to 40 gave the same. The leakage of a cut
+    record depends only on the number of lines in the band.
     """
     band, rate_hz = BAND_NAMES.index("100"), 2400.0
     inside = [point for point in mask_points() if point.inside and not point.at_edge]
-    least = lines = 4.0
+    minimum = lines = 4.0
     while lines < 8.0:
         samples = round(lines / BANDWIDTH_HZ[band] * rate_hz)
         for point in inside:
             for phase in (0.0, 0.5 * math.pi):
                 computed = attenuation_db(point.ratio * float(MID_HZ[band]), band, samples, rate_hz, phase)
                 if not _attenuation_row((), point, computed).within:
-                    least = lines + 0.02
+                    minimum = lines + 0.02
         lines += 0.02
-    return least
+    return minimum
 
 
 def open_records() -> Table:
-    """Attenuation on records that do not close: leakage of their ends, cut or faded."""
+    """Measure the attenuation on records that do not close: the leakage of their ends, cut or faded."""
     shown = (0, BAND_NAMES.index("100"), BAND_NAMES.index("1000"), len(BAND_NAMES) - 1)
     rows: list[Row] = []
     holds = ["| record | " + " | ".join(name for name, _ in _PARTS) + " |", "| --- |" + " --- |" * len(_PARTS)]
@@ -236,17 +239,18 @@ def open_records() -> Table:
         cells = [record.name]
         for name, part in _PARTS:
             results = {band: open_attenuation(record, band, part) for band in sorted({*searched, *shown})}
-            rows += [replace(results[band], what=(*results[band].what, name)) for band in shown]
+            rows += [replace(results[band], keys=(*results[band].keys, name)) for band in shown]
             cells.append(_from_band([band for band, row in results.items() if not row.within], len(results)))
         holds.append(f"| {' | '.join(cells)} |")
-    least_db = min(row.computed for row in rows if row.what[0].endswith("faded") and row.what[-1] == "outside")
+    worst_db = min(row.computed for row in rows if row.keys[0].endswith("faded") and row.keys[-1] == "outside")
     return Table(
         "Third octaves: tones that do not fit the record",
         "class 1",
         "IEC 61260-1:2014, 5.10, Table 1 and formulas (9), (10)",
         "Tones at the standard's normalised frequencies, in records that are cut, or faded by 10 ms at both ends as the "
-        "program fades every record that does not close: what the ends leak into all lines. Its length, from 500 periods "
-        "on its frequency, is changed by up to half a period, so that the tone lies midway between two lines. Computed: "
+        "program fades every record that does not close: the ends leak into all lines. The record is lengthened or shortened "
+        "by up to half a period (from 500 periods on, the frequency changes instead), so that the tone lies midway between "
+        "two lines. Computed: "
         "level of the record minus its level in the band, at the worst of the frequencies *inside* the band, at its "
         "*edges* (one to two lines off: nearer to an edge than a line, a tone counts with the nearest line) and "
         "*outside*. B T: lines in the band. Sampled at 12 times the mid-band frequency, at least 2.4 kHz, at most 48 kHz.",
@@ -257,9 +261,9 @@ def open_records() -> Table:
         "Bands in which class 1 holds (records of 10 s searched up to the band of 500 Hz, and in the bands of the table):\n\n"
         + "\n".join(holds)
         + "\n\nInside the bands class 1 holds for records of every length scanned from "
-        f"B T = {least_lines_inside():.1f} on; the bands `bands.reliable` names have B T of {LEAST_BT:g} or more. Outside "
+        f"B T = {min_lines_inside():.1f} on; the bands `bands.reliable` names have B T of {LEAST_BT:g} or more. Outside "
         "it holds only from the bands above on: in lower bands a strong tone or a steep spectrum several octaves away "
-        f"shows at the attenuations of the table, {least_db:.0f} dB in the worst faded case, instead of the 70 dB asked "
+        f"shows at the attenuations of the table, {worst_db:.0f} dB in the worst faded case, instead of the 70 dB asked "
         "for. A record that closes has neither limit.",
     )
 
@@ -271,17 +275,17 @@ def _from_band(failing: list[int], searched: int) -> str:
 
 
 def effective_bandwidth() -> Table:
-    """Level of a flat spectrum in each band: whole lines stand for the bandwidth."""
+    """Measure the level of a flat spectrum in each band, where whole lines stand for the bandwidth."""
     rows = []
     for duration_s in (0.5, 10.0):
         lines_hz = np.arange(round(duration_s * SAMPLE_RATE_HZ / 2.0) + 1) / duration_s
         held_hz = third_octave_mean_square(lines_hz, np.full(len(lines_hz), 1.0 / duration_s))
         for band, name in enumerate(BAND_NAMES):
             if MID_HZ[band] < 130.0 or name in ("1000", "20000"):
-                what = (f"{duration_s:g} s", name, f"{BANDWIDTH_HZ[band] * duration_s:.1f}")
+                keys = (f"{duration_s:g} s", name, f"{BANDWIDTH_HZ[band] * duration_s:.1f}")
                 computed = float(10.0 * np.log10(held_hz[band] / BANDWIDTH_HZ[band]))
                 limit = standards.EFFECTIVE_BANDWIDTH_LIMIT_DB
-                rows.append(Row(what, 0.0, computed, -limit, limit))
+                rows.append(Row(keys, 0.0, computed, -limit, limit))
     return Table(
         "Third octaves: effective bandwidth",
         "class 1",

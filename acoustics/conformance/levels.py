@@ -1,4 +1,4 @@
-"""A-weighting, time weightings and levels against IEC 61672-1:2013. Depends on the numeric modules here."""
+"""A-weighting, time weightings and levels against IEC 61672-1:2013."""
 
 from __future__ import annotations
 
@@ -15,30 +15,30 @@ from acoustics.time_weighting import FAST_S, SLOW_S, a_weighted, running_mean_sq
 from acoustics.wav import SAMPLE_RATE_HZ
 from acoustics.weighting import a_weighting_db
 
-# Where no standard asks: what a level may be off by rounding and interpolation.
+# Limit where no standard has one: rounding and interpolation.
 LEVEL_LIMIT_DB = 0.01
 
 
 def whole_periods(frequency_hz: float, longest_s: float = 1.0) -> int:
-    """Samples of the record at 48 kHz, up to ``longest_s``, that comes nearest to a whole number of periods."""
+    """Return the samples of the record up to ``longest_s`` that is nearest to a whole number of periods."""
     samples = np.rint(np.arange(1, int(longest_s * frequency_hz) + 1) * SAMPLE_RATE_HZ / frequency_hz)
     periods = samples * frequency_hz / SAMPLE_RATE_HZ
     return int(samples[np.argmin(np.abs(periods - np.rint(periods)))])
 
 
 def a_weighting() -> Table:
-    """A sine through `sound_levels` at each frequency of the standard's table."""
+    """Measure a sine with `sound_levels` at each frequency of the standard's table."""
     rows = []
     for row in standards.A_WEIGHTING:
         frequency_hz = 10.0 ** (row.n / 10.0)
         measured = sound_levels(tone(frequency_hz, whole_periods(frequency_hz)), SAMPLE_RATE_HZ)
         computed = known(measured.laeq_db) - known(measured.level_db)
-        what = (
+        keys = (
             f"{row.nominal_hz:g}",
             f"{frequency_hz:.2f}",
             f"{round(float(a_weighting_db(frequency_hz)), 2) + 0.0:.2f}",
         )
-        rows.append(Row(what, row.a_db, computed, row.lower_db, row.upper_db))
+        rows.append(Row(keys, row.a_db, computed, row.lower_db, row.upper_db))
     return Table(
         "A-weighting",
         "class 1",
@@ -54,7 +54,7 @@ def a_weighting() -> Table:
 
 
 def tone_bursts() -> Table:
-    """Greatest and exposure levels of 4 kHz bursts, less the level of the steady tone."""
+    """Measure maximum and exposure levels of 4 kHz bursts, minus the level of the steady tone."""
     steady_db = known(sound_levels(tone(4000.0, SAMPLE_RATE_HZ), SAMPLE_RATE_HZ).laeq_db)
     fast, slow, exposure = [], [], []
     for row in standards.TONE_BURSTS:
@@ -94,7 +94,7 @@ def _burst_row(name: str, length: str, expected: float, computed: float, lower: 
 
 
 def decay_rates() -> Table:
-    """How fast the running levels fall after a steady tone."""
+    """Measure how fast the running levels fall after a steady tone."""
     record = np.concatenate([tone(4000.0, SAMPLE_RATE_HZ, phase=0.0), np.zeros(2 * SAMPLE_RATE_HZ)])
     weighted = a_weighted(record, SAMPLE_RATE_HZ)
     rows = []
@@ -117,7 +117,7 @@ def decay_rates() -> Table:
 
 
 def steady_tone() -> Table:
-    """All ways to read a steady tone agree."""
+    """Compare the levels of a steady tone with one another."""
     steady = sound_levels(tone(1000.0, SAMPLE_RATE_HZ), SAMPLE_RATE_HZ)
     limit = standards.STEADY_LIMIT_DB
     return Table(
@@ -136,7 +136,7 @@ def steady_tone() -> Table:
 
 
 def levels() -> Table:
-    """Levels that follow from an amplitude, and sums that must close."""
+    """Compare levels with amplitudes, and sums with their parts."""
     calibrator = sound_levels(tone(1000.0, SAMPLE_RATE_HZ), SAMPLE_RATE_HZ)
     threshold = sound_levels(P_REF_PA * tone(1000.0, SAMPLE_RATE_HZ), SAMPLE_RATE_HZ)
     noise = band_limit(np.random.default_rng(1).standard_normal(SAMPLE_RATE_HZ // 2), SAMPLE_RATE_HZ)
@@ -157,10 +157,13 @@ def levels() -> Table:
         "own requirement: levels within 0.01 dB; Parseval's theorem",
         "`level.sound_levels`. The noise is Gaussian, 1 Pa before it is limited to 20 Hz to 20 kHz, 0.5 s, with a fixed "
         "seed.",
-        ("what",),
+        ("quantity",),
         "dB",
         3,
-        tuple(Row((what,), known(goal), known(level), -LEVEL_LIMIT_DB, LEVEL_LIMIT_DB) for what, goal, level in rows),
+        tuple(
+            Row((quantity,), known(goal), known(level), -LEVEL_LIMIT_DB, LEVEL_LIMIT_DB)
+            for quantity, goal, level in rows
+        ),
     )
 
 

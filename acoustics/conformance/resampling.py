@@ -1,4 +1,4 @@
-"""Resampling and interpolation against this package's own requirements. Depends on the numeric modules here."""
+"""Resampling and interpolation against this package's own requirements."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 
+from acoustics._typing import Array
 from acoustics.conformance.rows import ONE_PA_DB, Row, Table, known, suppression_db
 from acoustics.level import sound_levels
 from acoustics.resampling import band_limit, fade, interpolate_closed, resample_closed, undo_step_mean
 from acoustics.wav import SAMPLE_RATE_HZ
 
-# Asked of resampling: what must be gone of an alias, or of an error, and how level the audible band must be.
+# Requirements: attenuation of an alias or an error, and ripple in the audible band.
 REJECTION_DB = 80.0
 RIPPLE_DB = 0.1
 
@@ -20,10 +21,11 @@ _FADE_S = 0.01
 STEP_RATE_HZ = 50_000  # steps of 2 um at 0.1 m/s
 
 
-def step_means(frequency_hz: float, samples: int, rate_hz: float) -> np.ndarray:
-    """Means over consecutive steps of a sine of 1 Pa rms, in closed form (samples,)."""
+def step_means(frequency_hz: float, samples: int, rate_hz: float) -> Array:
+    """Return the means over consecutive steps of a sine of 1 Pa rms, in closed form (samples,)."""
     omega = 2.0 * np.pi * frequency_hz / rate_hz
-    return -math.sqrt(2.0) / omega * np.diff(np.cos(omega * np.arange(samples + 1)))
+    means: Array = -math.sqrt(2.0) / omega * np.diff(np.cos(omega * np.arange(samples + 1)))
+    return means
 
 
 def resampled_levels() -> Table:
@@ -55,7 +57,7 @@ def resampled_levels() -> Table:
 
 
 def step_mean_correction() -> Table:
-    """What `undo_step_mean` gives back of the sinc of averaging."""
+    """Measure the gain of `undo_step_mean` against the sinc of averaging."""
     rows = []
     for frequency_hz in (1000, 5000, 10000, 16000, 20000, 22000, 24000):
         means = step_means(frequency_hz, STEP_RATE_HZ, STEP_RATE_HZ)
@@ -76,7 +78,7 @@ def step_mean_correction() -> Table:
 
 
 def alias_rejection() -> Table:
-    """Tones above 24 kHz: nothing of them may be left at 48 kHz."""
+    """Measure the remainder at 48 kHz of tones above 24 kHz."""
     rows = []
     for rate_hz, frequencies_hz in (
         (STEP_RATE_HZ, (24_001, 24_500, 24_999)),
@@ -102,15 +104,15 @@ def alias_rejection() -> Table:
 
 
 def varying_speed() -> Table:
-    """Varying speed: values between the samples of a closed record."""
+    """Measure the error of interpolation between samples, and of a track at varying speed."""
     samples, rows = 5000, []
     index = np.linspace(0.0, samples, 7 * samples, endpoint=False) + 0.123
     for share in (0.1, 0.25, 0.5, 0.8, 0.9):
         omega = 2.0 * np.pi * round(share * samples / 2.0) / samples
         exact = np.sin(omega * index + 0.3)
         computed = interpolate_closed(np.sin(omega * np.arange(samples) + 0.3), index)
-        what = (f"f = {share:g} of Nyquist", "everywhere")
-        rows.append(_suppression_row(what, float(np.mean((computed - exact) ** 2) / np.mean(exact**2))))
+        keys = (f"f = {share:g} of Nyquist", "everywhere")
+        rows.append(_suppression_row(keys, float(np.mean((computed - exact) ** 2) / np.mean(exact**2))))
     for top_hz in (1000, 5000, 10000, 20000):
         rows.append(_suppression_row((f"sweep from {top_hz // 2} to {top_hz} Hz", "inner 90 %"), _sweep_error(top_hz)))
     return Table(
@@ -128,14 +130,14 @@ def varying_speed() -> Table:
 
 
 def _sweep_error(top_hz: float) -> float:
-    """Mean square error over mean square of a sine along a track that is passed faster and faster."""
+    """Return mean square error over mean square of a sine along a track passed at rising speed."""
     step_m, slow, fast, duration_s = 2e-6, 0.1, 0.2, 0.5
     samples = round(duration_s * SAMPLE_RATE_HZ)
     oversampling = math.ceil(fast / step_m / SAMPLE_RATE_HZ)
     steps = round(0.5 * (slow + fast) * duration_s / step_m)
     waves = round(steps * step_m * top_hz / fast)
 
-    def steps_passed(time_s: np.ndarray) -> np.ndarray:
+    def steps_passed(time_s: Array) -> Array:
         return (slow * time_s + 0.5 * (fast - slow) / duration_s * time_s**2) / step_m
 
     at_steps = undo_step_mean(step_means(waves, steps, steps))
@@ -148,5 +150,5 @@ def _sweep_error(top_hz: float) -> float:
     return float(np.mean((computed - exact) ** 2) / np.mean(exact**2))
 
 
-def _suppression_row(what: tuple[str, ...], left: float) -> Row:
-    return Row(what, math.inf, suppression_db(left), REJECTION_DB, math.inf)
+def _suppression_row(keys: tuple[str, ...], left: float) -> Row:
+    return Row(keys, math.inf, suppression_db(left), REJECTION_DB, math.inf)

@@ -1,4 +1,4 @@
-"""Rows and tables of the conformance page, and what its measurements share. Depends on radiation and wav."""
+"""Rows and tables of the conformance page, and what its measurements share."""
 
 from __future__ import annotations
 
@@ -7,25 +7,30 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from acoustics._typing import Array
 from acoustics.radiation import P_REF_PA
 from acoustics.wav import SAMPLE_RATE_HZ
 
 ONE_PA_DB = 20.0 * math.log10(1.0 / P_REF_PA)
 
-# Attenuations above this count as infinite: their digits would be rounding, which differs from machine to machine. The
-# sine of 1e6 rad is wrong by 1e-10 (-200 dB), which moves what lies at -120 dB by 1e-3 dB at most.
-GREATEST_DB = 120.0
+# Attenuations above this count as infinite: their digits would be rounding, which differs between machines. The sine of
+# 1e6 rad is wrong by 1e-10 (-200 dB), which changes a level of -120 dB by 1e-3 dB at most.
+MAX_DB = 120.0
 
 
 @dataclass(frozen=True)
 class Row:
-    """One comparison: what was measured, the design goal, what this package computes, and the limits.
+    """A comparison of a computed value with its design goal.
 
-    The limits are on computed - expected. Where the design goal is infinite (an attenuation), ``lower`` is the least
-    value required and ``upper`` is infinite.
+    Parameters
+    ----------
+    keys : tuple of str. Cells that name the measurement.
+    expected, computed : float. Design goal and value of this package.
+    lower, upper : float. Limits on computed - expected. If the design goal is infinite (an
+        attenuation), ``lower`` is the minimum required and ``upper`` is infinite.
     """
 
-    what: tuple[str, ...]
+    keys: tuple[str, ...]
     expected: float
     computed: float
     lower: float
@@ -40,7 +45,7 @@ class Row:
     def share(self) -> float:
         """Share of the tolerance used, %: the difference over the limit on its side, or required over computed.
 
-        Above 100 the limit is exceeded. Rounded to what a page shows, so that rows that differ by rounding are equal.
+        Above 100 the limit is exceeded. It is rounded to the digits of the page, so that rows that differ by rounding are equal.
         """
         if math.isinf(self.expected):
             share = self.lower / self.computed if self.computed > 0.0 else math.inf
@@ -50,6 +55,7 @@ class Row:
 
     @property
     def within(self) -> bool:
+        """Whether the computed value is within the limits."""
         return self.share <= 100.0
 
 
@@ -57,8 +63,17 @@ class Row:
 class Table:
     """Rows of one kind.
 
-    ``limits`` names whose limits they are, ``source`` the clause, ``text`` how it is measured, ``heads`` the columns of
-    `Row.what`, ``after`` what follows from the rows.
+    Parameters
+    ----------
+    title : str. Heading.
+    limits : str. Name of the limits, such as class 1.
+    source : str. Clause of the standard.
+    text : str. Method of the measurement.
+    heads : tuple of str. Column heads of `Row.keys`.
+    unit : str. Unit of the values.
+    decimals : int. Digits after the decimal point.
+    rows : tuple of Row.
+    after : str. Conclusion below the table. Default: empty.
     """
 
     title: str
@@ -73,27 +88,29 @@ class Table:
 
     @property
     def worst(self) -> Row:
-        """The row that uses most of its tolerance, the first of equals."""
+        """The row with the maximum share of its tolerance, the first of equals."""
         return max(self.rows, key=lambda row: row.share)
 
     @property
     def outside(self) -> tuple[Row, ...]:
+        """The rows outside the limits."""
         return tuple(row for row in self.rows if not row.within)
 
 
-def tone(frequency_hz: float, samples: int, rate_hz: float = SAMPLE_RATE_HZ, phase: float = 0.4) -> np.ndarray:
-    """A sine of 1 Pa rms (samples,)."""
-    return math.sqrt(2.0) * np.sin(2.0 * np.pi * frequency_hz / rate_hz * np.arange(samples) + phase)
+def tone(frequency_hz: float, samples: int, rate_hz: float = SAMPLE_RATE_HZ, phase: float = 0.4) -> Array:
+    """Return a sine of 1 Pa rms (samples,)."""
+    sine: Array = math.sqrt(2.0) * np.sin(2.0 * np.pi * frequency_hz / rate_hz * np.arange(samples) + phase)
+    return sine
 
 
 def suppression_db(left: float) -> float:
-    """Attenuation, dB, that leaves this share of a mean square; infinite above what rounding leaves."""
+    """Return the attenuation that leaves a share of a mean square, dB; infinite if only rounding is left."""
     attenuation = -10.0 * math.log10(left) if left > 0.0 else math.inf
-    return attenuation if attenuation <= GREATEST_DB else math.inf
+    return attenuation if attenuation <= MAX_DB else math.inf
 
 
 def known(level: float | None) -> float:
-    """A level that must exist.
+    """Return a level that must exist.
 
     Raises
     ------

@@ -1,8 +1,8 @@
 """Tables of IEC 61672-1:2013 and IEC 61260-1:2014, class 1, that `acoustics.conformance` measures against.
 
-Depends on numpy only. Limits are acceptance limits on the deviation from the design goal. Those of the 2013 and 2014
-editions leave out the uncertainty of a testing laboratory, which the tolerance limits of the editions before included:
-a computed deviation compares with them directly.
+The limits are acceptance limits on the deviation from the design goal. The editions of 2013 and 2014 leave
+out the uncertainty of a testing laboratory, which the tolerance limits of earlier editions included. A
+computed deviation therefore compares with them directly.
 """
 
 from __future__ import annotations
@@ -23,7 +23,10 @@ class WeightingRow(NamedTuple):
 
 
 class BurstRow(NamedTuple):
-    """Response to a 4 kHz tone burst relative to the steady tone, with limits, dB; slow is None below 2 ms."""
+    """Response to a 4 kHz tone burst relative to the steady tone, dB, with limits.
+
+    The Slow response is None below 2 ms.
+    """
 
     duration_ms: float
     fast_db: float
@@ -44,16 +47,16 @@ class DecayRow(NamedTuple):
 
 
 class AttenuationRow(NamedTuple):
-    """Least and greatest relative attenuation of an octave-band filter at f/f_mid = G**exponent, dB."""
+    """Minimum and maximum relative attenuation of an octave-band filter at f/f_mid = G**exponent, dB."""
 
     exponent: float
-    least_db: float
-    greatest_db: float
+    min_db: float
+    max_db: float
 
 
 _NONE = float("inf")
 
-# IEC 61672-1:2013, Table 3, column A and class 1; a lower limit of minus infinity: only the upper one applies.
+# IEC 61672-1:2013, Table 3, column A and class 1. With a lower limit of minus infinity only the upper one applies.
 A_WEIGHTING: tuple[WeightingRow, ...] = (
     WeightingRow(10, 10, -70.4, -_NONE, 3.0),
     WeightingRow(11, 12.5, -63.4, -_NONE, 2.5),
@@ -141,25 +144,26 @@ _R10 = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
 
 
 def third_octave_mid_hz(x: int) -> float:
-    """Exact mid-band frequency of the band x third octaves above 1 kHz, Hz (IEC 61260-1:2014, 5.4)."""
-    return REFERENCE_HZ * OCTAVE_RATIO ** (x / 3.0)
+    """Return the exact mid-band frequency of the band x third octaves above 1 kHz, Hz (IEC 61260-1:2014, 5.4)."""
+    return float(REFERENCE_HZ * OCTAVE_RATIO ** (x / 3.0))
 
 
 def third_octave_edge_hz(x: int, side: int) -> float:
-    """Band-edge frequency below (side -1) or above (side 1) the mid-band frequency, Hz (IEC 61260-1:2014, 5.6)."""
-    return third_octave_mid_hz(x) * OCTAVE_RATIO ** (side / 6.0)
+    """Return the band-edge frequency below (side -1) or above (side 1) the mid-band frequency, Hz (IEC 61260-1:2014, 5.6)."""
+    return float(third_octave_mid_hz(x) * OCTAVE_RATIO ** (side / 6.0))
 
 
 def third_octave_nominal_hz(x: int) -> float:
-    """Nominal mid-band frequency, Hz (IEC 61260-1:2014, annex E)."""
+    """Return the nominal mid-band frequency, Hz (IEC 61260-1:2014, annex E)."""
     decade, step = divmod(x, 10)
     return float(np.round(_R10[step] * REFERENCE_HZ * 10.0**decade, 6))
 
 
 def third_octave_frequency_ratio(exponent: float) -> float:
-    """f/f_mid of a third octave that answers to G**exponent of an octave, G the octave ratio; exponent >= 0.
+    """Return f/f_mid of a third octave that corresponds to G**exponent of an octave; exponent >= 0.
 
-    The side below the mid-band frequency has the reciprocal (IEC 61260-1:2014, 5.10.3 and 5.10.4, formulas (9), (10)).
+    G is the octave ratio. The side below the mid-band frequency has the reciprocal
+    (IEC 61260-1:2014, 5.10.3 and 5.10.4, formulas (9), (10)).
     """
     scale = (OCTAVE_RATIO ** (1.0 / 6.0) - 1.0) / (OCTAVE_RATIO**0.5 - 1.0)
-    return 1.0 + scale * (OCTAVE_RATIO**exponent - 1.0)
+    return float(1.0 + scale * (OCTAVE_RATIO**exponent - 1.0))

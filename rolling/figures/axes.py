@@ -1,4 +1,8 @@
-"""Plots of surface, contact and recovery events. Each draws on the axes it is given and returns them. Depends on matplotlib."""
+"""Plots of surface, contact and recovery events on given axes.
+
+Each function draws on `ax` and returns it. Maps take a second pair of axes for the colour bar; with
+None the bar takes its room from `ax`.
+"""
 
 from __future__ import annotations
 
@@ -15,33 +19,41 @@ from rolling.simulation.simulate import Snapshot
 
 Array = NDArray[np.float64]
 
-SHOWN_M = 0.8e-3  # of a long track, so that single asperities can be seen
-_MOST_DOTS = 110_000  # of a map of heights: what a file of 150 kB holds
-_SHADES = 24  # of such a map: more make larger files and are hardly told apart
+SHOWN_M = 0.8e-3  # length of a track that a map shows, so that single asperities can be seen
+_MOST_DOTS = 110_000  # of a map of heights: a file of 150 kB holds that many
+_SHADES = 24  # of such a map: more shades make larger files and are hardly told apart
 
 
-def surface(ax: Axes, bar: Axes, heights: Array, spacing: float) -> Axes:
-    """Heights (along, across) [m] as a map in µm: the beginning of the track, colours over all of it."""
+def surface(ax: Axes, bar: Axes | None, heights: Array, spacing: float) -> Axes:
+    """Draw the heights at the beginning of a track as a map in µm.
+
+    Parameters
+    ----------
+    ax : axes to draw on.
+    bar : axes of the colour bar, or None.
+    heights : array (along, across), m. The whole track sets the range of the colours.
+    spacing : float, m. Distance of the nodes.
+    """
     every = map_stride(heights, spacing)
     shown = heights[: shown_nodes(heights, spacing) : every, ::every]
-    span = max(float(np.abs(heights).max()) * 1e6, 1e-3)  # not the rounding of a smooth one
+    span = max(float(np.abs(heights).max()) * 1e6, 1e-3)  # the rounding of a smooth surface stays invisible
     along, across = (np.array([0, nodes]) * every * spacing * 1e6 - spacing / 2 * 1e6 for nodes in shown.shape)
     colours = matplotlib.colormaps["cividis"].resampled(_SHADES)
     return _map(ax, bar, shown * 1e6, (*along, *across), colours, (-span, span), "height [µm]")
 
 
 def shown_nodes(heights: Array, spacing: float) -> int:
-    """Nodes along the track that are shown of a surface."""
+    """Return the number of nodes along the track that a map shows."""
     return min(len(heights), max(2, round(SHOWN_M / spacing)))
 
 
 def map_stride(heights: Array, spacing: float) -> int:
-    """Every how many nodes a dot of the map stands for: 1 unless there are too many."""
+    """Return the distance of the nodes that a map shows, in nodes: 1 unless there are too many."""
     return math.ceil(math.sqrt(shown_nodes(heights, spacing) * heights.shape[1] / _MOST_DOTS))
 
 
 def profile(ax: Axes, along_um: Array, height_um: Array) -> Axes:
-    """Heights [µm] along a line."""
+    """Draw a profile: heights (n,) [µm] along a line [µm]."""
     ax.plot(along_um, height_um, color="black", linewidth=0.9)
     ax.axhline(0.0, color="0.5", linewidth=0.6)
     ax.set_xlabel("along the track [µm]")
@@ -52,9 +64,26 @@ def profile(ax: Axes, along_um: Array, height_um: Array) -> Axes:
 
 
 def contact_map(
-    ax: Axes, bar: Axes, snapshot: Snapshot, values: Array, spacing: float, limits: tuple[float, float], label: str
+    ax: Axes,
+    bar: Axes | None,
+    snapshot: Snapshot,
+    values: Array,
+    spacing: float,
+    limits: tuple[float, float],
+    label: str,
 ) -> Axes:
-    """A map of the window at one position: pressure or deflection in the unit its label names, plate coordinates in µm."""
+    """Draw pressure or deflection in the window of a snapshot as a map.
+
+    Parameters
+    ----------
+    ax : axes to draw on, in plate coordinates [µm].
+    bar : axes of the colour bar, or None.
+    snapshot : position of the window.
+    values : array (along, across). Pressure or deflection, in the unit that the label names.
+    spacing : float, m. Distance of the nodes.
+    limits : pair of float. Values of the first and the last colour.
+    label : str. Quantity and unit, written at the colour bar.
+    """
     low = np.array([snapshot.along, snapshot.across]) - spacing / 2
     high = low + np.array(values.shape) * spacing
     extent = (low[0] * 1e6, high[0] * 1e6, low[1] * 1e6, high[1] * 1e6)
@@ -62,7 +91,15 @@ def contact_map(
 
 
 def shares(ax: Axes, edges: Array, events: Array, release: Array, xlabel: str) -> Axes:
-    """Shares (n,) of the events and of their release that fall between edges (n + 1,) of their energy or duration."""
+    """Draw a distribution of recovery events over their energy or duration.
+
+    Parameters
+    ----------
+    ax : axes to draw on.
+    edges : array (n + 1,). Edges of the bins.
+    events, release : arrays (n,). Shares of the events and of the released energy in each bin, 0 to 1.
+    xlabel : str. Quantity and unit of the edges.
+    """
     for values, label, colour, style in (
         (events, "share of the events", COLOURS[0], "-"),
         (release, "share of the release", COLOURS[1], "--"),
@@ -78,7 +115,7 @@ def shares(ax: Axes, edges: Array, events: Array, release: Array, xlabel: str) -
 
 def _map(
     ax: Axes,
-    bar: Axes,
+    bar: Axes | None,
     values: Array,
     extent: tuple[float, float, float, float],
     colours: Colormap,
@@ -87,7 +124,7 @@ def _map(
 ) -> Axes:
     low, high = limits
     image = ax.imshow(values.T, origin="lower", extent=extent, cmap=colours, vmin=low, vmax=high, interpolation="none")
-    ax.figure.colorbar(image, cax=bar, label=label)
+    ax.figure.colorbar(image, cax=bar, ax=None if bar else ax, label=label)
     ax.set_xlabel("along the track [µm]")
     ax.set_ylabel("across [µm]")
     return ax

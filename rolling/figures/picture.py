@@ -1,7 +1,7 @@
-"""A figure with the numbers drawn in it, as PNG, SVG and CSV. Depends on matplotlib; the same figure gives the same bytes.
+"""A figure with its curves, written as PNG, SVG and CSV; the same figure gives the same bytes.
 
-Sizes are fixed in inches instead of fitted to what is drawn: plots of the same kind lie on one another, and drawing takes
-half the time.
+Sizes are fixed in inches and not fitted to the content. Plots of the same kind therefore lie on one
+another, and drawing takes half the time.
 """
 
 from __future__ import annotations
@@ -32,6 +32,9 @@ DPI = 110
 WIDTH_IN = 8.5
 SIDE_IN = 0.12  # of white on either side of titles and legends
 LEFT_IN, RIGHT_IN, BOTTOM_IN, TOP_IN = 0.85, 0.2, 0.6, 0.68  # about the axes: tick labels, axis label, titles
+BAR_IN = 0.16  # width of a colour bar
+BAR_ROOM_IN = 1.0  # from the end of its axes to the edge: gap, bar, tick labels, label
+Box = tuple[float, float, float, float]  # left, bottom, width and height of axes [inches]
 _ROW_IN = 0.2  # of a legend
 _TALL_IN = 3.5  # the only axes of a picture
 
@@ -40,10 +43,13 @@ _TALL_IN = 3.5  # the only axes of a picture
 class Picture:
     """A figure and its curves.
 
-    name : stem of its files.
-    alt : what it shows, in words, for those who do not see it.
-    columns : every plotted curve, by name with unit; columns of different lengths stand side by side. Maps have none.
-    remarks : lines that its CSV begins with, each behind a `#`; pictures without levels have none.
+    Parameters
+    ----------
+    name : str. Stem of its files.
+    alt : str. Description for readers who do not see it.
+    figure : matplotlib figure.
+    columns : mapping of arrays. Every plotted curve by its name with unit; lengths may differ. Maps have none.
+    remarks : tuple of str. First lines of its CSV, each behind a `#`. Pictures without levels have none.
     """
 
     name: str
@@ -53,14 +59,16 @@ class Picture:
     remarks: tuple[str, ...] = ()
 
     def png(self) -> bytes:
+        """Return the figure as a PNG file."""
         content = io.BytesIO()
         self.figure.savefig(content, format="png", dpi=DPI)
         return content.getvalue()
 
     def svg(self) -> bytes:
+        """Return the figure as an SVG file."""
         return self._svg
 
-    @cached_property  # a file and a page want it, and drawing takes long
+    @cached_property  # folder and page both need it, and drawing takes long
     def _svg(self) -> bytes:
         content = io.BytesIO()
         # Ids from the name instead of at random, and no date: the same figure gives the same file.
@@ -69,7 +77,10 @@ class Picture:
         return content.getvalue()
 
     def csv(self) -> bytes:
-        """Write the remarks, then the curves as columns under their names; no finite number leaves a cell empty."""
+        """Return a table: the remarks, then the curves as columns under their names.
+
+        A value that is not finite leaves its cell empty.
+        """
         return self._csv
 
     @cached_property
@@ -82,7 +93,7 @@ class Picture:
         return "".join(f"{line}\n" for line in [*map(comment, self.remarks), *map(",".join, rows)]).encode()
 
     def plot_area(self) -> tuple[float, float, float, float]:
-        """Left, bottom, right and top of the first pair of axes, as shares of the figure."""
+        """Return left, bottom, right and top of the first axes, as shares of the figure."""
         left, bottom, right, top = self.figure.axes[0].get_position().extents
         return float(left), float(bottom), float(right), float(top)
 
@@ -95,21 +106,24 @@ class Picture:
 
 
 def blank() -> Figure:
-    """An empty figure, drawn without a display."""
+    """Make an empty figure that needs no display."""
     figure = Figure(dpi=DPI)
     FigureCanvasAgg(figure)
     return figure
 
 
-def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, tuple[float, float, float, float]]) -> None:
-    """Give axes their places, and the figure its height, a title, a line of what was assumed, and a legend below.
+def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, Box]) -> None:
+    """Place axes, title, note and legend, and set the height of the figure.
 
-    Title, note and legend are set smaller where they are too long for the width. The legend is that of the first axes. Text is
-    drawn as it stands: a dollar begins no formula.
+    Title, note and legend are set smaller where they are too long for the width. The legend shows the
+    curves of the first axes. Text is drawn as it stands: a dollar begins no formula.
 
     Parameters
     ----------
-    places : left, bottom, width and height of each pair of axes [inches], above the legend and below the titles.
+    figure : figure to lay out.
+    title : str. First line.
+    note : str. Second line, with the assumptions.
+    places : mapping of boxes, inches. Box of each pair of axes, above the legend and below the titles.
     """
     handles, labels = next(iter(places)).get_legend_handles_labels()
     labels = [drawable(label) for label in labels]
@@ -142,9 +156,9 @@ def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, tuple[f
 
 
 def _fit(drawn: Artist, texts: Sequence[Text], room: float) -> None:
-    """Set texts smaller until what is drawn of them is no wider than the room [dots]."""
+    """Set texts smaller until the artist that holds them is no wider than the room [dots]."""
     size = float(texts[0].get_fontsize())
-    # Letters are fitted to dots, so that a line does not shrink exactly as its letters do.
+    # Letters are fitted to dots, so a line does not shrink exactly as its letters do.
     while (wide := drawn.get_window_extent().width) > room:
         size *= min(0.99, room / wide)
         for text in texts:
@@ -152,14 +166,14 @@ def _fit(drawn: Artist, texts: Sequence[Text], room: float) -> None:
 
 
 def drawable(text: str) -> str:
-    """Escape the letters that the font of the pictures lacks, so that texts which differ look different."""
+    """Escape letters that the font of the pictures lacks, so that different texts look different."""
     known = _letters()
     return "".join(x if ord(x) in known else x.encode("unicode_escape").decode("ascii") for x in text)
 
 
 @cache
 def _letters() -> frozenset[int]:
-    """Code points of the letters that the font has."""
+    """Return the code points of the letters that the font has."""
     return frozenset(get_font(findfont(FontProperties())).get_charmap())
 
 
@@ -171,7 +185,13 @@ def single(
     draw: Callable[[Axes], object],
     remarks: Sequence[str] = (),
 ) -> Picture:
-    """Make a picture with one pair of axes; `remarks` stand in its CSV."""
+    """Make a picture with one pair of axes.
+
+    Parameters
+    ----------
+    name, title, note, columns, remarks : see `Picture` and `lay_out`.
+    draw : function of axes. Draws the curves.
+    """
     figure = blank()
     ax = figure.add_subplot()
     draw(ax)
@@ -183,10 +203,10 @@ def single(
 
 
 def comment(remark: str) -> str:
-    """Write a remark as a line that readers of tables pass over, such as pandas with `comment="#"`."""
+    """Write a remark as a comment line of a table, as pandas skips it with `comment="#"`."""
     return f"# {printable(remark)}"
 
 
 def quoted(cell: str, separator: str) -> str:
-    """Write a text cell of a table; quotation marks keep separators, quotation marks and the sign of a comment in it."""
+    """Write a text cell of a table, quoted if it holds a separator, a quotation mark or a `#`."""
     return '"' + cell.replace('"', '""') + '"' if any(sign in cell for sign in (separator, '"', "#")) else cell

@@ -1,4 +1,4 @@
-"""How to cite the program and the article it follows; CITATION.cff says the same, a test sees to it."""
+"""Citations of the program and of the article it follows; a test compares them with CITATION.cff."""
 
 from __future__ import annotations
 

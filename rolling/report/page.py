@@ -1,6 +1,7 @@
-"""Runs as one HTML page to be heard, seen and read: a single file that needs no network. Depends on jinja2.
+"""The report page of runs to hear, see and read: a single HTML file that needs no network.
 
-Gathers what the page shows, as plain text, numbers and data URIs; how it looks and moves is in `page/`.
+This module gathers the content of the page as plain text, numbers and data URIs. Layout and behaviour
+are in `assets/`.
 """
 
 from __future__ import annotations
@@ -19,41 +20,28 @@ from markupsafe import Markup
 
 from acoustics import wav
 from rolling import __version__
-from rolling.contact import closed_forms
 from rolling.figures import run_figures
 from rolling.figures.picture import Picture
 from rolling.folders import program
-from rolling.report import citation, playback, pressure_maps
+from rolling.report import citation, playback
 from rolling.report import text as report_text
 from rolling.report.playback import Playback
+from rolling.report.run_maps import MapScale, RunMaps, maps_of
 from rolling.simulation import caveats
 from rolling.simulation.caveats import Caveat
 from rolling.simulation.labels import printable
 from rolling.simulation.run_result import Heard
-from rolling.simulation.simulate import PressureMap
 
 LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
 GENERATOR = f"{program.NAME} {__version__}"
-MOST_RUNS = 24  # on one page: it grows by half a megabyte and more with each
+MOST_RUNS = 24  # on one page, which grows by half a megabyte and more with each
 TIMELINES = ("release_power", "spectrogram")  # pictures over the time of one run
-OWN = (*TIMELINES, "surface", "contact", "recovery_events")  # pictures that show one run however many there are
-
-
-@dataclass(frozen=True)
-class Exhibit:
-    """A picture on the page; its curves as a link, where there are any and they are short enough."""
-
-    name: str
-    alt: str
-    src: str
-    csv: str | None
-    has_curves: bool
-    time: TimeAxis | None
+OWN = (*TIMELINES, "surface", "contact", "recovery_events")  # pictures of one run, however many are compared
 
 
 @dataclass(frozen=True)
 class TimeAxis:
-    """Where the plot of a picture over time lies in it [percent], and the times [s] at the plot's sides."""
+    """The plot area of a picture over time [percent of the picture], and the times at its sides [s]."""
 
     left: float
     right: float
@@ -64,8 +52,29 @@ class TimeAxis:
 
 
 @dataclass(frozen=True)
+class Exhibit:
+    """A picture on the page, with its curves as a link if they are short enough.
+
+    Parameters
+    ----------
+    name, alt : str. As in `Picture`.
+    src : str. Data URI of the SVG file.
+    csv : str or None. Data URI of the curves.
+    has_curves : bool. Whether the picture has curves at all.
+    time : TimeAxis or None. Its time axis, of a picture over time.
+    """
+
+    name: str
+    alt: str
+    src: str
+    csv: str | None
+    has_curves: bool
+    time: TimeAxis | None
+
+
+@dataclass(frozen=True)
 class Surface:
-    """A surface that some runs share."""
+    """A surface with the labels of the runs that share it."""
 
     labels: list[str]
     words: str
@@ -74,19 +83,44 @@ class Surface:
 
 
 @dataclass(frozen=True)
-class Shown:
-    """One run on the page; pictures by name."""
+class RunView:
+    """A run on the page.
+
+    Parameters
+    ----------
+    label : str. Label that tells the run from the others.
+    run : the run.
+    playback : Playback. Gains of its record.
+    wav : str. Data URI of its record.
+    pictures : dict of Exhibit. Its own pictures by name.
+    maps : RunMaps or None. Its pressure maps.
+    """
 
     label: str
-    heard: Heard
+    run: Heard
     playback: Playback
     wav: str
     pictures: dict[str, Exhibit]
+    maps: RunMaps | None
 
     @property
     def repeats(self) -> list[Caveat]:
-        """Caveats of a record that is heard as the tone of its repetition."""
-        return [each for each in caveats.stored(self.heard.numbers) if each.key in caveats.REPEATS]
+        """Caveats of a record that sounds as the tone of its repetition."""
+        return [caveat for caveat in caveats.stored(self.run.numbers) if caveat.key in caveats.REPEATS]
+
+    @property
+    def player(self) -> dict[str, Any]:
+        """Numbers of the run for the script of the page, as JSON."""
+        sound = self.run.sound
+        maps = asdict(self.maps) | {"sheet": _uri("image/png", self.maps.sheet)} if self.maps else None
+        return {
+            "label": self.label,
+            "seconds": len(sound.pressure) / sound.sample_rate,
+            "loops": sound.loops,
+            "buzzes": any(caveat.key == "short_loop" for caveat in self.repeats),
+            "playback": asdict(self.playback),
+            "maps": maps,
+        }
 
 
 def is_page(path: Path) -> bool:
@@ -95,18 +129,20 @@ def is_page(path: Path) -> bool:
         return f'<meta name="generator" content="{program.NAME} '.encode() in file.read(4096)
 
 
-def belongs(one: Heard | None, name: str, runs: int) -> bool:
-    """Whether a picture is on the page: curves of one run are not where several are compared."""
-    return one is None or runs == 1 or name in OWN
+def belongs(run: Heard | None, name: str, runs: int) -> bool:
+    """Return whether a picture is on the page; the curves of one run are not if several are compared."""
+    return run is None or runs == 1 or name in OWN
 
 
 def exhibits(runs: Sequence[Heard]) -> list[tuple[Heard | None, Exhibit]]:
-    """The pictures for the page of these runs, each with the run it shows or None."""
-    return [(one, exhibit(each)) for one, each in run_figures.gallery(runs) if belongs(one, each.name, len(runs))]
+    """Draw the pictures for the page of runs, each with its run or with None if it shows several."""
+    return [
+        (run, exhibit(picture)) for run, picture in run_figures.gallery(runs) if belongs(run, picture.name, len(runs))
+    ]
 
 
 def exhibit(picture: Picture) -> Exhibit:
-    """A picture as the page holds it."""
+    """Embed a picture."""
     csv = picture.csv() if picture.columns else b""
     link = _uri("text/csv", csv) if 0 < len(csv) <= LARGEST_CSV else None
     time = _time_axis(picture) if picture.name in TIMELINES else None
@@ -114,135 +150,71 @@ def exhibit(picture: Picture) -> Exhibit:
 
 
 def page(runs: Sequence[Heard], shelf: Sequence[tuple[Heard | None, Exhibit]], unheard: Sequence[str] = ()) -> bytes:
-    """The page of one run or several.
+    """Write the page of one run or several.
 
     Parameters
     ----------
-    runs : in the order in which they are to be seen, with labels that tell them apart; at least one.
-    shelf : their pictures, as `exhibits` gives them.
-    unheard : labels of runs of which too little is solved for a sound.
+    runs : sequence of runs, at least one, in the order of the page. Their labels differ.
+    shelf : sequence of pairs. The pictures of the runs, from `exhibits`.
+    unheard : sequence of str. Labels of runs that have too few steps for a sound. Default: none.
+
+    Returns
+    -------
+    bytes
+        The HTML file.
     """
-    peaks = [float(np.abs(one.sound.pressure).max()) for one in runs]
-    players = playback.playbacks(peaks, [one.sound.levels.laeq_db for one in runs])
-    shown = [
-        _shown(one, player, {each.name: each for whose, each in shelf if whose is one})
-        for one, player in zip(runs, players, strict=True)
-    ]
-    maps = _maps(runs)
-    data = {
-        "runs": [_played(one) | {"maps": seen} for one, seen in zip(shown, maps["runs"], strict=True)],
-        "view": maps["view"],
-        "tsv": report_text.tsv(runs),
-    }
+    scale, maps = maps_of(runs)
+    views = _views(runs, shelf, maps)
+    common = [picture for run, picture in shelf if run is None or (len(runs) == 1 and picture.name not in OWN)]
     html = (
         environment()
         .get_template("report.html")
         .render(
             generator=GENERATOR,
-            title=", ".join(dict.fromkeys(one.scene.name for one in runs)),
-            descriptions=list(dict.fromkeys(_one_line(one.scene.description) for one in runs if one.scene.description)),
+            title=", ".join(dict.fromkeys(run.scene.name for run in runs)),
+            descriptions=list(dict.fromkeys(_one_line(run.scene.description) for run in runs if run.scene.description)),
             text=report_text,
             citation=citation,
-            heard=runs,
-            runs=shown,
+            runs=runs,
+            views=views,
             unheard=list(unheard),
-            lengths={round(one.sound.duration, 4) for one in runs},
+            lengths={round(run.sound.duration, 4) for run in runs},
             SHORT_S=caveats.SHORT_S,
-            short=any(one["buzzes"] for one in data["runs"]),
-            view=maps["view"],
-            curves=[each for whose, each in shelf if whose is None or (len(runs) == 1 and each.name not in OWN)],
-            surfaces=_surfaces(shown),
-            data=data,
+            map_scale=scale,
+            curves=common,
+            surfaces=_surfaces(views),
             css=own_text("report.css"),
             js=own_text("report.js"),
+            **_script_data(runs, views, scale),
         )
     )
     return html.encode()
 
 
-def _shown(one: Heard, player: Playback, pictures: dict[str, Exhibit]) -> Shown:
-    comment = f"full scale = {player.full_scale_pa:.6g} Pa"
-    record = wav.listening(one.sound.pressure, 1 / player.full_scale_pa, comment, one.label, bits=16)
-    return Shown(one.label, one, player, _uri("audio/wav", record), pictures)
+def _script_data(runs: Sequence[Heard], views: Sequence[RunView], scale: MapScale | None) -> dict[str, Any]:
+    """Return the data of the page's script, and whether a record is short."""
+    players = [view.player for view in views]
+    data = {"runs": players, "view": asdict(scale) if scale else None, "tsv": report_text.tsv(runs)}
+    return {"data": data, "short": any(player["buzzes"] for player in players)}
 
 
-def _played(one: Shown) -> dict[str, Any]:
-    """What the player needs of a run."""
-    sound = one.heard.sound
-    return {
-        "label": one.label,
-        "seconds": len(sound.pressure) / sound.sample_rate,
-        "loops": sound.loops,
-        "buzzes": any(each.key == "short_loop" for each in one.repeats),
-        "playback": asdict(one.playback),
-    }
-
-
-def _maps(runs: Sequence[Heard]) -> dict[str, Any]:
-    """Pressure maps of all runs on one scale of length and one of pressure; None for runs without any."""
-    having = {k: one for k, one in enumerate(runs) if one.result.maps}
-    if not having:
-        return {"runs": [None] * len(runs), "view": None}
-    hardest = max(one.scene.hardness for one in having.values())
-    largest = max(float(each.pressure.max()) for one in having.values() for each in one.result.maps.values())
-    greatest = hardest if np.isfinite(hardest) else largest
-    sheets = {k: pressure_maps.sheet(_seen(one), _middle(one), greatest) for k, one in having.items()}
-    radii = {k: 1e6 * _hertz_radius(one) for k, one in having.items()}
-    view = {
-        "half_um": pressure_maps.half_width(list(sheets.values()), list(radii.values())),
-        "greatest_gpa": greatest * 1e-9,
-        "hardness": bool(np.isfinite(hardest)),
-        "colours": [f"rgb({r},{g},{b})" for r, g, b in pressure_maps.palette()[1::2]],
-    }
-    return {
-        "runs": [_placed(runs[k], sheets[k], radii[k]) if k in having else None for k in range(len(runs))],
-        "view": view,
-    }
-
-
-def _seen(one: Heard) -> list[PressureMap]:
-    """Maps of the part of the track that is heard."""
-    maps = one.result.maps
-    return [maps[position] for position in sorted(maps) if position <= one.result.done_steps]
-
-
-def _middle(one: Heard) -> float:
-    """Where across the plate the sphere runs [m]."""
-    return (one.scene.track.n_across - 1) / 2 * one.scene.spacing
-
-
-def _hertz_radius(one: Heard) -> float:
-    return closed_forms.hertz_radius(one.scene.load, one.scene.radius, one.scene.contact_modulus)
-
-
-def _placed(one: Heard, sheet: pressure_maps.Sheet, hertz_um: float) -> dict[str, Any]:
-    """The maps of a run with what is told beside them, position by position."""
-    result, maps = one.result, _seen(one)
-    positions = np.array([each.position for each in maps])
-    lap, rolled = result.solved_steps * result.step, result.done_steps * result.step
-    closes = result.complete and one.scene.track.closed
-    begins, order = pressure_maps.showing(positions * result.step, lap, rolled, closes, one.scene.motion)
-
-    def state(name: str, factor: float) -> list[float | None]:
-        values = result.series[name][positions] * factor
-        return [float(f"{value:.4g}") if np.isfinite(value) else None for value in values]
-
-    return {
-        "sheet": _uri("image/png", sheet.png),
-        "tiles": sheet.tiles,
-        "boxes": [[round(value, 4) for value in box] for box in sheet.boxes],
-        "begins": np.round(begins, 7).tolist(),
-        "order": order.tolist(),
-        "hertz_um": hertz_um,
-        "load_n": one.scene.load,
-        "position_mm": [float(f"{each.distance * 1e3:.6g}") for each in maps],
-        "max_pressure_gpa": state("max_pressure", 1e-9),
-        "contact_um2": state("contact_area", 1e12),
-        "plastic_um2": state("plastic_area", 1e12),
-    }
+def _views(
+    runs: Sequence[Heard], shelf: Sequence[tuple[Heard | None, Exhibit]], maps: Sequence[RunMaps | None]
+) -> list[RunView]:
+    """Return the runs with players, pictures and maps."""
+    peaks = [float(np.abs(run.sound.pressure).max()) for run in runs]
+    gains = playback.playbacks(peaks, [run.sound.levels.laeq_db for run in runs])
+    views = []
+    for run, gain, own_maps in zip(runs, gains, maps, strict=True):
+        comment = f"full scale = {gain.full_scale_pa:.6g} Pa"
+        record = wav.listening(run.sound.pressure, 1 / gain.full_scale_pa, comment, run.label, bits=16)
+        pictures = {picture.name: picture for owner, picture in shelf if owner is run}
+        views.append(RunView(run.label, run, gain, _uri("audio/wav", record), pictures, own_maps))
+    return views
 
 
 def _time_axis(picture: Picture) -> TimeAxis:
+    """Read the time axis of a picture, whose label names the unit."""
     left, bottom, right, top = (100 * share for share in picture.plot_area())
     axes = picture.figure.axes[0]
     unit = axes.get_xlabel().partition("[")[2].partition("]")[0]
@@ -251,18 +223,18 @@ def _time_axis(picture: Picture) -> TimeAxis:
     return TimeAxis(left, right, 100 - top, 100 - bottom, begin * second, end * second)
 
 
-def _surfaces(runs: Sequence[Shown]) -> list[Surface]:
-    """The different surfaces, each with the runs that roll over it."""
-    sharing: dict[str, list[Shown]] = {}
-    for one in runs:
-        scene, way = one.heard.scene, one.heard.scene.track
-        key = f"{scene.surface.model_dump_json()} {scene.height_path} {way.n_along} {way.n_across}"
-        sharing.setdefault(key, []).append(one)
+def _surfaces(views: Sequence[RunView]) -> list[Surface]:
+    """Return the different surfaces, each with the labels of its runs."""
+    sharing: dict[str, list[RunView]] = {}
+    for view in views:
+        scene, grid = view.run.scene, view.run.scene.track
+        key = f"{scene.surface.model_dump_json()} {scene.height_path} {grid.n_along} {grid.n_across}"
+        sharing.setdefault(key, []).append(view)
     return [
         Surface(
-            labels=[one.label for one in members],
-            words=report_text.surface_words(members[0].heard.scene),
-            statistics=members[0].heard.numbers["surface"],
+            labels=[view.label for view in members],
+            words=report_text.surface_words(members[0].run.scene),
+            statistics=members[0].run.numbers["surface"],
             picture=members[0].pictures["surface"],
         )
         for members in sharing.values()
@@ -275,11 +247,12 @@ def _one_line(text: str) -> str:
 
 
 def _uri(kind: str, content: bytes) -> str:
+    """Return a file as a data URI."""
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def environment() -> jinja2.Environment:
-    """Of the pages: everything that is filled in is escaped, and what is missing is an error."""
+    """Return the environment of the pages, which escapes all values and raises on missing ones."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("rolling.report", "assets"),
         autoescape=True,
@@ -288,16 +261,16 @@ def environment() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     environment.filters["slug"] = _slug
-    # What is no number must not reach the page's script, where it would not be JSON.
+    # NaN must not reach the script of the page, because it is no JSON.
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     return environment
 
 
 def _slug(label: str) -> str:
-    """A label as part of a file's name."""
+    """Write a label as part of a file's name."""
     return re.sub(r"[^A-Za-z0-9.=-]+", "_", label).strip("_")
 
 
 def own_text(name: str) -> Markup:
-    """A file of the page, which is the program's own text."""
+    """Read a file of the page, which is the program's own text and needs no escaping."""
     return Markup(files("rolling.report").joinpath("assets", name).read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""Gains with which records are compared by ear: as loud as they are, or all equally loud; nothing clips."""
+"""Gains to compare records by ear, calibrated or equally loud, without clipping."""
 
 from __future__ import annotations
 
@@ -11,12 +11,16 @@ from acoustics.wav import PEAK
 
 @dataclass(frozen=True)
 class Playback:
-    """How one record is played; a silent one has gains of 0 and no levels.
+    """The gains of a record; a silent one has gains of 0 and no levels.
 
-    full_scale_pa : sound pressure that full scale of its file stands for [Pa], its own peak being at -1 dB.
-    calibrated, equal : factors on the file's samples, with one full scale for all records and with one LAeq for all.
-    calibrated_pa, equal_pa : sound pressure that full scale then stands for [Pa]; the same for all when calibrated.
-    equal_db : what equal loudness adds to the calibrated level [dB].
+    Parameters
+    ----------
+    full_scale_pa : float, Pa. Sound pressure of full scale in its file, whose peak lies at -1 dB.
+    calibrated, equal : float. Factors on the samples of the file, for one full scale and for one LAeq
+        of all records.
+    calibrated_pa, equal_pa : float, Pa. Sound pressure of full scale after that; the calibrated one is
+        equal for all records.
+    equal_db : float, dB. Difference of the equally loud to the calibrated level.
     """
 
     full_scale_pa: float
@@ -28,27 +32,28 @@ class Playback:
 
 
 def playbacks(peaks_pa: Sequence[float], laeq_db: Sequence[float | None]) -> list[Playback]:
-    """The gains of records that are compared.
+    """Compute the gains of records that are compared.
 
     Parameters
     ----------
-    peaks_pa : largest sample of each record [Pa].
-    laeq_db : its level; None: it is silent, or has nothing that A-weighting leaves.
+    peaks_pa : sequence of float, Pa. Maximum |p| of each record.
+    laeq_db : sequence of float or None, dB. Level of each record; None if it is silent or A-weighting
+        leaves nothing.
     """
     scales = [peak / PEAK if peak > 0 else 1.0 for peak in peaks_pa]
     common = max((scale for scale, peak in zip(scales, peaks_pa, strict=True) if peak > 0), default=1.0)
-    # Each record reaches its greatest loudness with its peak at the limit; the least of these all can reach.
+    # Each record is loudest with its peak at the limit; the minimum of these levels is one that all can reach.
     target = min(
         (level - _db(scale) for scale, level in zip(scales, laeq_db, strict=True) if level is not None), default=0.0
     )
-    found = []
+    gains = []
     for scale, peak, level in zip(scales, peaks_pa, laeq_db, strict=True):
         if not peak > 0:
-            found.append(Playback(scale))
+            gains.append(Playback(scale))
             continue
         equal_pa = common if level is None else 10.0 ** ((level - target) / 20.0)
-        found.append(Playback(scale, scale / common, scale / equal_pa, common, equal_pa, _db(common / equal_pa)))
-    return found
+        gains.append(Playback(scale, scale / common, scale / equal_pa, common, equal_pa, _db(common / equal_pa)))
+    return gains
 
 
 def _db(ratio: float) -> float:

@@ -1,4 +1,4 @@
-"""Pressure maps of a run as one picture to be cut up by a page, and when each is to be seen. Depends on Pillow and simulate."""
+"""Pressure maps of a run as one picture that the page cuts up, with the times of each map."""
 
 from __future__ import annotations
 
@@ -23,10 +23,13 @@ SHADES = 255  # of pressure; entry 0 of the palette is no pressure at all
 
 @dataclass(frozen=True)
 class Sheet:
-    """Maps side by side in one PNG with a palette, the track to the right, across upwards.
+    """Maps side by side in one PNG with a palette; the track runs to the right, across is upwards.
 
-    tiles : per map left, top, width and height in the PNG [pixels], a pixel being a cell.
-    boxes : per map left and top from the sphere's centre [um], across upwards, and the side of a cell [um].
+    Parameters
+    ----------
+    png : bytes. The picture.
+    tiles : list. Left, top, width and height of each map in the PNG [pixels]; a pixel is a cell.
+    boxes : list. Left and top of each map from the sphere's centre, across upwards, and side of a cell [um].
     """
 
     png: bytes
@@ -35,47 +38,47 @@ class Sheet:
 
 
 def palette() -> NDArray[np.uint8]:
-    """Colours (1 + SHADES, 3): of no pressure, then from the least to the greatest."""
+    """Return colours (1 + SHADES, 3): one for no pressure, then from the minimum to the maximum."""
     colours = matplotlib.colormaps[COLOUR_MAP](np.linspace(0, 1, SHADES))[:, :3]
     return np.vstack([np.zeros(3), np.round(255 * colours)]).astype(np.uint8)
 
 
-def shades(pressure: NDArray[np.float32], greatest: float) -> NDArray[np.uint8]:
-    """Palette entries of pressures [Pa]: 0 where there is none, else 1 to SHADES, linear up to the greatest."""
-    share = np.clip(np.asarray(pressure, dtype=float) / greatest, 0, 1)
+def shades(pressure: NDArray[np.float32], maximum: float) -> NDArray[np.uint8]:
+    """Return palette entries of pressures [Pa]: 0 without pressure, then 1 to SHADES, linear up to the maximum."""
+    share = np.clip(np.asarray(pressure, dtype=float) / maximum, 0, 1)
     return np.where(share > 0, 1 + np.round((SHADES - 1) * share), 0).astype(np.uint8)
 
 
-def sheet(maps: Sequence[PressureMap], middle: float, greatest: float) -> Sheet:
-    """The maps of a run about the sphere's centre.
+def sheet(maps: Sequence[PressureMap], middle: float, maximum: float) -> Sheet:
+    """Arrange the maps of a run about the sphere's centre in one picture.
 
     Parameters
     ----------
-    maps : at least one.
-    middle : where across the plate the sphere runs [m].
-    greatest : pressure of the last colour [Pa].
+    maps : sequence of maps, at least each.
+    middle : float, m. Position of the sphere across the plate.
+    maximum : float, Pa. Pressure of the last colour.
     """
-    width, height = (max(one.pressure.shape[axis] for one in maps) for axis in (0, 1))
+    width, height = (max(each.pressure.shape[axis] for each in maps) for axis in (0, 1))
     columns = math.ceil(math.sqrt(len(maps) * height / width))
     rows = math.ceil(len(maps) / columns)
     pixels = np.zeros((rows * height, columns * width), dtype=np.uint8)
     tiles, boxes = [], []
-    for number, one in enumerate(maps):
-        along, across = one.pressure.shape
-        top, left = (number // columns) * height, (number % columns) * width
+    for index, each in enumerate(maps):
+        along, across = each.pressure.shape
+        top, left = (index // columns) * height, (index % columns) * width
         # Rows of a picture go down, the plate's second axis goes up.
-        pixels[top : top + across, left : left + along] = shades(one.pressure, greatest).T[::-1]
+        pixels[top : top + across, left : left + along] = shades(each.pressure, maximum).T[::-1]
         tiles.append((left, top, along, across))
-        edges = one.along - one.distance, one.across + across * one.cell - middle
-        boxes.append((edges[0] * 1e6, edges[1] * 1e6, one.cell * 1e6))
+        edges = each.along - each.distance, each.across + across * each.cell - middle
+        boxes.append((edges[0] * 1e6, edges[1] * 1e6, each.cell * 1e6))
     return Sheet(_png(pixels), tiles, boxes)
 
 
 def half_width(sheets: Sequence[Sheet], radii_um: Sequence[float]) -> float:
-    """Half the side [um] of a square about the sphere's centre that holds all maps and circles of those radii."""
+    """Return half the side [um] of a square about the sphere's centre that holds all maps and circles."""
     reach = list(radii_um)
-    for one in sheets:
-        for (left, top, cell), (_, _, along, across) in zip(one.boxes, one.tiles, strict=True):
+    for sheet in sheets:
+        for (left, top, cell), (_, _, along, across) in zip(sheet.boxes, sheet.tiles, strict=True):
             reach += [-left, left + along * cell, top, across * cell - top]
     return 1.05 * max(reach)
 
@@ -83,14 +86,22 @@ def half_width(sheets: Sequence[Sheet], radii_um: Sequence[float]) -> float:
 def showing(
     distances: Array, lap: float, rolled: float, closes: bool, motion: Motion
 ) -> tuple[Array, NDArray[np.int64]]:
-    """From which time on [s] which map is the nearest to the sphere; in order of time, the first from 0.
+    """Return the times from which each map is the nearest to the sphere, and the maps in that order.
 
     Parameters
     ----------
-    distances : (maps,) rolled from the start to each map [m], increasing, less than a lap.
-    lap : after which the positions repeat [m].
-    rolled : all the way [m], several laps or a part of one.
-    closes : the end of a lap is its beginning, as it is whenever there are several.
+    distances : array (maps,), m. Distance rolled from the start to each map, increasing, less than a lap.
+    lap : float, m. Distance after which the positions repeat.
+    rolled : float, m. Whole distance, several laps or a part of one.
+    closes : bool. Whether the end of a lap meets its beginning; several laps always do.
+    motion : Motion. Distance against time.
+
+    Returns
+    -------
+    times : array (n,), s
+        Rising times, the first 0.
+    order : array (n,) of int
+        Index of the map shown from each time on.
     """
     laps = math.ceil(rolled / lap * (1 - 1e-9))
     places = (distances + lap * np.arange(laps)[:, None]).ravel()

@@ -1,10 +1,11 @@
-"""What a report says of runs in words and tables: plain text, from scenes, summaries and provenance. Depends on summary."""
+"""Texts and tables of the report as plain text, from scenes, summaries and provenance."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from matplotlib.ticker import EngFormatter
@@ -27,9 +28,16 @@ NOTHING = "-"
 
 @dataclass(frozen=True)
 class Column:
-    """A number of summary.json as a column: its name there and that of its uncertainty, heading, unit, factor, format.
+    """A number of summary.json as a column of the table of levels.
 
-    Without a format it has four digits.
+    Parameters
+    ----------
+    key : str. Name in summary.json.
+    uncertainty : str or None. Name of its uncertainty there.
+    head : str. Heading.
+    unit : str. Unit in the table.
+    factor : float. Factor from summary.json to that unit. Default 1.
+    digits : str. Format; empty for four digits. Default one decimal.
     """
 
     key: str
@@ -50,7 +58,7 @@ COLUMNS = (
     Column("loudness_sone", None, "loudness", "sone", 1.0, ".3g"),
     Column("sharpness_acum", None, "sharpness", "acum", 1.0, ".3g"),
     Column("plastic_ratio", None, "plastic ratio", "", 1.0, ".3f"),
-    Column("max_pressure_pa", None, "greatest pressure", "GPa", 1e-9, ".3g"),
+    Column("max_pressure_pa", None, "maximum pressure", "GPa", 1e-9, ".3g"),
     Column("contact_area_mean_m2", None, "contact area", "µm²", 1e12, ""),
     Column("release_power_mean_w", None, "release, mean", "µW", 1e6, ""),
     Column("release_power_rms_w", None, "release, rms", "µW", 1e6, ""),
@@ -60,7 +68,7 @@ ASKED_FOR = ("loudness_sone", "sharpness_acum")  # not shown where no scene aske
 
 @dataclass(frozen=True)
 class Table:
-    """Headings, and per row a heading and cells."""
+    """A table: column heads, and per row a head and cells."""
 
     heads: list[str]
     rows: list[tuple[str, list[str]]]
@@ -68,68 +76,96 @@ class Table:
 
 @dataclass(frozen=True)
 class Fact:
-    """What holds for all runs (one value, no labels), or for some."""
+    """A fact about runs.
 
-    what: str
+    Parameters
+    ----------
+    name : str. Quantity.
+    values : list of pairs. Labels and value; one value without labels holds for all runs.
+    """
+
+    name: str
     values: list[tuple[str, str]]
 
 
+@dataclass(frozen=True)
+class Recipe:
+    """The scene that makes runs again.
+
+    Parameters
+    ----------
+    labels : str. Labels of the runs.
+    file : str. Name of a scene file.
+    scene : str. Resolved scene in YAML.
+    command : str. Command that runs the file.
+    """
+
+    labels: str
+    file: str
+    scene: str
+    command: str
+
+
 def sentence(runs: Sequence[Heard]) -> str:
-    """The result in one sentence."""
-    heard = [(level, one) for one in runs if (level := one.sound.levels.laeq_db) is not None]
-    if not heard:
+    """State the result in one sentence."""
+    sounding = [(level, run) for run in runs if (level := run.sound.levels.laeq_db) is not None]
+    if not sounding:
         return "No sound: the release does not fluctuate within hearing."
-    distances = {f"{one.scene.sound.distance_m:g} m" for one in runs}
+    distances = {f"{run.scene.sound.distance_m:g} m" for run in runs}
     at = f" at {distances.pop()}" if len(distances) == 1 else ""
-    silent = len(runs) - len(heard)
+    silent = len(runs) - len(sounding)
     also = f" {silent} of {len(runs)} runs are silent." if silent else ""
-    if len(heard) == 1:
-        level, one = heard[0]
-        laeq = uncertain(level, one.numbers["uncertainty_db"]["laeq"])
-        return f"{one.label}: LAeq {laeq} dB re 20 µPa{at}.{also}"
-    least, most = min(heard, key=lambda pair: pair[0]), max(heard, key=lambda pair: pair[0])
+    if len(sounding) == 1:
+        level, run = sounding[0]
+        laeq = uncertain(level, run.numbers["uncertainty_db"]["laeq"])
+        return f"{run.label}: LAeq {laeq} dB re 20 µPa{at}.{also}"
+    low_db, quietest = min(sounding, key=lambda pair: pair[0])
+    high_db, loudest = max(sounding, key=lambda pair: pair[0])
     return (
-        f"LAeq{at} lies between {least[0]:.1f} dB ({least[1].label}) and {most[0]:.1f} dB ({most[1].label}),"
-        f" {most[0] - least[0]:.1f} dB apart.{also}"
+        f"LAeq{at} lies between {low_db:.1f} dB ({quietest.label}) and {high_db:.1f} dB ({loudest.label}),"
+        f" {high_db - low_db:.1f} dB apart.{also}"
     )
 
 
 def levels(runs: Sequence[Heard]) -> Table:
-    """Levels and contact numbers, a row per run; a level that is not there is `silent` or, not computed, `-`."""
+    """Tabulate levels and contact numbers, a row per run.
+
+    A level without sound is `silent`, and one that was not computed `-`.
+    """
     columns = _columns(runs)
 
-    def cell(one: Heard, column: Column) -> str:
-        if column.key not in one.numbers:
+    def cell(run: Heard, column: Column) -> str:
+        if column.key not in run.numbers:
             return NOTHING
-        value = one.numbers[column.key]
+        value = run.numbers[column.key]
         if value is None:
             return "silent" if column.key.endswith("_db") else NOTHING
         if column.uncertainty:
-            return uncertain(value, _uncertainty(one, column))
+            return uncertain(value, _uncertainty(run, column))
         return f"{value * column.factor:{column.digits}}" if column.digits else significant(value * column.factor)
 
     heads = [column.head + (f" [{column.unit}]" if column.unit else "") for column in columns]
-    return Table(heads, [(one.label, [cell(one, column) for column in columns]) for one in runs])
+    return Table(heads, [(run.label, [cell(run, column) for column in columns]) for run in runs])
 
 
 def tsv(runs: Sequence[Heard]) -> str:
-    """Write the same numbers for a spreadsheet, the caveats above them.
+    """Write the numbers of `levels` for a spreadsheet, with the caveats above them.
 
-    Tabs separate the cells, uncertainties have columns of their own, silence leaves a cell empty.
+    Tabs separate the cells, uncertainties have columns of their own, and silence leaves a cell empty.
     """
     columns = _columns(runs)
-    uncertain = [column for column in columns if any(_uncertainty(one, column) is not None for one in runs)]
+    uncertain = [column for column in columns if any(_uncertainty(run, column) is not None for run in runs)]
     lines = [["run"]]
     for column in columns:
         name = column.head + (f" [{column.unit}]" if column.unit else "")
         lines[0] += [name, f"u({column.head}) [dB]"] if column in uncertain else [name]
-    for one in runs:
-        row = [one.label]
+    for run in runs:
+        row = [run.label]
         for column in columns:
-            value = one.numbers.get(column.key)
+            value = run.numbers.get(column.key)
             row.append("" if value is None else f"{value * column.factor:.6g}")
             if column in uncertain:
-                uncertainty = _uncertainty(one, column)
+                uncertainty = _uncertainty(run, column)
                 row.append("" if uncertainty is None else f"{uncertainty:.3g}")
         lines.append(row)
     rows = ["\t".join(quoted(cell, "\t") for cell in row) for row in lines]
@@ -137,56 +173,83 @@ def tsv(runs: Sequence[Heard]) -> str:
 
 
 def significant(value: float) -> str:
-    """Four digits, without an exponent up to a million."""
+    """Write a number with four digits, without an exponent up to a million."""
     return f"{float(f'{value:.4g}'):g}"
 
 
 def _columns(runs: Sequence[Heard]) -> list[Column]:
-    return [c for c in COLUMNS if c.key not in ASKED_FOR or any(c.key in one.numbers for one in runs)]
+    return [
+        column for column in COLUMNS if column.key not in ASKED_FOR or any(column.key in run.numbers for run in runs)
+    ]
 
 
-def _uncertainty(one: Heard, column: Column) -> float | None:
-    return one.numbers["uncertainty_db"].get(column.uncertainty)
+def _uncertainty(run: Heard, column: Column) -> float | None:
+    uncertainty: float | None = run.numbers["uncertainty_db"].get(column.uncertainty)
+    return uncertainty
 
 
 def bands(runs: Sequence[Heard]) -> list[tuple[str, bool, list[str]]]:
-    """Third octaves: nominal mid frequency, whether every record is long enough to read it, Z level of each run."""
-    certain = reliable(min(one.sound.duration for one in runs))
+    """Tabulate third octaves.
 
-    def cell(one: Heard, band: str) -> str:
-        level = one.sound.levels.third_octave_db[band]
+    Returns
+    -------
+    list of rows
+        Nominal mid frequency, whether every record is long enough to read the band, Z level of each run.
+    """
+    certain = reliable(min(run.sound.duration for run in runs))
+
+    def cell(run: Heard, band: str) -> str:
+        level = run.sound.levels.third_octave_db[band]
         if level is None:
             return NOTHING
-        return uncertain(level, one.numbers["third_octave_uncertainty_db"][band])
+        return uncertain(level, run.numbers["third_octave_uncertainty_db"][band])
 
     return [
-        (band, bool(sure), [cell(one, band) for one in runs]) for band, sure in zip(BAND_NAMES, certain, strict=True)
+        (band, bool(sure), [cell(run, band) for run in runs]) for band, sure in zip(BAND_NAMES, certain, strict=True)
     ]
 
 
 BANDS_NOTE = (
     f"dB re 20 µPa, Z. Grey: bandwidth times duration below {LEAST_BT:g}, uncertain by 2 dB or more."
-    " -: no sound, or above what the steps resolve."
+    " -: no sound, or a band that the steps do not resolve."
 )
 
 
 LEVELS_NOTE = (
-    "Levels re 20 µPa of the fluctuation, which is what sounds, over the whole record, with their standard uncertainty; the"
-    " steady level is of the mean intensity, which is silent."
+    "Levels are re 20 µPa and belong to the fluctuation, the audible part, over the whole record, with their standard"
+    " uncertainty; the steady level belongs to the mean intensity, which is silent."
 )
 
 
 def assumptions(runs: Sequence[Heard]) -> list[Fact]:
-    """What the numbers rest on, each once where it is the same for all."""
-    facts = [_assumed(one) for one in runs]
+    """List the assumptions behind the numbers, each once if all runs share it."""
+    facts = [_assumed_sound(run) | _assumed_contact(run) for run in runs]
     return [
-        _grouped(what, [(one.label, fact[what]) for one, fact in zip(runs, facts, strict=True)]) for what in facts[0]
+        _grouped(name, [(run.label, fact[name]) for run, fact in zip(runs, facts, strict=True)]) for name in facts[0]
     ]
 
 
-def _assumed(one: Heard) -> dict[str, str]:
-    scene, sound = one.scene, one.sound
+def _assumed_sound(run: Heard) -> dict[str, str]:
+    """Return the assumptions between release and listener, by quantity."""
+    scene, sound = run.scene, run.sound
     fixed = scene.sound.gain_pa_per_w_m2 is not None
+    return {
+        "radiated share q": f"{scene.sound.q:g}",
+        "distance": f"{scene.sound.distance_m:g} m, spherical spreading",
+        "impedance of air": f"{RHO_C:g} Pa s/m (20 °C)",
+        "sound pressure per intensity": f"{significant(sound.factor)} Pa per W/m²" if sound.factor else "none: silent",
+        "rule of that factor": "fixed by the scene"
+        if fixed
+        else "mean p² over the impedance is the rms of the intensity's fluctuation",
+        "record": f"{sound.duration:.4g} s" + f", {'closes on itself' if sound.loops else sound.ends}",
+        "resolved up to": f"{min(sound.highest, sound.sample_rate / 2) / 1e3:.4g} kHz"
+        + ("" if sound.constant_speed else " at the maximum speed, less while it is slower"),
+    }
+
+
+def _assumed_contact(run: Heard) -> dict[str, str]:
+    """Return the assumptions about bodies, motion and solver, by quantity."""
+    scene, sound = run.scene, run.sound
     plate, sphere = scene.plate, scene.sphere
     elastic = (
         f", {sphere.youngs_modulus_gpa:g} GPa, Poisson's ratio {sphere.poissons_ratio:g}"
@@ -199,16 +262,6 @@ def _assumed(one: Heard) -> dict[str, str]:
     )
     speed = f"{fastest} m/s" if sound.constant_speed else f"{slowest} to {fastest} m/s"
     return {
-        "radiated share q": f"{scene.sound.q:g}",
-        "distance": f"{scene.sound.distance_m:g} m, spherical spreading",
-        "impedance of air": f"{RHO_C:g} Pa s/m (20 °C)",
-        "sound pressure per intensity": f"{significant(sound.factor)} Pa per W/m²" if sound.factor else "none: silent",
-        "rule of that factor": "fixed by the scene"
-        if fixed
-        else "mean p² over the impedance is the rms of the intensity's fluctuation",
-        "record": f"{sound.duration:.4g} s" + f", {'closes on itself' if sound.loops else sound.ends}",
-        "resolved up to": f"{min(sound.highest, sound.sample_rate / 2) / 1e3:.4g} kHz"
-        + ("" if sound.constant_speed else " at the greatest speed, less while it is slower"),
         "load": f"{scene.load:g} N, constant",
         "speed": speed,
         "sphere": f"R {sphere.radius_mm:g} mm" + (elastic or ", rigid"),
@@ -225,7 +278,7 @@ def _assumed(one: Heard) -> dict[str, str]:
 
 
 def _half_space(scene: Scene) -> str:
-    """How far the scene is from where a half-space no longer holds."""
+    """Compare slope and contact radius with the limits of a half-space."""
     values = {finding.key: finding.value for finding in findings.findings(scene)}
     return (
         f"rms slope {values['slope']} (holds up to {validity.MAX_SLOPE:g}),"
@@ -234,7 +287,7 @@ def _half_space(scene: Scene) -> str:
 
 
 def surface_words(scene: Scene) -> str:
-    """The surface as the scene asks for it."""
+    """Describe the surface of a scene."""
     s = scene.surface
     if isinstance(s, Gaussian):
         across = s.correlation_length_across_um
@@ -250,23 +303,23 @@ def surface_words(scene: Scene) -> str:
 
 def remarks(runs: Sequence[Heard]) -> list[Remark]:
     """List all caveats of runs, each once."""
-    return caveats.gathered([(one.label, caveats.stored(one.numbers)) for one in runs])
+    return caveats.gathered([(run.label, caveats.stored(run.numbers)) for run in runs])
 
 
 def headline(runs: Sequence[Heard]) -> str:
-    """Say what belongs beside every level."""
+    """Join the caveats that stand beside every level."""
     return " ".join(each.line for each in remarks(runs) if each.key in caveats.HEADLINE)
 
 
 def partial(runs: Sequence[Heard]) -> list[Remark]:
-    """Say which runs are partial, if any are."""
+    """List the caveat that names the partial runs, if there are any."""
     return [each for each in remarks(runs) if each.key == "partial"]
 
 
 def standing(runs: Sequence[Heard]) -> list[Remark]:
-    """List the caveats that hold of any run like these and are not said at the top."""
-    said = (*caveats.HEADLINE, "partial")
-    return [each for each in remarks(runs) if each.key in caveats.STANDING and each.key not in said]
+    """List the caveats that hold for any such run and do not stand at the top."""
+    top = (*caveats.HEADLINE, "partial")
+    return [remark for remark in remarks(runs) if remark.key in caveats.STANDING and remark.key not in top]
 
 
 def warnings(runs: Sequence[Heard]) -> list[Remark]:
@@ -274,65 +327,64 @@ def warnings(runs: Sequence[Heard]) -> list[Remark]:
     return [each for each in remarks(runs) if each.key not in caveats.STANDING]
 
 
-def events(one: Heard) -> list[Fact]:
-    """The recovery events of a run in numbers; nothing where none were asked for, or there are none."""
-    found = one.event_statistics
-    if found is None:
+def events(run: Heard) -> list[Fact]:
+    """List the numbers of the recovery events of a run; empty without events."""
+    statistics = run.event_statistics
+    if statistics is None:
         return []
     joule = EngFormatter("J", places=1)
-    told = {
-        "events": f"{found.count:,}, {found.per_metre * 1e-3:,.0f} per mm",
-        "energy of an event": f"mean {joule(found.energy_mean)}, median {joule(found.energy_median)},"
-        f" nine in ten below {joule(found.energy_p90)}",
-        "mean duration": f"{found.duration_mean:.3g} steps of {one.result.step * 1e6:g} µm",
-        "most of one node in a step": joule(found.peak),
-        "top tenth of the events": f"{100 * found.top_tenth_share:.3g} % of the release",
+    values = {
+        "events": f"{statistics.count:,}, {statistics.per_metre * 1e-3:,.0f} per mm",
+        "energy of an event": f"mean {joule(statistics.energy_mean)}, median {joule(statistics.energy_median)},"
+        f" nine in ten below {joule(statistics.energy_p90)}",
+        "mean duration": f"{statistics.duration_mean:.3g} steps of {run.result.step * 1e6:g} µm",
+        "maximum of a node in a step": joule(statistics.peak),
+        "top tenth of the events": f"{100 * statistics.top_tenth_share:.3g} % of the release",
     }
-    return [Fact(what, [("", value)]) for what, value in told.items()]
+    return [Fact(name, [("", value)]) for name, value in values.items()]
 
 
-def _grouped(what: str, values: Sequence[tuple[str, str]]) -> Fact:
+def _grouped(name: str, values: Sequence[tuple[str, str]]) -> Fact:
+    """Gather the labels (first of each pair) of equal values."""
     if len({value for _, value in values}) == 1:
-        return Fact(what, [("", values[0][1])])
+        return Fact(name, [("", values[0][1])])
     by_value: dict[str, list[str]] = {}
     for label, value in values:
         by_value.setdefault(value, []).append(label)
-    return Fact(what, [("; ".join(labels), value) for value, labels in by_value.items()])
+    return Fact(name, [("; ".join(labels), value) for value, labels in by_value.items()])
 
 
-def made(runs: Sequence[Heard]) -> list[dict[str, str]]:
-    """How to make runs again: their labels, scene file's name, resolved scene in YAML, command; those of one sweep together."""
-    found = []
-    for folder in dict.fromkeys(one.home for one in runs):
-        members = [one for one in runs if one.home == folder]
-        name = f"{members[0].scene.name}.yaml"
-        text = folder / "resolved.yaml"
-        labels = "; ".join(one.label for one in members)
-        found.append(
-            {
-                "labels": labels,
-                "file": name,
-                "scene": text.read_text(encoding="utf-8"),
-                "command": f"rolling run {name}",
-            }
+def recipes(runs: Sequence[Heard]) -> list[Recipe]:
+    """Return the scenes that make runs again, run for all runs of a sweep."""
+    members: dict[Path, list[Heard]] = {}
+    for run in runs:
+        members.setdefault(run.home, []).append(run)
+    return [
+        Recipe(
+            labels="; ".join(run.label for run in sweep),
+            file=f"{sweep[0].scene.name}.yaml",
+            scene=(folder / "resolved.yaml").read_text(encoding="utf-8"),
+            command=f"rolling run {sweep[0].scene.name}.yaml",
         )
-    return found
+        for folder, sweep in members.items()
+    ]
 
 
 def provenance(runs: Sequence[Heard]) -> list[Fact]:
-    """What made the numbers, as the run folders say."""
-    stories = [(one.label, _story(one)) for one in runs]
-    whats = list(dict.fromkeys(what for _, story in stories for what in story))
-    return [_grouped(what, [(label, story.get(what, NOTHING)) for label, story in stories]) for what in whats]
+    """List program, packages and machine that made the numbers, from the run folders."""
+    records = [(run.label, _provenance(run)) for run in runs]
+    names = list(dict.fromkeys(name for _, record in records for name in record))
+    return [_grouped(name, [(label, record.get(name, NOTHING)) for label, record in records]) for name in names]
 
 
-def _story(one: Heard) -> dict[str, str]:
-    path = one.folder / "provenance.json"
+def _provenance(run: Heard) -> dict[str, str]:
+    """Read provenance.json of a run folder; empty without run."""
+    path = run.folder / "provenance.json"
     if not path.is_file():
         return {}
-    told: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    packages = told.pop("packages", {})
-    told.pop("written", None)
-    return {what: NOTHING if value is None else str(value) for what, value in told.items()} | {
+    record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    packages = record.pop("packages", {})
+    record.pop("written", None)
+    return {name: NOTHING if value is None else str(value) for name, value in record.items()} | {
         "packages": ", ".join(f"{name} {version}" for name, version in packages.items())
     }
