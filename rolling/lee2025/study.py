@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics import plots as sound_plots
-from acoustics import uncertainty
+from acoustics import level, uncertainty
+from acoustics.bands import third_octave_mean_square
 from acoustics.level import I_REF_W_M2
-from acoustics.spectrum import article_line_level_db
+from acoustics.spectrum import article_line_level_db, line_spectrum
 from acoustics.weighting import a_weighting_db
 from rolling.contact import closed_forms
 from rolling.folders import files as run_folder
@@ -30,7 +31,7 @@ from rolling.simulation import batch
 from rolling.simulation.batch import Run
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
-from rolling.sound import contact_sound
+from rolling.sound import ContactSound, contact_sound
 
 Array = NDArray[np.float64]
 
@@ -238,18 +239,10 @@ def case(reading: str, one: Run, result: Result) -> Case:
     lines = sound_plots.Lines.audible(line_hz, line_db)
     mean_hz, mean_db = lines.mean
     weighting = a_weighting_db(lines.frequency_hz)
-    # Sound pressure is linear in the fluctuation: back from its levels to watts.
-    watts = 4 * math.pi * scene.sound.distance_m**2 / scene.sound.q
-
+    band_w, a_weighted_w = _fluctuation(scene, sound)
     unfactored = uncertainty.level_uncertainty(
         sound.pressure, sound.sample_rate, sound.levels, own_factor=False, laps=result.steps / result.solved_steps
     )
-
-    def fluctuation(level_db: float | None) -> float:
-        return (
-            math.nan if level_db is None or not sound.factor else 20e-6 * 10 ** (level_db / 20) / sound.factor * watts
-        )
-
     return Case(
         reading=reading,
         roughness_um=roughness,
@@ -271,9 +264,24 @@ def case(reading: str, one: Run, result: Result) -> Case:
         maximum_20_db=float((2 * (lines.level_db - weighting) + weighting).max()),
         line_hz=mean_hz,
         line_db=mean_db,
-        band_w=np.array([fluctuation(level) for level in sound.levels.third_octave_db.values()]),
-        a_weighted_w=fluctuation(sound.levels.laeq_db),
+        band_w=band_w,
+        a_weighted_w=a_weighted_w,
     )
+
+
+def _fluctuation(scene: Scene, sound: ContactSound) -> tuple[Array, float]:
+    """Compute the rms [W] of the release power's fluctuation in each third octave (31,) and A-weighted within hearing.
+
+    Sound pressure is linear in the fluctuation of the intensity, and so of the power. The result is NaN wherever the
+    sound has no level.
+    """
+    levels = sound.levels
+    if not sound.factor or levels.laeq_db is None:
+        return np.full(len(levels.third_octave_db), np.nan), math.nan
+    watts = sound.pressure / sound.factor * (4 * math.pi * scene.sound.distance_m**2 / scene.sound.q)
+    band_rms = np.sqrt(third_octave_mean_square(*line_spectrum(watts, sound.sample_rate)))
+    known = [level_db is not None for level_db in levels.third_octave_db.values()]
+    return np.where(known, band_rms, np.nan), level.a_weighted_rms(watts, sound.sample_rate)
 
 
 def _number(value: float | None) -> float:
