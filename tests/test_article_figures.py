@@ -15,11 +15,14 @@ import pytest
 
 from rolling.figures.picture import Picture
 from rolling.lee2025 import figure_data, figures, page, study
+from rolling.lee2025.checks import Finding
 from rolling.lee2025.figure_data import Reading, Scales
+from rolling.lee2025.results import Extent, JudgedClaim, Judgement, Score, Table
+from rolling.lee2025.statements import CLAIMS, Claim
 from rolling.lee2025.study import Case
 from rolling.scene import file
-from rolling.surface import scene_surface
 from rolling.surface import heights as surface
+from rolling.surface import scene_surface
 
 SCENE = """\
 name: small
@@ -269,25 +272,19 @@ def test_correlation_lengths_have_a_figure_of_their_own() -> None:
 
 
 def test_page_has_a_column_for_each_reading_and_asks_for_nothing(synthetic: Reading) -> None:
-    findings = [
-        {"reading": "synthetic", "scale": 10, "verdict": "undecided", "measured": "14 dB", "decided_by": "the grid"},
-        {"reading": "synthetic", "scale": 10, "verdict": "reproduced", "measured": "14 dB"},
-        {"reading": "synthetic", "scale": 20, "verdict": "not run", "measured": HOSTILE},
-        {"reading": HOSTILE, "scale": None, "verdict": "partly", "measured": ""},
-    ]
-    claim = {"key": "k", "where": "section 3", "statement": HOSTILE, "tolerance": "3 dB", "findings": findings}
-    claim["caution"] = HOSTILE + "1.6 at 2 µm, 1.2 at 0.5 µm"
-    scores = [{"reading": "synthetic", "scale": 10, "least": 1.0, "most": 2.5, "counts": {"reproduced": 1}}]
+    judgements = (
+        Judgement("synthetic", 10, Finding("undecided", "14 dB", decided_by="the grid")),
+        Judgement("synthetic", 10, Finding("reproduced", "14 dB")),
+        Judgement("synthetic", 20, Finding("not run", HOSTILE)),
+        Judgement(HOSTILE, None, Finding("partly", "")),
+    )
+    caution = HOSTILE + "1.6 at 2 µm, 1.2 at 0.5 µm"
+    claim = Claim("k", "section 3", HOSTILE, "3 dB", lambda cases: Finding("partly", ""), caution=caution)
+    scores = (Score("synthetic", 10, 1.0, 2.5, {"reproduced": 1}),)
+    extent = Extent("variation", assumptions="x", departs=(HOSTILE,), lacks=("50 N",))
+    table = Table({"synthetic": extent}, claims=(JudgedClaim(claim, judgements),), scores=scores)
     pictures = [*drawn(synthetic).values()]
-    html = page.page(
-        ["synthetic", HOSTILE],
-        {
-            "claims": [claim],
-            "scores": scores,
-            "readings": {"synthetic": {"kind": "variation", "what": "x", "departs": [HOSTILE], "lacks": ["50 N"]}},
-        },
-        {"synthetic": pictures, HOSTILE: pictures},
-    ).decode()
+    html = page.page(["synthetic", HOSTILE], table, {"synthetic": pictures, HOSTILE: pictures}).decode()
     assert HOSTILE not in html and "<img src=x" not in html
     assert html.count("data:image/svg+xml") == 2 * len(pictures)
     assert html.count("data:text/csv") == 2 * len(pictures)
@@ -305,11 +302,11 @@ def test_page_has_a_column_for_each_reading_and_asks_for_nothing(synthetic: Read
 
 def test_variations_stand_after_the_readings() -> None:
     kinds = {"a": "sweep", "b": "variation", "c": "reading", "d": "variation", "e": "reading"}
-    order = page.ordered(kinds, {"readings": {name: {"kind": kind} for name, kind in kinds.items()}})
+    order = page.ordered(kinds, Table({name: Extent(kind) for name, kind in kinds.items()}))
     assert order == ["c", "e", "b", "d", "a"]
 
 
 def test_page_takes_a_table_without_scores_or_findings(synthetic: Reading) -> None:
-    html = page.page(["synthetic"], {"claims": [{"key": "level-load"}]}, {}).decode()
-    assert "level-load" in html and "not judged" in html
-    assert "No claims were judged" in page.page(["synthetic"], {}, {}).decode()
+    html = page.page(["synthetic"], Table(claims=(JudgedClaim(CLAIMS[0]),)), {}).decode()
+    assert CLAIMS[0].statement in html and "not judged" in html
+    assert "No claims were judged" in page.page(["synthetic"], Table(), {}).decode()

@@ -6,7 +6,7 @@ A part may be unsure, where the grid, the number of surfaces or the length of th
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,16 @@ class Check:
 
 
 @dataclass(frozen=True)
+class Numbers:
+    """The measured values of a finding by place, and the places that hold, fail or have no cases."""
+
+    values: dict[str, Any]
+    holds: list[str]
+    fails: list[str]
+    missing: list[str]
+
+
+@dataclass(frozen=True)
 class Finding:
     """Verdict on a statement, what was measured in words, and in numbers: values by place, and which of these hold, fail, miss.
 
@@ -41,7 +51,7 @@ class Finding:
 
     verdict: str
     measured: str
-    numbers: dict[str, Any] = field(default_factory=dict)
+    numbers: Numbers | None = None
     between: list[str] | None = None
     decided_by: str = ""
 
@@ -69,7 +79,7 @@ def concluded(checks: Sequence[Check]) -> Finding:
     if missing:
         words.append(f"no cases to tell: {', '.join(missing)}")
     values = {check.place: check.numbers for check in known}
-    numbers = {"values": values, "holds": kept, "fails": failed, "missing": missing}
+    numbers = Numbers(values, kept, failed, missing)
     if least == most:
         return Finding(verdict, ". ".join(words), numbers)
     causes = " and ".join(dict.fromkeys(check.unsure for check in unsure))

@@ -19,6 +19,7 @@ from rolling.folders import claim, files, new_folder, run_record
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError
 from rolling.lee2025 import claims, claims_text, figure_data, figures, page, study
+from rolling.lee2025.results import Table
 from rolling.lee2025.study import Case
 from rolling.scene.messages import nearest
 from rolling.simulation import batch
@@ -138,7 +139,7 @@ def _reproduced(
     files.write_json(folder / CASES, [_plain(asdict(case)) for case in cases])
     departures = {reading: study.departures([one.scene for one in each]) for reading, each in runs.items()}
     table = claims.table(cases, {one.name: study.description(one) for one in folders}, departures)
-    files.write_json(folder / "claims.json", table)
+    files.write_json(folder / "claims.json", table.to_dict())
     files.write_bytes(folder / CLAIMS, claims_text.markdown(table).encode())
     files.write_bytes(folder / TABLES, claims_text.tables(table).encode())
     if not outcome.interrupted:
@@ -167,13 +168,13 @@ def _solve(held: Claim, runs: Sequence[Run], workers: int, name: str) -> tuple[O
 
 
 def _write_pictures(
-    folder: Path, runs: dict[str, list[Run]], results: dict[Path, Result], cases: Sequence[Case], table: dict[str, Any]
+    folder: Path, runs: dict[str, list[Run]], results: dict[Path, Result], cases: Sequence[Case], table: Table
 ) -> None:
     """The article's figures of each reading in its folder, and the page that puts the readings side by side."""
     found = []
     for name, each in tqdm(runs.items(), disable=None, desc="surfaces", bar_format=batch.BAR):
         solved = [one for one in each if results[one.folder].complete]
-        if solved and name not in table["twins"]:
+        if solved and name not in table.twins:
             own = [case for case in cases if case.reading == name]
             found.append(figure_data.gather(name, solved, [results[one.folder] for one in solved], own))
     if not found:

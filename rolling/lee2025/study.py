@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics import plots as sound_plots
 from acoustics import level, uncertainty
+from acoustics import plots as sound_plots
 from acoustics.bands import third_octave_mean_square
 from acoustics.level import I_REF_W_M2
 from acoustics.spectrum import article_line_level_db, line_spectrum
