@@ -1,4 +1,6 @@
-"""Judge the statements of Lee, Kim & Kim (2025) by the cases of a study, under each reading, with verdict and tolerance."""
+"""Judge the statements of Lee, Kim & Kim (2025) by the cases of a study, under each reading, with
+verdict and tolerance.
+"""
 
 from __future__ import annotations
 

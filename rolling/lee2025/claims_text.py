@@ -44,9 +44,10 @@ def tables(table: Table) -> str:
 def _tables(table: Table) -> str:
     parts = ["## Statements that hold", f"**{headline(table)}**", *_standing(table.standing), "## Verdicts"]
     parts.append(
-        "Levels are judged with 10 lg of the release power, as in the article's equation, and with 20 lg. The verdicts read"
-        " as one word where both agree, else the verdict with 10 lg stands before the verdict with 20 lg. With 20 lg only"
-        " differences mean anything. *undecided*: the cause in brackets may turn the verdict."
+        "Levels are judged with 10 lg of the release power, as in the article's equation, and with"
+        " 20 lg. The verdicts read as one word where both agree, else the verdict with 10 lg stands"
+        " before the verdict with 20 lg. With 20 lg only differences mean anything. *undecided*:"
+        " the cause in brackets may turn the verdict."
     )
     for kind, (heading, words) in _KINDS.items():
         parts += _verdicts(table, kind, heading, words)
@@ -144,9 +145,9 @@ def _scores(table: Table) -> list[str]:
     readings = [score for score in table.scores if table.kind(score.reading) == READING]
     first = standing.leader(readings)
     words = (
-        "1 for each statement that is reproduced, half for partly; an undecided one counts from its less to its more favourable"
-        " verdict. A statement that was not run counts nothing, so readings compare only as far as the same statements were"
-        " judged. "
+        "1 for each statement that is reproduced, half for partly; an undecided one counts from its"
+        " less to its more favourable verdict. A statement that was not run counts nothing, so"
+        " readings compare only as far as the same statements were judged. "
     )
     if first:
         words += (

@@ -1,7 +1,7 @@
 """The verdicts of all readings taken together, and a score for each reading.
 
-A statement stands where every reading says the same of it. No reading is named as the best unless it leads by `LEAD`
-statements.
+A statement stands where every reading says the same of it. No reading is named as the best unless
+it leads by `LEAD` statements.
 """
 
 from __future__ import annotations
@@ -40,7 +40,8 @@ def standing(claims: Sequence[JudgedClaim], readings: Sequence[str]) -> Standing
 def scores(claims: Sequence[JudgedClaim], readings: Sequence[str], scales: Sequence[int]) -> list[Score]:
     """Score each reading with each scale of levels, highest first; the outlook does not count.
 
-    A reproduced statement counts 1, a partly reproduced one 0.5. An undecided verdict counts with both of its ends.
+    A reproduced statement counts 1, a partly reproduced one 0.5. An undecided verdict counts with
+    both of its ends.
     """
     table = []
     for reading in readings:

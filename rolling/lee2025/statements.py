@@ -1,6 +1,7 @@
 """The statements of Lee, Kim & Kim (2025) in our words, each with its tolerance and the criterion that judges it.
 
-CLAIMS concern the study of roughness and load, OUTLOOK holds the statements that the article only expects.
+CLAIMS concern the study of roughness and load, OUTLOOK holds the statements that the article only
+expects.
 """
 
 from __future__ import annotations
@@ -62,26 +63,30 @@ class Claim:
     caution: str = ""
 
 
-_WHOLE = "A-weighted level of the whole: LAeq, or 20 lg of the weighted fluctuation."
+_WHOLE = "A-weighted level of the whole sound: LAeq, or 20 lg of the weighted fluctuation."
 # Cautions: numbers measured as docs/accuracy.md says.
 PLASTIC_CAUTION = (
-    "Under the exponential law the grid decides it, since much of what yields at Ra 0.1 µm is smaller than 2 µm. In"
-    " hardness-3y-exponential, on the same places of the same surfaces at 5, 20, 100 N: sharp edges 1.69, 1.50, 1.32 at 2 µm; 1.32,"
-    " 1.26, 1.18 at 1 µm; 1.20, 1.16, 1.11 at 0.5 µm; blended edges, as in the study, 1.61, 1.29, 1.12; 1.21, 1.12, 1.07; 1.15,"
-    " 1.12, 1.08. As stated it moves by 0.03 at most between 2 and 1 µm."
+    "Under the exponential law the grid decides it, since many yielding places at Ra 0.1 µm are"
+    " smaller than 2 µm. In hardness-3y-exponential, on the same places of the same surfaces at 5,"
+    " 20, 100 N: sharp edges 1.69, 1.50, 1.32 at 2 µm; 1.32, 1.26, 1.18 at 1 µm; 1.20, 1.16, 1.11"
+    " at 0.5 µm; blended edges, as in the study, 1.61, 1.29, 1.12; 1.21, 1.12, 1.07; 1.15, 1.12,"
+    " 1.08. As stated it moves by 0.03 at most between 2 and 1 µm."
 )
 TWIN_CAUTION = (
-    "The uncertainty is that of two independent records, an upper bound: both roll over the same surface. Purely elastic"
-    " contact at Ra 5 µm is far beyond half-space theory and was not run."
+    "The uncertainty holds for two independent records; it is an upper bound, since both roll over"
+    " the same surface. Purely elastic contact at Ra 5 µm is far beyond half-space theory and was"
+    " not run."
 )
 RECORD_CAUTION = (
-    "A line of noise falls by 5 dB (10 lg of an amplitude) as the record becomes ten times as long; the article gives no length."
-    " The verdict names, for each roughness, the length at which it would turn."
+    "A line of noise falls by 5 dB (10 lg of an amplitude) as the record becomes ten times as long;"
+    " the article gives no length. The verdict names, for each roughness, the length at which it"
+    " would turn."
 )
 LEVEL_CAUTION = (
-    "The grid of 2 µm makes rough surfaces louder than they are. From 2 to 1 µm LAeq falls by 0.8 and 0.1 dB as stated at Ra 1 µm"
-    " (5 and 20 N), by 1.9 dB at Ra 5 µm (5 N), by 2.0 and 1.1 dB in hardness-3y-exponential at Ra 1 µm, by 0.3 dB at most at"
-    " Ra 0.1 µm; greatest lines move by 0.4 dB at most."
+    "The grid of 2 µm makes rough surfaces louder than they are. From 2 to 1 µm LAeq falls by 0.8"
+    " and 0.1 dB as stated at Ra 1 µm (5 and 20 N), by 1.9 dB at Ra 5 µm (5 N), by 2.0 and 1.1 dB"
+    " in hardness-3y-exponential at Ra 1 µm, by 0.3 dB at most at Ra 0.1 µm; maximum line levels"
+    " move by 0.4 dB at most."
 )
 _UP = "Every step up by more than twice its standard error over the surfaces, with one surface by more than 0"
 
@@ -89,8 +94,9 @@ CLAIMS = (
     Claim(
         "pressure-below-limit",
         "section 3, Fig. 5a",
-        "On the smoothest surface (Ra 0.01 µm) pressure never gets to the 2.1 GPa where the plate yields, not even at 100 N.",
-        "Greatest pressure of all surfaces below 2.1 GPa at each load; partly: at some loads.",
+        "On the smoothest surface (Ra 0.01 µm) pressure stays below the 2.1 GPa at which the plate"
+        " yields, even at 100 N.",
+        "Maximum pressure of all surfaces below 2.1 GPa at each load; partly: at some loads.",
         partial(criteria.below_limit, roughness=SMOOTH, limit=LIMIT),
     ),
     Claim(
@@ -117,21 +123,21 @@ CLAIMS = (
     Claim(
         "hardness-reached",
         "section 3, Fig. 5b to d",
-        "From Ra 0.1 µm on the greatest pressure is the one at which the plate yields.",
+        "From Ra 0.1 µm on the maximum pressure is the pressure at which the plate yields.",
         "Some plastic area on every surface at each load, whatever pressure the reading caps at; partly: some of them.",
         partial(criteria.hardness_reached, roughnesses=YIELDING),
     ),
     Claim(
         "plastic-area-load",
         "section 3, Fig. 5",
-        "From Ra 0.1 µm on a higher load makes the area larger that yields.",
+        "From Ra 0.1 µm on a higher load makes the plastic area larger.",
         f"{_UP}, on each roughness; partly: some roughnesses.",
         partial(criteria.rises_with_load, measure=PLASTIC_AREA, roughnesses=YIELDING),
     ),
     Claim(
         "plastic-area-roughness",
         "section 3, Fig. 5",
-        "The rougher the surface, the larger the area that yields.",
+        "The rougher the surface, the larger the plastic area.",
         f"{_UP}, at each load; partly: some steps of roughness.",
         partial(criteria.along_roughness, measure=PLASTIC_AREA, roughnesses=ROUGHNESSES),
     ),
@@ -145,7 +151,7 @@ CLAIMS = (
     Claim(
         "plastic-ratio-1-over-0.1",
         "section 3, Fig. 7; conclusions",
-        "At any load about half as much again yields at Ra 1 µm as at Ra 0.1 µm.",
+        "At any load the plastic area at Ra 1 µm is about one and a half times the area at Ra 0.1 µm.",
         "Ratio of the means 1.3 to 1.7 at each load; partly: at some loads. Undecided where a fine grid may turn it.",
         partial(criteria.ratio_at_each_load, measure=PLASTIC_RATIO, over=ROUGH, under=MIDDLE, low=1.3, high=1.7),
         caution=PLASTIC_CAUTION,
@@ -153,7 +159,7 @@ CLAIMS = (
     Claim(
         "plastic-ratio-5-like-1",
         "section 3, Fig. 7; conclusions",
-        "About as much yields at Ra 5 µm as at Ra 1 µm.",
+        "The plastic area at Ra 5 µm is about as large as at Ra 1 µm.",
         "Ratio of the means 0.85 to 1.15 at each load; partly: at some loads.",
         partial(criteria.ratio_at_each_load, measure=PLASTIC_RATIO, over=ROUGHEST, under=ROUGH, low=0.85, high=1.15),
     ),
@@ -161,34 +167,36 @@ CLAIMS = (
         "deflection-roughest",
         "section 3, Fig. 6",
         "The roughest plate (Ra 5 µm) is deflected least.",
-        "Mean over the track of the greatest deflection lower than on each other roughness by more than twice the standard"
-        " error, with one surface by"
-        " more than 0, at each load; partly: at some loads.",
+        "Mean over the track of the maximum deflection lower than on each other roughness by more"
+        " than twice the standard error, with one surface by more than 0, at each load; partly: at"
+        " some loads.",
         partial(criteria.lowest_of_all, measure=DEFLECTION, roughness=ROUGHEST),
     ),
     Claim(
         "deflection-roughness",
         "section 3, Fig. 6",
         "The rougher the surface, the less the plate is deflected.",
-        "Mean over the track of the greatest deflection: every step of roughness down by more than twice its standard error"
-        " over the surfaces, with one surface by more than 0, at each load; partly: some steps of roughness.",
+        "Mean over the track of the maximum deflection: every step of roughness down by more than"
+        " twice its standard error over the surfaces, with one surface by more than 0, at each"
+        " load; partly: some steps of roughness.",
         partial(criteria.along_roughness, measure=DEFLECTION, roughnesses=ROUGHNESSES, rises=False),
     ),
     Claim(
         "yielding-deflection",
         "section 3, Fig. 6",
-        "Where the plate yields it is deflected less than an elastic one would be.",
-        "Mean over the track of the greatest deflection below that of the same scene without hardness, at Ra 0.1 and 1 µm, at"
-        " 5, 20 and 100 N; partly: some of them.",
+        "A plate that yields is deflected less than an elastic plate.",
+        "Mean over the track of the maximum deflection below the one of the same scene without"
+        " hardness, at Ra 0.1 and 1 µm, at 5, 20 and 100 N; partly: some of them.",
         partial(twins.less, measure=DEFLECTION),
     ),
     Claim(
         "yielding-noise",
         "abstract",
         "The change from elastic to plastic deformation alters the noise considerably.",
-        "Against the same scene without hardness, at Ra 0.1 and 1 µm, at 5, 20 and 100 N: A-weighted level of the whole, or a"
-        " third of the third octaves from the lowest that the record is long enough for up to 4 kHz, off by more than twice"
-        " the uncertainty of the difference; partly: some of them.",
+        "Against the same scene without hardness, at Ra 0.1 and 1 µm, at 5, 20 and 100 N:"
+        " A-weighted level of the whole sound, or a third of the third octaves from the lowest that"
+        " the record is long enough for up to 4 kHz, off by more than twice the uncertainty of the"
+        " difference; partly: some of them.",
         twins.influences,
         level=True,
         caution=TWIN_CAUTION,
@@ -214,7 +222,7 @@ CLAIMS = (
         "level-above-70",
         "abstract; section 3, Fig. 8; conclusions",
         "From Ra 0.1 µm on levels pass the 70 dB of a squeal.",
-        "Greatest line above 70 dB at some load (the article does not say at which) on each roughness; partly: some"
+        "Maximum line level above 70 dB at some load (the article does not say at which) on each roughness; partly: some"
         f" roughnesses. Undecided where a record up to {LENGTHS:g} times as long or as short would turn it.",
         partial(criteria.exceeds, measure=MAXIMUM, roughnesses=YIELDING, least_db=SQUEAL_DB),
         level=True,
@@ -223,7 +231,7 @@ CLAIMS = (
     Claim(
         "high-frequency-gap",
         "section 3, Fig. 8a",
-        "At Ra 0.01 µm the high-frequency spectra of 50 N and more lie far above those of 20 N and less.",
+        "At Ra 0.01 µm the high-frequency spectra at 50 N and more lie far above the spectra at 20 N and less.",
         f"Mean height of the curve above {HIGH_HZ / 1000:g} kHz: from the highest to 20 N to the lowest from 50 N at least"
         f" {LARGE_GAP_DB:g} dB, and {LARGEST_STEP:g} times any other step between loads; partly: one of the two.",
         partial(criteria.stands_apart, measure=HIGH_BAND, roughness=SMOOTH, low=20.0, high=50.0),
@@ -232,7 +240,7 @@ CLAIMS = (
     Claim(
         "maximum-over-smooth",
         "abstract; section 3, Fig. 9; conclusions",
-        "The greatest line from Ra 0.1 µm on lies some 10 to 15 dB above that of Ra 0.01 µm.",
+        "From Ra 0.1 µm on the maximum line level lies some 10 to 15 dB above the one at Ra 0.01 µm.",
         "Mean over the loads 8 to 17 dB on each roughness; partly: some roughnesses.",
         partial(criteria.gap_over, measure=MAXIMUM, smooth=SMOOTH, roughnesses=YIELDING, low_db=8.0, high_db=17.0),
         level=True,
@@ -241,28 +249,28 @@ CLAIMS = (
     Claim(
         "maximum-load",
         "section 3, Fig. 9",
-        "From 5 to 100 N the greatest line gains some 14 dB, averaged over the four surfaces.",
+        "From 5 to 100 N the maximum line level rises by some 14 dB, averaged over the four surfaces.",
         "Average 12 to 16 dB; partly: not the average, but some roughness.",
         partial(
-            criteria.rise_over_loads, measure=MAXIMUM, least=LOADS[0], greatest=LOADS[-1], low_db=12.0, high_db=16.0
+            criteria.rise_over_loads, measure=MAXIMUM, lowest=LOADS[0], highest=LOADS[-1], low_db=12.0, high_db=16.0
         ),
         level=True,
     ),
     Claim(
         "maximum-flattens",
         "section 3, Fig. 9",
-        "Beyond 50 N the greatest line gains little.",
-        "Per doubling of the load at most half of the gain per doubling from 5 to 50 N, on each roughness; partly: some"
-        " roughnesses.",
-        partial(criteria.flattens, measure=MAXIMUM, least=LOADS[0], knee=50.0, greatest=LOADS[-1], most=0.5),
+        "Beyond 50 N the maximum line level rises little.",
+        "Per doubling of the load at most half of the gain per doubling from 5 to 50 N, on each"
+        " roughness; partly: some roughnesses.",
+        partial(criteria.flattens, measure=MAXIMUM, lowest=LOADS[0], knee=50.0, highest=LOADS[-1], most=0.5),
         level=True,
     ),
     Claim(
         "loudest-20-50",
         "section 3, Fig. 9",
         "At 20 and at 50 N, Ra 1 µm is the loudest.",
-        "Highest mean of the greatest line at both loads; partly: at one, or another's lead is within twice its standard"
-        " error.",
+        "Highest mean of the maximum line level at both loads; partly: at one load, or another's"
+        " lead is within twice its standard error.",
         partial(criteria.loudest, measure=MAXIMUM, roughness=ROUGH, loads=(20.0, 50.0)),
         level=True,
         caution=LEVEL_CAUTION,
@@ -271,7 +279,7 @@ CLAIMS = (
         "loudest-100",
         "section 3, Fig. 9",
         "At 100 N, Ra 5 µm is the loudest.",
-        "Highest mean of the greatest line; partly: another's lead is within twice its standard error.",
+        "Highest mean of the maximum line level; partly: another's lead is within twice its standard error.",
         partial(criteria.loudest, measure=MAXIMUM, roughness=ROUGHEST, loads=(100.0,)),
         level=True,
         caution=LEVEL_CAUTION,
@@ -279,7 +287,7 @@ CLAIMS = (
     Claim(
         "little-influence",
         "section 3, Fig. 9",
-        "From Ra 0.1 µm on roughness hardly matters to the greatest line.",
+        "From Ra 0.1 µm on roughness hardly affects the maximum line level.",
         "At each load the three lie within 5 dB, the width of the article's own 10 to 15 dB; partly: at some loads.",
         partial(criteria.within, measure=MAXIMUM, roughnesses=YIELDING, most_db=5.0),
         level=True,
@@ -293,9 +301,10 @@ OUTLOOK = (
     Claim(
         "yielding-louder",
         "section 3, outlook",
-        "Energy released where the plate yields can make it louder.",
-        "A-weighted level of the whole above that of the same scene without hardness by more than twice the uncertainty of the"
-        " difference, at Ra 0.1 and 1 µm, at 5, 20 and 100 N; partly: some of them.",
+        "Energy that is released where the plate yields can make the sound louder.",
+        "A-weighted level of the whole sound above its twin without hardness by more than twice the"
+        " uncertainty of the difference, at Ra 0.1 and 1 µm, at 5, 20 and 100 N; partly: some of"
+        " them.",
         twins.louder,
         level=True,
         caution=TWIN_CAUTION,
