@@ -14,7 +14,7 @@ import pytest
 
 from acoustics.bands import MID_HZ
 from acoustics.spectrum import article_line_level_db
-from rolling.lee2025 import claims, claims_text, criteria, grid_error, measures, standing
+from rolling.lee2025 import bounds, claims, claims_text, grid_error, measures, standing
 from rolling.lee2025.checks import GRID, NOT, NOT_RUN, PARTLY, RECORD, REPRODUCED, SURFACES, UNDECIDED
 from rolling.lee2025.grid_error import GridError
 from rolling.lee2025.measures import CENTROID
@@ -465,7 +465,7 @@ def test_lines_of_noise_fall_by_5_db_in_a_record_ten_times_as_long() -> None:
     """10 lg of an amplitude that goes with 1 / sqrt(T). The median of 3000 lines is known to 0.07 dB."""
     noise = np.random.default_rng(1).standard_normal(60000)
     short, long = (article_line_level_db(noise[:n], 48000, 1.0)[1][1:] for n in (6000, 60000))
-    assert np.median(short) - np.median(long) == pytest.approx(criteria.LG_LENGTH_DB, abs=0.2)
+    assert np.median(short) - np.median(long) == pytest.approx(bounds.LG_LENGTH_DB, abs=0.2)
 
 
 # ---- twins without hardness ------------------------------------------------------------------------------------------

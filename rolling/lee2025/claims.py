@@ -1,6 +1,4 @@
-"""Judge the statements of Lee, Kim & Kim (2025) by the cases of a study, under each reading, with
-verdict and tolerance.
-"""
+"""Judge the statements of Lee, Kim & Kim (2025) by the cases of a study, under each reading."""
 
 from __future__ import annotations
 
@@ -8,8 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from rolling.lee2025 import grid_error, standing
 from rolling.lee2025.checks import NOT_RUN, Finding
-from rolling.lee2025.criteria import newton, ra
-from rolling.lee2025.measures import Cases
+from rolling.lee2025.measures import Cases, newton, ra
 from rolling.lee2025.results import READING, SWEEP, VARIATION, Extent, JudgedClaim, Judgement, Score, Table
 from rolling.lee2025.statements import CLAIMS, LOADS, OUTLOOK, ROUGHNESSES, SCALES, Claim
 from rolling.lee2025.study import Case

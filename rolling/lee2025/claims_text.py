@@ -42,6 +42,7 @@ def tables(table: Table) -> str:
 
 
 def _tables(table: Table) -> str:
+    """Write all tables: standing, verdicts, cautions and scores."""
     parts = ["## Statements that hold", f"**{headline(table)}**", *_standing(table.standing), "## Verdicts"]
     parts.append(
         "Levels are judged with 10 lg of the release power, as in the article's equation, and with"
@@ -162,6 +163,7 @@ def _scores(table: Table) -> list[str]:
 
 
 def _score_table(scores: Sequence[Score]) -> str:
+    """Write a table of scores."""
     rows = [
         [score.reading, f"{score.scale} lg", score.range, *(f"{count}" for count in score.counts.values())]
         for score in scores

@@ -204,3 +204,34 @@ MAXIMUM = Measure(_maximum_db, "dB", ".1f", level=True, grid="line_db")
 AUDIBLE = Measure(_audible_db, "dB", ".1f", level=True, grid="level_db")
 HIGH_BAND = Measure(_high_band_db, "dB", ".1f", level=True, grid="high_db")
 CENTROID = Measure(_centroid_hz, "Hz", ".0f")
+
+
+def ra(roughness_um: float) -> str:
+    """Write a roughness, such as "Ra 0.1 µm"."""
+    return f"Ra {roughness_um:g} µm"
+
+
+def newton(load_n: float) -> str:
+    """Write a load, such as "5 N"."""
+    return f"{load_n:g} N"
+
+
+def series(
+    study: Cases, measure: Measure, groups: Sequence[tuple[str, Sequence[Case]]]
+) -> tuple[str, dict[str, Statistic]]:
+    """Return means and deviations of groups, in words and as data.
+
+    Levels without an absolute value are relative to the first group.
+    """
+    statistics = [
+        (name, measure.mean(group, study.factor), measure.deviation(group, study.factor)) for name, group in groups
+    ]
+    known = [(name, mean, deviation) for name, mean, deviation in statistics if mean is not None]
+    relative = measure.level and study.factor != 10
+    base, sign = (known[0][1], "+") if known and relative else (0.0, "")
+    words = [
+        measure.text(mean - base, sign) + ("" if deviation is None else f" ± {measure.text(deviation)}")
+        for _, mean, deviation in known
+    ]
+    numbers = {name: Statistic(mean - base, deviation) for name, mean, deviation in known}
+    return f"{', '.join(words)} {measure.unit} ({', '.join(numbers)})", numbers

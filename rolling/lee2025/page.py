@@ -126,18 +126,21 @@ def page(readings: Sequence[str], table: Table, pictures: Mapping[str, Sequence[
 
 
 def _row(judged: JudgedClaim, readings: Sequence[str]) -> Row:
+    """Return the row of a claim."""
     claim = judged.claim
     verdicts = [[_verdict(judgement) for judgement in judged.of(name)] for name in readings]
     return Row(claim.where, claim.statement, claim.tolerance, claim.caution, verdicts)
 
 
 def _verdict(judgement: Judgement) -> Verdict:
+    """Return the cell of a judgement."""
     finding = judgement.finding
     scale = f"{judgement.scale} lg" if judgement.scale else ""
     return Verdict(scale, finding.verdict, finding.measured, finding.decided_by)
 
 
 def _score(score: Score, table: Table) -> ScoreRow:
+    """Return the row of a score."""
     counts = {word: score.counts.get(word, 0) for word in SIGNS} if score.counts else {}
     return ScoreRow(score.reading, table.kind(score.reading), f"{score.scale} lg", score.range, counts)
 

@@ -1,4 +1,4 @@
-"""The statements of Lee, Kim & Kim (2025) in our words, each with its tolerance and the criterion that judges it.
+"""The statements of Lee, Kim & Kim (2025) in our words, with their tolerances and criteria.
 
 CLAIMS concern the study of roughness and load, OUTLOOK holds the statements that the article only
 expects.
@@ -10,9 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from rolling.lee2025 import criteria, twins
+from rolling.lee2025 import bounds, trends, twins
+from rolling.lee2025.bounds import LARGE_GAP_DB, LARGEST_STEP, LENGTHS, NO_AREA
 from rolling.lee2025.checks import Finding
-from rolling.lee2025.criteria import LARGE_GAP_DB, LARGEST_STEP, LENGTHS, NO_AREA
 from rolling.lee2025.measures import (
     AUDIBLE,
     CENTROID,
@@ -97,63 +97,63 @@ CLAIMS = (
         "On the smoothest surface (Ra 0.01 µm) pressure stays below the 2.1 GPa at which the plate"
         " yields, even at 100 N.",
         "Maximum pressure of all surfaces below 2.1 GPa at each load; partly: at some loads.",
-        partial(criteria.below_limit, roughness=SMOOTH, limit=LIMIT),
+        partial(bounds.below_limit, roughness=SMOOTH, limit=LIMIT),
     ),
     Claim(
         "pressure-load",
         "section 3, Fig. 5a",
         "At Ra 0.01 µm the contact pressure grows with the load.",
         f"{_UP}; partly: some steps.",
-        partial(criteria.rises_with_load, measure=PRESSURE, roughnesses=(SMOOTH,)),
+        partial(trends.rises_with_load, measure=PRESSURE, roughnesses=(SMOOTH,)),
     ),
     Claim(
         "contact-area-load",
         "section 3, Fig. 5a",
         "At Ra 0.01 µm the contact area grows with the load.",
         f"{_UP}; partly: some steps.",
-        partial(criteria.rises_with_load, measure=CONTACT_AREA, roughnesses=(SMOOTH,)),
+        partial(trends.rises_with_load, measure=CONTACT_AREA, roughnesses=(SMOOTH,)),
     ),
     Claim(
         "plastic-none",
         "section 3, Fig. 7",
         "At Ra 0.01 µm nothing yields at any load.",
         f"Plastic area below {NO_AREA:g} of the Hertz area at each load, less than a mark in the figure; partly: some loads.",
-        partial(criteria.no_plastic_area, roughness=SMOOTH),
+        partial(bounds.no_plastic_area, roughness=SMOOTH),
     ),
     Claim(
         "hardness-reached",
         "section 3, Fig. 5b to d",
         "From Ra 0.1 µm on the maximum pressure is the pressure at which the plate yields.",
         "Some plastic area on every surface at each load, whatever pressure the reading caps at; partly: some of them.",
-        partial(criteria.hardness_reached, roughnesses=YIELDING),
+        partial(bounds.hardness_reached, roughnesses=YIELDING),
     ),
     Claim(
         "plastic-area-load",
         "section 3, Fig. 5",
         "From Ra 0.1 µm on a higher load makes the plastic area larger.",
         f"{_UP}, on each roughness; partly: some roughnesses.",
-        partial(criteria.rises_with_load, measure=PLASTIC_AREA, roughnesses=YIELDING),
+        partial(trends.rises_with_load, measure=PLASTIC_AREA, roughnesses=YIELDING),
     ),
     Claim(
         "plastic-area-roughness",
         "section 3, Fig. 5",
         "The rougher the surface, the larger the plastic area.",
         f"{_UP}, at each load; partly: some steps of roughness.",
-        partial(criteria.along_roughness, measure=PLASTIC_AREA, roughnesses=ROUGHNESSES),
+        partial(trends.along_roughness, measure=PLASTIC_AREA, roughnesses=ROUGHNESSES),
     ),
     Claim(
         "plastic-ratio-load",
         "section 3, Fig. 7",
         "From Ra 0.1 µm on the plastic area grows faster with the load than the Hertz area does.",
         f"{_UP}, on each roughness; partly: some roughnesses.",
-        partial(criteria.rises_with_load, measure=PLASTIC_RATIO, roughnesses=YIELDING),
+        partial(trends.rises_with_load, measure=PLASTIC_RATIO, roughnesses=YIELDING),
     ),
     Claim(
         "plastic-ratio-1-over-0.1",
         "section 3, Fig. 7; conclusions",
         "At any load the plastic area at Ra 1 µm is about one and a half times the area at Ra 0.1 µm.",
         "Ratio of the means 1.3 to 1.7 at each load; partly: at some loads. Undecided where a fine grid may turn it.",
-        partial(criteria.ratio_at_each_load, measure=PLASTIC_RATIO, over=ROUGH, under=MIDDLE, low=1.3, high=1.7),
+        partial(bounds.ratio_at_each_load, measure=PLASTIC_RATIO, over=ROUGH, under=MIDDLE, low=1.3, high=1.7),
         caution=PLASTIC_CAUTION,
     ),
     Claim(
@@ -161,7 +161,7 @@ CLAIMS = (
         "section 3, Fig. 7; conclusions",
         "The plastic area at Ra 5 µm is about as large as at Ra 1 µm.",
         "Ratio of the means 0.85 to 1.15 at each load; partly: at some loads.",
-        partial(criteria.ratio_at_each_load, measure=PLASTIC_RATIO, over=ROUGHEST, under=ROUGH, low=0.85, high=1.15),
+        partial(bounds.ratio_at_each_load, measure=PLASTIC_RATIO, over=ROUGHEST, under=ROUGH, low=0.85, high=1.15),
     ),
     Claim(
         "deflection-roughest",
@@ -170,7 +170,7 @@ CLAIMS = (
         "Mean over the track of the maximum deflection lower than on each other roughness by more"
         " than twice the standard error, with one surface by more than 0, at each load; partly: at"
         " some loads.",
-        partial(criteria.lowest_of_all, measure=DEFLECTION, roughness=ROUGHEST),
+        partial(trends.lowest_of_all, measure=DEFLECTION, roughness=ROUGHEST),
     ),
     Claim(
         "deflection-roughness",
@@ -179,7 +179,7 @@ CLAIMS = (
         "Mean over the track of the maximum deflection: every step of roughness down by more than"
         " twice its standard error over the surfaces, with one surface by more than 0, at each"
         " load; partly: some steps of roughness.",
-        partial(criteria.along_roughness, measure=DEFLECTION, roughnesses=ROUGHNESSES, rises=False),
+        partial(trends.along_roughness, measure=DEFLECTION, roughnesses=ROUGHNESSES, rises=False),
     ),
     Claim(
         "yielding-deflection",
@@ -206,7 +206,7 @@ CLAIMS = (
         "abstract; section 3, Fig. 8",
         "Within hearing, a rougher surface is louder.",
         f"{_WHOLE} {_UP}, at each load; partly: some steps of roughness.",
-        partial(criteria.along_roughness, measure=AUDIBLE, roughnesses=ROUGHNESSES),
+        partial(trends.along_roughness, measure=AUDIBLE, roughnesses=ROUGHNESSES),
         level=True,
         caution=LEVEL_CAUTION,
     ),
@@ -215,7 +215,7 @@ CLAIMS = (
         "abstract; section 3, Fig. 8; conclusions",
         "Within hearing, a higher load is louder.",
         f"{_WHOLE} {_UP}, on each roughness; partly: some roughnesses.",
-        partial(criteria.rises_with_load, measure=AUDIBLE, roughnesses=ROUGHNESSES),
+        partial(trends.rises_with_load, measure=AUDIBLE, roughnesses=ROUGHNESSES),
         level=True,
     ),
     Claim(
@@ -224,7 +224,7 @@ CLAIMS = (
         "From Ra 0.1 µm on levels pass the 70 dB of a squeal.",
         "Maximum line level above 70 dB at some load (the article does not say at which) on each roughness; partly: some"
         f" roughnesses. Undecided where a record up to {LENGTHS:g} times as long or as short would turn it.",
-        partial(criteria.exceeds, measure=MAXIMUM, roughnesses=YIELDING, least_db=SQUEAL_DB),
+        partial(bounds.exceeds, measure=MAXIMUM, roughnesses=YIELDING, least_db=SQUEAL_DB),
         level=True,
         caution=RECORD_CAUTION,
     ),
@@ -234,7 +234,7 @@ CLAIMS = (
         "At Ra 0.01 µm the high-frequency spectra at 50 N and more lie far above the spectra at 20 N and less.",
         f"Mean height of the curve above {HIGH_HZ / 1000:g} kHz: from the highest to 20 N to the lowest from 50 N at least"
         f" {LARGE_GAP_DB:g} dB, and {LARGEST_STEP:g} times any other step between loads; partly: one of the two.",
-        partial(criteria.stands_apart, measure=HIGH_BAND, roughness=SMOOTH, low=20.0, high=50.0),
+        partial(bounds.stands_apart, measure=HIGH_BAND, roughness=SMOOTH, low=20.0, high=50.0),
         level=True,
     ),
     Claim(
@@ -242,7 +242,7 @@ CLAIMS = (
         "abstract; section 3, Fig. 9; conclusions",
         "From Ra 0.1 µm on the maximum line level lies some 10 to 15 dB above the one at Ra 0.01 µm.",
         "Mean over the loads 8 to 17 dB on each roughness; partly: some roughnesses.",
-        partial(criteria.gap_over, measure=MAXIMUM, smooth=SMOOTH, roughnesses=YIELDING, low_db=8.0, high_db=17.0),
+        partial(bounds.gap_over, measure=MAXIMUM, smooth=SMOOTH, roughnesses=YIELDING, low_db=8.0, high_db=17.0),
         level=True,
         caution=LEVEL_CAUTION,
     ),
@@ -251,9 +251,7 @@ CLAIMS = (
         "section 3, Fig. 9",
         "From 5 to 100 N the maximum line level rises by some 14 dB, averaged over the four surfaces.",
         "Average 12 to 16 dB; partly: not the average, but some roughness.",
-        partial(
-            criteria.rise_over_loads, measure=MAXIMUM, lowest=LOADS[0], highest=LOADS[-1], low_db=12.0, high_db=16.0
-        ),
+        partial(bounds.rise_over_loads, measure=MAXIMUM, lowest=LOADS[0], highest=LOADS[-1], low_db=12.0, high_db=16.0),
         level=True,
     ),
     Claim(
@@ -262,7 +260,7 @@ CLAIMS = (
         "Beyond 50 N the maximum line level rises little.",
         "Per doubling of the load at most half of the gain per doubling from 5 to 50 N, on each"
         " roughness; partly: some roughnesses.",
-        partial(criteria.flattens, measure=MAXIMUM, lowest=LOADS[0], knee=50.0, highest=LOADS[-1], most=0.5),
+        partial(bounds.flattens, measure=MAXIMUM, lowest=LOADS[0], knee=50.0, highest=LOADS[-1], most=0.5),
         level=True,
     ),
     Claim(
@@ -271,7 +269,7 @@ CLAIMS = (
         "At 20 and at 50 N, Ra 1 µm is the loudest.",
         "Highest mean of the maximum line level at both loads; partly: at one load, or another's"
         " lead is within twice its standard error.",
-        partial(criteria.loudest, measure=MAXIMUM, roughness=ROUGH, loads=(20.0, 50.0)),
+        partial(trends.loudest, measure=MAXIMUM, roughness=ROUGH, loads=(20.0, 50.0)),
         level=True,
         caution=LEVEL_CAUTION,
     ),
@@ -280,7 +278,7 @@ CLAIMS = (
         "section 3, Fig. 9",
         "At 100 N, Ra 5 µm is the loudest.",
         "Highest mean of the maximum line level; partly: another's lead is within twice its standard error.",
-        partial(criteria.loudest, measure=MAXIMUM, roughness=ROUGHEST, loads=(100.0,)),
+        partial(trends.loudest, measure=MAXIMUM, roughness=ROUGHEST, loads=(100.0,)),
         level=True,
         caution=LEVEL_CAUTION,
     ),
@@ -289,7 +287,7 @@ CLAIMS = (
         "section 3, Fig. 9",
         "From Ra 0.1 µm on roughness hardly affects the maximum line level.",
         "At each load the three lie within 5 dB, the width of the article's own 10 to 15 dB; partly: at some loads.",
-        partial(criteria.within, measure=MAXIMUM, roughnesses=YIELDING, most_db=5.0),
+        partial(bounds.within, measure=MAXIMUM, roughnesses=YIELDING, most_db=5.0),
         level=True,
         caution=LEVEL_CAUTION,
     ),
@@ -314,7 +312,7 @@ OUTLOOK = (
         "section 3, outlook",
         "A short autocorrelation length makes for high-frequency noise, a long one for low.",
         f"Spectral centroid of the fluctuation. {_DOWN}; partly: some steps.",
-        partial(criteria.falls_along, measure=CENTROID, varied="correlation_um", unit=" µm"),
+        partial(trends.falls_along, measure=CENTROID, varied="correlation_um", unit=" µm"),
         varied="correlation_um",
     ),
     Claim(
@@ -322,7 +320,7 @@ OUTLOOK = (
         "section 3, outlook",
         "A short autocorrelation length makes for intense noise, a long one for quiet.",
         f"{_WHOLE} {_DOWN}; partly: some steps.",
-        partial(criteria.falls_along, measure=AUDIBLE, varied="correlation_um", unit=" µm"),
+        partial(trends.falls_along, measure=AUDIBLE, varied="correlation_um", unit=" µm"),
         level=True,
         varied="correlation_um",
     ),

@@ -38,7 +38,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Part:
-    """The part of a study to be solved: all of it, or fewer surfaces and loads on a shorter track with longer steps.
+    """The part of a study to be solved: all of it, or fewer cases on a shorter track with longer steps.
 
     Parameters
     ----------
@@ -290,10 +290,10 @@ def case(reading: str, run: Run, result: Result) -> Case:
 
 
 def _fluctuation(scene: Scene, sound: ContactSound) -> tuple[Array, float]:
-    """Compute the rms [W] of the release power's fluctuation in each third octave (31,) and A-weighted within hearing.
+    """Compute the rms [W] of the release power's fluctuation in each third octave (31,), and A-weighted.
 
-    Sound pressure is linear in the fluctuation of the intensity, and so of the power. The result is
-    NaN wherever the sound has no level.
+    Sound pressure is linear in the fluctuation of the intensity, and so in the fluctuation of the
+    power. Both results are NaN where the sound has no level.
     """
     levels = sound.levels
     if not sound.factor or levels.laeq_db is None:
@@ -305,6 +305,7 @@ def _fluctuation(scene: Scene, sound: ContactSound) -> tuple[Array, float]:
 
 
 def _number(value: float | None) -> float:
+    """Replace None by NaN."""
     return math.nan if value is None else value
 
 

@@ -163,35 +163,40 @@ def _sheets(
         if sheet is None:
             ax.set_axis_off()
             continue
-        along, across, values = sheet
-        grid = np.meshgrid(along, across, indexing="ij")
-        drawn = ax.plot_surface(
-            *grid,
-            values,
-            rcount=len(along),
-            ccount=len(across),
-            cmap=matplotlib.colormaps[look.colours],
-            vmin=min(look.limits),
-            vmax=max(look.limits),
-            linewidth=0.0,
-            antialiased=False,
-        )
-        drawn.set_rasterized(True)  # thousands of facets: as an image a tenth of the size
-        ax.set_xlim(look.sides)
-        ax.set_ylim(look.sides)
-        ax.set_zlim(look.limits)
-        ax.set_box_aspect((1.0, 1.0, 0.55), zoom=1.12)
-        ax.view_init(elev=28, azim=-58)
-        ax.tick_params(labelsize=7, pad=0)
-        for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
-            axis.set_major_locator(MaxNLocator(5))
-        for set_label, text in (
-            (ax.set_xlabel, look.along_label),
-            (ax.set_ylabel, "across [µm]"),
-            (ax.set_zlabel, look.label),
-        ):
-            set_label(text, fontsize=8, labelpad=0)
+        _draw(ax, sheet, look)
     return finish(name, title, note, reading, shown, places, {})
+
+
+def _draw(ax: Axes3D, sheet: Sheet, look: _Look) -> None:
+    """Draw one sheet on its axes."""
+    along, across, values = sheet
+    grid = np.meshgrid(along, across, indexing="ij")
+    drawn = ax.plot_surface(
+        *grid,
+        values,
+        rcount=len(along),
+        ccount=len(across),
+        cmap=matplotlib.colormaps[look.colours],
+        vmin=min(look.limits),
+        vmax=max(look.limits),
+        linewidth=0.0,
+        antialiased=False,
+    )
+    drawn.set_rasterized(True)  # thousands of facets: as an image a tenth of the size
+    ax.set_xlim(look.sides)
+    ax.set_ylim(look.sides)
+    ax.set_zlim(look.limits)
+    ax.set_box_aspect((1.0, 1.0, 0.55), zoom=1.12)
+    ax.view_init(elev=28, azim=-58)
+    ax.tick_params(labelsize=7, pad=0)
+    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+        axis.set_major_locator(MaxNLocator(5))
+    for set_label, text in (
+        (ax.set_xlabel, look.along_label),
+        (ax.set_ylabel, "across [µm]"),
+        (ax.set_zlabel, look.label),
+    ):
+        set_label(text, fontsize=8, labelpad=0)
 
 
 def _within(contact: Contact, reach: float) -> Contact:

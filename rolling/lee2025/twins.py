@@ -13,8 +13,7 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ, band_uncertainty_db, reliable
 from rolling.lee2025.checks import GRID, NOT_RUN, Check, Finding, concluded, doubt
-from rolling.lee2025.criteria import newton, ra
-from rolling.lee2025.measures import AUDIBLE, Cases, Measure
+from rolling.lee2025.measures import AUDIBLE, Cases, Measure, newton, ra
 from rolling.lee2025.study import Case
 
 HIGHEST_BAND_HZ = 4500.0  # third octaves up to 4 kHz: a grid of 2 um reads too high above it where the plate yields
@@ -122,5 +121,8 @@ def _band_steps(study: Cases, pairs: Sequence[Pair]) -> tuple[list[str], np.ndar
 
 
 def _reach(study: Cases, roughness: float, load: float) -> float:
-    """Return the maximum effect of the grid on a level [dB, 10 lg]; the error of a twin is far smaller."""
+    """Return the maximum effect of the grid on a level [dB, 10 lg].
+
+    The error of a twin is far smaller and does not count.
+    """
     return max(abs(end) for end in study.grid.change_db(AUDIBLE.grid, roughness, load))

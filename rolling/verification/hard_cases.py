@@ -66,7 +66,7 @@ def rough(along: int, across: int, ra: float, seed: int = 1, spacing: float = 2e
 
 
 def make_track(heights: Array, **changes: Any) -> RollingContact:
-    """Make a steel plate under a 5 mm sphere at 5 N, 2 um spacing, one node per step, with changes."""
+    """Make a steel plate under a 5 mm sphere at 5 N with steps of one 2 um node, plus changes."""
     scene: dict[str, Any] = {
         "spacing": 2e-6,
         "radius": 5e-3,

@@ -1,5 +1,6 @@
-"""Success rate of the contact solver: hard cases and random scenes are marched, and each state is
-judged independently.
+"""Success rate of the contact solver on hard cases and random scenes.
+
+Each scene is marched, and separate code judges each state.
 """
 
 from __future__ import annotations
@@ -79,6 +80,7 @@ class _Trial:
     """The march of one case, judged state by state, so that a march of any length needs little memory."""
 
     def __init__(self, case: HardCase, keep: list[ContactState] | None) -> None:
+        """Start without violations; the states are appended to `keep`."""
         self.case, self.keep = case, keep
         self.violated: list[str] = []
         self.iterations: list[int] = []

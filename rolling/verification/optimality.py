@@ -88,8 +88,10 @@ def violations(track: RollingContact, state: ContactState, around: int = AROUND)
     cell = track.spacing**2
 
     def whole(nodes: NDArray[np.bool_]) -> float:
-        """Number of nodes; of blended edges, those between open ones and one at the hardness, the
-        share of it they bear.
+        """Count nodes.
+
+        With blended edges a node between open nodes and a node at the hardness counts with its
+        share of the hardness.
         """
         if state.edge is None:
             return float(np.count_nonzero(nodes))

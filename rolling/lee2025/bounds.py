@@ -1,4 +1,4 @@
-"""Criteria of the form "rises with load", by which the cases of a reading judge a statement.
+"""Criteria that compare a number with bounds, such as a ratio, a level or a gap between levels.
 
 The module `statements` says which roughnesses, loads and bounds a statement names.
 """
@@ -7,168 +7,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from rolling.lee2025.checks import GRID, NOT_RUN, RECORD, Check, Finding, concluded, doubt
-from rolling.lee2025.measures import PLASTIC_RATIO, PRESSURE, Cases, Change, Measure, Statistic, change
-from rolling.lee2025.study import Case
+from rolling.lee2025.checks import NOT_RUN, RECORD, Check, Finding, concluded, doubt
+from rolling.lee2025.measures import PLASTIC_RATIO, PRESSURE, Cases, Measure, change, newton, ra, series
 
 LENGTHS = 10.0  # a verdict that stays the same in records up to so many times longer and shorter does not depend on it
 LG_LENGTH_DB = 5.0  # fall of a line of noise in a record ten times as long (10 lg of an amplitude)
 NO_AREA = 0.005  # of the Hertz area: less than a mark in a figure from 0 to 1
 LARGE_GAP_DB = 6.0
 LARGEST_STEP = 1.5  # 20 to 50 N is 2.5 times the load, the other steps twice: 1.3 steps come without any jump
-
-
-@dataclass(frozen=True)
-class _Step:
-    """A change at one load from one roughness to another.
-
-    Parameters
-    ----------
-    change : Change. The change over the surfaces.
-    base : float. The mean before the change.
-    over, under : float, um. The roughness after and before the change.
-    load : float, N. The load.
-    """
-
-    change: Change
-    base: float
-    over: float
-    under: float
-    load: float
-
-
-def _step(study: Cases, measure: Measure, under: float, over: float, load: float) -> _Step | None:
-    """Compute the change from one roughness to another at a load, None where cases are missing."""
-    first, then = study.at(under, load), study.at(over, load)
-    step = change(measure, first, then, study.factor)
-    base = measure.mean(first, study.factor)
-    return None if step is None or base is None else _Step(step, base, over, under, load)
-
-
-def _turns_on_grid(study: Cases, measure: Measure, step: _Step) -> bool:
-    """Judge whether the grid may turn the sign of a step."""
-    mean = step.change.mean
-    if measure.level:
-        places = (step.over, step.load), (step.under, step.load)
-        low, high = study.grid.shift_db(measure.grid, *places, study.factor)
-    else:
-        factors = study.grid.ratio(measure.grid, step.over, step.under, step.load)
-        low, high = ((factor - 1) * (step.base + mean) for factor in factors)
-    return 0 < mean <= -low or 0 < -mean <= high
-
-
-def _sign(study: Cases, measure: Measure, steps: Sequence[_Step], rises: bool) -> tuple[bool, str]:
-    """Judge whether all steps rise (or fall), and whether the grid may turn that."""
-    holds = [step.change.rises if rises else step.change.falls for step in steps]
-    turns = [_turns_on_grid(study, measure, step) for step in steps]
-    at_best = all(held or turned for held, turned in zip(holds, turns, strict=True))
-    at_worst = all(held and not turned for held, turned in zip(holds, turns, strict=True))
-    return all(holds), GRID if at_best != at_worst else ""
-
-
-def _all(parts: Sequence[bool | None]) -> bool | None:
-    """Return whether all known parts hold, None if none is known."""
-    known = [part for part in parts if part is not None]
-    return all(known) if known else None
-
-
-def ra(roughness_um: float) -> str:
-    """Write a roughness, such as "Ra 0.1 µm"."""
-    return f"Ra {roughness_um:g} µm"
-
-
-def newton(load_n: float) -> str:
-    """Write a load, such as "5 N"."""
-    return f"{load_n:g} N"
-
-
-def _series(
-    study: Cases, measure: Measure, groups: Sequence[tuple[str, Sequence[Case]]]
-) -> tuple[str, dict[str, Statistic]]:
-    """Return means and deviations of groups, in words and as data.
-
-    Levels without an absolute value are relative to the first group.
-    """
-    statistics = [
-        (name, measure.mean(group, study.factor), measure.deviation(group, study.factor)) for name, group in groups
-    ]
-    known = [(name, mean, deviation) for name, mean, deviation in statistics if mean is not None]
-    relative = measure.level and study.factor != 10
-    base, sign = (known[0][1], "+") if known and relative else (0.0, "")
-    words = [
-        measure.text(mean - base, sign) + ("" if deviation is None else f" ± {measure.text(deviation)}")
-        for _, mean, deviation in known
-    ]
-    numbers = {name: Statistic(mean - base, deviation) for name, mean, deviation in known}
-    return f"{', '.join(words)} {measure.unit} ({', '.join(numbers)})", numbers
-
-
-def _rises(step: Change | None) -> bool | None:
-    """Return whether a step rises for certain, None without a step."""
-    return None if step is None else step.rises
-
-
-def _falls(step: Change | None) -> bool | None:
-    """Return whether a step falls for certain, None without a step."""
-    return None if step is None else step.falls
-
-
-def rises_with_load(study: Cases, measure: Measure, roughnesses: Sequence[float]) -> Finding:
-    """Judge whether every step of load raises a measure.
-
-    Each roughness is a part, or each step if the statement concerns one roughness only.
-    """
-    checks = []
-    for roughness in roughnesses:
-        groups = [(newton(load), study.at(roughness, load)) for load in study.loads]
-        groups = [(name, group) for name, group in groups if measure.by_seed(group, study.factor)]
-        steps = [(a, b, change(measure, x, y, study.factor)) for (a, x), (b, y) in pairwise(groups)]
-        if len(roughnesses) == 1 and steps:
-            for a, b, step in steps:
-                text = "" if step is None else f"{measure.text(step.mean, '+')} {measure.unit}"
-                checks.append(Check(f"{a} to {b}", _rises(step), text, step.mean if step else None))
-            continue
-        words, numbers = _series(study, measure, groups) if steps else ("", {})
-        checks.append(Check(ra(roughness), _all([_rises(step) for *_, step in steps]), words, numbers))
-    return concluded(checks)
-
-
-def along_roughness(study: Cases, measure: Measure, roughnesses: Sequence[float], rises: bool = True) -> Finding:
-    """Judge whether every step of roughness raises (or lowers) a measure at every load; each step is a part."""
-    checks = []
-    for a, b in pairwise(roughnesses):
-        steps = [step for load in study.loads if (step := _step(study, measure, a, b, load))]
-        place = f"{ra(a)} to {b:g}"
-        if not steps:
-            checks.append(Check(place, None))
-            continue
-        holds, unsure = _sign(study, measure, steps, rises)
-        loads = [newton(step.load) for step in steps]
-        means = [step.change.mean for step in steps]
-        text = f"{', '.join(measure.text(mean, '+') for mean in means)} {measure.unit} ({', '.join(loads)})"
-        checks.append(Check(place, holds, text, dict(zip(loads, means, strict=True)), unsure=unsure))
-    return concluded(checks)
-
-
-def lowest_of_all(study: Cases, measure: Measure, roughness: float) -> Finding:
-    """Judge whether a measure is lowest on one roughness; each load is a part."""
-    checks = []
-    for load in study.loads:
-        others = [other for other in study.roughnesses if other != roughness]
-        steps = [step for other in others if (step := _step(study, measure, other, roughness, load))]
-        if not steps:
-            checks.append(Check(newton(load), None))
-            continue
-        holds, unsure = _sign(study, measure, steps, rises=False)
-        groups = [(ra(each), study.at(each, load)) for each in study.roughnesses]
-        words, numbers = _series(study, measure, groups)
-        checks.append(Check(newton(load), holds, words, numbers, unsure=unsure))
-    return concluded(checks)
 
 
 def ratio_at_each_load(study: Cases, measure: Measure, over: float, under: float, low: float, high: float) -> Finding:
@@ -240,7 +90,7 @@ def exceeds(study: Cases, measure: Measure, roughnesses: Sequence[float], least_
     checks = []
     for roughness in roughnesses:
         groups = [(newton(load), study.at(roughness, load)) for load in study.loads]
-        words, numbers = _series(study, measure, groups)
+        words, numbers = series(study, measure, groups)
         if not numbers:
             checks.append(Check(ra(roughness), None))
             continue
@@ -324,9 +174,9 @@ def rise_over_loads(
 
 
 def flattens(study: Cases, measure: Measure, lowest: float, knee: float, highest: float, most: float) -> Finding:
-    """Judge whether the rise per doubling of the load beyond the knee is at most a share of the rise before it.
+    """Judge whether a level rises much less per doubling of the load beyond the knee than before it.
 
-    Each roughness is a part.
+    The rise beyond may be at most a given share of the rise before. Each roughness is a part.
     """
     checks = []
     for roughness in study.roughnesses:
@@ -373,32 +223,6 @@ def stands_apart(study: Cases, measure: Measure, roughness: float, low: float, h
     )
 
 
-def loudest(study: Cases, measure: Measure, roughness: float, loads: Sequence[float]) -> Finding:
-    """Judge whether one roughness has the highest mean; each load is a part.
-
-    It is near where the lead of another roughness is not certain.
-    """
-    checks = []
-    for load in loads:
-        groups = {each: study.at(each, load) for each in study.roughnesses}
-        means = {
-            each: mean for each, group in groups.items() if (mean := measure.mean(group, study.factor)) is not None
-        }
-        if roughness not in means or len(means) < 2:
-            checks.append(Check(newton(load), None))
-            continue
-        first, second = sorted(means, key=lambda each: -means[each])[:2]
-        words, numbers = _series(study, measure, [(ra(each), group) for each, group in groups.items()])
-        step = change(measure, groups[roughness], groups[first], study.factor)
-        near = first != roughness and step is not None and not step.rises
-        over, under = (roughness, second) if first == roughness else (first, roughness)
-        lead = means[over] - means[under]
-        least, _ = study.grid.shift_db(measure.grid, (over, load), (under, load), study.factor)
-        unsure = GRID if least < 0 and lead <= -least else ""
-        checks.append(Check(newton(load), first == roughness, f"{ra(first)} of {words}", numbers, near, unsure))
-    return concluded(checks)
-
-
 def within(study: Cases, measure: Measure, roughnesses: Sequence[float], most_db: float) -> Finding:
     """Judge whether the highest and the lowest mean of the roughnesses lie close together; each load is a part."""
     checks = []
@@ -414,18 +238,4 @@ def within(study: Cases, measure: Measure, roughnesses: Sequence[float], most_db
         grid = study.grid.shift_db(measure.grid, (top, load), (bottom, load), study.factor)
         unsure = doubt(span, lambda x: x <= most_db, grid, step.error if step else 0.0)
         checks.append(Check(newton(load), span <= most_db, f"{measure.text(span)} dB", span, unsure=unsure))
-    return concluded(checks)
-
-
-def falls_along(study: Cases, measure: Measure, varied: str, unit: str) -> Finding:
-    """Judge whether every step up of a sweep's variable lowers a measure."""
-    groups = [
-        (f"{value:g}{unit}", [case for case in study.cases if getattr(case, varied) == value])
-        for value in study.values(varied)
-    ]
-    checks = []
-    for (a, x), (b, y) in pairwise(groups):
-        step = change(measure, x, y, study.factor)
-        text = f"{measure.text(step.mean, '+')} {measure.unit}" if step else ""
-        checks.append(Check(f"{a} to {b}", _falls(step), text, step.mean if step else None))
     return concluded(checks)
