@@ -33,7 +33,7 @@ LEAST_NYQUIST = 20e3  # [Hz] of steps that cover all of hearing
 MOST_ORDER, LEAST_ORDER = 2.0, 0.5  # of convergence, limits in an extrapolation
 
 
-# ---- the numbers of a variant ------------------------------------------------------------------------------------------
+# ---- the numbers of a variant -----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ def orders_of_differences(series: Sequence[tuple[float, Measurement]]) -> Errors
     return {name: observed_order(sizes, [errors_there[name] for errors_there in differences]) for name in ORDERED}
 
 
-# ---- the recommendation ---------------------------------------------------------------------------------------------------------
+# ---- the recommendation -----------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -239,9 +239,7 @@ def recommend(candidates: Sequence[Candidate]) -> Recommendation:
     def cheapest(allowed: list[Candidate]) -> Candidate | None:
         return min(allowed, key=lambda candidate: candidate.seconds_per_second, default=None)
 
-    known = [
-        candidate for candidate in candidates if math.isfinite(candidate.excess)
-    ]  # not those that lose a third octave
+    known = [candidate for candidate in candidates if math.isfinite(candidate.excess)]
     return Recommendation(
         both=cheapest([candidate for candidate in known if candidate.excess <= 1]),
         laeq_only=cheapest([candidate for candidate in known if candidate.laeq_db <= LAEQ_LIMIT]),

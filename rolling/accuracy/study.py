@@ -91,7 +91,7 @@ def _ended(held: Claim, results: Findings, interrupted: bool) -> int:
     else:
         held.mark(held.folder, "done")
         if stays := new_folder.drop_previous(held):
-            print(f"{stays} stays: it holds what this program did not write, or is in use", file=sys.stderr)
+            print(f"{stays} stays: it holds files that this program did not write, or is in use", file=sys.stderr)
         return 0
     print(reason, file=sys.stderr)
     if held.record.replaces:

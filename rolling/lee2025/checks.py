@@ -80,7 +80,7 @@ def concluded(checks: Sequence[Check]) -> Finding:
     known = [check for check in checks if check.holds is not None]
     missing = [check.place for check in checks if check.holds is None]
     if not known:
-        return Finding(NOT_RUN, f"no cases to tell: {', '.join(missing)}" if missing else "no cases to tell")
+        return Finding(NOT_RUN, f"no cases for {', '.join(missing)}" if missing else "no cases")
     kept = [check.place for check in known if check.holds]
     failed = [check.place for check in known if not check.holds]
     verdict = _verdict(known)
@@ -93,7 +93,7 @@ def concluded(checks: Sequence[Check]) -> Finding:
     if kept and failed:
         words.append(f"holds: {', '.join(kept)}; does not: {', '.join(failed)}")
     if missing:
-        words.append(f"no cases to tell: {', '.join(missing)}")
+        words.append(f"no cases for {', '.join(missing)}")
     values = {check.place: check.numbers for check in known}
     numbers = Numbers(values, kept, failed, missing)
     if least == most:

@@ -77,7 +77,7 @@ class Extent:
     ----------
     kind : str. READING, VARIATION or SWEEP.
     assumptions : str. The choices that the reading takes for granted, in words.
-    departs : tuple of str. Its differences from what the article states; empty for a reading.
+    departs : tuple of str. Its differences from the article's statements; empty for a reading.
     cases : int. Number of solved cases.
     roughnesses_um, loads_n, durations_s : tuple of float, um, N, s. Values that occur, rising.
     surfaces : int. Number of different surfaces per roughness.

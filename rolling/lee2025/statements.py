@@ -64,7 +64,7 @@ class Claim:
 
 
 _WHOLE = "A-weighted level of the whole sound: LAeq, or 20 lg of the weighted fluctuation."
-# Cautions: numbers measured as docs/accuracy.md says.
+# docs/accuracy.md says how the numbers in these cautions were measured.
 PLASTIC_CAUTION = (
     "Under the exponential law the grid decides it, since many yielding places at Ra 0.1 µm are"
     " smaller than 2 µm. In hardness-3y-exponential, on the same places of the same surfaces at 5,"
@@ -123,14 +123,14 @@ CLAIMS = (
     Claim(
         "hardness-reached",
         "section 3, Fig. 5b to d",
-        "From Ra 0.1 µm on the maximum pressure is the pressure at which the plate yields.",
-        "Some plastic area on every surface at each load, whatever pressure the reading caps at; partly: some of them.",
+        "From Ra 0.1 µm on, the maximum pressure is the pressure at which the plate yields.",
+        "Some plastic area on every surface at each load, at any cap of the pressure; partly: some of them.",
         partial(bounds.hardness_reached, roughnesses=YIELDING),
     ),
     Claim(
         "plastic-area-load",
         "section 3, Fig. 5",
-        "From Ra 0.1 µm on a higher load makes the plastic area larger.",
+        "From Ra 0.1 µm on, a higher load makes the plastic area larger.",
         f"{_UP}, on each roughness; partly: some roughnesses.",
         partial(trends.rises_with_load, measure=PLASTIC_AREA, roughnesses=YIELDING),
     ),
@@ -144,7 +144,7 @@ CLAIMS = (
     Claim(
         "plastic-ratio-load",
         "section 3, Fig. 7",
-        "From Ra 0.1 µm on the plastic area grows faster with the load than the Hertz area does.",
+        "From Ra 0.1 µm on, the plastic area grows faster with the load than the Hertz area does.",
         f"{_UP}, on each roughness; partly: some roughnesses.",
         partial(trends.rises_with_load, measure=PLASTIC_RATIO, roughnesses=YIELDING),
     ),
@@ -195,7 +195,7 @@ CLAIMS = (
         "The change from elastic to plastic deformation alters the noise considerably.",
         "Against the same scene without hardness, at Ra 0.1 and 1 µm, at 5, 20 and 100 N:"
         " A-weighted level of the whole sound, or a third of the third octaves from the lowest that"
-        " the record is long enough for up to 4 kHz, off by more than twice the uncertainty of the"
+        " the record resolves up to 4 kHz, off by more than twice the uncertainty of the"
         " difference; partly: some of them.",
         twins.influences,
         level=True,
@@ -221,7 +221,7 @@ CLAIMS = (
     Claim(
         "level-above-70",
         "abstract; section 3, Fig. 8; conclusions",
-        "From Ra 0.1 µm on levels pass the 70 dB of a squeal.",
+        "From Ra 0.1 µm on, levels pass the 70 dB of a squeal.",
         "Maximum line level above 70 dB at some load (the article does not say at which) on each roughness; partly: some"
         f" roughnesses. Undecided where a record up to {LENGTHS:g} times as long or as short would turn it.",
         partial(bounds.exceeds, measure=MAXIMUM, roughnesses=YIELDING, least_db=SQUEAL_DB),
@@ -240,7 +240,7 @@ CLAIMS = (
     Claim(
         "maximum-over-smooth",
         "abstract; section 3, Fig. 9; conclusions",
-        "From Ra 0.1 µm on the maximum line level lies some 10 to 15 dB above the one at Ra 0.01 µm.",
+        "From Ra 0.1 µm on, the maximum line level lies some 10 to 15 dB above the one at Ra 0.01 µm.",
         "Mean over the loads 8 to 17 dB on each roughness; partly: some roughnesses.",
         partial(bounds.gap_over, measure=MAXIMUM, smooth=SMOOTH, roughnesses=YIELDING, low_db=8.0, high_db=17.0),
         level=True,
@@ -285,7 +285,7 @@ CLAIMS = (
     Claim(
         "little-influence",
         "section 3, Fig. 9",
-        "From Ra 0.1 µm on roughness hardly affects the maximum line level.",
+        "From Ra 0.1 µm on, roughness hardly affects the maximum line level.",
         "At each load the three lie within 5 dB, the width of the article's own 10 to 15 dB; partly: at some loads.",
         partial(bounds.within, measure=MAXIMUM, roughnesses=YIELDING, most_db=5.0),
         level=True,
