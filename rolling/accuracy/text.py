@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from rolling import tables
 from rolling.accuracy import errors
 from rolling.accuracy.errors import BANDS, ERRORS, ORDERED, Candidate, Errors, Findings, decibel
 from rolling.accuracy.variants import Study, Variant, tolerance_text
-from rolling.markdown import table
 
 WORDS = {
     "signal": "release signal",
@@ -80,7 +80,7 @@ def _main_table(findings: Findings, names: Sequence[str], cost: Sequence[str]) -
         rows.append([*cells, f"{measurement.raw_rms:.4g}"])
     for v, reason in findings.failures.items():
         rows.append([*_settings(study, v), f"failed: {reason}"])
-    return table(rows[0], rows[1:], padded=True)
+    return tables.markdown(rows[0], rows[1:], padded=True)
 
 
 def compact(findings: Findings) -> str:
@@ -129,7 +129,7 @@ def _solver_table(findings: Findings) -> str:
         if v != findings.study.solver_reference:
             cost = f"{findings.measurements[v].step_ms:.2f}"
             rows.append([tolerance_text(v.tolerance), v.precision, cost, *_errors(e, zero, ERRORS[2:])])
-    return table(rows[0], rows[1:], padded=True)
+    return tables.markdown(rows[0], rows[1:], padded=True)
 
 
 def _uncertainty_table(findings: Findings) -> str:
@@ -146,7 +146,7 @@ def _uncertainty_table(findings: Findings) -> str:
         word = WORDS.get(name, f"{name} Hz")
         unit = "%" if name.endswith("percent") else "dB"
         rows.append([f"{word} [{unit}]", *(number(name, e) for e in kinds.values())])
-    return table(rows[0], rows[1:], padded=True)
+    return tables.markdown(rows[0], rows[1:], padded=True)
 
 
 def _bands_table(findings: Findings) -> str:
@@ -156,7 +156,7 @@ def _bands_table(findings: Findings) -> str:
         if v != findings.reference:
             cells = [_shown(e[band], findings.uncertainty[band], 2) for band in BANDS]
             rows.append(_settings(findings.study, v) + cells)
-    return table(rows[0], rows[1:], padded=True)
+    return tables.markdown(rows[0], rows[1:], padded=True)
 
 
 def _orders_table(findings: Findings) -> str:
@@ -164,7 +164,7 @@ def _orders_table(findings: Findings) -> str:
     rows = [["by", *(WORDS[name] for name in ORDERED)]]
     for name, orders in findings.orders.items():
         rows.append([name, *("-" if math.isnan(p) else f"{p:.2f}" for p in orders.values())])
-    return table(rows[0], rows[1:], padded=True)
+    return tables.markdown(rows[0], rows[1:], padded=True)
 
 
 def _raw(findings: Findings) -> str:
@@ -179,7 +179,7 @@ def _raw(findings: Findings) -> str:
         "Rms of the release power of each step about its mean. Steps shorter than a node show the release of single nodes, above"
         " hearing. Where the plate yields, this rms need not converge as the step shrinks, least of all with sharp edges. The"
         " levels within hearing converge."
-        "\n\n" + table(rows[0], rows[1:], padded=True)
+        "\n\n" + tables.markdown(rows[0], rows[1:], padded=True)
     )
 
 

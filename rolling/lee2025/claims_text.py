@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from rolling.lee2025 import standing
 from rolling.lee2025.checks import UNDECIDED, Finding
 from rolling.lee2025.results import READING, SWEEP, VARIATION, Extent, JudgedClaim, Score, Standing, Table
-from rolling.markdown import table as markdown_table
+from rolling.tables import markdown as markdown_table
 
 DOCS_MARK = "<!-- From here on: tables.md, as `rolling reproduce lee2025` writes it into its folder. -->"
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from rolling import markdown
+from rolling import tables
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import ContactState, RollingContact, march
 from rolling.contact.recovery import step_energy
@@ -340,7 +340,7 @@ def table(report: Report) -> str:
     rows = [_cells(group) for group in (*report.groups, Group("all but found", "", "", report.total))]
     text = ["# Hard cases", "", "Each scene must hold these conditions, or it counts as failed:", ""]
     text += [f"- {condition}" for condition in MUST_HOLD]
-    text += ["", markdown.table(head, rows, padded=True, right=range(3, len(head))), ""]
+    text += ["", tables.markdown(head, rows, padded=True, right=range(3, len(head))), ""]
     text += [
         f"{report.total.states} states; {report.seconds:.1f} s, {report.total.solving_seconds:.1f} s of it solving.",
         "",

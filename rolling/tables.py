@@ -1,11 +1,13 @@
-"""Tables in Markdown: compact, or padded so that they read as plain text, too."""
+"""Tables of text: in Markdown, and in aligned columns for a terminal."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]], padded: bool = False, right: Collection[int] = ()) -> str:
+def markdown(
+    head: Sequence[str], rows: Sequence[Sequence[str]], padded: bool = False, right: Collection[int] = ()
+) -> str:
     """Write a table in Markdown.
 
     Parameters
@@ -32,3 +34,10 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], padded: bool = Fal
         for line in full
     ]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def columns(rows: Sequence[Sequence[str]]) -> str:
+    """Write rows of equal length in aligned columns, two spaces apart, for a terminal."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
+    return "\n".join(line.rstrip() for line in lines)
