@@ -273,7 +273,9 @@ def _accuracy(arguments: argparse.Namespace) -> int:
 
     given = {name: value for name in ("finest", "duration") if (value := getattr(arguments, name)) is not None}
     try:
-        return study.report(arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers, **given)
+        return study.run_study(
+            arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers, **given
+        )
     except (SceneError, FolderError) as error:
         _say(str(error))
         return BAD_INPUT

@@ -177,7 +177,7 @@ def test_loosest_tolerance_stays_below_grid_and_limit() -> None:
 
 def test_the_scene_of_a_yielding_plate_is_tried_with_both_edges(scene: Path) -> None:
     hard = file.read_scene(scene, ["rolling.load_n=1", "plate.hardness_gpa=2.1", "numerics.step_nodes=3"])
-    what = variants.study(hard, 0.045, 8)
+    what = variants.study_of(hard, 0.045, 8)
     assert what.nodes % 12 == 0  # whole numbers of the scene's step and of the longest one tried
     every = what.variants()
     assert every[0] == what.reference("blended") and every[0].times == 8 and len(set(every)) == len(every)
@@ -207,15 +207,15 @@ def test_a_failed_variant_says_why_and_the_others_go_on(
 def test_interrupted_keeps_what_is_there(
     scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, whole: int
 ) -> None:
-    measured, done = errors.measured, []
+    measure, done = errors.measure, []
 
     def interrupted(*arguments):
-        done.append(measured(*arguments))
+        done.append(measure(*arguments))
         if len(done) == whole:
             os.kill(os.getpid(), signal.SIGINT)
         return done[-1]
 
-    monkeypatch.setattr(errors, "measured", interrupted)
+    monkeypatch.setattr(errors, "measure", interrupted)
     out = tmp_path / "out"
     assert cli.main(["accuracy", str(scene), *QUICK, "--out", str(out)]) == 130
     kept = json.loads((out / "accuracy.json").read_text())["variants"]

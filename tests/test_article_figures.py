@@ -15,11 +15,14 @@ import pytest
 
 from rolling.figures.picture import Picture
 from rolling.lee2025 import figure_data, figures, page, study
+from rolling.lee2025.checks import Finding
 from rolling.lee2025.figure_data import Reading, Scales
+from rolling.lee2025.results import Extent, JudgedClaim, Judgement, Score, Table
+from rolling.lee2025.statements import CLAIMS, Claim
 from rolling.lee2025.study import Case
 from rolling.scene import file
-from rolling.simulation import simulate
 from rolling.surface import heights as surface
+from rolling.surface import scene_surface
 
 SCENE = """\
 name: small
@@ -111,7 +114,7 @@ def test_every_figure_with_ra_5_says_that_theory_ends_there(solved: Reading, syn
 def test_warning_is_of_the_slope_measured_on_the_surface(solved: Reading, tmp_path: Path) -> None:
     (tmp_path / "s.yaml").write_text(SCENE)
     scene = file.read_scene(tmp_path / "s.yaml", ["surface.roughness_ra_um=5", "rolling.load_n=0.5"])
-    norm = surface.statistics(simulate.heights(scene), scene.spacing).rms_slope
+    norm = surface.statistics(scene_surface.heights(scene), scene.spacing).rms_slope
     assert solved.slopes[5.0, 10.0] == norm
     # Ra 5 um, Gaussian with 1/e at 10 um: Rq sqrt(2)/length = 0.89 along each direction; half a percent less over one
     # spacing, and a tenth for a surface as small as this one.
@@ -137,7 +140,7 @@ def test_axes_are_named_with_units(solved: Reading, synthetic: Reading) -> None:
     pictures = drawn(synthetic)
     for name, x, y in (
         ("fig7_plastic_ratio", "load [N]", "plastic area / Hertz area"),
-        ("fig9_maximum_level", "load [N]", "greatest A-weighted line level [dB re 1 pW/m²]"),
+        ("fig9_maximum_level", "load [N]", "maximum A-weighted line level [dB re 1 pW/m²]"),
     ):
         assert (pictures[name].figure.axes[0].get_xlabel(), pictures[name].figure.axes[0].get_ylabel()) == (x, y)
     panels = pictures["fig8_spectra"].figure.axes
@@ -161,14 +164,14 @@ def test_maximum_levels_and_their_doubles(synthetic: Reading) -> None:
     picture = drawn(synthetic)["fig9_maximum_level"]
     columns = table(picture)
     # 60 + load/10 + 2 seed: mean 64 + load/10, deviation 2; 20 lg doubles, from that of Ra 1 um at 20 N.
-    assert columns["Ra 0.1 µm: greatest A-weighted line level [dB re 1 pW/m²]"] == pytest.approx([64.5, 66, 74])
+    assert columns["Ra 0.1 µm: maximum A-weighted line level [dB re 1 pW/m²]"] == pytest.approx([64.5, 66, 74])
     assert columns["Ra 0.1 µm: standard deviation [dB]"] == pytest.approx([2, 2, 2])
     assert columns["Ra 0.1 µm, 20 lg: relative to Ra 1 µm, 20 N [dB]"] == pytest.approx([-3, 0, 16])
     assert columns["Ra 0.1 µm, 20 lg: standard deviation [dB]"] == pytest.approx([4, 4, 4])
     ax = picture.figure.axes[0]
     (other,) = ax.child_axes
     picture.figure.draw_without_rendering()
-    assert other.get_ylabel() == "20 lg, re greatest of Ra 1 µm, 20 N [dB]"
+    assert other.get_ylabel() == "20 lg, re maximum of Ra 1 µm, 20 N [dB]"
     assert other.get_ylim() == pytest.approx([2 * (edge - 66) for edge in ax.get_ylim()])
 
 
@@ -190,7 +193,7 @@ def test_spectra_of_several_surfaces_are_of_their_mean_power(synthetic: Reading)
 def test_spectra_say_from_where_third_octaves_mean_something(synthetic: Reading) -> None:
     picture = drawn(synthetic)["fig8_spectra"]
     # B T >= 5 at 0.05 s: B >= 100 Hz; the band of 400 Hz is 92 Hz wide, that of 500 Hz 115 Hz.
-    assert "T = 0.05 s: third octaves from 500 Hz mean something" in note(picture)
+    assert "T = 0.05 s: third octaves are reliable from 500 Hz" in note(picture)
     ax = picture.figure.axes[0]
     grey = ax.patches[0].get_extents().transformed(ax.transData.inverted())
     assert grey.x1 == pytest.approx(10**2.65)  # lower edge of that band
@@ -213,7 +216,7 @@ def test_missing_cases_leave_gaps(synthetic: Reading, solved: Reading) -> None:
     few = replace(synthetic, cases=[one for one in synthetic.cases if (one.roughness_um, one.load_n) != (1.0, 20.0)])
     pictures = drawn(few)
     columns = table(pictures["fig9_maximum_level"])
-    assert columns["Ra 1 µm: greatest A-weighted line level [dB re 1 pW/m²]"] == [pytest.approx(64.5), None, 74]
+    assert columns["Ra 1 µm: maximum A-weighted line level [dB re 1 pW/m²]"] == [pytest.approx(64.5), None, 74]
     assert "no axis of 20 lg: Ra 1 µm, 20 N is not solved" in note(pictures["fig8_spectra"])
     assert not pictures["fig9_maximum_level"].figure.axes[0].child_axes
     smooth = [one for one in synthetic.cases if one.roughness_um > 0.1 or one.load_n < 100]  # none of 100 N at Ra 0.1
@@ -234,10 +237,10 @@ def test_maps_are_of_the_solved_contact(solved: Reading) -> None:
     pictures = drawn(solved)
     for (ra, load), contact in solved.contacts.items():
         assert f"Ra {ra:g} µm" in words(pictures["fig5_contact_pressure"])
-        assert f"{load:g} N: greatest {contact.pressure.max() * 1e-9:.2f} GPa" in words(
+        assert f"{load:g} N: maximum {contact.pressure.max() * 1e-9:.2f} GPa" in words(
             pictures["fig5_contact_pressure"]
         )
-        assert f"{load:g} N: greatest {contact.deflection.max() * 1e6:.2f} µm" in words(pictures["fig6_deflection"])
+        assert f"{load:g} N: maximum {contact.deflection.max() * 1e6:.2f} µm" in words(pictures["fig6_deflection"])
         # The load is the pressure over the nodes' area, met to 1e-12.
         assert contact.pressure.sum() * 2e-6**2 == pytest.approx(load, rel=1e-9)
         # Over the deflected plate the sphere, a parabola of 1 mm that stands at the end of the 200 steps, is nowhere lower
@@ -260,7 +263,7 @@ def test_correlation_lengths_have_a_figure_of_their_own() -> None:
     columns = table(picture)
     assert columns["correlation length [µm]"][:3] == [2, 10, 40]
     assert columns["LAeq [dB re 20 µPa]"][:3] == [78, 70, 40]
-    assert columns["greatest line [dB re 1 pW/m²]"][:3] == [64, 64, 64]
+    assert columns["maximum line [dB re 1 pW/m²]"][:3] == [64, 64, 64]
     assert columns["length 40 µm [dB re 1 pW/m²]"] == pytest.approx(cases[2].line_db.tolist(), rel=1e-8)
     left, right = picture.figure.axes[:2]
     assert left.get_xlabel() == "frequency [Hz]" and right.get_xlabel() == "correlation length [µm]"
@@ -269,25 +272,19 @@ def test_correlation_lengths_have_a_figure_of_their_own() -> None:
 
 
 def test_page_has_a_column_for_each_reading_and_asks_for_nothing(synthetic: Reading) -> None:
-    findings = [
-        {"reading": "synthetic", "scale": 10, "verdict": "undecided", "measured": "14 dB", "decided_by": "the grid"},
-        {"reading": "synthetic", "scale": 10, "verdict": "reproduced", "measured": "14 dB"},
-        {"reading": "synthetic", "scale": 20, "verdict": "not run", "measured": HOSTILE},
-        {"reading": HOSTILE, "scale": None, "verdict": "partly", "measured": ""},
-    ]
-    claim = {"key": "k", "where": "section 3", "statement": HOSTILE, "tolerance": "3 dB", "findings": findings}
-    claim["caution"] = HOSTILE + "1.6 at 2 µm, 1.2 at 0.5 µm"
-    scores = [{"reading": "synthetic", "scale": 10, "least": 1.0, "most": 2.5, "counts": {"reproduced": 1}}]
+    judgements = (
+        Judgement("synthetic", 10, Finding("undecided", "14 dB", decided_by="the grid")),
+        Judgement("synthetic", 10, Finding("reproduced", "14 dB")),
+        Judgement("synthetic", 20, Finding("not run", HOSTILE)),
+        Judgement(HOSTILE, None, Finding("partly", "")),
+    )
+    caution = HOSTILE + "1.6 at 2 µm, 1.2 at 0.5 µm"
+    claim = Claim("k", "section 3", HOSTILE, "3 dB", lambda cases: Finding("partly", ""), caution=caution)
+    scores = (Score("synthetic", 10, 1.0, 2.5, {"reproduced": 1}),)
+    extent = Extent("variation", assumptions="x", departs=(HOSTILE,), lacks=("50 N",))
+    table = Table({"synthetic": extent}, claims=(JudgedClaim(claim, judgements),), scores=scores)
     pictures = [*drawn(synthetic).values()]
-    html = page.page(
-        ["synthetic", HOSTILE],
-        {
-            "claims": [claim],
-            "scores": scores,
-            "readings": {"synthetic": {"kind": "variation", "what": "x", "departs": [HOSTILE], "lacks": ["50 N"]}},
-        },
-        {"synthetic": pictures, HOSTILE: pictures},
-    ).decode()
+    html = page.page(["synthetic", HOSTILE], table, {"synthetic": pictures, HOSTILE: pictures}).decode()
     assert HOSTILE not in html and "<img src=x" not in html
     assert html.count("data:image/svg+xml") == 2 * len(pictures)
     assert html.count("data:text/csv") == 2 * len(pictures)
@@ -305,11 +302,11 @@ def test_page_has_a_column_for_each_reading_and_asks_for_nothing(synthetic: Read
 
 def test_variations_stand_after_the_readings() -> None:
     kinds = {"a": "sweep", "b": "variation", "c": "reading", "d": "variation", "e": "reading"}
-    order = page.ordered(kinds, {"readings": {name: {"kind": kind} for name, kind in kinds.items()}})
+    order = page.ordered(kinds, Table({name: Extent(kind) for name, kind in kinds.items()}))
     assert order == ["c", "e", "b", "d", "a"]
 
 
 def test_page_takes_a_table_without_scores_or_findings(synthetic: Reading) -> None:
-    html = page.page(["synthetic"], {"claims": [{"key": "level-load"}]}, {}).decode()
-    assert "level-load" in html and "not judged" in html
-    assert "No claims were judged" in page.page(["synthetic"], {}, {}).decode()
+    html = page.page(["synthetic"], Table(claims=(JudgedClaim(CLAIMS[0]),)), {}).decode()
+    assert CLAIMS[0].statement in html and "not judged" in html
+    assert "No claims were judged" in page.page(["synthetic"], Table(), {}).decode()

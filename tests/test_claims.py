@@ -14,10 +14,11 @@ import pytest
 
 from acoustics.bands import MID_HZ
 from acoustics.spectrum import article_line_level_db
-from rolling.lee2025 import claims, claims_text, criteria, grid_error, measures, standing
+from rolling.lee2025 import bounds, claims, claims_text, grid_error, measures, standing
 from rolling.lee2025.checks import GRID, NOT, NOT_RUN, PARTLY, RECORD, REPRODUCED, SURFACES, UNDECIDED
-from rolling.lee2025.claims import CLAIMS, LOADS, OUTLOOK, ROUGHNESSES
 from rolling.lee2025.grid_error import GridError
+from rolling.lee2025.measures import CENTROID
+from rolling.lee2025.statements import CLAIMS, LOADS, OUTLOOK, ROUGHNESSES, Claim
 from rolling.lee2025.study import Case
 
 LINE_HZ = np.geomspace(100.0, 18000.0, 40)
@@ -85,7 +86,7 @@ def study(seeds: int = 1, loads: Sequence[float] = LOADS, changed: Change | None
 
 
 def finding(key: str, cases: Sequence[Case], factor: int = 10) -> dict[str, Any]:
-    claim = next(row for row in claims.table(cases)["claims"] if row["key"] == key)
+    claim = next(row for row in claims.table(cases).to_dict()["claims"] if row["key"] == key)
     return next(one for one in claim["findings"] if one["scale"] in (None, factor))
 
 
@@ -95,7 +96,7 @@ def verdict(key: str, cases: Sequence[Case], factor: int = 10) -> str:
 
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.key)
 @pytest.mark.parametrize("seeds", [1, 3])
-def test_a_study_as_the_article_says_reproduces_it(claim: claims.Claim, seeds: int) -> None:
+def test_a_study_as_the_article_says_reproduces_it(claim: Claim, seeds: int) -> None:
     assert verdict(claim.key, study(seeds)) == REPRODUCED
 
 
@@ -286,8 +287,7 @@ def test_what_was_not_run_is_not_judged() -> None:
     cases = study(loads=(5.0, 20.0, 100.0))
     assert {key for key in OTHERWISE if verdict(key, cases) == NOT_RUN} == {"high-frequency-gap", "maximum-flattens"}
     assert finding("loudest-20-50", cases)["numbers"]["missing"] == ["50 N"]
-    extent = claims.table(cases)["readings"]["article"]
-    assert extent["lacks"] == ["10 N", "50 N"]
+    assert claims.table(cases).readings["article"].lacks == ("10 N", "50 N")
     assert "Lacks 10 N, 50 N" in claims_text.markdown(claims.table(cases))
     assert "reproduced\\*" in claims_text.markdown(claims.table(cases))
 
@@ -298,20 +298,20 @@ def test_what_was_not_run_is_not_judged() -> None:
 def test_one_case_or_all_but_one(case: Case) -> None:
     """Neither breaks a judge; a single case shows no change, and all but one still reproduce nothing wrongly."""
     alone = claims.table([case])
-    words = {row["key"]: row["findings"][0]["verdict"] for row in alone["claims"]}
+    words = {row.claim.key: row.judgements[0].finding.verdict for row in alone.claims}
     assert {words[key] for key in ("level-load", "level-roughness", "maximum-load", "little-influence")} == {NOT_RUN}
     rest = claims.table([one for one in study() if (one.roughness_um, one.load_n) != (case.roughness_um, case.load_n)])
-    assert {row["findings"][0]["verdict"] for row in rest["claims"]} <= {REPRODUCED, NOT_RUN}
-    assert rest["readings"]["article"]["lacks"] == [f"Ra {case.roughness_um:g} µm at {case.load_n:g} N"]
+    assert {row.judgements[0].finding.verdict for row in rest.claims} <= {REPRODUCED, NOT_RUN}
+    assert rest.readings["article"].lacks == (f"Ra {case.roughness_um:g} µm at {case.load_n:g} N",)
     for table in (alone, rest):
-        assert claims_text.markdown(json.loads(json.dumps(table, allow_nan=False)))
+        assert json.dumps(table.to_dict(), allow_nan=False) and claims_text.markdown(table)
 
 
 def test_no_cases() -> None:
     table = claims.table([])
-    assert table["scores"] == []
-    assert len(table["claims"]) == len(CLAIMS) + len(OUTLOOK)
-    assert "No reading was run that tells." in claims_text.markdown(table)
+    assert table.scores == ()
+    assert len(table.claims) == len(CLAIMS) + len(OUTLOOK)
+    assert "No reading was run that could be judged." in claims_text.markdown(table)
 
 
 def test_silent_cases_are_none_and_not_numbers() -> None:
@@ -330,12 +330,12 @@ def test_silent_cases_are_none_and_not_numbers() -> None:
         }
 
     table = claims.table(study(3, changed=silent))
-    text = json.dumps(table, allow_nan=False)
+    plain = table.to_dict()
     levels = {claim.key for claim in (*CLAIMS, *OUTLOOK) if claim.level}
     levels |= {"deflection-roughest", "deflection-roughness", "yielding-deflection"}
-    assert all(one["verdict"] == NOT_RUN for row in table["claims"] if row["key"] in levels for one in row["findings"])
-    assert json.loads(text) == table
-    assert claims_text.markdown(json.loads(text)) == claims_text.markdown(table)
+    assert all(one["verdict"] == NOT_RUN for row in plain["claims"] if row["key"] in levels for one in row["findings"])
+    assert json.loads(json.dumps(plain, allow_nan=False)) == plain
+    assert "nan" not in claims_text.markdown(table) and "inf " not in claims_text.markdown(table)
 
 
 # ---- the outlook: autocorrelation length -----------------------------------------------------------------------------
@@ -363,20 +363,20 @@ def test_lengths(values: Sequence[float], expected: str) -> None:
         [{1: 1000, 2: 2000, 3: 3150, 4: 4000, 5: 5000, 6: 6300}[int(value)] for value in values], [60.0] * 5
     )
     assert verdict("length-frequency", cases) == expected
-    assert claims.CENTROID.of(cases[2], 10) == pytest.approx(10**3.5, rel=1e-12)  # 3150 Hz, exact
+    assert CENTROID.of(cases[2], 10) == pytest.approx(10**3.5, rel=1e-12)  # 3150 Hz, exact
 
 
 def test_a_sweep_is_about_its_own_rows_only() -> None:
     cases = [*study(), *lengths([4000.0] * 5, [60.0] * 5)]
     table = claims.table(cases)
-    for row in table["claims"]:
-        words = {one["reading"]: one["verdict"] for one in row["findings"]}
-        swept = row["key"].startswith("length-")
+    for row in table.claims:
+        words = {one.reading: one.finding.verdict for one in row.judgements}
+        swept = row.claim.key.startswith("length-")
         assert words["article" if swept else "correlation-length"] == NOT_RUN
-        assert words["correlation-length" if swept else "article"] != NOT_RUN or row["key"] == "level-above-70"
-    assert {one["reading"] for one in table["scores"]} == {"article"}
-    kinds = {name: one["kind"] for name, one in table["readings"].items()}
-    assert kinds == {"article": "reading", "correlation-length": "sweep"} and table["twins"] == ["elastic"]
+        assert words["correlation-length" if swept else "article"] != NOT_RUN or row.claim.key == "level-above-70"
+    assert {one.reading for one in table.scores} == {"article"}
+    kinds = {name: one.kind for name, one in table.readings.items()}
+    assert kinds == {"article": "reading", "correlation-length": "sweep"} and table.twins == ("elastic",)
 
 
 # ---- what decides a verdict besides the article ----------------------------------------------------------------------
@@ -465,7 +465,7 @@ def test_lines_of_noise_fall_by_5_db_in_a_record_ten_times_as_long() -> None:
     """10 lg of an amplitude that goes with 1 / sqrt(T). The median of 3000 lines is known to 0.07 dB."""
     noise = np.random.default_rng(1).standard_normal(60000)
     short, long = (article_line_level_db(noise[:n], 48000, 1.0)[1][1:] for n in (6000, 60000))
-    assert np.median(short) - np.median(long) == pytest.approx(criteria.LG_LENGTH_DB, abs=0.2)
+    assert np.median(short) - np.median(long) == pytest.approx(bounds.LG_LENGTH_DB, abs=0.2)
 
 
 # ---- twins without hardness ------------------------------------------------------------------------------------------
@@ -473,9 +473,9 @@ def test_lines_of_noise_fall_by_5_db_in_a_record_ten_times_as_long() -> None:
 
 def test_without_twins_nothing_is_said_of_yielding() -> None:
     table = claims.table([case for case in study() if case.hardness_gpa])
-    words = {row["key"]: row["findings"][0] for row in table["claims"] if row["key"].startswith("yielding-")}
-    assert len(words) == 3
-    assert all(one["verdict"] == NOT_RUN and "no twin" in one["measured"] for one in words.values())
+    findings = [row.judgements[0].finding for row in table.claims if row.claim.key.startswith("yielding-")]
+    assert len(findings) == 3
+    assert all(one.verdict == NOT_RUN and "no twin" in one.measured for one in findings)
 
 
 def test_a_twin_is_the_same_scene_in_everything_but_hardness() -> None:
@@ -528,7 +528,8 @@ def test_statements_are_sorted_by_what_the_readings_agree_on() -> None:
     same = study(changed=none[1])
     other = study(changed=lambda case: none[1](case) | partly[0](case))
     table = claims.table([*reading("a", same), *reading("b", other)])
-    found = table["standing"]
+    assert table.standing is not None
+    found = table.standing.to_dict()
     assert "pressure-load" in found["none"] and "deflection-roughest" in found["differs"]
     assert "plastic-none" in found["every"]
     assert sorted(key for keys in found.values() for key in keys) == sorted(c.key for c in (*CLAIMS, *OUTLOOK))
@@ -553,9 +554,10 @@ def test_no_reading_is_said_to_be_best_by_less_than_two_statements() -> None:
 
     table = claims.table([*reading("good", study()), *reading("worse", study(changed=bad))])
     assert "good with 10 lg explains more than the other readings" in claims_text.markdown(table)
-    scores = {(one["reading"], one["scale"]): one for one in table["scores"]}
-    assert scores["good", 10]["least"] - scores["worse", 10]["most"] >= standing.LEAD
-    scores["worse", 10]["most"] = scores["good", 10]["least"] - 1.5
+    scores = {(one.reading, one.scale): one for one in table.scores}
+    good, worse = scores["good", 10], scores["worse", 10]
+    assert good.least - worse.most >= standing.LEAD
+    scores["worse", 10] = dataclasses.replace(worse, most=good.least - 1.5)
     assert standing.leader([*scores.values()]) is None
 
 
@@ -563,14 +565,14 @@ def test_variations_are_listed_apart_and_count_for_nothing() -> None:
     """A variation in which a statement fails leaves what the readings agree on as it is."""
     cases = [*reading("stated", study()), *reading("bigger", study(changed=OTHERWISE["pressure-load"][1]))]
     table = claims.table(cases, departures={"bigger": ["a radius of 10 mm (stated: a diameter of 10 mm)"]})
-    assert table["readings"]["bigger"]["kind"] == "variation"
-    assert "pressure-load" in table["standing"]["every"]
+    assert table.readings["bigger"].kind == "variation"
+    assert table.standing is not None and "pressure-load" in table.standing.every
     text = claims_text.tables(table)
     assert text.startswith(claims_text.DOCS_MARK)
-    assert text.index("### Readings") < text.index("### Variations") < text.index("### How much each explains")
+    assert text.index("### Readings") < text.index("### Variations") < text.index("### Statements that each explains")
     assert "| claim | stated |" in text and "| claim | bigger |" in text
     assert "- bigger has a radius of 10 mm (stated: a diameter of 10 mm)." in text
-    scores = text.partition("### How much each explains")[2]
+    scores = text.partition("### Statements that each explains")[2]
     assert (
         scores.index("| stated | 10 lg |")
         < scores.index("Variations, which take part")

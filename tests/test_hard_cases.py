@@ -302,12 +302,13 @@ def test_judge_stops_at_the_time_limit(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_report_shows_failures_and_counts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     cases = [NAMED["seam"], replace(NAMED["first touch"], budget=-1, name="first touch in no time")]
-    data = hard_cases.report(cases, random=4, odd=2, blended=0)
+    report = hard_cases.judge_all(cases, random=4, odd=2, blended=0)
+    data = report.to_dict()
     assert data["total"]["scenes"] == 8
     assert [failure["scene"] for failure in data["failures"]] == ["first touch in no time"]
     counted = sum(g["solved"] + g["failed"] + sum(g["refused"].values()) for g in data["groups"])
     assert counted == sum(g["scenes"] for g in data["groups"]) == 8
-    text = hard_cases.table(data)
+    text = hard_cases.table(report)
     assert "first touch in no time: position 0: iterations: 0, budget -1" in text
     for condition in hard_cases.MUST_HOLD:
         assert condition in text

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from rolling import cli
 from rolling.lee2025 import study
-from rolling.lee2025.claims import CLAIMS, OUTLOOK
 from rolling.lee2025.standing import WORDS
+from rolling.lee2025.statements import CLAIMS, OUTLOOK
 from rolling.simulation import result_file, simulate
 
 SHORT = study.Part(seeds=1, loads=(5, 10), duration_s=0.01, strides=2)  # a track longer than contact is wide

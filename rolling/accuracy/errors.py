@@ -1,6 +1,6 @@
-"""Speed against error: one scene on finer grids, with other edges, tolerances, steps and precision, against a fine reference.
+"""Errors of a scene's variants against a fine reference, orders of convergence, and the cheapest good variant.
 
-Depends on variants and sound. Numbers only: accuracy_report has the variants marched and writes down what is found here.
+The module holds numbers only: `study` marches the variants, `text` and `plot` show the results.
 """
 
 from __future__ import annotations
@@ -21,30 +21,39 @@ from rolling.simulation import simulate
 from rolling.sound import contact_sound
 
 Array = NDArray[np.float64]
-Errors = dict[str, float]  # by ERRORS and BANDS; NaN: cannot be told, inf: lost
+Errors = dict[str, float]  # by ERRORS and BANDS; NaN: unknown, inf: lost
 
 BANDS = tuple(name for name in BAND_NAMES if 100 <= float(name) <= 16000)
 PERCENT = ("release", "contact_area", "plastic_area", "max_pressure")
 ERRORS = ("signal", "laeq_db", *(f"{name}_percent" for name in PERCENT))
 ORDERED = ("signal", "release_percent", "contact_area_percent", "max_pressure_percent")
-LAEQ_LIMIT, BAND_LIMIT = 0.1, 0.5  # dB that a recommended variant may be off
+LAEQ_LIMIT, BAND_LIMIT = 0.1, 0.5  # dB, maximum errors of a recommended variant
 ROUNDING = 1e-10  # ratio, dB or percent
-LEAST_NYQUIST = 20e3  # [Hz] of steps that leave nothing of hearing out
-MOST_ORDER, LEAST_ORDER = 2.0, 0.5  # of convergence that is believed where an error is extrapolated
+LEAST_NYQUIST = 20e3  # [Hz] of steps that cover all of hearing
+MOST_ORDER, LEAST_ORDER = 2.0, 0.5  # of convergence, limits in an extrapolation
 
 
-# ---- what came of a variant ------------------------------------------------------------------------------------------
+# ---- the numbers of a variant -----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
-class Measured:
-    """A variant marched and heard.
+class Measurement:
+    """The numbers of a variant that was marched.
 
-    intensity : (samples,) fluctuation in the audible band [W/m2] at 48 kHz. laeq_db, third_octave_db : as a run reports them.
-    release : mean release power over time [W]. raw_rms : of the release power of each step about its mean [W], unfiltered.
-    contact_area, plastic_area : means over the track [m2]. max_pressure : the greatest [Pa].
-    step_ms : median of a step. seconds_per_second : of computing per second of sound, by the mean of a step without the
-    slowest twentieth, which prepares transforms for those that follow. iterations, convolutions : per step.
+    Parameters
+    ----------
+    variant : Variant. Its settings.
+    steps : int. Number of steps.
+    intensity : array (samples,), W/m2. Fluctuation in the audible band at 48 kHz.
+    laeq_db, third_octave_db : dB. Levels as a run reports them.
+    release : float, W. Mean release power over time.
+    raw_rms : float, W. Rms of the release power of each step about its mean, unfiltered.
+    contact_area, plastic_area : float, m2. Means over the track.
+    max_pressure : float, Pa. Maximum along the track.
+    step_ms : float, ms. Median time of a step.
+    seconds_per_second : float. Computing time per second of sound, from the mean of a step without
+        the slowest twentieth, which prepares transforms for later steps.
+    iterations, convolutions : float. Mean numbers per step.
     """
 
     variant: Variant
@@ -63,17 +72,17 @@ class Measured:
     convolutions: float
 
 
-def measured(what: Study, variant: Variant, pieces: Sequence[simulate.Piece]) -> Measured:
-    """The numbers of a variant from all its pieces."""
+def measure(study: Study, variant: Variant, pieces: Sequence[simulate.Piece]) -> Measurement:
+    """Compute the numbers of a variant from all its pieces."""
     pieces = sorted(pieces, key=lambda piece: piece.first)
     step = {name: np.concatenate([piece.steps[name] for piece in pieces]) for name in simulate.STEP_SERIES}
     state = {name: np.concatenate([piece.states[name] for piece in pieces])[1:] for name in simulate.STATE_SERIES}
     sound = contact_sound(
-        what.as_solved(variant), step["release_energy"], variant.step_nodes * what.scene.spacing, what.closed
+        study.as_solved(variant), step["release_energy"], variant.step_nodes * study.scene.spacing, study.closed
     )
     steps = len(step["release_energy"])
     usual = np.sort(step["step_time"])[: math.ceil(0.95 * steps)]
-    return Measured(
+    return Measurement(
         variant=variant,
         steps=steps,
         intensity=sound.pressure / (sound.factor or 1.0),
@@ -91,33 +100,43 @@ def measured(what: Study, variant: Variant, pieces: Sequence[simulate.Piece]) ->
     )
 
 
-def errors(got: Measured, reference: Measured) -> Errors:
-    """Of `got` against `reference`: signal as rms over rms of the reference's fluctuation, levels in dB, the rest in percent."""
+def errors(measurement: Measurement, reference: Measurement) -> Errors:
+    """Compute the errors of a measurement against a reference.
+
+    The signal's error is an rms over the rms of the reference's fluctuation; levels are in dB, the
+    others in percent.
+    """
 
     def db(a: float | None, b: float | None) -> float:
         return math.nan if b is None else math.inf if a is None else a - b
 
     fluctuation = _rms(reference.intensity)
-    off = _rms(got.intensity - reference.intensity)
-    found = {"signal": off / fluctuation if fluctuation else math.nan, "laeq_db": db(got.laeq_db, reference.laeq_db)}
+    off = _rms(measurement.intensity - reference.intensity)
+    differences = {
+        "signal": off / fluctuation if fluctuation else math.nan,
+        "laeq_db": db(measurement.laeq_db, reference.laeq_db),
+    }
     for name in PERCENT:
-        a, b = getattr(got, name), getattr(reference, name)
-        found[f"{name}_percent"] = 100 * (a / b - 1) if b else math.nan
-    return found | {band: db(got.third_octave_db[band], reference.third_octave_db[band]) for band in BANDS}
+        a, b = getattr(measurement, name), getattr(reference, name)
+        differences[f"{name}_percent"] = 100 * (a / b - 1) if b else math.nan
+    return differences | {
+        band: db(measurement.third_octave_db[band], reference.third_octave_db[band]) for band in BANDS
+    }
 
 
 def _rms(values: Array) -> float:
+    """Return the root of the mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 
 def decibel(ratio: float) -> float:
-    """Of an rms over another; -inf for none."""
+    """Convert the ratio of two rms values to dB; -inf for zero."""
     return 20 * math.log10(ratio) if ratio > 0 else -math.inf
 
 
-def worst_band(found: Errors) -> tuple[str, float]:
-    """The third octave that is off the most and by how much [dB]; of bands whose error can be told."""
-    known = {band: abs(found[band]) for band in BANDS if not math.isnan(found.get(band, math.nan))}
+def worst_band(errors_by_name: Errors) -> tuple[str, float]:
+    """Return the third octave with the largest known error and this error [dB]."""
+    known = {band: abs(errors_by_name[band]) for band in BANDS if not math.isnan(errors_by_name.get(band, math.nan))}
     return max(known.items(), key=lambda item: item[1]) if known else ("", math.nan)
 
 
@@ -125,50 +144,64 @@ def worst_band(found: Errors) -> tuple[str, float]:
 
 
 def extrapolated(coarse: Errors | None, fine: Errors) -> Errors:
-    """Error that the finest of three grids is left with (Richardson), from the differences of each grid to the next.
+    """Extrapolate the error of the finest of three grids (Richardson) from the differences between the grids.
 
-    The order is the observed one, believed from 0.5 to 2; without a third grid 1.
+    The order is the observed one, limited to 0.5 to 2; without a third grid it is 1.
     """
     left = {}
     for name, value in fine.items():
         before = coarse[name] if coarse else math.nan
-        told = value and before and math.isfinite(value) and math.isfinite(before)
-        order = math.log2(abs(before / value)) if told else 1.0
+        known = value and before and math.isfinite(value) and math.isfinite(before)
+        order = math.log2(abs(before / value)) if known else 1.0
         left[name] = abs(value) / (2 ** min(max(order, LEAST_ORDER), MOST_ORDER) - 1)
     return left
 
 
 def either(estimates: Sequence[Errors]) -> Errors:
-    """The largest of several estimates of each error; inf where there is none."""
-    found = {}
+    """Return the largest of several estimates of each error, inf without any."""
+    largest = {}
     for name in (*ERRORS, *BANDS):
-        known = [abs(e[name]) for e in estimates if not math.isnan(e[name])]
-        found[name] = max(known) if known else math.inf
-    return found
+        known = [abs(estimate[name]) for estimate in estimates if not math.isnan(estimate[name])]
+        largest[name] = max(known) if known else math.inf
+    return largest
 
 
-def observed_order(sizes: Sequence[float], off: Sequence[float]) -> float:
-    """Slope of log error over log size; NaN with fewer than two errors that are more than rounding."""
-    told = [(size, abs(e)) for size, e in zip(sizes, off, strict=True) if ROUNDING < abs(e) < math.inf]
-    if len(told) < 2:
+def observed_order(sizes: Sequence[float], errors_by_size: Sequence[float]) -> float:
+    """Return the slope of log error over log size; NaN with fewer than two errors above rounding."""
+    points = [
+        (size, abs(error))
+        for size, error in zip(sizes, errors_by_size, strict=True)
+        if ROUNDING < abs(error) < math.inf
+    ]
+    if len(points) < 2:
         return math.nan
-    x, y = np.log(told).T
+    x, y = np.log(points).T
     return float(np.polyfit(x, y, 1)[0])
 
 
-def orders_of_differences(series: Sequence[tuple[float, Measured]]) -> Errors:
-    """Orders from the differences between each size and the next smaller one: of no reference, so not flattered by one."""
-    found = [errors(a, b) for (_, a), (_, b) in pairwise(series)]
+def orders_of_differences(series: Sequence[tuple[float, Measurement]]) -> Errors:
+    """Compute orders from the differences between each size and the next smaller one.
+
+    No reference is needed, so none can flatter them.
+    """
+    differences = [errors(a, b) for (_, a), (_, b) in pairwise(series)]
     sizes = [size for size, _ in series[:-1]]
-    return {name: observed_order(sizes, [each[name] for each in found]) for name in ORDERED}
+    return {name: observed_order(sizes, [errors_there[name] for errors_there in differences]) for name in ORDERED}
 
 
-# ---- what to take ----------------------------------------------------------------------------------------------------
+# ---- the recommendation -----------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """What a variant costs [s of computing per s of sound] and may be off [dB], the reference's own uncertainty counted in."""
+    """The cost and the errors of a variant, with the reference's own uncertainty added.
+
+    Parameters
+    ----------
+    name : str. Name of the variant.
+    seconds_per_second : float. Computing time per second of sound.
+    laeq_db, band_db : float, dB. Error of LAeq, and the largest error of a third octave.
+    """
 
     name: str
     seconds_per_second: float
@@ -177,51 +210,55 @@ class Candidate:
 
     @property
     def excess(self) -> float:
-        """Its worst error as a share of the limit: 1 and less is within."""
+        """The worst error as a share of its limit; up to 1 it is within."""
         return max(self.laeq_db / LAEQ_LIMIT, self.band_db / BAND_LIMIT)
 
 
 @dataclass(frozen=True)
 class Recommendation:
-    """The cheapest within both limits, the cheapest within that of LAeq, and the one that comes nearest to both."""
+    """The cheapest variant within both limits, the cheapest within the limit of LAeq, and the nearest to both."""
 
     both: Candidate | None
     laeq_only: Candidate | None
     nearest: Candidate | None
 
 
-def candidate(one: Measured, found: Errors, uncertainty: Errors) -> Candidate:
-    """A variant with its errors; unknown ones count as infinite."""
-    bands = [abs(found[b]) + uncertainty[b] for b in BANDS if not math.isnan(found[b])]
-    laeq = abs(found["laeq_db"]) + uncertainty["laeq_db"]
+def candidate(measurement: Measurement, errors_by_name: Errors, uncertainty: Errors) -> Candidate:
+    """Return a variant with its errors; unknown ones count as infinite."""
+    bands = [abs(errors_by_name[band]) + uncertainty[band] for band in BANDS if not math.isnan(errors_by_name[band])]
+    laeq = abs(errors_by_name["laeq_db"]) + uncertainty["laeq_db"]
     worst = max(bands, default=math.inf)
-    return Candidate(one.variant.name, one.seconds_per_second, math.inf if math.isnan(laeq) else laeq, worst)
+    return Candidate(
+        measurement.variant.name, measurement.seconds_per_second, math.inf if math.isnan(laeq) else laeq, worst
+    )
 
 
 def recommend(candidates: Sequence[Candidate]) -> Recommendation:
-    """What to take of the candidates; None where none keeps the limits."""
+    """Choose among the candidates; None where none keeps the limits."""
 
-    def cheapest(those: list[Candidate]) -> Candidate | None:
-        return min(those, key=lambda one: one.seconds_per_second, default=None)
+    def cheapest(allowed: list[Candidate]) -> Candidate | None:
+        return min(allowed, key=lambda candidate: candidate.seconds_per_second, default=None)
 
-    told = [one for one in candidates if math.isfinite(one.excess)]  # not those that lose a third octave
+    known = [candidate for candidate in candidates if math.isfinite(candidate.excess)]
     return Recommendation(
-        both=cheapest([one for one in told if one.excess <= 1]),
-        laeq_only=cheapest([one for one in told if one.laeq_db <= LAEQ_LIMIT]),
-        nearest=min(told, key=lambda one: one.excess, default=None),
+        both=cheapest([candidate for candidate in known if candidate.excess <= 1]),
+        laeq_only=cheapest([candidate for candidate in known if candidate.laeq_db <= LAEQ_LIMIT]),
+        nearest=min(known, key=lambda candidate: candidate.excess, default=None),
     )
 
 
 def loosest_tolerance(signal_errors: Mapping[float, float], grid_error: float) -> float | None:
-    """The loosest tolerance whose signal error is a fifth of the grid's or less, and at -40 dB or below; None: none is.
+    """Return the loosest tolerance whose signal error is at most a fifth of the grid's and -40 dB, or None.
 
-    A fifth adds 0.2 dB to the error in all.
+    A fifth adds 0.2 dB to the whole error.
     """
-    return max((t for t, off in signal_errors.items() if off <= min(0.2 * grid_error, 0.01)), default=None)
+    return max(
+        (tolerance for tolerance, error in signal_errors.items() if error <= min(0.2 * grid_error, 0.01)), default=None
+    )
 
 
 def default_tolerance() -> float:
-    """Of scenes that do not say."""
+    """Return the tolerance of scenes that do not set one."""
     return float(Numerics().tolerance)
 
 
@@ -230,16 +267,27 @@ def default_tolerance() -> float:
 
 @dataclass(frozen=True)
 class Findings:
-    """What came of a study, whole or not.
+    """The results of a study, whole or not.
 
-    failures : why a variant has no numbers. reference : what `errors` are of; None: it is missing.
-    solver_errors : against the scene's own grid and step, solved to 1e-8. by_edges, by_refining : what may be wrong with the
-    reference, from the other edges on its grid and extrapolated from the ladder; uncertainty : the larger of both.
-    tolerance : the loosest that serves the scene's grid.
+    Parameters
+    ----------
+    study : Study. The scene and its stretch.
+    measurements : dict from Variant to Measurement. Variants that were marched.
+    failures : dict from Variant to str. Reasons for missing numbers.
+    reference : Variant or None. Reference of `errors`, None if it is missing.
+    errors : dict from Variant to Errors. Errors against the reference.
+    solver_errors : dict from Variant to Errors. Errors against the scene's own grid and step,
+        solved to 1e-8.
+    by_edges, by_refining : Errors. Two estimates of the reference's own error: from the other edges
+        on its grid, and extrapolated from the ladder of grids.
+    uncertainty : Errors. The larger of both.
+    orders : dict from str to Errors. Observed orders by family.
+    recommendation : Recommendation. The variants to use.
+    tolerance : float or None. The loosest tolerance that serves the scene's grid.
     """
 
     study: Study
-    measured: dict[Variant, Measured]
+    measurements: dict[Variant, Measurement]
     failures: dict[Variant, str]
     reference: Variant | None
     errors: dict[Variant, Errors]
@@ -253,73 +301,85 @@ class Findings:
 
     @property
     def silent(self) -> bool:
-        """The reference has no sound that could be off."""
+        """True if the reference has no sound whose level could be compared."""
         return self.reference is not None and math.isnan(self.errors[self.reference]["signal"])
 
 
-def judge(what: Study, done: dict[Variant, Measured], failures: dict[Variant, str]) -> Findings:
-    """Errors, orders and advice, from the variants that are there."""
-    found: dict[Variant, Errors] = {}
+def judge(study: Study, done: dict[Variant, Measurement], failures: dict[Variant, str]) -> Findings:
+    """Compute errors, orders and the recommendation from the variants that are there."""
+    errors_by_variant: dict[Variant, Errors] = {}
     by_edges = by_refining = dict.fromkeys((*ERRORS, *BANDS), math.nan)
-    best = next((v for e in what.all_edges[::-1] if (v := what.reference(e)) in done), None)
+    best = next((v for edges in study.all_edges[::-1] if (v := study.reference(edges)) in done), None)
     if best:
-        found = {v: errors(one, done[best]) for v, one in done.items()}
-        other = [v for e in what.all_edges if (v := what.reference(e)) != best and v in done]
-        by_edges = found[other[0]] if other else by_edges
-        by_refining = _by_refining(what, done, best) or by_refining
+        errors_by_variant = {v: errors(measurement, done[best]) for v, measurement in done.items()}
+        other = [v for edges in study.all_edges if (v := study.reference(edges)) != best and v in done]
+        by_edges = errors_by_variant[other[0]] if other else by_edges
+        by_refining = _by_refining(study, done, best) or by_refining
     uncertainty = either([by_edges, by_refining])
-    solved = done.get(what.solver_reference)
-    own_grid = {v: one for v, one in done.items() if _same_grid(v, what.own)}
-    solver_errors = {v: errors(one, solved) for v, one in own_grid.items()} if solved else {}
-    by_tolerance = {v.tolerance: e["signal"] for v, e in solver_errors.items() if v.precision == what.own.precision}
+    solved = done.get(study.solver_reference)
+    own_grid = {v: measurement for v, measurement in done.items() if _same_grid(v, study.own)}
+    solver_errors = {v: errors(measurement, solved) for v, measurement in own_grid.items()} if solved else {}
+    by_tolerance = {
+        v.tolerance: off["signal"] for v, off in solver_errors.items() if v.precision == study.own.precision
+    }
     return Findings(
-        study=what,
-        measured=done,
+        study=study,
+        measurements=done,
         failures=failures,
         reference=best,
-        errors=found,
+        errors=errors_by_variant,
         solver_errors=solver_errors,
         by_edges=by_edges,
         by_refining=by_refining,
         uncertainty=uncertainty,
-        orders=_orders(what, done, solver_errors),
-        recommendation=recommend([candidate(done[v], e, uncertainty) for v, e in found.items() if _hears(what, v)]),
-        tolerance=loosest_tolerance(by_tolerance, found[what.own]["signal"]) if what.own in found else None,
+        orders=_orders(study, done, solver_errors),
+        recommendation=recommend(
+            [candidate(done[v], off, uncertainty) for v, off in errors_by_variant.items() if _hears(study, v)]
+        ),
+        tolerance=loosest_tolerance(by_tolerance, errors_by_variant[study.own]["signal"])
+        if study.own in errors_by_variant
+        else None,
     )
 
 
-def _hears(what: Study, variant: Variant) -> bool:
-    """Its step is not too long for hearing, or no longer than the scene's own."""
-    return what.highest(variant) >= LEAST_NYQUIST or variant.step_nodes <= what.own.step_nodes
+def _hears(study: Study, variant: Variant) -> bool:
+    """Return whether a step is short enough for hearing, or no longer than the scene's own."""
+    return study.highest(variant) >= LEAST_NYQUIST or variant.step_nodes <= study.own.step_nodes
 
 
-def _same_grid(one: Variant, other: Variant) -> bool:
-    return (one.times, one.step_nodes, one.edges) == (other.times, other.step_nodes, other.edges)
+def _same_grid(variant: Variant, other: Variant) -> bool:
+    """Return whether two variants share grid, step and edges."""
+    return (variant.times, variant.step_nodes, variant.edges) == (other.times, other.step_nodes, other.edges)
 
 
-def _by_refining(what: Study, done: dict[Variant, Measured], best: Variant) -> Errors | None:
-    grids = [done.get(what.on_grid(times, best.edges)) for times in what.ladder[-2:]]
+def _by_refining(study: Study, done: dict[Variant, Measurement], best: Variant) -> Errors | None:
+    """Extrapolate the error of the reference from the ladder of grids, None without a finer grid."""
+    grids = [done.get(study.on_grid(times, best.edges)) for times in study.ladder[-2:]]
     if grids[-1] is None:
         return None
     coarse = errors(grids[0], grids[1]) if len(grids) > 1 and grids[0] and grids[1] else None
     return extrapolated(coarse, errors(grids[-1], done[best]))
 
 
-def _orders(what: Study, done: dict[Variant, Measured], solver_errors: dict[Variant, Errors]) -> dict[str, Errors]:
-    families = what.families()
-    found = {}
+def _orders(study: Study, done: dict[Variant, Measurement], solver_errors: dict[Variant, Errors]) -> dict[str, Errors]:
+    """Compute the observed orders of all families."""
+    families = study.families()
+    orders = {}
     for name, variants in families.items():
         if name.startswith("spacing"):
-            found[name] = orders_of_differences([(1 / v.times, done[v]) for v in variants if v in done])
-    found["step"] = orders_of_differences([(v.step_nodes, done[v]) for v in families["step"] if v in done])
+            orders[name] = orders_of_differences([(1 / v.times, done[v]) for v in variants if v in done])
+    orders["step"] = orders_of_differences([(v.step_nodes, done[v]) for v in families["step"] if v in done])
     judged = [v for v in families["tolerance"] if v in solver_errors]
-    found["tolerance"] = {
+    orders["tolerance"] = {
         name: observed_order([v.tolerance for v in judged], [solver_errors[v][name] for v in judged])
         for name in ORDERED
     }
-    return found
+    return orders
 
 
-def plain(found: Mapping[str, Any]) -> dict[str, Any]:
-    """For a JSON file: what is not finite is None."""
-    return {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in found.items()}
+def plain(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    """Convert for JSON: a number that is not finite becomes None."""
+    return {
+        name: None if isinstance(value, float) and not math.isfinite(value) else value
+        for name, value in numbers.items()
+    }

@@ -1,4 +1,4 @@
-"""Work-precision diagram of a study: errors against the cost, one curve per thing varied. Depends on accuracy and matplotlib."""
+"""The work-precision diagram of a study: errors against cost, one curve per varied setting."""
 
 from __future__ import annotations
 
@@ -29,20 +29,27 @@ OFFSETS = ((8, 0), (0, 8), (0, -8), (-8, 0), (7, 7), (7, -7), (-7, 7), (-7, -7),
 
 SOLVE_ALONE = "tolerance, error of the solve alone"
 OTHERS = "others"
-MOST_HIDDEN = 0.3  # of a label
-LEAST_DB = 1e-3  # an error of a level below this is drawn there
+MOST_HIDDEN = 0.3  # share of a label
+LEAST_DB = 1e-3  # smaller errors of a level are drawn here
 
 
-def write(folder: Path, label: str, found: Findings) -> None:
-    """accuracy.png and accuracy.svg: release signal, LAeq and the worst third octave."""
+def write(folder: Path, label: str, findings: Findings) -> None:
+    """Draw accuracy.png and accuracy.svg: release signal, LAeq and the worst third octave."""
     figure = Figure(figsize=(10, 14.5), layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(3, 1, sharex=True, height_ratios=(1.4, 1, 1))
-    worst = max((u for band in BANDS if math.isfinite(u := found.uncertainty[band])), default=math.inf)
+    worst = max((u for band in BANDS if math.isfinite(u := findings.uncertainty[band])), default=math.inf)
     labels = [
-        _signal(panels[0], found),
-        _level(panels[1], found, "|LAeq error| [dB]", LAEQ_LIMIT, lambda e: e["laeq_db"], found.uncertainty["laeq_db"]),
-        _level(panels[2], found, "largest third-octave error [dB]", BAND_LIMIT, lambda e: worst_band(e)[1], worst),
+        _signal(panels[0], findings),
+        _level(
+            panels[1],
+            findings,
+            "|LAeq error| [dB]",
+            LAEQ_LIMIT,
+            lambda e: e["laeq_db"],
+            findings.uncertainty["laeq_db"],
+        ),
+        _level(panels[2], findings, "largest third-octave error [dB]", BAND_LIMIT, lambda e: worst_band(e)[1], worst),
     ]
     for panel in panels:
         panel.set_xscale("log")
@@ -53,7 +60,7 @@ def write(folder: Path, label: str, found: Findings) -> None:
     panels[2].set_xlabel("seconds of computing per second of sound, on one core")
     handles = {text: handle for p in panels for handle, text in zip(*p.get_legend_handles_labels(), strict=True)}
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=3, fontsize="small")
-    figure.suptitle(_title(label, found))
+    figure.suptitle(_title(label, findings))
     figure.canvas.draw()
     for panel, texts in zip(panels, labels, strict=True):
         _place_labels(panel, texts)
@@ -64,44 +71,48 @@ def write(folder: Path, label: str, found: Findings) -> None:
             write_bytes(folder / f"accuracy.{kind}", content.getvalue())
 
 
-def _title(label: str, found: Findings) -> str:
-    what, best = found.study, found.reference
+def _title(label: str, findings: Findings) -> str:
+    """Return the title: scene, length of track and reference."""
+    study, best = findings.study, findings.reference
     assert best is not None
-    length = what.nodes * what.scene.spacing * 1e3
+    length = study.nodes * study.scene.spacing * 1e3
     return (
-        f"{what.scene.name}, {label}: speed against error over {length:.3g} mm of track\n"
-        f"errors against spacing {what.spacing_um(best):g} µm, {best.edges} edges, tolerance"
-        f" {tolerance_text(best.tolerance)}, step {what.step_um(best):g} µm"
+        f"{study.scene.name}, {label}: speed against error over {length:.3g} mm of track\n"
+        f"errors against spacing {study.spacing_um(best):g} µm, {best.edges} edges, tolerance"
+        f" {tolerance_text(best.tolerance)}, step {study.step_um(best):g} µm"
     )
 
 
-def _curves(found: Findings, value: Callable[[Errors], float]) -> dict[str, Curve]:
+def _curves(findings: Findings, value: Callable[[Errors], float]) -> dict[str, Curve]:
+    """Return a curve for each family of variants."""
     curves = {}
-    for name, variants in found.study.families().items():
-        shown = [v for v in variants if v in found.errors and v != found.reference]
+    for name, variants in findings.study.families().items():
+        shown = [v for v in variants if v in findings.errors and v != findings.reference]
         if name != "references" and shown:
-            curves[name] = [(v, found.measured[v].seconds_per_second, value(found.errors[v])) for v in shown]
+            curves[name] = [(v, findings.measurements[v].seconds_per_second, value(findings.errors[v])) for v in shown]
     return curves
 
 
-def _signal(ax: Axes, found: Findings) -> Labels:
-    curves = _curves(found, lambda e: decibel(e["signal"]))
+def _signal(ax: Axes, findings: Findings) -> Labels:
+    """Draw the errors of the release signal, with the errors of the solve alone."""
+    curves = _curves(findings, lambda e: decibel(e["signal"]))
     curves[SOLVE_ALONE] = [
-        (v, found.measured[v].seconds_per_second, decibel(found.solver_errors[v]["signal"]))
-        for v in found.study.families()["tolerance"]
-        if v in found.solver_errors
+        (v, findings.measurements[v].seconds_per_second, decibel(findings.solver_errors[v]["signal"]))
+        for v in findings.study.families()["tolerance"]
+        if v in findings.solver_errors
     ]
-    labels = _draw(ax, found.study, curves)
-    _uncertain(ax, decibel(found.uncertainty["signal"]))
+    labels = _draw(ax, findings.study, curves)
+    _uncertain(ax, decibel(findings.uncertainty["signal"]))
     ax.set_ylabel("release signal: rms error re rms of fluctuation [dB]")
     return labels
 
 
 def _level(
-    ax: Axes, found: Findings, ylabel: str, limit: float, value: Callable[[Errors], float], uncertainty: float
+    ax: Axes, findings: Findings, ylabel: str, limit: float, value: Callable[[Errors], float], uncertainty: float
 ) -> Labels:
-    labels = _draw(ax, found.study, _curves(found, lambda e: max(abs(value(e)), LEAST_DB)))
-    ax.axhline(limit, color="black", linewidth=1.0, linestyle=(0, (6, 3)), label="limit of what is recommended")
+    """Draw the errors of a level, with the limit of a recommendation."""
+    labels = _draw(ax, findings.study, _curves(findings, lambda e: max(abs(value(e)), LEAST_DB)))
+    ax.axhline(limit, color="black", linewidth=1.0, linestyle=(0, (6, 3)), label="limit of a recommendation")
     ax.set_yscale("log")
     ax.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
     _uncertain(ax, uncertainty)
@@ -110,17 +121,17 @@ def _level(
 
 
 def _uncertain(ax: Axes, value: float) -> None:
-    """Below this the reference itself may be off."""
+    """Shade the range of the reference's own uncertainty."""
     if math.isfinite(value):
         low, high = ax.get_ylim()
         ax.axhspan(min(low, value), value, color="0.92", zorder=0, label="within the reference's own uncertainty")
         ax.set_ylim(min(low, value), max(high, value))
 
 
-def _draw(ax: Axes, what: Study, curves: dict[str, Curve]) -> Labels:
-    """Curves by name, each with a look of its own in every panel; the scene as it stands is ringed."""
+def _draw(ax: Axes, study: Study, curves: dict[str, Curve]) -> Labels:
+    """Draw curves by name, with the same look in every panel; a ring marks the scene as it stands."""
     labels: Labels = {}
-    names = [n for n in what.families() if n not in ("references", OTHERS)] + [SOLVE_ALONE]
+    names = [n for n in study.families() if n not in ("references", OTHERS)] + [SOLVE_ALONE]
     for name, curve in curves.items():
         points = [(v, x, y) for v, x, y in curve if math.isfinite(y)]
         x, y = [p[1] for p in points], [p[2] for p in points]
@@ -131,23 +142,24 @@ def _draw(ax: Axes, what: Study, curves: dict[str, Curve]) -> Labels:
         look: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "marker": MARKERS[k % len(MARKERS)]}
         ax.plot(x, y, linestyle=LINE_STYLES[k % len(LINE_STYLES)], markersize=6, linewidth=1.3, label=name, **look)
         for v, at, off in points:
-            own = v == what.own and name != SOLVE_ALONE
-            labels.setdefault((at, off), "the scene" if own else _label(what, name, v))
+            own = v == study.own and name != SOLVE_ALONE
+            labels.setdefault((at, off), "the scene" if own else _label(study, name, v))
             if own:
                 ax.plot(at, off, "o", color="black", markersize=13, fillstyle="none", label="the scene as it stands")
     return labels
 
 
-def _label(what: Study, name: str, variant: Variant) -> str:
+def _label(study: Study, name: str, variant: Variant) -> str:
+    """Return the label of a point: the varied setting."""
     if name.startswith("spacing"):
-        return f"{what.spacing_um(variant):g} µm"
+        return f"{study.spacing_um(variant):g} µm"
     if name.startswith("tolerance"):
         return tolerance_text(variant.tolerance)
-    return f"step {what.step_um(variant):g} µm" if name == "step" else variant.precision
+    return f"step {study.step_um(variant):g} µm" if name == "step" else variant.precision
 
 
 def _place_labels(ax: Axes, labels: Labels) -> None:
-    """Beside each point, where it hides the least of the points and of the labels placed before; left out where it hides much."""
+    """Place each label where it hides least of the points and of earlier labels, or leave it out."""
     points = [ax.transData.transform(point) for point in labels]
     taken = [Bbox.from_bounds(x - 5, y - 5, 10, 10) for x, y in points]
     inside = ax.get_window_extent()
@@ -170,7 +182,10 @@ def _place_labels(ax: Axes, labels: Labels) -> None:
 
 
 def _tried(point, offset: tuple[float, float], text: Bbox, inside: Bbox, taken: list[Bbox]) -> tuple[float, Bbox]:
-    """What a label would hide [pixels], and where it would be: the offset reaches to its nearest edge, or to its middle."""
+    """Return the area that a label would hide [pixels] and its box there.
+
+    The offset reaches to the nearest edge of the box, or to its middle.
+    """
     (x, y), (dx, dy) = point, offset
     left = x + dx - (text.width if dx < 0 else text.width / 2 if dx == 0 else 0)
     low = y + dy - (text.height if dy < 0 else text.height / 2 if dy == 0 else 0)
@@ -179,6 +194,7 @@ def _tried(point, offset: tuple[float, float], text: Bbox, inside: Bbox, taken: 
     return sum(_shared(tried, other) for other in taken) + 1e4 * outside, tried
 
 
-def _shared(one: Bbox, other: Bbox) -> float:
-    both = Bbox.intersection(one, other)
+def _shared(box: Bbox, other: Bbox) -> float:
+    """Return the common area of two boxes."""
+    both = Bbox.intersection(box, other)
     return both.width * both.height if both else 0.0

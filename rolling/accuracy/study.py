@@ -1,7 +1,4 @@
-"""The command `rolling accuracy SCENE`: has the variants of a scene marched, and writes what they cost and how far they are off.
-
-Depends on variants, accuracy, accuracy_text and accuracy_plot, and on pool and store for the work and its files.
-"""
+"""The command `rolling accuracy SCENE`: it marches the variants of a scene and writes their costs and errors."""
 
 from __future__ import annotations
 
@@ -15,8 +12,8 @@ from typing import Any
 from tqdm import tqdm
 
 from rolling.accuracy import errors, plot, text
-from rolling.accuracy.errors import Findings, Measured
-from rolling.accuracy.variants import Study, Variant, study, tasks
+from rolling.accuracy.errors import Findings, Measurement
+from rolling.accuracy.variants import Study, Variant, study_of, tasks
 from rolling.check import cost, long_steps, refusals
 from rolling.folders import claim, files, new_folder, run_record
 from rolling.folders.claim import Claim
@@ -26,7 +23,7 @@ from rolling.simulation.batch import Run
 from rolling.surface import contact_of_scene
 
 
-def report(
+def run_study(
     scene_path: Path,
     overrides: Sequence[str] = (),
     out: Path | None = None,
@@ -35,7 +32,21 @@ def report(
     finest: int = 4,
     duration: float = 0.045,
 ) -> int:
-    """March all variants of the first run of a scene file, print the table and write the folder; returns the exit code.
+    """March all variants of the first run of a scene file, print the table and write the folder.
+
+    Parameters
+    ----------
+    scene_path : Path. The scene file.
+    overrides : sequence of str. Values of keys, as after --set. Default: none.
+    out : Path or None. Folder of the study. Default: None, for a folder below outputs/.
+    force : bool. If true, replace an earlier study. Default: False.
+    workers : int. Number of processes. Default: 0, for one per core.
+    finest : int. Divisor of the spacing for the reference. Default: 4.
+    duration : float, s. Duration of rolling. Default: 0.045.
+
+    Returns
+    -------
+    The exit code.
 
     Raises
     ------
@@ -45,9 +56,9 @@ def report(
     runs = scene.runs()
     values, single = runs[0]
     long_steps.refuse_long_steps(single)
-    what = study(single, duration, finest)
-    refusals.refuse_variants_that_cannot_fit(what.scene, finest, workers, out or refusals.OUTPUTS)
-    contact_of_scene.rolling_contact(what.scene)  # a surface that cannot be had shows before anything is written
+    study = study_of(single, duration, finest)
+    refusals.refuse_variants_that_cannot_fit(study.scene, finest, workers, out or refusals.OUTPUTS)
+    contact_of_scene.rolling_contact(study.scene)  # a missing surface is refused before anything is written
     given = scene_path.read_bytes()
     inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]
     target = new_folder.aim(Path("outputs") / f"{scene.name}-accuracy", out, force, ["accuracy"], inputs)
@@ -61,25 +72,25 @@ def report(
             f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set {next(iter(values))}=..."
         )
     with new_folder.make(target, run_record.new("accuracy"), fill) as held:
-        found, interrupted = _marched(what, held.folder, workers or cost.cores())
-        _write(held.folder, label, found)
-        print(text.compact(found))
+        results, interrupted = _march(study, held.folder, workers or cost.cores())
+        _write(held.folder, label, results)
+        print(text.compact(results))
         print(f"\ntables, picture, numbers: {held.folder}")
-        return _ended(held, found, interrupted)
+        return _ended(held, results, interrupted)
 
 
-def _ended(held: Claim, found: Findings, interrupted: bool) -> int:
-    """Write the state that the study came to, say why it is not done, and return the exit code."""
+def _ended(held: Claim, results: Findings, interrupted: bool) -> int:
+    """Write the state of the study, give the reason if it is not done, and return the exit code."""
     if interrupted:
         held.mark(held.folder, "waiting", claim.INTERRUPTED)
         reason = "interrupted: the tables hold the variants that were finished"
-    elif found.reference is None:
+    elif results.reference is None:
         reason = "the reference failed: there are no errors to show"
         held.mark(held.folder, "failed", reason)
     else:
         held.mark(held.folder, "done")
         if stays := new_folder.drop_previous(held):
-            print(f"{stays} stays: it holds what this program did not write, or is in use", file=sys.stderr)
+            print(f"{stays} stays: it holds files that this program did not write, or is in use", file=sys.stderr)
         return 0
     print(reason, file=sys.stderr)
     if held.record.replaces:
@@ -87,79 +98,85 @@ def _ended(held: Claim, found: Findings, interrupted: bool) -> int:
     return 130 if interrupted else 1
 
 
-def _marched(what: Study, folder: Path, workers: int) -> tuple[Findings, bool]:
-    """Each variant is written as soon as its last piece is done."""
-    variants = what.variants()
-    todo = tasks(what, variants)
+def _march(study: Study, folder: Path, workers: int) -> tuple[Findings, bool]:
+    """March all variants and write each as soon as its last piece is done."""
+    variants = study.variants()
+    todo = tasks(study, variants)
     missing = Counter(task.run for task in todo)
     pieces: dict[int, list[simulate.Piece]] = {number: [] for number in missing}
-    done: dict[Variant, Measured] = {}
+    done: dict[Variant, Measurement] = {}
     (folder / "variants").mkdir()
 
     def finished(number: int, piece: simulate.Piece) -> None:
         pieces[number].append(piece)
         if len(pieces[number]) == missing[number]:
-            one = errors.measured(what, variants[number], pieces.pop(number))
-            done[one.variant] = one
-            files.write_json(folder / "variants" / f"{one.variant.name}.json", _row(one))
+            measurement = errors.measure(study, variants[number], pieces.pop(number))
+            done[measurement.variant] = measurement
+            files.write_json(folder / "variants" / f"{measurement.variant.name}.json", _row(measurement))
 
     total = sum(task.cost for task in todo)
     layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
-    with tqdm(total=total, disable=None, desc=f"{what.scene.name}: {len(variants)} variants", bar_format=layout) as bar:
+    with tqdm(
+        total=total, disable=None, desc=f"{study.scene.name}: {len(variants)} variants", bar_format=layout
+    ) as bar:
         outcome = pool.work(todo, workers, finished, bar.update)
     failures = {variants[number]: reason for number, reason in outcome.failures.items()}
-    return errors.judge(what, {v: done[v] for v in sorted(done, key=_in_table)}, failures), outcome.interrupted
+    return errors.judge(study, {v: done[v] for v in sorted(done, key=_in_table)}, failures), outcome.interrupted
 
 
-def _in_table(v: Variant) -> tuple:
-    return v.times, v.edges != "sharp", v.step_nodes, v.precision, -v.tolerance
+def _in_table(variant: Variant) -> tuple:
+    """Return the sorting key of a variant in the tables."""
+    return variant.times, variant.edges != "sharp", variant.step_nodes, variant.precision, -variant.tolerance
 
 
 # ---- numbers ---------------------------------------------------------------------------------------------------------
 
 
-def _row(one: Measured) -> dict[str, Any]:
-    facts = {k: v for k, v in vars(one).items() if k not in ("variant", "intensity")}
-    return {"name": one.variant.name, **asdict(one.variant), **errors.plain(facts)}
+def _row(measurement: Measurement) -> dict[str, Any]:
+    """Return the numbers of a variant for JSON."""
+    facts = {name: value for name, value in vars(measurement).items() if name not in ("variant", "intensity")}
+    return {"name": measurement.variant.name, **asdict(measurement.variant), **errors.plain(facts)}
 
 
-def _numbers(label: str, found: Findings) -> dict[str, Any]:
-    what, plain = found.study, errors.plain
+def _numbers(label: str, results: Findings) -> dict[str, Any]:
+    """Return all numbers of the study for accuracy.json."""
+    study, plain = results.study, errors.plain
     rows = []
-    for variant, one in found.measured.items():
-        row = _row(one) | {"keys": text.keys(what, variant), "highest_hz": what.highest(variant)}
-        row["errors"] = plain(found.errors[variant]) if variant in found.errors else None
-        row["solver_errors"] = plain(found.solver_errors[variant]) if variant in found.solver_errors else None
+    for variant, measurement in results.measurements.items():
+        row = _row(measurement) | {"keys": text.keys(study, variant), "highest_hz": study.highest(variant)}
+        row["errors"] = plain(results.errors[variant]) if variant in results.errors else None
+        row["solver_errors"] = plain(results.solver_errors[variant]) if variant in results.solver_errors else None
         rows.append(row)
-    advice = found.recommendation
+    advice = results.recommendation
     return {
-        "name": what.scene.name,
+        "name": study.scene.name,
         "run": label,
-        "scene": what.scene.to_dict(),
-        "track": {"nodes": what.nodes, "closed": what.closed, "length_m": what.nodes * what.scene.spacing},
-        "own": what.own.name,
-        "reference": found.reference.name if found.reference else None,
-        "solver_reference": what.solver_reference.name,
+        "scene": study.scene.to_dict(),
+        "track": {"nodes": study.nodes, "closed": study.closed, "length_m": study.nodes * study.scene.spacing},
+        "own": study.own.name,
+        "reference": results.reference.name if results.reference else None,
+        "solver_reference": study.solver_reference.name,
         "variants": rows,
-        "failures": {variant.name: reason for variant, reason in found.failures.items()},
+        "failures": {variant.name: reason for variant, reason in results.failures.items()},
         "reference_uncertainty": {
-            "by_edges": plain(found.by_edges),
-            "by_refining": plain(found.by_refining),
-            "larger": plain(found.uncertainty),
+            "by_edges": plain(results.by_edges),
+            "by_refining": plain(results.by_refining),
+            "larger": plain(results.uncertainty),
         },
-        "orders": {name: plain(orders) for name, orders in found.orders.items()},
+        "orders": {name: plain(orders) for name, orders in results.orders.items()},
         "limits_db": {"laeq": errors.LAEQ_LIMIT, "third_octave": errors.BAND_LIMIT},
         "recommendation": {
-            name: plain(asdict(one)) if (one := getattr(advice, name)) else None
+            name: plain(asdict(candidate)) if (candidate := getattr(advice, name)) else None
             for name in ("both", "laeq_only", "nearest")
         },
-        "tolerance": {"recommended": found.tolerance, "default": errors.default_tolerance()},
-        "provenance": summary.provenance(what.scene),
+        "tolerance": {"recommended": results.tolerance, "default": errors.default_tolerance()},
+        "provenance": summary.provenance(study.scene),
     }
 
 
-def _write(folder: Path, label: str, found: Findings) -> None:
-    files.write_json(folder / "accuracy.json", _numbers(label, found))
-    files.write_bytes(folder / "accuracy.md", text.text(label, found).encode())
-    if any(e["signal"] > 0 for e in found.errors.values()):  # neither silent nor only the reference
-        plot.write(folder, label, found)
+def _write(folder: Path, label: str, results: Findings) -> None:
+    """Write accuracy.json, accuracy.md and the picture."""
+    files.write_json(folder / "accuracy.json", _numbers(label, results))
+    files.write_bytes(folder / "accuracy.md", text.text(label, results).encode())
+    if any(e["signal"] > 0 for e in results.errors.values()):  # neither silent nor the reference alone
+        plot.write(folder, label, results)

@@ -1,6 +1,6 @@
-"""The ways one scene is computed for `rolling accuracy`: finer grids, other edges, tolerances, steps and precision.
+"""The variants of one scene for `rolling accuracy`: finer grids, other edges, tolerances, steps and precision.
 
-Depends on simulate and pool. All variants roll over the same stretch of the same surface.
+All variants roll over the same stretch of the same surface.
 """
 
 from __future__ import annotations
@@ -28,7 +28,14 @@ STEP_NODES = (0.5, 1.0, 2.0, 4.0)
 
 @dataclass(frozen=True)
 class Variant:
-    """How a scene is computed: its spacing divided by `times`, a step of so many of its nodes, and what the solver is told."""
+    """The grid, step and solver settings of one computation.
+
+    Parameters
+    ----------
+    times : int. Divisor of the scene's spacing.
+    step_nodes : float. Length of a step in nodes of the scene's own grid.
+    tolerance, edges, precision : float, str, str. Numerics as in a scene.
+    """
 
     times: int
     step_nodes: float
@@ -38,21 +45,27 @@ class Variant:
 
     @property
     def name(self) -> str:
+        """The name of the variant in files."""
         step = f"{self.step_nodes:g}"
         return f"spacing-over-{self.times}_step-{step}_{tolerance_text(self.tolerance)}_{self.edges}_{self.precision}"
 
 
 def tolerance_text(value: float) -> str:
-    """1e-4, not 0.0001 or 1e-04."""
+    """Write a tolerance as 1e-4, not as 0.0001 or 1e-04."""
     mantissa, exponent = f"{value:.3e}".split("e")
     return f"{float(mantissa):g}e{int(exponent)}"
 
 
 @dataclass(frozen=True)
 class Study:
-    """What is varied: a scene without sweep, of which `nodes` along the track are rolled over, in all variants the same.
+    """A scene without sweep and the stretch of track that all variants roll over.
 
-    closed : they are the whole period. finest : what the spacing of the references is divided by.
+    Parameters
+    ----------
+    scene : Scene. The scene, cut to the stretch.
+    nodes : int. Length of the stretch in nodes of the scene.
+    closed : bool. True if the stretch is the whole period.
+    finest : int. Divisor of the spacing for the references.
     """
 
     scene: Scene
@@ -62,48 +75,51 @@ class Study:
 
     @property
     def own(self) -> Variant:
-        """The scene as it stands."""
+        """The variant of the scene as it stands."""
         n = self.scene.numerics
         return Variant(1, n.step_nodes, n.tolerance, n.edges if self.yields else "sharp", n.precision)
 
     @property
     def yields(self) -> bool:
+        """True if the plate has a hardness."""
         return math.isfinite(self.scene.hardness)
 
     @property
     def all_edges(self) -> tuple[str, ...]:
+        """The edges to be compared; an elastic plate has sharp ones only."""
         return ("sharp", "blended") if self.yields else ("sharp",)
 
     @property
     def ladder(self) -> list[int]:
-        """What the spacing is divided by, the references' own left out."""
+        """The divisors of the spacing, without the divisor of the references."""
         return [2**k for k in range(round(math.log2(self.finest)))]
 
     def reference(self, edges: str) -> Variant:
+        """Return the reference with these edges."""
         return Variant(self.finest, self.own.step_nodes, REFERENCE_TOLERANCE, edges, "single")
 
     @property
     def solver_reference(self) -> Variant:
-        """What the tolerance and the precision of the scene's own grid are judged by."""
+        """The reference for the tolerance and the precision of the scene's own grid."""
         return replace(self.own, tolerance=SOLVER_REFERENCE_TOLERANCE, precision="double")
 
     def on_grid(self, times: int, edges: str) -> Variant:
-        """Tolerance and spacing shrink together, or the one would hide the other."""
+        """Return the variant on a finer grid; tolerance and spacing shrink together, or one would hide the other."""
         return replace(self.own, times=times, edges=edges, tolerance=self.own.tolerance / times)
 
     def families(self) -> dict[str, list[Variant]]:
-        """Variants that differ in one thing from one to the next, by what that is; the references first."""
+        """Return families of variants that differ in one setting, by its name; the references come first."""
         own, finer = self.own, self.ladder[1:2]
-        found = {"references": [self.reference(e) for e in self.all_edges[::-1]]}
+        families = {"references": [self.reference(e) for e in self.all_edges[::-1]]}
         for edges in self.all_edges:
             grids = [self.on_grid(t, edges) for t in self.ladder]
-            found[f"spacing, {edges} edges"] = [*grids, self.reference(edges)]
-        found["tolerance"] = [replace(own, tolerance=t) for t in sorted({*TOLERANCES, own.tolerance}, reverse=True)]
+            families[f"spacing, {edges} edges"] = [*grids, self.reference(edges)]
+        families["tolerance"] = [replace(own, tolerance=t) for t in sorted({*TOLERANCES, own.tolerance}, reverse=True)]
         for times in finer:
-            found["tolerance, half the spacing"] = [replace(own, times=times, tolerance=t) for t in FINE_TOLERANCES]
+            families["tolerance, half the spacing"] = [replace(own, times=times, tolerance=t) for t in FINE_TOLERANCES]
         steps = sorted({*STEP_NODES, own.step_nodes}, reverse=True)
-        found["step"] = [replace(own, step_nodes=s) for s in steps]
-        found["precision"] = [replace(own, precision=p) for p in ("single", "double")]
+        families["step"] = [replace(own, step_nodes=s) for s in steps]
+        families["precision"] = [replace(own, precision=p) for p in ("single", "double")]
         rest = [
             replace(own, times=t, edges=e, tolerance=loose)
             for t in self.ladder
@@ -112,29 +128,31 @@ class Study:
         ]
         rest += [replace(self.on_grid(t, own.edges), step_nodes=s) for t in finer for s in steps if s < own.step_nodes]
         rest += [replace(own, tolerance=1e-6, precision=p) for p in ("single", "double")]
-        named = {variant for variants in found.values() for variant in variants}
-        found["others"] = [variant for variant in dict.fromkeys(rest) if variant not in named]
-        return found
+        named = {variant for variants in families.values() for variant in variants}
+        families["others"] = [variant for variant in dict.fromkeys(rest) if variant not in named]
+        return families
 
     def variants(self) -> list[Variant]:
-        """All there is to march: the finest grids first, since every error waits for them."""
+        """Return all variants, finest grids first, since every error waits for them."""
         every = [*(v for variants in self.families().values() for v in variants), self.solver_reference]
         return sorted(dict.fromkeys(every), key=lambda v: (-v.times, v != self.solver_reference))
 
     def spacing_um(self, variant: Variant) -> float:
+        """Return the spacing of a variant [um]."""
         return self.scene.spacing * 1e6 / variant.times
 
     def step_um(self, variant: Variant) -> float:
+        """Return the length of a step of a variant [um]."""
         return self.scene.spacing * 1e6 * variant.step_nodes
 
     def highest(self, variant: Variant) -> float:
-        """Return the Nyquist frequency of the steps [Hz] at the greatest speed that is reached."""
+        """Return the Nyquist frequency of the steps [Hz] at the maximum speed that is reached."""
         motion = self.scene.motion
         duration = motion.duration(self.nodes * self.scene.spacing)
         return motion.fastest(duration) / (2 * variant.step_nodes * self.scene.spacing)
 
     def as_solved(self, variant: Variant) -> Scene:
-        """Return the scene with the numerics of a variant, which say how far its release is resolved."""
+        """Return the scene with the numerics of a variant, which decide how far its release is resolved."""
         changed = {
             "tolerance": variant.tolerance,
             "edges": variant.edges,
@@ -144,19 +162,26 @@ class Study:
         return self.scene.model_copy(update={"numerics": self.scene.numerics.model_copy(update=changed)})
 
 
-def study(scene: Scene, duration: float, finest: int) -> Study:
-    """A scene of one run cut to `duration` [s] of rolling: whole numbers of every step that is tried, a closed lap.
+def study_of(scene: Scene, duration: float, finest: int) -> Study:
+    """Cut a scene to a stretch of whole numbers of every step that is tried, a closed lap where possible.
 
-    A height file is used as it is: where it is longer, or not a whole number of the longest step, the record does not close.
+    A height file is used as it is: where it is longer, or not a whole number of the longest step,
+    the record does not close.
+
+    Parameters
+    ----------
+    scene : Scene. A scene without sweep.
+    duration : float, s. Duration of rolling.
+    finest : int. Divisor of the spacing for the references.
     """
     unit = math.lcm(round(STEP_NODES[-1]), max(1, math.ceil(scene.numerics.step_nodes)))
-    made, motion = scene.track, scene.motion
-    wanted = min(made.distance, made.n_along * made.spacing, float(motion.distance(duration)))
-    nodes = unit * max(math.floor(wanted / made.spacing / unit + 1e-6), math.ceil(8 / unit))
+    rolled, motion = scene.track, scene.motion
+    wanted = min(rolled.distance, rolled.n_along * rolled.spacing, float(motion.distance(duration)))
+    nodes = unit * max(math.floor(wanted / rolled.spacing / unit + 1e-6), math.ceil(8 / unit))
     data = scene.to_dict()
     data["recovery"]["events"] = False
     if scene.height_path is None:
-        data["rolling"]["duration_s"] = motion.duration(nodes * made.spacing)
+        data["rolling"]["duration_s"] = motion.duration(nodes * rolled.spacing)
     cut = Scene.from_dict(data, scene.folder)
     return Study(cut, nodes, nodes == cut.track.n_along, finest)
 
@@ -165,26 +190,30 @@ def study(scene: Scene, duration: float, finest: int) -> Study:
 
 
 def refined(heights: Array, times: int) -> Array:
-    """The same band-limited periodic surface on a grid `times` finer, moved across so that the sphere's line stays put."""
+    """Interpolate a band-limited periodic surface to a grid `times` finer.
+
+    The surface moves across so that the line of the sphere stays in the middle.
+    """
     along = _padded_lines(heights, times, 0.0)
     # Mid-width, (n_across - 1) / 2 spacings, lies (times - 1) / 2 fine nodes further on.
     return np.ascontiguousarray(_padded_lines(along.T, times, (times - 1) / 2).T)
 
 
 def _padded_lines(values: Array, times: int, shift: float) -> Array:
+    """Interpolate along the first axis by zero-padding the transform, with a shift in fine nodes."""
     n = len(values)
     lines = np.fft.rfft(values, axis=0) * times
     if n % 2 == 0 and times > 1:
-        lines[-1] /= 2  # it stands for +Nyquist and -Nyquist, which are two lines on the finer grid
+        lines[-1] /= 2  # this line holds +Nyquist and -Nyquist, which are two lines on the finer grid
     frequency = np.arange(len(lines)) / (n * times)
     return np.fft.irfft(lines * np.exp(-2j * np.pi * frequency * shift)[:, None], n * times, axis=0)
 
 
-_kept: list[tuple[Array, int, Array]] = []  # the last surface refined
+_kept: list[tuple[Array, int, Array]] = []  # the last refined surface
 
 
 def rolling_contact(scene: Scene, variant: Variant) -> RollingContact:
-    """What the march needs of a scene computed another way."""
+    """Return the input of the march for a variant of a scene."""
     coarse = contact_of_scene.rolling_contact(scene)
     if not _kept or _kept[0][0] is not coarse.heights or _kept[0][1] != variant.times:
         fine = refined(coarse.heights, variant.times) if variant.times > 1 else coarse.heights
@@ -211,7 +240,10 @@ def march_piece(
     stopped: Callable[[], bool],
     progress: Callable[[float], object],
 ) -> simulate.Piece:
-    """One piece of a variant's track, from a cold start; compilation and the first transforms are not in its times."""
+    """March one piece of a variant's track from a cold start.
+
+    A first step outside the timing compiles the solver and prepares the transforms.
+    """
     contact = rolling_contact(scene, variant)
     kind = (variant.times, contact.single, contact.blended)
     if kind not in _warm:
@@ -222,20 +254,23 @@ def march_piece(
 
 
 def _step_cost(variant: Variant) -> float:
-    """Expected time of a step, that of the scene's own grid at tolerance 1e-4 being 1."""
+    """Return the expected time of a step, relative to the scene's own grid at tolerance 1e-4."""
     return variant.times**2.3 * max(0.5, -math.log10(variant.tolerance) / 4)
 
 
-def tasks(what: Study, variants: Sequence[Variant]) -> list[pool.Task]:
-    """The pieces of all variants, as long as those of a run and of the same length in all; run: number of the variant."""
-    unit = math.lcm(round(STEP_NODES[-1]), max(1, math.ceil(what.own.step_nodes)))
-    length = unit * max(1, round(simulate.PIECE_STEPS * what.own.step_nodes / unit))
-    borders = [*range(0, what.nodes, length), what.nodes]
+def tasks(study: Study, variants: Sequence[Variant]) -> list[pool.Task]:
+    """Return the pieces of all variants as tasks; their run is the number of the variant.
+
+    All pieces have the same length of track, about as long as the pieces of a run.
+    """
+    unit = math.lcm(round(STEP_NODES[-1]), max(1, math.ceil(study.own.step_nodes)))
+    length = unit * max(1, round(simulate.PIECE_STEPS * study.own.step_nodes / unit))
+    borders = [*range(0, study.nodes, length), study.nodes]
     return [
         pool.Task(
             number,
             march_piece,
-            (what.scene, v, round(a / v.step_nodes), round(b / v.step_nodes)),
+            (study.scene, v, round(a / v.step_nodes), round(b / v.step_nodes)),
             (b - a) / v.step_nodes * _step_cost(v),
         )
         for number, v in enumerate(variants)

@@ -1,5 +1,9 @@
-"""An article's study run anew: its readings solved, its statements judged, its figures drawn.
+"""The study of Lee, Kim & Kim (2025) run anew: readings solved, statements judged, figures drawn.
 
-Data flows study -> measures -> verdicts, twins -> claims -> standing, claims_text, and study -> readings -> figures -> page;
-reproduce runs it all.
+- `study`: readings and cases; `reproduce`: the command.
+- `measures`, `trends`, `bounds`, `twins`, `checks`, `grid_error`: numbers of cases, and verdicts from them.
+- `statements`, `claims`, `standing`, `results`: the article's statements, judged under each
+reading.
+- `figure_data`, `figure_layout`, `curves`, `surfaces_3d`, `figures`: the article's figures.
+- `claims_text`, `page`: claims.md, tables.md and index.html.
 """

@@ -1,27 +1,35 @@
-"""A statement is judged part by part: parts that hold or fail, and the verdict that follows from them. Depends on nothing.
+"""Verdicts on statements: a statement has parts that hold or fail, and its verdict follows from them.
 
-A part may be unsure, where the grid, the number of surfaces or the length of the record could turn it: then so may the verdict.
+A part may be unsure, where the grid, the number of surfaces or the length of the record could turn
+it. Then the verdict may be unsure, too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 REPRODUCED, PARTLY, NOT, NOT_RUN = "reproduced", "partly", "not", "not run"
-# A verdict that the grid's error, the number of surfaces or the length of the record may turn into another one.
+# The grid's error, the number of surfaces or the length of the record may turn this verdict into another one.
 UNDECIDED = "undecided"
 GRID, SURFACES, RECORD = "the grid", "the number of surfaces", "the length of the record"
 
 
 @dataclass(frozen=True)
 class Check:
-    """A part of a statement. holds : None where there are no cases to tell. near : it does not, but is not far from it.
+    """A part of a statement.
 
-    unsure : GRID, SURFACES or RECORD where that may turn it into its contrary; empty: nothing known does.
+    Parameters
+    ----------
+    place : str. The loads or roughnesses of the part.
+    holds : bool or None. None without cases that can tell.
+    measured : str. The measured numbers, in words. Default: empty.
+    numbers : any. The measured numbers. Default: None.
+    near : bool. True if it fails, but not by far. Default: False.
+    unsure : str. GRID, SURFACES or RECORD if that may turn it. Default: empty.
     """
 
     place: str
@@ -33,28 +41,46 @@ class Check:
 
 
 @dataclass(frozen=True)
-class Finding:
-    """Verdict on a statement, what was measured in words, and in numbers: values by place, and which of these hold, fail, miss.
+class Numbers:
+    """The measured values of a finding by place, and the places that hold, fail or have no cases."""
 
-    between : an undecided verdict's least and most favourable one.  decided_by : what decides between these.
+    values: dict[str, Any]
+    holds: list[str]
+    fails: list[str]
+    missing: list[str]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The verdict on a statement, with the measured numbers.
+
+    Parameters
+    ----------
+    verdict : str. REPRODUCED, PARTLY, NOT, UNDECIDED or NOT_RUN.
+    measured : str. The measured numbers, in words.
+    numbers : Numbers or None. The same as data. Default: None.
+    between : list of str or None. The less and the more favourable end of an undecided verdict.
+        Default: None.
+    decided_by : str. The cause of an undecided verdict. Default: empty.
     """
 
     verdict: str
     measured: str
-    numbers: dict[str, Any] = field(default_factory=dict)
+    numbers: Numbers | None = None
     between: list[str] | None = None
     decided_by: str = ""
 
 
 def concluded(checks: Sequence[Check]) -> Finding:
-    """Reproduced if all parts hold that can be told, partly if some hold or are near, not if none, else not run.
+    """Derive the verdict from all parts of a statement.
 
-    Undecided if parts that are unsure could turn that into another verdict.
+    It is reproduced if all known parts hold, partly if some hold or are near, else not. Without
+    known parts it is not run. It is undecided if unsure parts could turn it into another verdict.
     """
     known = [check for check in checks if check.holds is not None]
     missing = [check.place for check in checks if check.holds is None]
     if not known:
-        return Finding(NOT_RUN, f"no cases to tell: {', '.join(missing)}" if missing else "no cases to tell")
+        return Finding(NOT_RUN, f"no cases for {', '.join(missing)}" if missing else "no cases")
     kept = [check.place for check in known if check.holds]
     failed = [check.place for check in known if not check.holds]
     verdict = _verdict(known)
@@ -67,9 +93,9 @@ def concluded(checks: Sequence[Check]) -> Finding:
     if kept and failed:
         words.append(f"holds: {', '.join(kept)}; does not: {', '.join(failed)}")
     if missing:
-        words.append(f"no cases to tell: {', '.join(missing)}")
+        words.append(f"no cases for {', '.join(missing)}")
     values = {check.place: check.numbers for check in known}
-    numbers = {"values": values, "holds": kept, "fails": failed, "missing": missing}
+    numbers = Numbers(values, kept, failed, missing)
     if least == most:
         return Finding(verdict, ". ".join(words), numbers)
     causes = " and ".join(dict.fromkeys(check.unsure for check in unsure))
@@ -79,15 +105,25 @@ def concluded(checks: Sequence[Check]) -> Finding:
 
 
 def _verdict(known: Sequence[Check]) -> str:
+    """Return the verdict from all known parts."""
     if all(check.holds for check in known):
         return REPRODUCED
     return PARTLY if any(check.holds or check.near for check in known) else NOT
 
 
 def doubt(value: float, holds: Callable[[float], bool], grid: tuple[float, float], error: float) -> str:
-    """Return the cause for which a value may fail a test that it passes, or pass one that it fails; empty: there is none.
+    """Return the cause for which a value may fail a test that it passes, or pass one that it fails.
 
-    grid : what the grid may add to the value, from the least to the most.  error : its standard error over the surfaces.
+    Parameters
+    ----------
+    value : float. The tested value.
+    holds : function from a value to bool. The test.
+    grid : pair of float. The lowest and the highest change that a fine grid may bring.
+    error : float. Standard error of the value over the surfaces.
+
+    Returns
+    -------
+    GRID, SURFACES, or an empty string without a cause.
     """
     for cause, (low, high) in ((GRID, grid), (SURFACES, (grid[0] - 2 * error, grid[1] + 2 * error))):
         if any(holds(float(value + more)) != holds(value) for more in np.linspace(low, high, 41)):

@@ -1,414 +1,100 @@
-"""What Lee, Kim & Kim (2025) state, judged by the cases of a study: measured under each reading, with verdict and tolerance.
-
-Numbers only: claims_text writes them down. Depends on verdicts, twins and grid_error; solves nothing.
-"""
+"""Judge the statements of Lee, Kim & Kim (2025) by the cases of a study, under each reading."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from functools import partial
-from typing import Any
+from collections.abc import Mapping, Sequence
 
-from rolling.lee2025 import criteria, grid_error, standing, twins
+from rolling.lee2025 import grid_error, standing
 from rolling.lee2025.checks import NOT_RUN, Finding
-from rolling.lee2025.criteria import LARGE_GAP_DB, LARGEST_STEP, LENGTHS, NO_AREA, newton, ra
-from rolling.lee2025.measures import (
-    AUDIBLE,
-    CENTROID,
-    CONTACT_AREA,
-    DEFLECTION,
-    HIGH_BAND,
-    HIGH_HZ,
-    MAXIMUM,
-    PLASTIC_AREA,
-    PLASTIC_RATIO,
-    PRESSURE,
-    Cases,
-)
+from rolling.lee2025.measures import Cases, newton, ra
+from rolling.lee2025.results import READING, SWEEP, VARIATION, Extent, JudgedClaim, Judgement, Score, Table
+from rolling.lee2025.statements import CLAIMS, LOADS, OUTLOOK, ROUGHNESSES, SCALES, Claim
 from rolling.lee2025.study import Case
-
-SMOOTH, MIDDLE, ROUGH, ROUGHEST = 0.01, 0.1, 1.0, 5.0  # Ra [um] of the article
-ROUGHNESSES = (SMOOTH, MIDDLE, ROUGH, ROUGHEST)
-YIELDING = (MIDDLE, ROUGH, ROUGHEST)
-LOADS = (5.0, 10.0, 20.0, 50.0, 100.0)  # [N]
-SCALES = (10, 20)  # a level is that many times the logarithm of a release power
-LIMIT = 2.1e9  # [Pa] where the article's plate yields
-SQUEAL_DB = 70.0
-READING, VARIATION, SWEEP = "reading", "variation", "sweep"
-
-
-@dataclass(frozen=True)
-class Claim:
-    """A statement of the article in our words: where it stands, when it counts as reproduced, and what judges it.
-
-    level : judged with 10 lg and with 20 lg. varied : the field of Case that a sweep must vary for it; None for the
-    study of roughness and load. caution : what to know beside the verdict, with numbers.
-    """
-
-    key: str
-    where: str
-    statement: str
-    tolerance: str
-    judge: Callable[[Cases], Finding]
-    level: bool = False
-    varied: str | None = None
-    caution: str = ""
-
-
-_WHOLE = "A-weighted level of the whole: LAeq, or 20 lg of the weighted fluctuation."
-# Cautions: numbers measured as docs/accuracy.md says.
-PLASTIC_CAUTION = (
-    "Under the exponential law the grid decides it, since much of what yields at Ra 0.1 µm is smaller than 2 µm. In"
-    " hardness-3y-exponential, on the same places of the same surfaces at 5, 20, 100 N: sharp edges 1.69, 1.50, 1.32 at 2 µm; 1.32,"
-    " 1.26, 1.18 at 1 µm; 1.20, 1.16, 1.11 at 0.5 µm; blended edges, as in the study, 1.61, 1.29, 1.12; 1.21, 1.12, 1.07; 1.15,"
-    " 1.12, 1.08. As stated it moves by 0.03 at most between 2 and 1 µm."
-)
-TWIN_CAUTION = (
-    "The uncertainty is that of two independent records, an upper bound: both roll over the same surface. Purely elastic"
-    " contact at Ra 5 µm is far beyond half-space theory and was not run."
-)
-RECORD_CAUTION = (
-    "A line of noise falls by 5 dB (10 lg of an amplitude) as the record becomes ten times as long; the article gives no length."
-    " The verdict names, for each roughness, the length at which it would turn."
-)
-LEVEL_CAUTION = (
-    "The grid of 2 µm makes rough surfaces louder than they are. From 2 to 1 µm LAeq falls by 0.8 and 0.1 dB as stated at Ra 1 µm"
-    " (5 and 20 N), by 1.9 dB at Ra 5 µm (5 N), by 2.0 and 1.1 dB in hardness-3y-exponential at Ra 1 µm, by 0.3 dB at most at"
-    " Ra 0.1 µm; greatest lines move by 0.4 dB at most."
-)
-_UP = "Every step up by more than twice its standard error over the surfaces, with one surface by more than 0"
-
-CLAIMS = (
-    Claim(
-        "pressure-below-limit",
-        "section 3, Fig. 5a",
-        "On the smoothest surface (Ra 0.01 µm) pressure never gets to the 2.1 GPa where the plate yields, not even at 100 N.",
-        "Greatest pressure of all surfaces below 2.1 GPa at each load; partly: at some loads.",
-        partial(criteria.below_limit, roughness=SMOOTH, limit=LIMIT),
-    ),
-    Claim(
-        "pressure-load",
-        "section 3, Fig. 5a",
-        "At Ra 0.01 µm the contact pressure grows with the load.",
-        f"{_UP}; partly: some steps.",
-        partial(criteria.rises_with_load, measure=PRESSURE, roughnesses=(SMOOTH,)),
-    ),
-    Claim(
-        "contact-area-load",
-        "section 3, Fig. 5a",
-        "At Ra 0.01 µm the contact area grows with the load.",
-        f"{_UP}; partly: some steps.",
-        partial(criteria.rises_with_load, measure=CONTACT_AREA, roughnesses=(SMOOTH,)),
-    ),
-    Claim(
-        "plastic-none",
-        "section 3, Fig. 7",
-        "At Ra 0.01 µm nothing yields at any load.",
-        f"Plastic area below {NO_AREA:g} of the Hertz area at each load, less than a mark in the figure; partly: some loads.",
-        partial(criteria.no_plastic_area, roughness=SMOOTH),
-    ),
-    Claim(
-        "hardness-reached",
-        "section 3, Fig. 5b to d",
-        "From Ra 0.1 µm on the greatest pressure is the one at which the plate yields.",
-        "Some plastic area on every surface at each load, whatever pressure the reading caps at; partly: some of them.",
-        partial(criteria.hardness_reached, roughnesses=YIELDING),
-    ),
-    Claim(
-        "plastic-area-load",
-        "section 3, Fig. 5",
-        "From Ra 0.1 µm on a higher load makes the area larger that yields.",
-        f"{_UP}, on each roughness; partly: some roughnesses.",
-        partial(criteria.rises_with_load, measure=PLASTIC_AREA, roughnesses=YIELDING),
-    ),
-    Claim(
-        "plastic-area-roughness",
-        "section 3, Fig. 5",
-        "The rougher the surface, the larger the area that yields.",
-        f"{_UP}, at each load; partly: some steps of roughness.",
-        partial(criteria.along_roughness, measure=PLASTIC_AREA, roughnesses=ROUGHNESSES),
-    ),
-    Claim(
-        "plastic-ratio-load",
-        "section 3, Fig. 7",
-        "From Ra 0.1 µm on the plastic area grows faster with the load than the Hertz area does.",
-        f"{_UP}, on each roughness; partly: some roughnesses.",
-        partial(criteria.rises_with_load, measure=PLASTIC_RATIO, roughnesses=YIELDING),
-    ),
-    Claim(
-        "plastic-ratio-1-over-0.1",
-        "section 3, Fig. 7; conclusions",
-        "At any load about half as much again yields at Ra 1 µm as at Ra 0.1 µm.",
-        "Ratio of the means 1.3 to 1.7 at each load; partly: at some loads. Undecided where a fine grid may turn it.",
-        partial(criteria.ratio_at_each_load, measure=PLASTIC_RATIO, over=ROUGH, under=MIDDLE, low=1.3, high=1.7),
-        caution=PLASTIC_CAUTION,
-    ),
-    Claim(
-        "plastic-ratio-5-like-1",
-        "section 3, Fig. 7; conclusions",
-        "About as much yields at Ra 5 µm as at Ra 1 µm.",
-        "Ratio of the means 0.85 to 1.15 at each load; partly: at some loads.",
-        partial(criteria.ratio_at_each_load, measure=PLASTIC_RATIO, over=ROUGHEST, under=ROUGH, low=0.85, high=1.15),
-    ),
-    Claim(
-        "deflection-roughest",
-        "section 3, Fig. 6",
-        "The roughest plate (Ra 5 µm) is deflected least.",
-        "Mean over the track of the greatest deflection lower than on each other roughness by more than twice the standard"
-        " error, with one surface by"
-        " more than 0, at each load; partly: at some loads.",
-        partial(criteria.lowest_of_all, measure=DEFLECTION, roughness=ROUGHEST),
-    ),
-    Claim(
-        "deflection-roughness",
-        "section 3, Fig. 6",
-        "The rougher the surface, the less the plate is deflected.",
-        "Mean over the track of the greatest deflection: every step of roughness down by more than twice its standard error"
-        " over the surfaces, with one surface by more than 0, at each load; partly: some steps of roughness.",
-        partial(criteria.along_roughness, measure=DEFLECTION, roughnesses=ROUGHNESSES, rises=False),
-    ),
-    Claim(
-        "yielding-deflection",
-        "section 3, Fig. 6",
-        "Where the plate yields it is deflected less than an elastic one would be.",
-        "Mean over the track of the greatest deflection below that of the same scene without hardness, at Ra 0.1 and 1 µm, at"
-        " 5, 20 and 100 N; partly: some of them.",
-        partial(twins.less, measure=DEFLECTION),
-    ),
-    Claim(
-        "yielding-noise",
-        "abstract",
-        "The change from elastic to plastic deformation alters the noise considerably.",
-        "Against the same scene without hardness, at Ra 0.1 and 1 µm, at 5, 20 and 100 N: A-weighted level of the whole, or a"
-        " third of the third octaves from the lowest that the record is long enough for up to 4 kHz, off by more than twice"
-        " the uncertainty of the difference; partly: some of them.",
-        twins.influences,
-        level=True,
-        caution=TWIN_CAUTION,
-    ),
-    Claim(
-        "level-roughness",
-        "abstract; section 3, Fig. 8",
-        "Within hearing, a rougher surface is louder.",
-        f"{_WHOLE} {_UP}, at each load; partly: some steps of roughness.",
-        partial(criteria.along_roughness, measure=AUDIBLE, roughnesses=ROUGHNESSES),
-        level=True,
-        caution=LEVEL_CAUTION,
-    ),
-    Claim(
-        "level-load",
-        "abstract; section 3, Fig. 8; conclusions",
-        "Within hearing, a higher load is louder.",
-        f"{_WHOLE} {_UP}, on each roughness; partly: some roughnesses.",
-        partial(criteria.rises_with_load, measure=AUDIBLE, roughnesses=ROUGHNESSES),
-        level=True,
-    ),
-    Claim(
-        "level-above-70",
-        "abstract; section 3, Fig. 8; conclusions",
-        "From Ra 0.1 µm on levels pass the 70 dB of a squeal.",
-        "Greatest line above 70 dB at some load (the article does not say at which) on each roughness; partly: some"
-        f" roughnesses. Undecided where a record up to {LENGTHS:g} times as long or as short would turn it.",
-        partial(criteria.exceeds, measure=MAXIMUM, roughnesses=YIELDING, least_db=SQUEAL_DB),
-        level=True,
-        caution=RECORD_CAUTION,
-    ),
-    Claim(
-        "high-frequency-gap",
-        "section 3, Fig. 8a",
-        "At Ra 0.01 µm the high-frequency spectra of 50 N and more lie far above those of 20 N and less.",
-        f"Mean height of the curve above {HIGH_HZ / 1000:g} kHz: from the highest to 20 N to the lowest from 50 N at least"
-        f" {LARGE_GAP_DB:g} dB, and {LARGEST_STEP:g} times any other step between loads; partly: one of the two.",
-        partial(criteria.stands_apart, measure=HIGH_BAND, roughness=SMOOTH, low=20.0, high=50.0),
-        level=True,
-    ),
-    Claim(
-        "maximum-over-smooth",
-        "abstract; section 3, Fig. 9; conclusions",
-        "The greatest line from Ra 0.1 µm on lies some 10 to 15 dB above that of Ra 0.01 µm.",
-        "Mean over the loads 8 to 17 dB on each roughness; partly: some roughnesses.",
-        partial(criteria.gap_over, measure=MAXIMUM, smooth=SMOOTH, roughnesses=YIELDING, low_db=8.0, high_db=17.0),
-        level=True,
-        caution=LEVEL_CAUTION,
-    ),
-    Claim(
-        "maximum-load",
-        "section 3, Fig. 9",
-        "From 5 to 100 N the greatest line gains some 14 dB, averaged over the four surfaces.",
-        "Average 12 to 16 dB; partly: not the average, but some roughness.",
-        partial(
-            criteria.rise_over_loads, measure=MAXIMUM, least=LOADS[0], greatest=LOADS[-1], low_db=12.0, high_db=16.0
-        ),
-        level=True,
-    ),
-    Claim(
-        "maximum-flattens",
-        "section 3, Fig. 9",
-        "Beyond 50 N the greatest line gains little.",
-        "Per doubling of the load at most half of the gain per doubling from 5 to 50 N, on each roughness; partly: some"
-        " roughnesses.",
-        partial(criteria.flattens, measure=MAXIMUM, least=LOADS[0], knee=50.0, greatest=LOADS[-1], most=0.5),
-        level=True,
-    ),
-    Claim(
-        "loudest-20-50",
-        "section 3, Fig. 9",
-        "At 20 and at 50 N, Ra 1 µm is the loudest.",
-        "Highest mean of the greatest line at both loads; partly: at one, or another's lead is within twice its standard"
-        " error.",
-        partial(criteria.loudest, measure=MAXIMUM, roughness=ROUGH, loads=(20.0, 50.0)),
-        level=True,
-        caution=LEVEL_CAUTION,
-    ),
-    Claim(
-        "loudest-100",
-        "section 3, Fig. 9",
-        "At 100 N, Ra 5 µm is the loudest.",
-        "Highest mean of the greatest line; partly: another's lead is within twice its standard error.",
-        partial(criteria.loudest, measure=MAXIMUM, roughness=ROUGHEST, loads=(100.0,)),
-        level=True,
-        caution=LEVEL_CAUTION,
-    ),
-    Claim(
-        "little-influence",
-        "section 3, Fig. 9",
-        "From Ra 0.1 µm on roughness hardly matters to the greatest line.",
-        "At each load the three lie within 5 dB, the width of the article's own 10 to 15 dB; partly: at some loads.",
-        partial(criteria.within, measure=MAXIMUM, roughnesses=YIELDING, most_db=5.0),
-        level=True,
-        caution=LEVEL_CAUTION,
-    ),
-)
-
-_DOWN = "Every step up of the length lowers it by more than twice the standard error, with one surface by more than 0"
-
-OUTLOOK = (
-    Claim(
-        "yielding-louder",
-        "section 3, outlook",
-        "Energy released where the plate yields can make it louder.",
-        "A-weighted level of the whole above that of the same scene without hardness by more than twice the uncertainty of the"
-        " difference, at Ra 0.1 and 1 µm, at 5, 20 and 100 N; partly: some of them.",
-        twins.louder,
-        level=True,
-        caution=TWIN_CAUTION,
-    ),
-    Claim(
-        "length-frequency",
-        "section 3, outlook",
-        "A short autocorrelation length makes for high-frequency noise, a long one for low.",
-        f"Spectral centroid of the fluctuation. {_DOWN}; partly: some steps.",
-        partial(criteria.falls_along, measure=CENTROID, varied="correlation_um", unit=" µm"),
-        varied="correlation_um",
-    ),
-    Claim(
-        "length-level",
-        "section 3, outlook",
-        "A short autocorrelation length makes for intense noise, a long one for quiet.",
-        f"{_WHOLE} {_DOWN}; partly: some steps.",
-        partial(criteria.falls_along, measure=AUDIBLE, varied="correlation_um", unit=" µm"),
-        level=True,
-        varied="correlation_um",
-    ),
-)
 
 
 def table(
     cases: Sequence[Case],
-    descriptions: Mapping[str, str] | None = None,
+    assumptions: Mapping[str, str] | None = None,
     departures: Mapping[str, Sequence[str]] | None = None,
-) -> dict[str, Any]:
-    """Judge all statements under all readings and variations, for JSON: numbers are finite or None.
+) -> Table:
+    """Judge all statements under all readings and variations.
 
     Parameters
     ----------
-    descriptions : what each reading takes for granted, in words.
-    departures : what each changes of what the article states; a reading that does is a variation.
-
-    Returns
-    -------
-    readings : by name: kind (reading, variation or sweep), what it takes for granted, what it changes, what it lacks.
-    twins : the names of those without hardness, which others are compared with and nothing else is judged of.
-    claims : each with key, where, statement, tolerance, caution, what a sweep varies for it,
-    and findings of each reading and scale (10 or 20 lg; None
-    where no level is judged). standing : as in `standing`, of readings only. scores : of readings, then of variations, each
-    from the highest down.
+    cases : sequence of Case. The cases of all readings. A reading whose cases have no hardness holds twins.
+    assumptions : mapping from str to str. The choices that each reading takes for granted, in words. Default: none.
+    departures : mapping from str to sequence of str. Differences of each reading from the article's statements; a
+        reading with any is a variation. Default: none.
     """
-    groups = {name: tuple(c for c in cases if c.reading == name) for name in dict.fromkeys(c.reading for c in cases)}
-    elastic = {name: group for name, group in groups.items() if all(c.hardness_gpa is None for c in group)}
+    groups = {name: tuple(case for case in cases if case.reading == name) for name in _names(cases)}
+    elastic = {name: group for name, group in groups.items() if all(case.hardness_gpa is None for case in group)}
     without = tuple(case for group in elastic.values() for case in group)
     judged = {name: group for name, group in groups.items() if name not in elastic}
-    rows = [
-        {
-            "key": claim.key,
-            "where": claim.where,
-            "statement": claim.statement,
-            "tolerance": claim.tolerance,
-            "caution": claim.caution,
-            "outlook": claim in OUTLOOK,
-            "swept": claim.varied,
-            "findings": [
-                {"reading": name, "scale": scale if claim.level else None}
-                | asdict(_judged(claim, Cases(group, scale, without, grid_error.MEASURED.get(name, grid_error.NONE))))
-                for name, group in judged.items()
-                for scale in (SCALES if claim.level else SCALES[:1])
-            ],
-        }
+    claims = tuple(
+        JudgedClaim(claim, tuple(_judgements(claim, judged, without)), claim in OUTLOOK)
         for claim in (*CLAIMS, *OUTLOOK)
-    ]
-    changes = {name: list((departures or {}).get(name, ())) for name in judged}
+    )
     readings = {
-        name: {"kind": _kind(Cases(group), changes[name]), "what": (descriptions or {}).get(name, "")}
-        | {"departs": changes[name]}
-        | _extent(Cases(group))
+        name: _extent(Cases(group), (assumptions or {}).get(name, ""), tuple((departures or {}).get(name, ())))
         for name, group in judged.items()
     }
-    strict = [name for name, one in readings.items() if one["kind"] == READING]
-    return {
-        "readings": readings,
-        "twins": list(elastic),
-        "claims": rows,
-        "standing": standing.standing(rows, strict),
-        "scores": [
-            score
-            for kind in (READING, VARIATION)
-            for score in standing.scores(rows, [name for name, one in readings.items() if one["kind"] == kind], SCALES)
-        ],
-    }
+    made = Table(readings, tuple(elastic), claims)
+    scores: list[Score] = []
+    for kind in (READING, VARIATION):
+        scores += standing.scores(claims, made.of_kind(kind), SCALES)
+    return Table(readings, tuple(elastic), claims, standing.standing(claims, made.of_kind(READING)), tuple(scores))
 
 
-def _kind(study: Cases, departs: Sequence[str]) -> str:
-    return SWEEP if _swept(study) else VARIATION if departs else READING
+def _names(cases: Sequence[Case]) -> list[str]:
+    """Return the names of all readings in the order in which they come."""
+    return list(dict.fromkeys(case.reading for case in cases))
 
 
-def _swept(study: Cases) -> str | None:
-    """What a reading varies besides roughness and load: a reading that does is about that alone."""
-    return next((c.varied for c in OUTLOOK if c.varied and len(study.values(c.varied)) > 1), None)
+def _judgements(claim: Claim, judged: Mapping[str, tuple[Case, ...]], twins: tuple[Case, ...]) -> list[Judgement]:
+    """Judge one claim under all readings, once for each scale of levels where it concerns levels."""
+    return [
+        Judgement(
+            name,
+            scale if claim.level else None,
+            _finding(claim, Cases(group, scale, twins, grid_error.MEASURED.get(name, grid_error.NONE))),
+        )
+        for name, group in judged.items()
+        for scale in (SCALES if claim.level else SCALES[:1])
+    ]
 
 
-def _judged(claim: Claim, study: Cases) -> Finding:
-    swept = _swept(study)
-    if claim.varied == swept:
+def _finding(claim: Claim, study: Cases) -> Finding:
+    """Judge one claim by the cases of one reading; a sweep judges only the claims about its own variable."""
+    if claim.varied == _swept(study):
         return claim.judge(study)
     return Finding(NOT_RUN, "this reading does not vary it" if claim.varied else "this reading varies something else")
 
 
-def _extent(study: Cases) -> dict[str, Any]:
-    """What there is of a reading, and the article's roughnesses, loads and single cases that it lacks."""
+def _swept(study: Cases) -> str | None:
+    """Return the field that a reading varies besides roughness and load; the reading is about that alone."""
+    fields = (claim.varied for claim in OUTLOOK if claim.varied)
+    return next((name for name in fields if len(study.values(name)) > 1), None)
+
+
+def _extent(study: Cases, assumptions: str, departs: tuple[str, ...]) -> Extent:
+    """Compare the cases of a reading with the roughnesses, loads and single cases of the article."""
     swept = _swept(study)
-    lacks = []
+    lacks: list[str] = []
     if swept is None:
-        lacks = [ra(one) for one in ROUGHNESSES if one not in study.roughnesses]
-        lacks += [newton(one) for one in LOADS if one not in study.loads]
-        both = [(a, b) for a in ROUGHNESSES for b in LOADS if a in study.roughnesses and b in study.loads]
-        lacks += [f"{ra(a)} at {newton(b)}" for a, b in both if not study.at(a, b)]
-    return {
-        "cases": len(study.cases),
-        "roughnesses_um": study.roughnesses,
-        "loads_n": study.loads,
-        "surfaces": len({case.seed for case in study.cases}),
-        "durations_s": study.values("duration_s"),
-        "swept": swept,
-        "lacks": lacks,
-    }
+        lacks = [ra(roughness) for roughness in ROUGHNESSES if roughness not in study.roughnesses]
+        lacks += [newton(load) for load in LOADS if load not in study.loads]
+        roughnesses = [roughness for roughness in ROUGHNESSES if roughness in study.roughnesses]
+        pairs = [(roughness, load) for roughness in roughnesses for load in LOADS if load in study.loads]
+        lacks += [f"{ra(roughness)} at {newton(load)}" for roughness, load in pairs if not study.at(roughness, load)]
+    return Extent(
+        kind=SWEEP if swept else VARIATION if departs else READING,
+        assumptions=assumptions,
+        departs=departs,
+        cases=len(study.cases),
+        roughnesses_um=tuple(study.roughnesses),
+        loads_n=tuple(study.loads),
+        surfaces=len({case.seed for case in study.cases}),
+        durations_s=tuple(study.values("duration_s")),
+        swept=swept,
+        lacks=tuple(lacks),
+    )

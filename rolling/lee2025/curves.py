@@ -1,6 +1,6 @@
-"""Figures of curves: plastic ratio (Fig. 7), spectra (Fig. 8) and greatest lines (Fig. 9) of a reading, and correlation length.
+"""Figures of curves: plastic ratio (Fig. 7), spectra (Fig. 8), maximum levels (Fig. 9), and correlation length.
 
-Depends on readings and frame. All readings are drawn on the same axes.
+All readings are drawn on the same axes.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from rolling.lee2025.study import Case
 
 Array = NDArray[np.float64]
 
-SCALE_REFERENCE = (1.0, 20.0)  # Ra [um] and load [N] whose greatest line 20 lg levels are relative to
-_SCALE_ROOM_IN = 0.75  # for the axis on the right
+SCALE_REFERENCE = (1.0, 20.0)  # Ra [um] and load [N] whose maximum line level is the reference of 20 lg levels
+_SCALE_ROOM_IN = 0.75  # room for the axis on the right
 
 
 def plastic_ratio(reading: Reading, on: Scales) -> Picture:
-    """Fig. 7: plastic area over the Hertz area against load, mean and standard deviation over surfaces."""
+    """Draw Fig. 7: plastic area over the Hertz area against load, mean and standard deviation over surfaces."""
     figure = blank()
     ax = figure.add_subplot()
-    columns = _against_load(ax, reading, on, lambda one: one.plastic_ratio, "plastic area / Hertz area", "1")
+    columns = _against_load(ax, reading, on, lambda case: case.plastic_ratio, "plastic area / Hertz area", "1")
     ax.set_ylim(-0.03 * on.plastic_ratio, on.plastic_ratio)
     shown = shown_roughnesses(reading, on)
     places: dict[Axes, Place] = {ax: (LEFT_IN, BOTTOM_IN, WIDTH_IN - LEFT_IN - RIGHT_IN, 3.5)}
@@ -41,7 +41,7 @@ def plastic_ratio(reading: Reading, on: Scales) -> Picture:
 
 
 def spectra(reading: Reading, on: Scales) -> Picture:
-    """Fig. 8: the article's A-weighted line spectra, a panel for each roughness, a curve for each load."""
+    """Draw Fig. 8: the article's A-weighted line spectra, a panel for each roughness, a curve for each load."""
     figure = blank()
     shown = shown_roughnesses(reading, on)
     reference = _reference_db(reading)
@@ -53,11 +53,11 @@ def spectra(reading: Reading, on: Scales) -> Picture:
         curves = []
         for load in on.loads:
             frequency, level = _mean_spectrum(reading.at(roughness_um=ra, load_n=load))
-            # The first panel's legend is that of all: it names what any of them shows, and "_" is named nowhere.
+            # The first panel's legend serves all panels: it names the loads of any panel, but no label "_".
             curves.append((f"{load:g} N" if reading.at(load_n=load) else "_", frequency, level))
             if len(frequency):
                 _add(columns, f"Ra {ra:g} µm, {load:g} N", frequency, level)
-        _spectra(ax, curves, [one.duration_s for one in reading.cases], on.spectrum_db)
+        _spectra(ax, curves, [case.duration_s for case in reading.cases], on.spectrum_db)
         row, column = divmod(number, 2)
         below = (len(shown) - 1) // 2 - row
         _heading(ax, panel_title(reading, ra), steep(reading, ra))
@@ -72,18 +72,20 @@ def spectra(reading: Reading, on: Scales) -> Picture:
 
 
 def maximum_level(reading: Reading, on: Scales) -> Picture:
-    """Fig. 9: greatest A-weighted line against load, mean and standard deviation over surfaces."""
+    """Draw Fig. 9: maximum A-weighted line level against load, mean and standard deviation over surfaces."""
     figure = blank()
     ax = figure.add_subplot()
-    label = "greatest A-weighted line level"
-    columns = _against_load(ax, reading, on, lambda one: one.maximum_db, label, "dB re 1 pW/m²")
+    label = "maximum A-weighted line level"
+    columns = _against_load(ax, reading, on, lambda case: case.maximum_db, label, "dB re 1 pW/m²")
     ax.set_ylim(on.maximum_db)
     reference = _reference_db(reading)
     if reference is not None:
         for name, values in list(columns.items())[1:]:
             spread = "deviation" in name
-            what = "standard deviation" if spread else "relative to Ra 1 µm, 20 N"
-            columns[f"{name.partition(':')[0]}, 20 lg: {what} [dB]"] = 2 * (values if spread else values - reference)
+            quantity = "standard deviation" if spread else "relative to Ra 1 µm, 20 N"
+            columns[f"{name.partition(':')[0]}, 20 lg: {quantity} [dB]"] = 2 * (
+                values if spread else values - reference
+            )
     _twice(ax, reference)
     shown = shown_roughnesses(reading, on)
     places: dict[Axes, Place] = {ax: (LEFT_IN, BOTTOM_IN, WIDTH_IN - LEFT_IN - _SCALE_ROOM_IN, 3.5)}
@@ -92,7 +94,7 @@ def maximum_level(reading: Reading, on: Scales) -> Picture:
 
 
 def correlation_length(reading: Reading) -> Picture:
-    """Spectra for each correlation length, and levels against it."""
+    """Draw the spectra for each correlation length, and the levels against it."""
     figure = blank()
     left, right = figure.add_subplot(), figure.add_subplot()
     lengths = np.array(reading.lengths)
@@ -103,11 +105,11 @@ def correlation_length(reading: Reading) -> Picture:
         curves.append((f"length {length:g} µm", frequency, level))
         _add(columns, f"length {length:g} µm", frequency, level)
     limits = sound_plots.level_limits(level for _, _, levels in curves for level in levels)
-    _spectra(left, curves, [one.duration_s for one in reading.cases], limits)
+    _spectra(left, curves, [case.duration_s for case in reading.cases], limits)
     columns["correlation length [µm]"] = lengths
     levels: tuple[tuple[str, str, Callable[[Case], float | None]], ...] = (
-        ("LAeq", "dB re 20 µPa", lambda one: one.laeq_db),
-        ("greatest line", "dB re 1 pW/m²", lambda one: one.maximum_db),
+        ("LAeq", "dB re 20 µPa", lambda case: case.laeq_db),
+        ("maximum line", "dB re 1 pW/m²", lambda case: case.maximum_db),
     )
     seen: list[float] = []
     for number, (name, unit, quantity) in enumerate(levels):
@@ -125,27 +127,32 @@ def correlation_length(reading: Reading) -> Picture:
         left: (LEFT_IN, BOTTOM_IN, wide, 3.3),
         right: (LEFT_IN + wide + 0.75, BOTTOM_IN, WIDTH_IN - LEFT_IN - RIGHT_IN - wide - 0.75, 3.3),
     }
-    shown = sorted({one.roughness_um for one in reading.cases})
-    loads = sorted({one.load_n for one in reading.cases})
+    shown = sorted({case.roughness_um for case in reading.cases})
+    loads = sorted({case.load_n for case in reading.cases})
     conditions = f"Ra {', '.join(f'{ra:g}' for ra in shown)} µm; {', '.join(f'{load:g}' for load in loads)} N"
     note = "; ".join([conditions, _duration(reading.cases), f"spectra: {_mean_over(reading.cases)}"])
     return finish("correlation_length", "Correlation length", note, reading, shown, places, columns)
 
 
 def _heading(ax: Axes, text: str, warned: bool) -> None:
+    """Write the title of a panel, in colour as a warning."""
     colour = WARNING if warned else "black"
     ax.text(0.03, 0.96, text, transform=ax.transAxes, va="top", fontsize=9, fontweight="bold", color=colour)
 
 
 def shown_roughnesses(reading: Reading, on: Scales) -> list[float]:
-    found = {one.roughness_um for one in reading.cases}
-    return [ra for ra in on.roughnesses if ra in found]
+    """Return the roughnesses of the solved cases, in the order of the axes."""
+    solved = {case.roughness_um for case in reading.cases}
+    return [ra for ra in on.roughnesses if ra in solved]
 
 
 def _against_load(
     ax: Axes, reading: Reading, on: Scales, quantity: Callable[[Case], float | None], label: str, unit: str
 ) -> dict[str, Array]:
-    """Mean and standard deviation of a quantity against load, a curve for each roughness; what is drawn, as columns."""
+    """Plot mean and standard deviation of a quantity against load, a curve for each roughness.
+
+    Returns the plotted numbers as columns.
+    """
     loads = np.array(on.loads)
     columns: dict[str, Array] = {"load [N]": loads}
     for number, ra in enumerate(on.roughnesses):
@@ -164,11 +171,14 @@ def _against_load(
 
 
 def _statistics(groups: Sequence[Sequence[Case]], quantity: Callable[[Case], float | None]) -> tuple[Array, Array]:
-    """Mean and standard deviation in each group; NaN of none, and no deviation of one."""
+    """Compute mean and standard deviation of each group.
+
+    The mean of an empty group is NaN, as is the deviation of a single value.
+    """
     mean, spread = np.full(len(groups), np.nan), np.full(len(groups), np.nan)
     for number, group in enumerate(groups):
-        found = [quantity(one) for one in group]
-        values = [value for value in found if value is not None and value > NOTHING_DB]
+        numbers = [quantity(case) for case in group]
+        values = [value for value in numbers if value is not None and value > NOTHING_DB]
         if values:
             mean[number] = np.mean(values)
         if len(values) > 1:
@@ -177,12 +187,13 @@ def _statistics(groups: Sequence[Sequence[Case]], quantity: Callable[[Case], flo
 
 
 def _points(ax: Axes, x: Array, mean: Array, spread: Array, number: int, label: str) -> None:
-    """Mean values with error bars, joined where some between are missing."""
+    """Plot mean values with error bars, joined across missing values."""
     there = np.isfinite(mean)
     ax.errorbar(x[there], mean[there], spread[there], label=label, capsize=3, markersize=5, **_look(number))
 
 
 def _look(number: int) -> dict[str, Any]:
+    """Return colour, line style and marker of a curve."""
     return {
         "color": COLOURS[number % len(COLOURS)],
         "linestyle": LINE_STYLES[number % len(LINE_STYLES)],
@@ -191,6 +202,7 @@ def _look(number: int) -> dict[str, Any]:
 
 
 def _varied(ax: Axes, values: Sequence[float], label: str) -> None:
+    """Set up the axis of the varied quantity."""
     if len(values) > 1 and values[0] > 0.0:
         ax.set_xscale("log")
     ax.set_xticks(values, [f"{value:g}" for value in values])
@@ -201,10 +213,13 @@ def _varied(ax: Axes, values: Sequence[float], label: str) -> None:
 
 
 def _mean_spectrum(cases: Sequence[Case]) -> tuple[Array, Array]:
-    """Frequencies [Hz] and level of the mean power of several surfaces [dB]; NaN is no sound, and none of no cases."""
+    """Return frequencies [Hz] and the level of the mean power of several surfaces [dB].
+
+    The level is NaN without sound; both arrays are empty without cases.
+    """
     if not cases:
         return np.empty(0), np.empty(0)
-    power = np.mean([10 ** (one.line_db / 10) for one in cases], axis=0)
+    power = np.mean([10 ** (case.line_db / 10) for case in cases], axis=0)
     level = 10 * np.log10(np.maximum(power, 10 ** (NOTHING_DB / 10)))
     return cases[0].line_hz, np.where(level > NOTHING_DB + 1e-6, level, np.nan)
 
@@ -215,7 +230,7 @@ def _spectra(
     durations_s: Sequence[float],
     limits_db: tuple[float, float],
 ) -> None:
-    """Spectra on an axis of frequency, grey where third octaves of the shortest record mean nothing yet."""
+    """Plot spectra, with a grey area where third octaves of the shortest record are unreliable."""
     sound_plots.spectrum(ax, [("", Lines(np.array([1e3]), np.array([-np.inf])))], limits_db)
     for line in (*ax.lines, *ax.texts):
         line.remove()
@@ -235,47 +250,51 @@ def _spectra(
 
 
 def _first_reliable(durations_s: Sequence[float]) -> int:
+    """Return the number of the lowest third octave that the shortest record resolves."""
     read = reliable(min(durations_s))
     return int(np.argmax(read)) if read.any() else len(read)
 
 
 def _duration(cases: Sequence[Case]) -> str:
-    durations = [one.duration_s for one in cases]
+    """Write the duration of the records, and from which third octave on they are reliable."""
+    durations = [case.duration_s for case in cases]
     ends = dict.fromkeys(f"{value:.3g}" for value in (min(durations), max(durations)))
     first = _first_reliable(durations)
     mean = (
-        f"third octaves from {BAND_NAMES[first]} Hz mean something"
+        f"third octaves are reliable from {BAND_NAMES[first]} Hz"
         if first < len(BAND_NAMES)
-        else "no third octave does"
+        else "no third octave is reliable"
     )
     return f"T = {' to '.join(ends)} s: {mean}"
 
 
 def _surfaces_of(cases: Sequence[Case]) -> str:
-    """How many surfaces a point stands for."""
+    """Write the number of surfaces behind a point."""
     count = _surface_count(cases)
     return "one surface: no error bars" if count == "1" else f"mean and standard deviation of {count} surfaces"
 
 
 def _mean_over(cases: Sequence[Case]) -> str:
-    """How many surfaces a spectrum stands for, and of how many lines a point of it."""
+    """Write the number of surfaces and of lines behind a point of a spectrum."""
     count = _surface_count(cases)
     return "1/12-octave means of " + ("one surface" if count == "1" else f"the power of {count} surfaces")
 
 
 def _surface_count(cases: Sequence[Case]) -> str:
-    groups = Counter((one.roughness_um, one.load_n, one.correlation_um) for one in cases).values()
+    """Write the number of surfaces per case, or its range."""
+    groups = Counter((case.roughness_um, case.load_n, case.correlation_um) for case in cases).values()
     return " to ".join(dict.fromkeys(str(end) for end in (min(groups), max(groups))))
 
 
 def _reference_db(reading: Reading) -> float | None:
-    """Greatest line of the case to which 20 lg levels are relative, mean over surfaces; None without it."""
+    """Return the maximum line level to which 20 lg levels are relative, None without that case."""
     ra, load = SCALE_REFERENCE
-    mean, _ = _statistics([reading.at(roughness_um=ra, load_n=load)], lambda one: one.maximum_db)
+    mean, _ = _statistics([reading.at(roughness_um=ra, load_n=load)], lambda case: case.maximum_db)
     return float(mean[0]) if np.isfinite(mean[0]) else None
 
 
 def _scale_note(reference_db: float | None) -> str:
+    """Write a note on the two axes of levels."""
     ra, load = SCALE_REFERENCE
     if reference_db is None:
         return f"no axis of 20 lg: Ra {ra:g} µm, {load:g} N is not solved"
@@ -283,7 +302,7 @@ def _scale_note(reference_db: float | None) -> str:
 
 
 def _twice(ax: Axes, reference_db: float | None) -> None:
-    """A dashed axis on the right: 20 lg of the power, whose differences are twice those of 10 lg."""
+    """Add a dashed axis on the right: 20 lg of the power, whose differences are twice those with 10 lg."""
     if reference_db is None:
         return
     ra, load = SCALE_REFERENCE
@@ -296,13 +315,13 @@ def _twice(ax: Axes, reference_db: float | None) -> None:
 
     other = ax.secondary_yaxis("right", functions=(doubled, halved))
     ax.spines["right"].set_visible(False)  # it would show between the dashes
-    other.set_ylabel(f"20 lg, re greatest of Ra {ra:g} µm, {load:g} N [dB]", fontsize=8.5)
+    other.set_ylabel(f"20 lg, re maximum of Ra {ra:g} µm, {load:g} N [dB]", fontsize=8.5)
     other.spines["right"].set_linestyle((0, (4, 3)))
     other.tick_params(labelsize=8.5)
 
 
 def _add(columns: dict[str, Array], label: str, frequency: Array, level: Array) -> None:
-    """A spectrum as columns; frequencies once, and again only where they differ."""
+    """Add a spectrum as columns, with its frequencies only where they differ from the last ones."""
     known = [values for name, values in columns.items() if "frequency" in name]
     if not known or not np.array_equal(known[-1], frequency):
         columns[f"frequency of {label} [Hz]" if known else "frequency [Hz]"] = frequency

@@ -1,4 +1,4 @@
-"""What the figures of a reading are drawn from, and the axes on which all readings can be compared. Depends on study."""
+"""The data of a reading's figures, and the axes on which all readings can be compared."""
 
 from __future__ import annotations
 
@@ -21,12 +21,18 @@ from rolling.surface import scene_surface
 Array = NDArray[np.float64]
 
 PATCH_M = 512e-6  # side of the surfaces of the article's Fig. 1
-NOTHING_DB = -300.0  # and below: no sound
+NOTHING_DB = -300.0  # levels from here down mean no sound
 
 
 @dataclass(frozen=True)
 class Patch:
-    """A square of a surface: heights (n, n) [m] at a spacing [m]."""
+    """A square of a surface.
+
+    Parameters
+    ----------
+    heights : array (n, n), m. Heights of the nodes.
+    spacing : float, m. Spacing of the nodes.
+    """
 
     heights: Array
     spacing: float
@@ -34,7 +40,13 @@ class Patch:
 
 @dataclass(frozen=True)
 class Contact:
-    """Pressure [Pa] and deflection [m] (m, n) of nodes at the positions along (m,) and across (n,) from the sphere [m]."""
+    """The solved contact at one position of the sphere.
+
+    Parameters
+    ----------
+    along, across : arrays (m,) and (n,), m. Positions of the nodes from the sphere.
+    pressure, deflection : arrays (m, n), Pa and m. Pressure and deflection of the nodes.
+    """
 
     along: Array
     across: Array
@@ -43,7 +55,7 @@ class Contact:
 
     @property
     def reach(self) -> float:
-        """How far from below the sphere the farthest loaded node lies, along or across [m]."""
+        """The distance from the sphere to the farthest loaded node, along or across [m]."""
         row, column = np.nonzero(self.pressure > 0.0)
         farthest = np.concatenate([np.abs(self.along[row]), np.abs(self.across[column])])
         return float(farthest.max(initial=0.0))
@@ -51,10 +63,17 @@ class Contact:
 
 @dataclass(frozen=True)
 class Reading:
-    """What the figures of a reading are drawn from.
+    """The data of a reading's figures.
 
-    slopes : rms norm of the surface's gradient by Ra and correlation length [um].
-    patches : a surface by Ra [um].  contacts : of that surface, by Ra [um] and load [N].
+    Parameters
+    ----------
+    name : str. Name of the reading.
+    cases : sequence of Case. Its solved cases.
+    slopes : mapping from (Ra, correlation length), um, to float. Rms norm of the surface's
+        gradient. Default: none.
+    patches : mapping from Ra, um, to Patch. Surfaces. Default: none.
+    contacts : mapping from (Ra, load), um and N, to Contact. Contacts of those surfaces. Default:
+        none.
     """
 
     name: str
@@ -65,18 +84,27 @@ class Reading:
 
     @property
     def lengths(self) -> list[float]:
-        return sorted({one.correlation_um for one in self.cases})
+        """The correlation lengths [um], rising."""
+        return sorted({case.correlation_um for case in self.cases})
 
     def at(self, **values: float) -> list[Case]:
-        """The cases with these values, such as load_n=5."""
-        return [one for one in self.cases if all(getattr(one, name) == value for name, value in values.items())]
+        """Return the cases with these values, such as load_n=5."""
+        return [case for case in self.cases if all(getattr(case, name) == value for name, value in values.items())]
 
 
 @dataclass(frozen=True)
 class Scales:
-    """Axes that are the same for all readings; colours of roughnesses and loads go by their place in the lists.
+    """Axes that are the same for all readings.
 
-    reach_um : of contacts from the sphere.  height_um : of a surface's highest or deepest point.
+    The colours of roughnesses and loads follow from their places in the lists.
+
+    Parameters
+    ----------
+    roughnesses, loads : lists of float, um and N. Values of all readings, rising.
+    height_um : float, um. Height of the highest point of a surface, or depth of the deepest.
+    reach_um : float, um. Distance of the farthest loaded node from the sphere.
+    pressure_gpa, deflection_um, plastic_ratio : float, GPa, um and 1. Maxima over all readings.
+    spectrum_db, maximum_db : pairs of float, dB. Limits of the axes of levels.
     """
 
     roughnesses: list[float]
@@ -91,25 +119,27 @@ class Scales:
 
     @property
     def ends(self) -> list[float]:
-        """The least and the greatest load, of which maps are drawn."""
+        """The lowest and the highest load, for which maps are drawn."""
         return sorted({self.loads[0], self.loads[-1]}) if self.loads else []
 
 
 def gather(name: str, runs: Sequence[Run], results: Sequence[Result], cases: Sequence[Case]) -> Reading:
-    """What is drawn of a reading: slopes of all its surfaces; surface and contacts of the first seed.
+    """Gather the data of a reading's figures: slopes of all its surfaces, surface and contacts of the first seed.
 
     Parameters
     ----------
-    runs, results : as `study.runs` and `study.open_results` give them, in that order; results may be empty.
-    cases : of those that are solved.
+    name : str. Name of the reading.
+    runs, results : sequences of Run and Result. As `study.runs` and `study.open_results` give them,
+        in that order. Results may be empty.
+    cases : sequence of Case. The solved cases.
     """
     slopes: dict[tuple[float, float], float] = {}
     patches: dict[float, Patch] = {}
     contacts: dict[tuple[float, float], Contact] = {}
-    for one, result in zip(runs, results, strict=True):
-        scene, s = one.scene, one.scene.surface
-        assert isinstance(s, Gaussian)
-        roughness, length = s.roughness_ra_um, s.correlation_length_um
+    for run, result in zip(runs, results, strict=True):
+        scene, gaussian = run.scene, run.scene.surface
+        assert isinstance(gaussian, Gaussian)
+        roughness, length = gaussian.roughness_ra_um, gaussian.correlation_length_um
         if (roughness, length) not in slopes:
             heights = scene_surface.heights(scene)
             nodes = round(PATCH_M / scene.spacing)
@@ -121,6 +151,7 @@ def gather(name: str, runs: Sequence[Run], results: Sequence[Result], cases: Seq
 
 
 def _contact(scene: Scene, snapshot: simulate.Snapshot) -> Contact:
+    """Return the contact of a snapshot, with positions from the sphere."""
     middle = (scene.track.n_across - 1) / 2 * scene.spacing
     rows, columns = (positions(count, scene.spacing) for count in snapshot.pressure.shape)
     along, across = snapshot.along - snapshot.distance, snapshot.across - middle
@@ -128,25 +159,26 @@ def _contact(scene: Scene, snapshot: simulate.Snapshot) -> Contact:
 
 
 def scales(readings: Sequence[Reading]) -> Scales:
-    """Axes on which all these readings can be compared."""
-    cases = [one for reading in readings for one in reading.cases]
-    contacts = [one for reading in readings for one in reading.contacts.values()]
-    heights = [one.heights for reading in readings for one in reading.patches.values()]
-    roughnesses = sorted({one.roughness_um for one in cases} | {ra for each in readings for ra in each.patches})
-    loads = sorted({one.load_n for one in cases} | {load for each in readings for _, load in each.contacts})
-    maxima = [one.maximum_db for one in cases if one.maximum_db > NOTHING_DB]
+    """Find axes on which all these readings can be compared."""
+    cases = [case for reading in readings for case in reading.cases]
+    contacts = [contact for reading in readings for contact in reading.contacts.values()]
+    heights = [patch.heights for reading in readings for patch in reading.patches.values()]
+    roughnesses = sorted({case.roughness_um for case in cases} | {ra for reading in readings for ra in reading.patches})
+    loads = sorted({case.load_n for case in cases} | {load for reading in readings for _, load in reading.contacts})
+    maxima = [case.maximum_db for case in cases if case.maximum_db > NOTHING_DB]
     return Scales(
         roughnesses,
         loads,
-        height_um=1e6 * max((float(np.abs(one).max()) for one in heights), default=1e-6),
-        reach_um=1e6 * max((one.reach for one in contacts), default=1e-4),
-        pressure_gpa=1e-9 * max((float(one.pressure.max()) for one in contacts), default=1e9),
-        deflection_um=1e6 * max((float(one.deflection.max()) for one in contacts), default=1e-6),
-        plastic_ratio=1.05 * max((one.plastic_ratio for one in cases), default=1.0) or 1.0,
-        spectrum_db=sound_plots.level_limits(level for one in cases for level in one.line_db),
+        height_um=1e6 * max((float(np.abs(patch).max()) for patch in heights), default=1e-6),
+        reach_um=1e6 * max((contact.reach for contact in contacts), default=1e-4),
+        pressure_gpa=1e-9 * max((float(contact.pressure.max()) for contact in contacts), default=1e9),
+        deflection_um=1e6 * max((float(contact.deflection.max()) for contact in contacts), default=1e-6),
+        plastic_ratio=1.05 * max((case.plastic_ratio for case in cases), default=1.0) or 1.0,
+        spectrum_db=sound_plots.level_limits(level for case in cases for level in case.line_db),
         maximum_db=sound_plots.level_limits(maxima),
     )
 
 
 def positions(count: int, spacing: float) -> Array:
+    """Return the positions [m] of so many nodes from the first."""
     return np.linspace(0.0, (count - 1) * spacing, count)

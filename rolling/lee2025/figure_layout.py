@@ -1,7 +1,4 @@
-"""Around the axes of a figure: its title, what it shows, and the warning of surfaces too steep for half-space theory.
-
-Depends on readings and picture.
-"""
+"""Title, note and axes of a figure, and the warning of surfaces too steep for half-space theory."""
 
 from __future__ import annotations
 
@@ -21,7 +18,7 @@ Array = NDArray[np.float64]
 Place = tuple[float, float, float, float]
 
 WARNING = "#B34400"
-_LINE_IN = 0.2  # of warnings below a figure
+_LINE_IN = 0.2  # height of a line of warnings below a figure
 
 
 def finish(
@@ -33,7 +30,16 @@ def finish(
     places: dict[Axes, Place],
     columns: dict[str, Array],
 ) -> Picture:
-    """A picture with its warnings below the axes."""
+    """Lay out a picture, with its warnings below the axes.
+
+    Parameters
+    ----------
+    name, title, note : str. File name without suffix, title and note of the figure.
+    reading : Reading. The reading that it shows.
+    shown : sequence of float, um. The roughnesses that it shows.
+    places : dict from Axes to (left, bottom, width, height), inches. Places of the axes.
+    columns : dict from str to array. The plotted numbers, for the CSV file.
+    """
     figure = cast(Figure, next(iter(places)).figure)
     too_steep = [text for ra in shown for text in warnings(reading, ra)]
     room = 0.06 + _LINE_IN * len(too_steep) if too_steep else 0.0
@@ -51,22 +57,24 @@ def finish(
 
 
 def warnings(reading: Reading, roughness_um: float) -> list[str]:
-    """What half-space theory cannot hold for on surfaces of this Ra, one line for each correlation length."""
-    found = []
+    """Return the warnings of surfaces of this Ra that are too steep, one line for each correlation length."""
+    lines = []
     for (ra, length), norm in sorted(reading.slopes.items()):
         if ra == roughness_um and norm > MAX_SLOPE:
-            of = f"Ra {ra:g} µm" + (f", length {length:g} µm" if len(reading.lengths) > 1 else "")
+            surface = f"Ra {ra:g} µm" + (f", length {length:g} µm" if len(reading.lengths) > 1 else "")
             each = norm / np.sqrt(2)  # isotropic
-            found.append(
-                f"{of}: rms slope {each:.2g} along each direction, norm {norm:.2g} > {MAX_SLOPE:g}: half-space"
+            lines.append(
+                f"{surface}: rms slope {each:.2g} along each direction, norm {norm:.2g} > {MAX_SLOPE:g}: half-space"
                 " theory does not hold"
             )
-    return found
+    return lines
 
 
 def steep(reading: Reading, roughness_um: float) -> bool:
+    """Return whether any surface of this Ra is too steep for half-space theory."""
     return bool(warnings(reading, roughness_um))
 
 
 def panel_title(reading: Reading, roughness_um: float) -> str:
+    """Return the title of a panel, with a mark where the surface is too steep."""
     return f"Ra {roughness_um:g} µm" + (" (not valid: too steep)" if steep(reading, roughness_um) else "")

@@ -1,6 +1,6 @@
-"""The figures of the article, drawn anew for one reading of it. Depends on sheets and curves.
+"""The figures of the article, drawn anew for one reading.
 
-Wherever a surface is too steep for half-space theory the figure says so.
+Each figure warns of surfaces that are too steep for half-space theory.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from rolling.lee2025.figure_data import Reading, Scales
 
 
 def gallery(reading: Reading, on: Scales) -> Iterator[Picture]:
-    """The pictures of a reading for which there is anything: Fig. 1, 5 to 9, or those of the correlation length."""
+    """Draw all pictures of a reading that it has data for: Fig. 1, 5 to 9, or the correlation length."""
     if len(reading.lengths) > 1:
         yield curves.correlation_length(reading)
         return

@@ -1,7 +1,8 @@
-"""How far the numbers of the study's grid (2 um, blended edges) are from those of a fine one, as measured. Depends on nothing.
+"""Measured errors of the study's grid (2 um, blended edges) against a fine grid.
 
-Measured on the same stretches of the same surfaces, refined without new detail, as `docs/accuracy.md` says. A reading, roughness
-or number that is not named here was not measured: verdicts take its grid for exact.
+They were measured on the same stretches of the same surfaces, refined without new detail, as
+`docs/accuracy.md` says. A reading, roughness or number that is missing here was not measured:
+verdicts take its grid for exact.
 """
 
 from __future__ import annotations
@@ -15,11 +16,15 @@ Ranges = Mapping[float, Mapping[float, Range]]  # by Ra [um] and load [N]
 
 @dataclass(frozen=True)
 class GridError:
-    """What a fine grid would make of a number of the study's grid, as ranges by Ra [um] and load [N].
+    """Changes of the study's numbers on a fine grid, as ranges by Ra [um] and load [N].
 
-    plastic, deflection : factors on plastic area and greatest deflection.
-    level_db, line_db, high_db : changes of LAeq, of the greatest line and of the mean height above 5 kHz [dB, 10 lg].
-    band_db : greatest change of a third octave from 500 Hz to 4 kHz by Ra [um], either way [dB, 10 lg].
+    Parameters
+    ----------
+    plastic, deflection : ranges. Factors on plastic area and maximum deflection.
+    level_db, line_db, high_db : ranges, dB. Changes of LAeq, of the maximum line level and of the
+        mean height above 5 kHz (10 lg).
+    band_db : mapping from float to float, dB. Maximum change of a third octave from 500 Hz to 4 kHz
+        by Ra [um], either way (10 lg).
     """
 
     plastic: Ranges = field(default_factory=dict)
@@ -34,7 +39,7 @@ class GridError:
         return self._at(name, roughness_um, load_n) or (1.0, 1.0)
 
     def ratio(self, name: str, over: float, under: float, load_n: float) -> Range:
-        """Return the range of factors on the ratio of a number on two roughnesses [um]; it holds 1."""
+        """Return the range of factors on the ratio of a number on two roughnesses [um]; it contains 1."""
         a, b = self.factor(name, over, load_n), self.factor(name, under, load_n)
         return min(1.0, a[0] / b[1]), max(1.0, a[1] / b[0])
 
@@ -43,27 +48,31 @@ class GridError:
         return self._at(name, roughness_um, load_n) or (0.0, 0.0)
 
     def shift_db(self, name: str, over: tuple[float, float], under: tuple[float, float], factor: int) -> Range:
-        """Return the range of changes [dB] of the difference of levels between two pairs of Ra [um] and load [N]; it holds 0."""
+        """Return the range of changes [dB] of a difference of levels between two pairs of Ra [um] and load [N].
+
+        The range contains 0.
+        """
         a, b = self.change_db(name, *over), self.change_db(name, *under)
         return min(0.0, a[0] - b[1]) * factor / 10, max(0.0, a[1] - b[0]) * factor / 10
 
     def _at(self, name: str, roughness_um: float, load_n: float) -> Range | None:
-        """Return the range of both neighbouring loads, or beyond the measured ones of the nearest."""
+        """Return the range over both neighbouring loads, or of the nearest one beyond the measured loads."""
         ranges: Ranges = getattr(self, name) if name else {}
         loads = ranges.get(roughness_um, {})
         if not loads:
             return None
         around = {
-            max((one for one in loads if one <= load_n), default=min(loads)),
-            min((one for one in loads if one >= load_n), default=max(loads)),
+            max((load for load in loads if load <= load_n), default=min(loads)),
+            min((load for load in loads if load >= load_n), default=max(loads)),
         }
-        return min(loads[one][0] for one in around), max(loads[one][1] for one in around)
+        return min(loads[load][0] for load in around), max(loads[load][1] for load in around)
 
 
 NONE = GridError()
 
-# Ranges reach from the finest grid, edges sharp and blended (0.5 um in hardness-3y-exponential at Ra 0.1 and 1 um, else 1 um), to
-# what order 1.4 makes of the last two grids. Levels: blended edges only. Third octaves: 1.6 times the change from 2 to 1 um.
+# Ranges reach from the finest grid, with sharp and blended edges, to the extrapolation of the last two grids with order 1.4.
+# The finest grid is 0.5 um in hardness-3y-exponential at Ra 0.1 and 1 um, else 1 um. Levels: blended edges only. Third
+# octaves: 1.6 times the change from 2 to 1 um.
 MEASURED = {
     "as-stated": GridError(
         plastic={

@@ -1,7 +1,4 @@
-"""What a statement is judged by: the cases of a reading, the numbers of a case, and how they change from one group to another.
-
-Depends on study and grid_error; judges nothing.
-"""
+"""The cases of a reading, the numbers of a case, and the change from one group of cases to another."""
 
 from __future__ import annotations
 
@@ -24,9 +21,14 @@ HIGH_HZ = 5000.0
 
 @dataclass(frozen=True)
 class Cases:
-    """Cases of one reading; the levels of them are `factor` lg of a release power.
+    """The cases of one reading.
 
-    twins : the cases without hardness of all readings.  grid : error of the reading's grid, as far as it was measured.
+    Parameters
+    ----------
+    cases : tuple of Case. Cases of the reading.
+    factor : int. Factor of lg in the level of a release power, 10 or 20. Default: 10.
+    twins : tuple of Case. Cases without hardness of all readings. Default: none.
+    grid : GridError. Error of the reading's grid, as far as it was measured. Default: none known.
     """
 
     cases: tuple[Case, ...]
@@ -35,35 +37,45 @@ class Cases:
     grid: GridError = field(default_factory=GridError)
 
     def at(self, roughness_um: float, load_n: float) -> list[Case]:
-        """The surfaces of one roughness under one load."""
-        return [c for c in self.cases if math.isclose(c.roughness_um, roughness_um) and math.isclose(c.load_n, load_n)]
+        """Return all surfaces of one roughness under one load."""
+        return [
+            case
+            for case in self.cases
+            if math.isclose(case.roughness_um, roughness_um) and math.isclose(case.load_n, load_n)
+        ]
 
     def twin(self, case: Case) -> Case | None:
         """Find the same scene without hardness: same bodies, surface, load and record."""
 
-        def key(one: Case) -> tuple[object, ...]:
-            return one.bodies, one.roughness_um, one.correlation_um, one.load_n, one.seed, one.duration_s
+        def key(scene: Case) -> tuple[object, ...]:
+            return scene.bodies, scene.roughness_um, scene.correlation_um, scene.load_n, scene.seed, scene.duration_s
 
-        return next((one for one in self.twins if key(one) == key(case)), None)
+        return next((twin for twin in self.twins if key(twin) == key(case)), None)
 
     def values(self, name: str) -> list[float]:
-        """The values there are of what a study varies, a field of Case, rising."""
+        """Return the values of a field of Case that occur, rising."""
         return sorted({float(getattr(case, name)) for case in self.cases})
 
     @property
     def loads(self) -> list[float]:
+        """The loads [N], rising."""
         return self.values("load_n")
 
     @property
     def roughnesses(self) -> list[float]:
+        """The roughnesses Ra [um], rising."""
         return self.values("roughness_um")
 
 
 @dataclass(frozen=True)
 class Measure:
-    """A number of a case with 10 or 20 lg, and how it is told; NaN where there is none.
+    """A number of a case with 10 or 20 lg, with its unit and format; NaN where there is none.
 
-    grid : name of its error in `GridError`; empty: not known. Of levels it is a difference [dB], of the rest a factor.
+    Parameters
+    ----------
+    of : function. Takes a case and the factor of lg.
+    grid : str. Name of its error in `GridError`: a difference [dB] for levels, else a factor.
+        Default: empty, for unknown.
     """
 
     of: Callable[[Case, int], float]
@@ -73,87 +85,109 @@ class Measure:
     grid: str = ""
 
     def by_seed(self, group: Sequence[Case], factor: int) -> dict[int, float]:
-        """The value of each surface that has one."""
-        found = {case.seed: float(self.of(case, factor)) for case in group}
-        return {seed: value for seed, value in found.items() if math.isfinite(value)}
+        """Return the value of each surface that has one."""
+        values = {case.seed: float(self.of(case, factor)) for case in group}
+        return {seed: value for seed, value in values.items() if math.isfinite(value)}
 
     def mean(self, group: Sequence[Case], factor: int) -> float | None:
-        found = self.by_seed(group, factor)
-        return float(np.mean(list(found.values()))) if found else None
+        """Return the mean over surfaces, None without a value."""
+        values = self.by_seed(group, factor)
+        return float(np.mean(list(values.values()))) if values else None
 
     def deviation(self, group: Sequence[Case], factor: int) -> float | None:
-        """Standard deviation of the surfaces, if there are several."""
-        found = self.by_seed(group, factor)
-        return float(np.std(list(found.values()), ddof=1)) if len(found) > 1 else None
+        """Return the standard deviation over surfaces, None with fewer than two."""
+        values = self.by_seed(group, factor)
+        return float(np.std(list(values.values()), ddof=1)) if len(values) > 1 else None
 
     def relative_error(self, group: Sequence[Case], factor: int) -> float:
         """Compute the standard error of the mean over surfaces divided by that mean; 0 with one surface."""
-        found = list(self.by_seed(group, factor).values())
-        mean = float(np.mean(found)) if found else 0.0
-        return float(np.std(found, ddof=1)) / math.sqrt(len(found)) / mean if len(found) > 1 and mean else 0.0
+        values = list(self.by_seed(group, factor).values())
+        mean = float(np.mean(values)) if values else 0.0
+        return float(np.std(values, ddof=1)) / math.sqrt(len(values)) / mean if len(values) > 1 and mean else 0.0
 
-    def told(self, value: float | None, sign: str = "") -> str:
+    def text(self, value: float | None, sign: str = "") -> str:
+        """Write a value without its unit, a dash for None."""
         return "-" if value is None else f"{value:{sign}{self.digits}}"
 
 
 @dataclass(frozen=True)
+class Statistic:
+    """The mean of a measure over surfaces and its standard deviation, None with one surface."""
+
+    mean: float
+    std: float | None
+
+
+@dataclass(frozen=True)
 class Change:
-    """From one group of cases to another, over the seeds they share; `error`: standard error of the mean, 0 with one seed."""
+    """The change from one group of cases to another, over the seeds that they share.
+
+    Parameters
+    ----------
+    mean : float. Mean of the change, in the unit of the measure.
+    error : float. Its standard error, 0 with one seed.
+    """
 
     mean: float
     error: float
 
     @property
     def rises(self) -> bool:
-        """Whether it rises by more than twice its standard error."""
+        """True if it rises by more than twice its standard error."""
         return self.mean > 2 * self.error
 
     @property
     def falls(self) -> bool:
-        """Whether it falls by more than twice its standard error."""
+        """True if it falls by more than twice its standard error."""
         return self.mean < -2 * self.error
 
 
 def change(measure: Measure, first: Sequence[Case], then: Sequence[Case], factor: int) -> Change | None:
-    """What changes between two groups; None if they share no seed.
+    """Compute the change between two groups of cases, None if they share no seed.
 
-    Certain is what exceeds twice its standard error, with one seed what exceeds 0. Differences are taken seed by seed:
-    the same seed is the same surface under another load, and of another roughness where both are as wide.
+    A change is certain when it exceeds twice its standard error, with one seed when it exceeds 0.
+    Differences are taken seed by seed: the same seed is the same surface under another load, and
+    with another roughness where both surfaces are equally wide.
     """
     a, b = measure.by_seed(first, factor), measure.by_seed(then, factor)
-    found = np.array([b[seed] - a[seed] for seed in a if seed in b])
-    if not len(found):
+    changes = np.array([b[seed] - a[seed] for seed in a if seed in b])
+    if not len(changes):
         return None
-    return Change(float(found.mean()), float(found.std(ddof=1)) / math.sqrt(len(found)) if len(found) > 1 else 0.0)
+    return Change(
+        float(changes.mean()), float(changes.std(ddof=1)) / math.sqrt(len(changes)) if len(changes) > 1 else 0.0
+    )
 
 
 def _curve_db(case: Case, factor: int) -> Array:
-    """The article's curve as it is with 10 lg; with 20 lg its levels double, but not their weighting."""
+    """Return the article's curve; with 20 lg its levels double, but not their weighting."""
     weighting = a_weighting_db(case.line_hz)
     return factor / 10 * (case.line_db - weighting) + weighting
 
 
 def _maximum_db(case: Case, factor: int) -> float:
-    """The greatest line, which with 20 lg may be at another frequency."""
+    """Return the maximum line level, which with 20 lg may occur at another frequency."""
     return case.maximum_db if factor == 10 else case.maximum_20_db
 
 
 def _high_band_db(case: Case, factor: int) -> float:
-    """Mean height of the article's curve above HIGH_HZ [dB]."""
+    """Return the mean height of the article's curve above HIGH_HZ [dB]."""
     curve = _curve_db(case, factor)
     high = curve[(case.line_hz >= HIGH_HZ) & np.isfinite(curve)]
     return float(high.mean()) if len(high) else math.nan
 
 
 def _audible_db(case: Case, factor: int) -> float:
-    """A-weighted level of the whole: LAeq is 10 lg of the fluctuation, weighted in full."""
+    """Return the A-weighted level of the whole sound.
+
+    With 10 lg it is LAeq, which is 10 lg of the fully weighted fluctuation.
+    """
     if factor == 10:
         return math.nan if case.laeq_db is None else case.laeq_db
     return float(power_level_db(case.a_weighted_w, factor))
 
 
 def _centroid_hz(case: Case, factor: int) -> float:
-    """Spectral centroid of the squared fluctuation [Hz]."""
+    """Return the spectral centroid of the squared fluctuation [Hz]."""
     square = np.nan_to_num(case.band_w) ** 2
     return float(square @ MID_HZ / square.sum()) if square.sum() > 0 else math.nan
 
@@ -170,3 +204,34 @@ MAXIMUM = Measure(_maximum_db, "dB", ".1f", level=True, grid="line_db")
 AUDIBLE = Measure(_audible_db, "dB", ".1f", level=True, grid="level_db")
 HIGH_BAND = Measure(_high_band_db, "dB", ".1f", level=True, grid="high_db")
 CENTROID = Measure(_centroid_hz, "Hz", ".0f")
+
+
+def ra(roughness_um: float) -> str:
+    """Write a roughness, such as "Ra 0.1 µm"."""
+    return f"Ra {roughness_um:g} µm"
+
+
+def newton(load_n: float) -> str:
+    """Write a load, such as "5 N"."""
+    return f"{load_n:g} N"
+
+
+def series(
+    study: Cases, measure: Measure, groups: Sequence[tuple[str, Sequence[Case]]]
+) -> tuple[str, dict[str, Statistic]]:
+    """Return means and deviations of groups, in words and as data.
+
+    Levels without an absolute value are relative to the first group.
+    """
+    statistics = [
+        (name, measure.mean(group, study.factor), measure.deviation(group, study.factor)) for name, group in groups
+    ]
+    known = [(name, mean, deviation) for name, mean, deviation in statistics if mean is not None]
+    relative = measure.level and study.factor != 10
+    base, sign = (known[0][1], "+") if known and relative else (0.0, "")
+    words = [
+        measure.text(mean - base, sign) + ("" if deviation is None else f" ± {measure.text(deviation)}")
+        for _, mean, deviation in known
+    ]
+    numbers = {name: Statistic(mean - base, deviation) for name, mean, deviation in known}
+    return f"{', '.join(words)} {measure.unit} ({', '.join(numbers)})", numbers

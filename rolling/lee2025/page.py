@@ -1,22 +1,22 @@
-"""The readings of the article side by side on one HTML page that needs no network. Depends on report and claims_text.
+"""The readings of the article side by side on one HTML page that needs no network.
 
-The claims come first, then a row for each figure with a column for each reading; how it looks is in `page/article.html`.
+The claims come first, then a row for each figure with a column for each reading. The template is
+`report/assets/article.html`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from rolling.figures.picture import Picture
 from rolling.lee2025 import claims_text
-from rolling.lee2025.claims import READING, SWEEP, VARIATION
+from rolling.lee2025.results import READING, SWEEP, VARIATION, JudgedClaim, Judgement, Score, Table
 from rolling.report import citation
 from rolling.report import page as report
 from rolling.report.page import Exhibit
 
-# Told apart by sign and word, not by colour alone.
+# Sign and word tell verdicts apart, not colour alone.
 SIGNS = {"reproduced": "✓", "partly": "◐", "not": "✗", "undecided": "?", "not run": "○"}
 _HEADINGS = {
     "fig1_surfaces": "Fig. 1: surfaces",
@@ -31,9 +31,14 @@ _HEADINGS = {
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a reading makes of a claim; scale is `10 lg`, `20 lg` or empty where no level is judged.
+    """A verdict as a cell of the page shows it.
 
-    decided_by : what decides an undecided verdict; else empty.
+    Parameters
+    ----------
+    scale : str. "10 lg", "20 lg", or empty where no level is judged.
+    word : str. The verdict.
+    measured : str. The measured numbers, in words.
+    decided_by : str. The cause of an undecided verdict. Default: empty.
     """
 
     scale: str
@@ -43,23 +48,35 @@ class Verdict:
 
     @property
     def sign(self) -> str:
+        """The sign before the word."""
         return SIGNS.get(self.word, "")
 
     @property
     def style(self) -> str:
-        """Class on the page."""
+        """The class of the element on the page."""
         return self.word.replace(" ", "-") if self.word in SIGNS else "not-run"
 
 
 @dataclass(frozen=True)
 class Row:
-    """A claim with the verdicts of each reading, in the order of the page; none where there is nothing to judge."""
+    """A claim with the verdicts of each reading in the order of the columns."""
 
     where: str
     statement: str
     tolerance: str
     caution: str
     verdicts: list[list[Verdict]]
+
+
+@dataclass(frozen=True)
+class ScoreRow:
+    """A line of the table of scores, in words; no counts where none are known."""
+
+    reading: str
+    kind: str
+    scale: str
+    score: str
+    counts: dict[str, int]
 
 
 @dataclass(frozen=True)
@@ -70,38 +87,36 @@ class Shelf:
     exhibits: list[tuple[str, Exhibit]]
 
 
-def ordered(names: Iterable[str], table: Mapping[str, Any]) -> list[str]:
-    """Sort names of readings: readings first, then variations and what sweeps something else."""
+def ordered(names: Iterable[str], table: Table) -> list[str]:
+    """Sort names of readings: readings first, then variations, then sweeps."""
     kinds = [READING, VARIATION, SWEEP]
-    return sorted(names, key=lambda name: kinds.index(table["readings"].get(name, {}).get("kind", SWEEP)))
+    return sorted(names, key=lambda name: kinds.index(table.kind(name, SWEEP)))
 
 
-def page(readings: Sequence[str], table: Mapping[str, Any], pictures: Mapping[str, Sequence[Picture]]) -> bytes:
-    """The page of a study.
+def page(readings: Sequence[str], table: Table, pictures: Mapping[str, Sequence[Picture]]) -> bytes:
+    """Render the page of a study.
 
     Parameters
     ----------
-    readings : their names, in the order of the columns.
-    table : `claims`, each with key, where, statement, tolerance and `findings` (reading, scale, verdict, measured);
-        `scores` (reading, scale, least, most and, where given, counts), highest first; `readings`, with the `kind` of each,
-        `what` it takes for granted, how it `departs` from the article and what it `lacks`; `standing`. What is missing is
-        left out.
-    pictures : of each reading, as `figures.gallery` gives them; readings without any have no column.
+    readings : sequence of str. Names in the order of the columns.
+    table : Table. The judged claims. Empty parts are left out of the page.
+    pictures : mapping from str to sequence of Picture. The figures of each reading, as `figures.gallery` gives them. A
+        reading without figures has no column among them.
     """
-    rows = [_row(claim, readings) for claim in table.get("claims", [])]
+    extents = {name: table.readings[name] for name in readings if name in table.readings}
     html = (
         report.environment()
         .get_template("article.html")
         .render(
             readings=list(readings),
-            rows=rows,
+            rows=[_row(judged, readings) for judged in table.claims],
             signs=SIGNS,
-            scores=[_score(one, table) for one in table.get("scores", [])],
-            headline=claims_text.headline(table) if "standing" in table else "",
-            kinds={name: table.get("readings", {}).get(name, {}).get("kind", READING) for name in readings},
-            departs=dict(_of_each(table, readings, "departs")),
-            what=_of_each(table, readings, "what"),
-            lacks=_of_each(table, readings, "lacks"),
+            scores=[_score(score, table) for score in table.scores],
+            headline=claims_text.headline(table) if table.standing else "",
+            kinds={name: table.kind(name) for name in readings},
+            departs={name: ", ".join(extent.departs) for name, extent in extents.items() if extent.departs},
+            assumptions=[(name, extent.assumptions) for name, extent in extents.items() if extent.assumptions],
+            lacks=[(name, ", ".join(extent.lacks)) for name, extent in extents.items() if extent.lacks],
             shelves=_shelves(readings, pictures),
             citation=citation,
             css=report.own_text("report.css"),
@@ -110,49 +125,28 @@ def page(readings: Sequence[str], table: Mapping[str, Any], pictures: Mapping[st
     return html.encode()
 
 
-def _row(claim: Mapping[str, Any], readings: Sequence[str]) -> Row:
-    findings = claim.get("findings", [])
-    return Row(
-        str(claim.get("where", "")),
-        str(claim.get("statement", claim.get("key", ""))),
-        str(claim.get("tolerance", "")),
-        str(claim.get("caution", "")),
-        [[_verdict(one) for one in findings if one.get("reading") == name] for name in readings],
-    )
+def _row(judged: JudgedClaim, readings: Sequence[str]) -> Row:
+    """Return the row of a claim."""
+    claim = judged.claim
+    verdicts = [[_verdict(judgement) for judgement in judged.of(name)] for name in readings]
+    return Row(claim.where, claim.statement, claim.tolerance, claim.caution, verdicts)
 
 
-def _verdict(finding: Mapping[str, Any]) -> Verdict:
-    return Verdict(
-        _scale(finding.get("scale")),
-        str(finding.get("verdict", "not run")),
-        str(finding.get("measured") or ""),
-        str(finding.get("decided_by") or ""),
-    )
+def _verdict(judgement: Judgement) -> Verdict:
+    """Return the cell of a judgement."""
+    finding = judgement.finding
+    scale = f"{judgement.scale} lg" if judgement.scale else ""
+    return Verdict(scale, finding.verdict, finding.measured, finding.decided_by)
 
 
-def _scale(scale: object) -> str:
-    return f"{scale} lg" if scale else ""
-
-
-def _score(one: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any]:
-    counts = {word: one["counts"].get(word, 0) for word in SIGNS} if "counts" in one else {}
-    name = one.get("reading", "")
-    return {
-        "reading": name,
-        "kind": table.get("readings", {}).get(name, {}).get("kind", READING),
-        "scale": _scale(one.get("scale")),
-        "score": " to ".join(dict.fromkeys(f"{one[end]:g}" for end in ("least", "most") if end in one)),
-        "counts": counts,
-    }
-
-
-def _of_each(table: Mapping[str, Any], readings: Sequence[str], key: str) -> list[tuple[str, str]]:
-    """What the table says of each reading under a key, in words; without those of which it says nothing."""
-    found = [(name, table.get("readings", {}).get(name, {}).get(key) or "") for name in readings]
-    return [(name, said if isinstance(said, str) else ", ".join(said)) for name, said in found if said]
+def _score(score: Score, table: Table) -> ScoreRow:
+    """Return the row of a score."""
+    counts = {word: score.counts.get(word, 0) for word in SIGNS} if score.counts else {}
+    return ScoreRow(score.reading, table.kind(score.reading), f"{score.scale} lg", score.range, counts)
 
 
 def _shelves(readings: Sequence[str], pictures: Mapping[str, Sequence[Picture]]) -> list[Shelf]:
+    """Sort the figures of all readings by kind, in the order of the article."""
     named = [(name, picture) for name in readings for picture in pictures.get(name, [])]
     order = [*_HEADINGS, *(picture.name for _, picture in named)]
     shelves = []

@@ -1,6 +1,6 @@
-"""The command that runs the study of an article and answers for its statements. Depends on study, claims and figures.
+"""The command that runs the study of an article, judges its statements and draws its figures.
 
-What is solved is kept case by case: the same command again goes on where it was stopped.
+Solved cases are stored one by one, so the same command continues a study that was stopped.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from rolling.folders import claim, files, new_folder, run_record
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError
 from rolling.lee2025 import claims, claims_text, figure_data, figures, page, study
+from rolling.lee2025.results import Table
 from rolling.lee2025.study import Case
 from rolling.scene.messages import nearest
 from rolling.simulation import batch
@@ -36,9 +37,16 @@ PAGE = "index.html"
 
 @dataclass(frozen=True)
 class Reproduction:
-    """The outcome of a command: its folder, its finding, the cases that are solved, failures by case, whether it was interrupted.
+    """The outcome of the command.
 
-    solved : folders of the cases that are solved, below that of the study.
+    Parameters
+    ----------
+    folder : Path. Folder of the study.
+    headline : str. The judgement in a sentence.
+    cases : list of Case. All solved cases.
+    failures : dict from str to str. Reasons by the folder of the case.
+    interrupted : bool. True if the command was stopped.
+    solved : frozenset of str. Folders of the solved cases, relative to the folder of the study.
     """
 
     folder: Path
@@ -50,6 +58,7 @@ class Reproduction:
 
     @property
     def exit_code(self) -> int:
+        """The exit code of the command."""
         return 130 if self.interrupted else 1 if self.failures else 0
 
 
@@ -61,34 +70,43 @@ def reproduce(
     workers: int = 0,
     take_over: bool = False,
 ) -> Reproduction:
-    """Run the study of an article, or what is missing of it, and write its numbers.
+    """Run the study of an article, or its missing part, and write its numbers.
 
     Parameters
     ----------
-    chosen : readings by name; none: all there are, quick: all of roughness and load.
-    out : folder of the study, new or of an earlier run of it; None: below outputs/.
-    take_over : go on, too, if the process that works on it cannot be seen from here.
+    name : str. Name of the study.
+    chosen : sequence of str. Readings by name. Default: all, with `quick` all with one correlation
+        length.
+    out : Path or None. Folder of the study, new or of an earlier run. Default: None, for a folder
+        below outputs/.
+    quick : bool. If true, solve one surface and three loads on a short track. Default: False.
+    workers : int. Number of processes. Default: 0, for one per core.
+    take_over : bool. If true, continue even if the state of another process on the folder is
+        unknown. Default: False.
 
     Raises
     ------
-    FolderError : no such reading, or `out` holds something else. SceneError : a scene file that cannot be used.
+    FolderError : there is no such reading, or `out` holds something else.
+    SceneError : a scene file cannot be used.
     """
     part = study.QUICK if quick else study.WHOLE
     folders = _readings(name, chosen)
     scenes = {folder.name: study.scenes(folder, part) for folder in folders}
-    if quick and not chosen:  # the outlook's fine surfaces would take a third as long again
-        scenes = {name: found for name, found in scenes.items() if len({study.varied(one)[3] for one in found}) == 1}
+    if quick and not chosen:  # the outlook's fine surfaces would add a third to the time
+        scenes = {
+            name: swept for name, swept in scenes.items() if len({study.varied(scene)[3] for scene in swept}) == 1
+        }
     folder = out or Path("outputs") / (f"{name}-quick" if quick else name)
-    runs = {reading: study.runs(folder / reading, found) for reading, found in scenes.items()}
-    flat = [one for each in runs.values() for one in each]
-    with _claimed(folder, [one.folder.relative_to(folder).as_posix() for one in flat], take_over) as held:
+    runs = {reading: study.runs(folder / reading, swept) for reading, swept in scenes.items()}
+    flat = [run for each in runs.values() for run in each]
+    with _claimed(folder, [run.folder.relative_to(folder).as_posix() for run in flat], take_over) as held:
         done = _reproduced(held, name, folders, runs, workers)
         _mark_all(held, flat, done)
     return done
 
 
 def _claimed(folder: Path, runs: Sequence[str], take_over: bool) -> Claim:
-    """Claim the folder of a study, new or of an earlier run of it.
+    """Claim the folder of a study, new or of an earlier run.
 
     Raises
     ------
@@ -104,15 +122,15 @@ def _claimed(folder: Path, runs: Sequence[str], take_over: bool) -> Claim:
 
 
 def _mark_all(held: Claim, runs: Sequence[Run], done: Reproduction) -> None:
-    """Write the state of each case that this command solved or tried, and of the study."""
-    for one in runs:
-        name = one.folder.relative_to(held.folder).as_posix()
+    """Write the state of the study and of each case that this command solved or tried."""
+    for run in runs:
+        name = run.folder.relative_to(held.folder).as_posix()
         if name in done.failures:
-            held.mark(one.folder, "failed", done.failures[name])
+            held.mark(run.folder, "failed", done.failures[name])
         elif name in done.solved:
-            held.mark(one.folder, "done")
+            held.mark(run.folder, "done")
         else:
-            held.mark(one.folder, "waiting", claim.INTERRUPTED)
+            held.mark(run.folder, "waiting", claim.INTERRUPTED)
     if done.interrupted:
         held.mark(held.folder, "waiting", claim.INTERRUPTED)
     elif done.failures:
@@ -124,71 +142,74 @@ def _mark_all(held: Claim, runs: Sequence[Run], done: Reproduction) -> None:
 def _reproduced(
     held: Claim, name: str, folders: Sequence[Path], runs: dict[str, list[Run]], workers: int
 ) -> Reproduction:
-    """Solve what is missing of a study, judge the statements and draw the figures."""
+    """Solve the missing cases of a study, judge the statements and draw the figures."""
     folder = held.folder
     if not (folder / CASES).is_file():
         files.write_json(folder / CASES, [])
-    outcome, results = _solve(held, [one for each in runs.values() for one in each], workers, name)
+    outcome, results = _solve(held, [run for each in runs.values() for run in each], workers, name)
     cases = [
-        study.case(reading, one, results[one.folder])
+        study.case(reading, run, results[run.folder])
         for reading, each in runs.items()
-        for one in each
-        if results[one.folder].complete
+        for run in each
+        if results[run.folder].complete
     ]
     files.write_json(folder / CASES, [_plain(asdict(case)) for case in cases])
-    departures = {reading: study.departures([one.scene for one in each]) for reading, each in runs.items()}
-    table = claims.table(cases, {one.name: study.description(one) for one in folders}, departures)
-    files.write_json(folder / "claims.json", table)
+    departures = {reading: study.departures([run.scene for run in each]) for reading, each in runs.items()}
+    table = claims.table(cases, {reading.name: study.description(reading) for reading in folders}, departures)
+    files.write_json(folder / "claims.json", table.to_dict())
     files.write_bytes(folder / CLAIMS, claims_text.markdown(table).encode())
     files.write_bytes(folder / TABLES, claims_text.tables(table).encode())
     if not outcome.interrupted:
         _write_pictures(folder, runs, results, cases, table)
-    flat = [one for each in runs.values() for one in each]
+    flat = [run for each in runs.values() for run in each]
     failures = {flat[k].folder.relative_to(folder).as_posix(): reason for k, reason in outcome.failures.items()}
-    solved = frozenset(one.folder.relative_to(folder).as_posix() for one in flat if results[one.folder].complete)
+    solved = frozenset(run.folder.relative_to(folder).as_posix() for run in flat if results[run.folder].complete)
     return Reproduction(folder, claims_text.headline(table), cases, failures, outcome.interrupted, solved)
 
 
 def _readings(name: str, chosen: Sequence[str]) -> list[Path]:
-    """The folders of a study's readings, all or those chosen."""
-    found = {folder.name: folder for folder in sorted((SCENES / name).glob("*")) if folder.is_dir()}
-    if not found:
+    """Return the folders of a study's readings, all or the chosen ones."""
+    available = {folder.name: folder for folder in sorted((SCENES / name).glob("*")) if folder.is_dir()}
+    if not available:
         raise FolderError(f"{SCENES / name}: no scene files of this study here; they come with the repository")
-    for each in chosen:
-        if each not in found:
-            raise FolderError(f"--readings: got {each}, allowed: {', '.join(found)}{nearest(each, list(found))}")
-    return [found[each] for each in chosen or found]
+    for reading in chosen:
+        if reading not in available:
+            raise FolderError(
+                f"--readings: got {reading}, allowed: {', '.join(available)}{nearest(reading, list(available))}"
+            )
+    return [available[reading] for reading in chosen or available]
 
 
 def _solve(held: Claim, runs: Sequence[Run], workers: int, name: str) -> tuple[Outcome, dict[Path, Result]]:
+    """Solve the missing runs and return the outcome with all results by folder."""
     results = study.open_results(runs)
-    outcome = study.solve_all(runs, results, workers, name, lambda one: held.mark(one.folder, "running"))
-    return outcome, {one.folder: result for one, result in zip(runs, results, strict=True)}
+    outcome = study.solve_all(runs, results, workers, name, lambda run: held.mark(run.folder, "running"))
+    return outcome, {run.folder: result for run, result in zip(runs, results, strict=True)}
 
 
 def _write_pictures(
-    folder: Path, runs: dict[str, list[Run]], results: dict[Path, Result], cases: Sequence[Case], table: dict[str, Any]
+    folder: Path, runs: dict[str, list[Run]], results: dict[Path, Result], cases: Sequence[Case], table: Table
 ) -> None:
-    """The article's figures of each reading in its folder, and the page that puts the readings side by side."""
-    found = []
+    """Draw the figures of each reading into its folder, and write the page with all readings side by side."""
+    readings = []
     for name, each in tqdm(runs.items(), disable=None, desc="surfaces", bar_format=batch.BAR):
-        solved = [one for one in each if results[one.folder].complete]
-        if solved and name not in table["twins"]:
+        solved = [run for run in each if results[run.folder].complete]
+        if solved and name not in table.twins:
             own = [case for case in cases if case.reading == name]
-            found.append(figure_data.gather(name, solved, [results[one.folder] for one in solved], own))
-    if not found:
+            readings.append(figure_data.gather(name, solved, [results[run.folder] for run in solved], own))
+    if not readings:
         return
-    scales = figure_data.scales(found)
+    scales = figure_data.scales(readings)
     pictures: dict[str, list[Picture]] = {}
-    for one in tqdm(found, disable=None, desc="figures", bar_format=batch.BAR):
-        pictures[one.name] = list(figures.gallery(one, scales))
-        for picture in pictures[one.name]:
-            picture.write(folder / one.name)
+    for reading in tqdm(readings, disable=None, desc="figures", bar_format=batch.BAR):
+        pictures[reading.name] = list(figures.gallery(reading, scales))
+        for picture in pictures[reading.name]:
+            picture.write(folder / reading.name)
     files.write_bytes(folder / PAGE, page.page(page.ordered(pictures, table), table, pictures))
 
 
 def _plain(value: Any) -> Any:
-    """Lists and numbers for JSON; what is no number is null."""
+    """Convert to lists and numbers for JSON; a number that is not finite becomes null."""
     if isinstance(value, dict):
         return {key: _plain(each) for key, each in value.items()}
     if isinstance(value, np.ndarray | list | tuple):

@@ -1,7 +1,7 @@
-"""A study of an article: its readings, each a folder of scene files, solved case by case and put into numbers.
+"""The study of an article: readings as folders of scene files, solved case by case and put into numbers.
 
-A reading is one way to understand what the article leaves open; a variation changes what it states; a twin is the scene of a
-reading without hardness. Depends on solve and sound; knows nothing of claims or figures.
+A reading settles the article's open points in one way. A variation changes one of its statements. A
+twin is the scene of a reading without hardness.
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from acoustics import level, uncertainty
 from acoustics import plots as sound_plots
-from acoustics import uncertainty
+from acoustics.bands import third_octave_mean_square
 from acoustics.level import I_REF_W_M2
-from acoustics.spectrum import article_line_level_db
+from acoustics.spectrum import article_line_level_db, line_spectrum
 from acoustics.weighting import a_weighting_db
 from rolling.contact import closed_forms
 from rolling.folders import files as run_folder
@@ -32,16 +33,21 @@ from rolling.simulation import batch
 from rolling.simulation.batch import Run
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
-from rolling.sound import contact_sound
+from rolling.sound import ContactSound, contact_sound
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Part:
-    """What of a study is solved: all of it, or so many surfaces, these of its loads, a shorter track in longer steps.
+    """The part of a study to be solved: all of it, or fewer cases on a shorter track with longer steps.
 
-    strides : steps are so many times as long.
+    Parameters
+    ----------
+    seeds : int or None. Number of surfaces. Default: None, for all.
+    loads : tuple of float or None, N. Loads of readings with several. Default: None, for all.
+    duration_s : float or None, s. Duration of rolling. Default: None, as in the scene files.
+    strides : int. Factor on the length of a step. Default: 1.
     """
 
     seeds: int | None = None
@@ -51,10 +57,10 @@ class Part:
 
 
 WHOLE = Part()
-# The widest contact, of two bodies at Ra 5 um and 100 N, reaches over 1.29 mm: the track must be longer.
+# The widest contact is 1.29 mm long, with two bodies at Ra 5 um and 100 N. The track must be longer.
 QUICK = Part(seeds=1, loads=(5, 20, 100), duration_s=0.015, strides=3)
 
-# What the article states of the bodies (section 3): a rigid sphere of 10 mm diameter on steel.
+# The bodies of the article (section 3): a rigid sphere of 10 mm diameter on steel.
 STATED_RADIUS_MM, STATED_MODULUS_GPA, STATED_POISSON = 5.0, 210.0, 0.3
 
 
@@ -62,17 +68,25 @@ STATED_RADIUS_MM, STATED_MODULUS_GPA, STATED_POISSON = 5.0, 210.0, 0.3
 class Case:
     """One surface under one load in one reading, in numbers.
 
-    hardness_gpa : None: purely elastic, a twin.  bodies : what a case and its twin have in common, in words.
-    plastic_ratio, contact_ratio : mean plastic and contact area over the Hertz area.
-    max_pressure : greatest along the track [Pa].
-    deflection : mean over the track of the greatest deflection at each position [m]; NaN in results of earlier versions.
-    laeq_db : of the sound, energy-true [dB re 20 uPa].
-    laeq_uncertainty_db, weighted_uncertainty_db : standard uncertainty from the length of the record [dB] of laeq_db and of
-    20 lg of a_weighted_w; NaN without sound.
-    line_hz, line_db : the article's A-weighted line spectrum [dB re 1e-12 W/m2], means over 1/12 octave.
-    maximum_db : its greatest line.  maximum_20_db : with 20 lg of the release, which doubles the levels but not their weighting.
-    band_w : rms of the release power's fluctuation in each third octave [W] (31,), NaN where there is none.
-    a_weighted_w : A-weighted rms of the fluctuation within hearing [W].
+    Parameters
+    ----------
+    hardness_gpa : float or None, GPa. None for a purely elastic plate, as in a twin.
+    bodies : str. The settings that a case shares with its twin, in words.
+    plastic_ratio, contact_ratio : float. Mean plastic and contact area over the Hertz area.
+    max_pressure : float, Pa. Maximum along the track.
+    deflection : float, m. Mean over the track of the maximum deflection at each position. NaN in
+        results of earlier versions.
+    laeq_db : float or None, dB re 20 uPa. LAeq of the sound, energy-true.
+    laeq_uncertainty_db, weighted_uncertainty_db : float, dB. Standard uncertainty of laeq_db and of
+        20 lg of a_weighted_w, from the length of the record. NaN without sound.
+    line_hz, line_db : arrays, Hz and dB re 1e-12 W/m2. The article's A-weighted line spectrum,
+        means over 1/12 octave.
+    maximum_db : float, dB. Its maximum.
+    maximum_20_db : float, dB. Its maximum with 20 lg of the release, which doubles levels but not
+        their weighting.
+    band_w : array (31,), W. Rms of the release power's fluctuation in each third octave. NaN where
+        there is none.
+    a_weighted_w : float, W. A-weighted rms of the fluctuation within hearing.
     """
 
     reading: str
@@ -100,25 +114,26 @@ class Case:
 
 
 def scenes(folder: Path, part: Part = WHOLE) -> list[Scene]:
-    """The scenes of a reading: of all its files, in the order of roughness, load and seed, as much as the part takes.
+    """Read the scenes of a reading from all its files, in the order of roughness, load and seed.
 
     Raises
     ------
-    FolderError : no scene files there. SceneError : one that cannot be used.
+    FolderError : the folder holds no scene files.
+    SceneError : a scene cannot be used.
     """
     files = sorted(folder.glob("*.yaml"))
     if not files:
         raise run_folder.FolderError(f"{folder}: no scene files of a reading")
-    found = [scene for file in files for _, scene in _load(file, part).runs()]
-    loads = {scene.load for scene in found}
+    swept = [scene for file in files for _, scene in _load(file, part).runs()]
+    loads = {scene.load for scene in swept}
     if part.loads is not None and len(loads) > 1:
         loads &= {*part.loads}
     seeds = part.seeds or math.inf
-    return sorted((one for one in found if one.load in loads and varied(one)[2] <= seeds), key=varied)
+    return sorted((scene for scene in swept if scene.load in loads and varied(scene)[2] <= seeds), key=varied)
 
 
 def description(folder: Path) -> str:
-    """What a reading takes for granted: the comment that its first scene file begins with; empty without one."""
+    """Return the assumptions of a reading: the first line of its first scene file if it is a comment."""
     with sorted(folder.glob("*.yaml"))[0].open(encoding="utf-8") as file:
         line = file.readline()
     return line.strip("# \n") if line.startswith("#") else ""
@@ -129,22 +144,24 @@ def departures(scenes: Sequence[Scene]) -> list[str]:
 
     A twin, which has no hardness, differs by that.
     """
-    found = []
+    differences = []
     for scene in scenes:
         sphere, plate = scene.sphere, scene.plate
         if sphere.radius_mm != STATED_RADIUS_MM:
-            found.append(f"a radius of {sphere.radius_mm:g} mm (stated: a diameter of {2 * STATED_RADIUS_MM:g} mm)")
+            differences.append(
+                f"a radius of {sphere.radius_mm:g} mm (stated: a diameter of {2 * STATED_RADIUS_MM:g} mm)"
+            )
         if sphere.youngs_modulus_gpa is not None:
-            found.append("an elastic sphere (stated: a rigid one)")
+            differences.append("an elastic sphere (stated: a rigid one)")
         if (plate.youngs_modulus_gpa, plate.poissons_ratio) != (STATED_MODULUS_GPA, STATED_POISSON):
-            found.append(f"a plate of {plate.youngs_modulus_gpa:g} GPa (stated: {STATED_MODULUS_GPA:g} GPa)")
+            differences.append(f"a plate of {plate.youngs_modulus_gpa:g} GPa (stated: {STATED_MODULUS_GPA:g} GPa)")
         if plate.hardness_gpa is None:
-            found.append("no hardness (stated: 2.1 GPa)")
-    return list(dict.fromkeys(found))
+            differences.append("no hardness (stated: 2.1 GPa)")
+    return list(dict.fromkeys(differences))
 
 
 def _bodies(scene: Scene) -> str:
-    """Name everything that a case has in common with its twin without hardness, apart from what a study varies."""
+    """Name all settings that a case shares with its twin without hardness, except those that a study varies."""
     surface, numerics = scene.surface, scene.numerics
     assert isinstance(surface, Gaussian)
     return (
@@ -154,6 +171,7 @@ def _bodies(scene: Scene) -> str:
 
 
 def _load(file: Path, part: Part) -> Scene:
+    """Load a scene file with the shorter track and the longer steps of a part."""
     scene = scene_file.read_scene(file)
     overrides = [] if part.duration_s is None else [f"rolling.duration_s={part.duration_s}"]
     if part.strides > 1:
@@ -162,57 +180,60 @@ def _load(file: Path, part: Part) -> Scene:
 
 
 def varied(scene: Scene) -> tuple[float, float, int, float]:
-    """What a study varies: Ra [um], load [N], seed, correlation length [um]."""
-    s = scene.surface
-    assert isinstance(s, Gaussian)
-    return s.roughness_ra_um, scene.load, s.seed, s.correlation_length_um
+    """Return the values that a study varies: Ra [um], load [N], seed, correlation length [um]."""
+    surface = scene.surface
+    assert isinstance(surface, Gaussian)
+    return surface.roughness_ra_um, scene.load, surface.seed, surface.correlation_length_um
 
 
 def runs(folder: Path, scenes: Sequence[Scene]) -> list[Run]:
-    """The scenes as runs, each with a folder of its own below `folder`, named after what the study varies."""
-    found = []
+    """Make a run of each scene, in a folder below `folder` with the varied values in its name."""
+    swept = []
     for scene in scenes:
         roughness, load, seed, length = varied(scene)
         values = {"surface.roughness_ra_um": roughness, "rolling.load_n": load, "surface.seed": seed}
         values["surface.correlation_length_um"] = length
-        found.append((values, scene))
-    names = run_names([values for values, _ in found])
-    return [Run(values, scene, folder / name) for (values, scene), name in zip(found, names, strict=True)]
+        swept.append((values, scene))
+    names = run_names([values for values, _ in swept])
+    return [Run(values, scene, folder / name) for (values, scene), name in zip(swept, names, strict=True)]
 
 
 def open_results(runs: Sequence[Run]) -> list[Result]:
-    """What is there of the runs already; a folder is made for each.
+    """Open the stored results of all runs, and make a folder for each.
 
     Raises
     ------
-    FolderError : a folder holds another scene's result, which would be lost.
+    FolderError : a folder holds the result of another scene, which would be lost.
     """
-    texts = [scene_file.dump(one.scene) for one in runs]
-    for one, text in zip(runs, texts, strict=True):
-        said = one.folder / "resolved.yaml"
-        if said.is_file() and said.read_text(encoding="utf-8") != text and not _same(said, one.scene):
+    texts = [scene_file.dump(run.scene) for run in runs]
+    for run, text in zip(runs, texts, strict=True):
+        resolved = run.folder / "resolved.yaml"
+        if resolved.is_file() and resolved.read_text(encoding="utf-8") != text and not _same(resolved, run.scene):
             raise run_folder.FolderError(
-                f"{one.folder}: holds a case that was made with other settings; take another --out"
+                f"{run.folder}: holds a case that was made with other settings; take another --out"
             )
     results = []
-    for one, text in zip(runs, texts, strict=True):
-        one.folder.mkdir(parents=True, exist_ok=True)
-        if run_record.read(one.folder) is None:
-            run_record.write(one.folder, run_record.new("run", adopted=(one.folder / batch.RESULT).is_file()))
-        run_folder.write_bytes(one.folder / "resolved.yaml", text.encode())
-        results.append(batch.stored(one) or Result.empty(one.scene.track, one.scene.start))
+    for run, text in zip(runs, texts, strict=True):
+        run.folder.mkdir(parents=True, exist_ok=True)
+        if run_record.read(run.folder) is None:
+            run_record.write(run.folder, run_record.new("run", adopted=(run.folder / batch.RESULT).is_file()))
+        run_folder.write_bytes(run.folder / "resolved.yaml", text.encode())
+        results.append(batch.stored(run) or Result.empty(run.scene.track, run.scene.start))
     return results
 
 
-def _same(said: Path, scene: Scene) -> bool:
-    """Whether a resolved scene file of an earlier version says the same: keys that it lacks count with their defaults."""
+def _same(resolved: Path, scene: Scene) -> bool:
+    """Return whether a resolved scene file of an earlier version means the same scene.
+
+    Keys that it lacks count with their defaults.
+    """
     try:
-        before = scene_file.read_scene(said)
+        before = scene_file.read_scene(resolved)
     except SceneError:
         return False
 
-    def physics(one: Scene) -> dict[str, Any]:
-        return {key: value for key, value in one.to_dict().items() if key not in ("name", "title", "description")}
+    def physics(scene: Scene) -> dict[str, Any]:
+        return {key: value for key, value in scene.to_dict().items() if key not in ("name", "title", "description")}
 
     return physics(before) == physics(scene)
 
@@ -224,34 +245,26 @@ def solve_all(
     name: str,
     begun: Callable[[Run], object] = lambda run: None,
 ) -> Outcome:
-    """Solve what is missing, on all cores; nobody looks at the maps of hundreds of cases."""
+    """Solve all missing cases on all cores, without pressure maps."""
     return batch.solve(runs, results, workers, name, mapped=False, begun=begun)
 
 
-def case(reading: str, one: Run, result: Result) -> Case:
-    """A solved run in numbers."""
-    scene, way = one.scene, one.scene.track
+def case(reading: str, run: Run, result: Result) -> Case:
+    """Put a solved run into numbers."""
+    scene, rolled = run.scene, run.scene.track
     roughness, load, seed, length = varied(scene)
     energy = result.whole("release_energy")
-    sound = contact_sound(scene, energy, result.step, way.closed, result.solved_steps)
+    sound = contact_sound(scene, energy, result.step, rolled.closed, result.solved_steps)
     hertz = math.pi * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
     rate = len(sound.power) / sound.duration
     line_hz, line_db = article_line_level_db(sound.power, rate, scene.sound.distance_m, scene.sound.q)
     lines = sound_plots.Lines.audible(line_hz, line_db)
     mean_hz, mean_db = lines.mean
     weighting = a_weighting_db(lines.frequency_hz)
-    # Sound pressure is linear in the fluctuation: back from its levels to watts.
-    watts = 4 * math.pi * scene.sound.distance_m**2 / scene.sound.q
-
+    band_w, a_weighted_w = _fluctuation(scene, sound)
     unfactored = uncertainty.level_uncertainty(
         sound.pressure, sound.sample_rate, sound.levels, own_factor=False, laps=result.steps / result.solved_steps
     )
-
-    def fluctuation(level_db: float | None) -> float:
-        return (
-            math.nan if level_db is None or not sound.factor else 20e-6 * 10 ** (level_db / 20) / sound.factor * watts
-        )
-
     return Case(
         reading=reading,
         roughness_um=roughness,
@@ -260,7 +273,7 @@ def case(reading: str, one: Run, result: Result) -> Case:
         correlation_um=length,
         hardness_gpa=scene.plate.hardness_gpa,
         bodies=_bodies(scene),
-        nodes_across=way.n_across,
+        nodes_across=rolled.n_across,
         duration_s=sound.duration,
         plastic_ratio=float(result.whole("plastic_area").mean()) / hertz,
         contact_ratio=float(result.whole("contact_area").mean()) / hertz,
@@ -273,20 +286,36 @@ def case(reading: str, one: Run, result: Result) -> Case:
         maximum_20_db=float((2 * (lines.level_db - weighting) + weighting).max()),
         line_hz=mean_hz,
         line_db=mean_db,
-        band_w=np.array([fluctuation(level) for level in sound.levels.third_octave_db.values()]),
-        a_weighted_w=fluctuation(sound.levels.laeq_db),
+        band_w=band_w,
+        a_weighted_w=a_weighted_w,
     )
 
 
+def _fluctuation(scene: Scene, sound: ContactSound) -> tuple[Array, float]:
+    """Compute the rms [W] of the release power's fluctuation in each third octave (31,), and A-weighted.
+
+    Sound pressure is linear in the fluctuation of the intensity, and so in the fluctuation of the
+    power. Both results are NaN where the sound has no level.
+    """
+    levels = sound.levels
+    if not sound.factor or levels.laeq_db is None:
+        return np.full(len(levels.third_octave_db), np.nan), math.nan
+    watts = sound.pressure / sound.factor * (4 * math.pi * scene.sound.distance_m**2 / scene.sound.q)
+    band_rms = np.sqrt(third_octave_mean_square(*line_spectrum(watts, sound.sample_rate)))
+    known = [level_db is not None for level_db in levels.third_octave_db.values()]
+    return np.where(known, band_rms, np.nan), level.a_weighted_rms(watts, sound.sample_rate)
+
+
 def _number(value: float | None) -> float:
+    """Replace None by NaN."""
     return math.nan if value is None else value
 
 
 def power_level_db(power: Array | float, factor: int, distance_m: float = 1.0) -> Array:
-    """Level of a release power [W] at a distance: factor lg(P / (4 pi r^2 I_ref)), factor 10 as the article's equation, or 20.
+    """Compute the level of a release power [W] at a distance: factor lg(P / (4 pi r^2 I_ref)).
 
-    20 lg takes the power for an amplitude: its differences between cases are twice those
-    of 10 lg, its absolute value means nothing.
+    The factor is 10 as in the article's equation, or 20. 20 lg takes the power for an amplitude:
+    its differences between cases are twice those with 10 lg, and its absolute value means nothing.
     """
     ratio = np.asarray(power, dtype=float) / (4 * math.pi * distance_m**2 * I_REF_W_M2)
     with np.errstate(divide="ignore"):

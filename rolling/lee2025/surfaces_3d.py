@@ -1,6 +1,6 @@
-"""Figures in three dimensions: surfaces (Fig. 1), contact pressure (Fig. 5) and deflection (Fig. 6) of a reading.
+"""Figures in three dimensions: surfaces (Fig. 1), contact pressure (Fig. 5) and deflection (Fig. 6).
 
-Depends on readings and frame. All readings are drawn on the same axes.
+All readings are drawn on the same axes.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from rolling.lee2025.figure_layout import Place, finish, panel_title
 Array = NDArray[np.float64]
 Sheet = tuple[Array, Array, Array]  # positions along (m,) and across (n,) and values (m, n), as drawn
 
-_CELLS = 100  # along a side, at most: more are hardly told apart
+_CELLS = 100  # along a side, at most: more can hardly be distinguished
 
 
 def surfaces(reading: Reading, on: Scales) -> Picture:
-    """Fig. 1: the two roughest surfaces."""
+    """Draw Fig. 1: the two roughest surfaces."""
     shown = [ra for ra in on.roughnesses if ra in reading.patches][-2:]
     sheets = []
     nodes: set[int] = set()
@@ -45,24 +45,24 @@ def surfaces(reading: Reading, on: Scales) -> Picture:
 
 
 def contact_pressure(reading: Reading, on: Scales) -> Picture:
-    """Fig. 5: pressure [GPa] under the least and the greatest load."""
+    """Draw Fig. 5: pressure [GPa] under the lowest and the highest load."""
     reach = on.reach_um * 1e-6
 
     def sheet(contact: Contact) -> Sheet:
         inside = _within(contact, reach)
         every = _stride(inside.pressure)
-        greatest = _blocks(inside.pressure, every)
-        return inside.along[::every] * 1e6, inside.across[::every] * 1e6, greatest * 1e-9
+        maxima = _blocks(inside.pressure, every)
+        return inside.along[::every] * 1e6, inside.across[::every] * 1e6, maxima * 1e-9
 
     look = _Look("pressure [GPa]", (0.0, on.pressure_gpa), "magma", (-on.reach_um, on.reach_um))
     return _contacts(
-        "fig5_contact_pressure", "Contact pressure", "a facet shows its greatest node", reading, on, sheet, look,
-        lambda contact: f"greatest {contact.pressure.max() * 1e-9:.2f} GPa",
+        "fig5_contact_pressure", "Contact pressure", "a facet shows its maximum", reading, on, sheet, look,
+        lambda contact: f"maximum {contact.pressure.max() * 1e-9:.2f} GPa",
     )  # fmt: skip
 
 
 def deflection(reading: Reading, on: Scales) -> Picture:
-    """Fig. 6: deflection of the plate [um], downwards, under the least and the greatest load."""
+    """Draw Fig. 6: deflection of the plate [um], downwards, under the lowest and the highest load."""
     reach = on.reach_um * 1e-6
 
     def sheet(contact: Contact) -> Sheet:
@@ -71,14 +71,22 @@ def deflection(reading: Reading, on: Scales) -> Picture:
 
     look = _Look("deflection [µm]", (on.deflection_um, 0.0), "viridis", (-on.reach_um, on.reach_um))
     return _contacts(
-        "fig6_deflection", "Deflection of the plate", "downwards; of the part that was solved, thinned", reading, on, sheet, look,
-        lambda contact: f"greatest {contact.deflection.max() * 1e6:.2f} µm",
+        "fig6_deflection", "Deflection of the plate", "downwards; the solved part, thinned", reading, on, sheet, look,
+        lambda contact: f"maximum {contact.deflection.max() * 1e6:.2f} µm",
     )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Look:
-    """Of sheets in three dimensions: label, limits (bottom, top) and colours of their heights, limits of both sides [um]."""
+    """The look of sheets in three dimensions.
+
+    Parameters
+    ----------
+    label, along_label : str. Labels of the vertical axis and of the axis along the track.
+    limits : pair of float. Bottom and top of the vertical axis, in the unit of its label.
+    colours : str. Name of the colour map.
+    sides : pair of float, um. Limits of both horizontal axes.
+    """
 
     label: str
     limits: tuple[float, float]
@@ -97,7 +105,16 @@ def _contacts(
     look: _Look,
     number: Callable[[Contact], str],
 ) -> Picture:
-    """A row for each roughness of which there is a contact, a column for each of the two loads."""
+    """Draw a row for each roughness with a contact, and a column for each of the two loads.
+
+    Parameters
+    ----------
+    name, title, fact : str. File name without suffix, title, and a fact for the note.
+    reading, on : Reading and Scales. The data and the common axes.
+    sheet : function. Makes the drawn sheet of a contact.
+    look : _Look. Look of the sheets.
+    number : function. Writes the maximum of a contact.
+    """
     shown = [ra for ra in on.roughnesses if any((ra, load) in reading.contacts for load in on.ends)]
     sheets: list[tuple[str, Sheet | None]] = []
     for ra in shown:
@@ -122,7 +139,17 @@ def _sheets(
     look: _Look,
     tall: float,
 ) -> Picture:
-    """Sheets in three dimensions, two to a row."""
+    """Draw sheets in three dimensions, two in a row.
+
+    Parameters
+    ----------
+    name, title, note : str. File name without suffix, title and note.
+    reading, shown : Reading and sequence of float, um. The data, and the roughnesses that are
+        shown.
+    sheets : sequence of (heading, sheet). A sheet is None where the contact was not solved.
+    look : _Look. Look of the sheets.
+    tall : float, inches. Height of a row.
+    """
     figure = blank()
     rows = -(-len(sheets) // 2)
     wide = (WIDTH_IN - 2 * SIDE_IN) / 2
@@ -136,61 +163,68 @@ def _sheets(
         if sheet is None:
             ax.set_axis_off()
             continue
-        along, across, values = sheet
-        grid = np.meshgrid(along, across, indexing="ij")
-        drawn = ax.plot_surface(
-            *grid,
-            values,
-            rcount=len(along),
-            ccount=len(across),
-            cmap=matplotlib.colormaps[look.colours],
-            vmin=min(look.limits),
-            vmax=max(look.limits),
-            linewidth=0.0,
-            antialiased=False,
-        )
-        drawn.set_rasterized(True)  # thousands of facets: as an image a tenth of the size
-        ax.set_xlim(look.sides)
-        ax.set_ylim(look.sides)
-        ax.set_zlim(look.limits)
-        ax.set_box_aspect((1.0, 1.0, 0.55), zoom=1.12)
-        ax.view_init(elev=28, azim=-58)
-        ax.tick_params(labelsize=7, pad=0)
-        for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
-            axis.set_major_locator(MaxNLocator(5))
-        for set_label, text in (
-            (ax.set_xlabel, look.along_label),
-            (ax.set_ylabel, "across [µm]"),
-            (ax.set_zlabel, look.label),
-        ):
-            set_label(text, fontsize=8, labelpad=0)
+        _draw(ax, sheet, look)
     return finish(name, title, note, reading, shown, places, {})
 
 
+def _draw(ax: Axes3D, sheet: Sheet, look: _Look) -> None:
+    """Draw one sheet on its axes."""
+    along, across, values = sheet
+    grid = np.meshgrid(along, across, indexing="ij")
+    drawn = ax.plot_surface(
+        *grid,
+        values,
+        rcount=len(along),
+        ccount=len(across),
+        cmap=matplotlib.colormaps[look.colours],
+        vmin=min(look.limits),
+        vmax=max(look.limits),
+        linewidth=0.0,
+        antialiased=False,
+    )
+    drawn.set_rasterized(True)  # thousands of facets: as an image a tenth of the size
+    ax.set_xlim(look.sides)
+    ax.set_ylim(look.sides)
+    ax.set_zlim(look.limits)
+    ax.set_box_aspect((1.0, 1.0, 0.55), zoom=1.12)
+    ax.view_init(elev=28, azim=-58)
+    ax.tick_params(labelsize=7, pad=0)
+    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+        axis.set_major_locator(MaxNLocator(5))
+    for set_label, text in (
+        (ax.set_xlabel, look.along_label),
+        (ax.set_ylabel, "across [µm]"),
+        (ax.set_zlabel, look.label),
+    ):
+        set_label(text, fontsize=8, labelpad=0)
+
+
 def _within(contact: Contact, reach: float) -> Contact:
-    """The part of a contact no farther than `reach` [m] from below the sphere."""
+    """Return the part of a contact within `reach` [m] of the sphere."""
     rows, columns = np.abs(contact.along) <= reach, np.abs(contact.across) <= reach
     part = np.ix_(rows, columns)
     return Contact(contact.along[rows], contact.across[columns], contact.pressure[part], contact.deflection[part])
 
 
 def _stride(values: Array) -> int:
+    """Return the number of nodes per drawn cell along a side."""
     return -(-max(values.shape) // _CELLS)
 
 
 def _thinned(along: Array, across: Array, values: Array) -> Sheet:
-    """Of positions along (m,) and across (n,) and values (m, n) as many as are drawn."""
+    """Return a thinned set of positions along (m,) and across (n,) with its values."""
     every = _stride(values)
     return along[::every], across[::every], values[::every, ::every]
 
 
 def _blocks(values: Array, every: int) -> Array:
-    """The greatest in each block of so many nodes a side."""
+    """Return the maximum in each square block of nodes."""
     rows, columns = (-(-count // every) for count in values.shape)
     whole = np.zeros((rows * every, columns * every))
     whole[: values.shape[0], : values.shape[1]] = values
     return whole.reshape(rows, every, columns, every).max(axis=(1, 3))
 
 
-def _drawn(nodes: set[int], every: str, what: str) -> str:
-    return f"drawn: {every} {' or '.join(map(str, sorted(nodes)))} {what}" if nodes != {1} else "drawn: all nodes"
+def _drawn(nodes: set[int], every: str, noun: str) -> str:
+    """Write how many of the nodes are drawn."""
+    return f"drawn: {every} {' or '.join(map(str, sorted(nodes)))} {noun}" if nodes != {1} else "drawn: all nodes"

@@ -1,6 +1,7 @@
-"""What yielding does, judged by pairs: a case and its twin, the same scene without hardness. Depends on measures and verdicts.
+"""Criteria for the effect of yielding: a case is compared with its twin, the same scene without hardness.
 
-Both roll over the same surface, so the uncertainty from the record's length, which takes them for independent, is an upper bound.
+Both roll over the same surface. The uncertainty from the record's length takes them for
+independent, so it is an upper bound.
 """
 
 from __future__ import annotations
@@ -12,19 +13,21 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ, band_uncertainty_db, reliable
 from rolling.lee2025.checks import GRID, NOT_RUN, Check, Finding, concluded, doubt
-from rolling.lee2025.criteria import newton, ra
-from rolling.lee2025.measures import AUDIBLE, Cases, Measure
+from rolling.lee2025.measures import AUDIBLE, Cases, Measure, newton, ra
 from rolling.lee2025.study import Case
 
-HIGHEST_BAND_HZ = 4500.0  # third octaves up to 4 kHz: above, a grid of 2 um reads too high where the plate yields
-LEAST_SHARE = 1 / 3  # of the third octaves; one in twenty differs by more than twice its uncertainty by chance
+HIGHEST_BAND_HZ = 4500.0  # third octaves up to 4 kHz: a grid of 2 um reads too high above it where the plate yields
+LEAST_SHARE = 1 / 3  # share of the third octaves; by chance one in twenty differs by more than twice its uncertainty
 NO_TWIN = "no twin without hardness was run of it"
 
 Pair = tuple[Case, Case]
 
 
 def influences(study: Cases) -> Finding:
-    """The sound with and without yielding differs: LAeq, or a third of the third octaves; a part for each roughness and load."""
+    """Judge whether yielding alters the sound: LAeq, or a third of the third octaves.
+
+    Each roughness and load is a part.
+    """
     checks = []
     for roughness, load, pairs in _pairs(study):
         step, error = _audible_step(study, pairs)
@@ -40,35 +43,38 @@ def influences(study: Cases) -> Finding:
 
         nominal, strict = differs(0.0, 0.0), differs(grid_db, grid_band_db)
         count = int(np.count_nonzero(np.abs(off) > 2 * uncertain))
-        told = f"{AUDIBLE.told(step, '+')} ± {error:.1f} dB"
+        text = f"{AUDIBLE.text(step, '+')} ± {error:.1f} dB"
         if bands:
-            told += f", {count} of {len(bands)} third octaves ({bands[0]} to {bands[-1]} Hz)"
+            text += f", {count} of {len(bands)} third octaves ({bands[0]} to {bands[-1]} Hz)"
         numbers = {
             "level": step,
             "uncertainty": error,
             "third octaves": dict(zip(bands, (float(value) for value in off), strict=True)),
         }
         place = f"{ra(roughness)}, {newton(load)}"
-        checks.append(Check(place, nominal, told, numbers, unsure=GRID if nominal != strict else ""))
+        checks.append(Check(place, nominal, text, numbers, unsure=GRID if nominal != strict else ""))
     return concluded(checks) if checks else Finding(NOT_RUN, NO_TWIN)
 
 
 def louder(study: Cases) -> Finding:
-    """Yielding makes it louder by more than twice the uncertainty; a part for each roughness and load."""
+    """Judge whether yielding makes the sound louder by more than twice the uncertainty.
+
+    Each roughness and load is a part.
+    """
     checks = []
     for roughness, load, pairs in _pairs(study):
         step, error = _audible_step(study, pairs)
         grid = _reach(study, roughness, load) * study.factor / 10
         holds = step > 2 * error
-        told = f"{AUDIBLE.told(step, '+')} ± {error:.1f} dB"
+        text = f"{AUDIBLE.text(step, '+')} ± {error:.1f} dB"
         place = f"{ra(roughness)}, {newton(load)}"
         unsure = doubt(step - 2 * error, lambda beyond: beyond > 0, (-grid, grid), 0.0)
-        checks.append(Check(place, holds, told, step, unsure=unsure))
+        checks.append(Check(place, holds, text, step, unsure=unsure))
     return concluded(checks) if checks else Finding(NOT_RUN, NO_TWIN)
 
 
 def less(study: Cases, measure: Measure) -> Finding:
-    """Yielding lowers it on every surface; a part for each roughness and load."""
+    """Judge whether yielding lowers a measure on every surface; each roughness and load is a part."""
     checks = []
     for roughness, load, pairs in _pairs(study):
         values = [(measure.of(case, study.factor), measure.of(twin, study.factor)) for case, twin in pairs]
@@ -78,22 +84,22 @@ def less(study: Cases, measure: Measure) -> Finding:
             checks.append(Check(place, None))
             continue
         a, b = np.mean(known, axis=0)
-        told = f"{measure.told(float(a))} instead of {measure.told(float(b))} {measure.unit}"
-        checks.append(Check(place, all(a < b for a, b in known), told, float(a / b)))
+        text = f"{measure.text(float(a))} instead of {measure.text(float(b))} {measure.unit}"
+        checks.append(Check(place, all(a < b for a, b in known), text, float(a / b)))
     return concluded(checks) if checks else Finding(NOT_RUN, NO_TWIN)
 
 
 def _pairs(study: Cases) -> Iterator[tuple[float, float, list[Pair]]]:
-    """Yield roughness, load, and all cases there with their twins."""
+    """Yield each roughness and load with all its cases that have a twin."""
     for roughness in study.roughnesses:
         for load in study.loads:
             pairs = [(case, twin) for case in study.at(roughness, load) if (twin := study.twin(case))]
-            if pairs and all(math.isfinite(AUDIBLE.of(one, study.factor)) for pair in pairs for one in pair):
+            if pairs and all(math.isfinite(AUDIBLE.of(case, study.factor)) for pair in pairs for case in pair):
                 yield roughness, load, pairs
 
 
 def _audible_step(study: Cases, pairs: Sequence[Pair]) -> tuple[float, float]:
-    """Return the mean level with yielding less that without [dB], and its standard uncertainty."""
+    """Return the mean level with yielding minus the level without [dB], and its standard uncertainty."""
 
     def uncertainty(case: Case) -> float:
         return case.laeq_uncertainty_db if study.factor == 10 else case.weighted_uncertainty_db * study.factor / 20
@@ -104,7 +110,7 @@ def _audible_step(study: Cases, pairs: Sequence[Pair]) -> tuple[float, float]:
 
 
 def _band_steps(study: Cases, pairs: Sequence[Pair]) -> tuple[list[str], np.ndarray, np.ndarray]:
-    """Return names, mean differences [dB] and their uncertainties of the third octaves that all records are long enough for."""
+    """Return names, mean differences [dB] and uncertainties of the third octaves that all records resolve."""
     duration = min(case.duration_s for case, _ in pairs)
     there = reliable(duration) & (MID_HZ < HIGHEST_BAND_HZ)
     ratios = np.array([case.band_w / twin.band_w for case, twin in pairs])
@@ -115,5 +121,8 @@ def _band_steps(study: Cases, pairs: Sequence[Pair]) -> tuple[list[str], np.ndar
 
 
 def _reach(study: Cases, roughness: float, load: float) -> float:
-    """Return the most that the grid moves a level there [dB, 10 lg]; a twin's own error is far smaller."""
+    """Return the maximum effect of the grid on a level [dB, 10 lg].
+
+    The error of a twin is far smaller and does not count.
+    """
     return max(abs(end) for end in study.grid.change_db(AUDIBLE.grid, roughness, load))

@@ -1,6 +1,7 @@
-"""Scenes that break contact solvers: the named ones, and two generators of random ones. Depends on march's RollingContact only.
+"""Scenes that are hard for contact solvers, by name.
 
-Budgets are twice the iterations measured when a case was entered, so a slower solver is seen before it is a hanging one.
+A budget is twice the number of iterations that was measured when a case was entered, so a slower
+solver is seen before it hangs.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from rolling.surface import heights as surface
 Array = NDArray[np.float64]
 
 STEEL = 210e9 / (1 - 0.3**2)  # E* [Pa] of the plate under a rigid sphere
-CELL = 4e-12  # [m2] of a node at the spacing of 2 um that the named scenes share
+CELL = 4e-12  # [m2], a node at the spacing of 2 um that the named scenes share
 
 SOLVED, CAPACITY, WIDTH, ROOM = (
     "solved",
@@ -32,11 +33,19 @@ SOLVED, CAPACITY, WIDTH, ROOM = (
 
 @dataclass(frozen=True)
 class HardCase:
-    """A scene, why it is hard, and what has to come out.
+    """A scene, the reason why it is hard, and its right outcome.
 
-    build : gives the scene; marched from position `first` over `steps` steps, each state in `budget` iterations or fewer.
-    right : the outcomes that are right, of SOLVED, CAPACITY, WIDTH and ROOM.
-    lap : steps of one lap [1]; where above zero, later laps must equal the first within the tolerance.
+    Parameters
+    ----------
+    name, why : str. Name and reason.
+    build : function. Makes the scene.
+    budget : int. Maximum number of iterations of a state.
+    steps, first : int. Number of steps and first position of the march. Default: 3 and 0.
+    right : tuple of str. The right outcomes, from SOLVED, CAPACITY, WIDTH and ROOM. Default:
+        SOLVED.
+    lap : int. Steps of a lap. Above zero, later laps must equal the first within the tolerance.
+        Default: 0.
+    group, feature : str. Group and surface in the report. Default: "named" and empty.
     """
 
     name: str
@@ -52,12 +61,12 @@ class HardCase:
 
 
 def rough(along: int, across: int, ra: float, seed: int = 1, spacing: float = 2e-6, length: float = 10e-6) -> Array:
-    """Gaussian heights [m] of shape (along, across) with Ra and correlation length [m] as given."""
+    """Make Gaussian heights [m] of shape (along, across) with this Ra and correlation length [m]."""
     return surface.gaussian((along, across), spacing, ra, (length, length), "gaussian", seed)
 
 
 def make_track(heights: Array, **changes: Any) -> RollingContact:
-    """A steel plate under a 5 mm sphere at 5 N and 2 um spacing, one node per step, but for the changes."""
+    """Make a steel plate under a 5 mm sphere at 5 N with steps of one 2 um node, plus changes."""
     scene: dict[str, Any] = {
         "spacing": 2e-6,
         "radius": 5e-3,
@@ -72,7 +81,7 @@ def make_track(heights: Array, **changes: Any) -> RollingContact:
 
 
 def rough_track(along: int, across: int, ra: float, length: float = 10e-6, **changes: Any) -> RollingContact:
-    """A rough plate; ra 0 is smooth."""
+    """Make a rough plate; it is smooth with ra 0."""
     heights = rough(along, across, ra, length=length) if ra else np.zeros((along, across))
     return make_track(heights, **changes)
 
@@ -80,24 +89,27 @@ def rough_track(along: int, across: int, ra: float, length: float = 10e-6, **cha
 def plastic_track(
     nodes: float, ra: float = 3e-7, size: int = 40, length: float = 10e-6, **changes: Any
 ) -> RollingContact:
-    """A rough plate of low hardness under the load of so many nodes at the hardness."""
+    """Make a rough plate of low hardness under the load of so many nodes at the hardness."""
     return rough_track(size, size, ra, length, load=nodes * changes["hardness"] * CELL, **changes)
 
 
 def filled_track(share: float, ra: float) -> RollingContact:
-    """A load that is a share of all that one period of the surface can carry."""
+    """Make a plate under a share of the maximum load that one period of the surface can carry."""
     return rough_track(30, 20, ra, hardness=1e6, load=share * 1e6 * 600 * CELL)
 
 
 def stepped_track(height: float, where: tuple[Any, ...], ra: float = 1e-8, **changes: Any) -> RollingContact:
-    """A nearly smooth plate whose nodes `where`, an index, stand out by `height` [m]."""
+    """Make a nearly smooth plate on which the nodes at the index `where` stand out by `height` [m]."""
     heights = rough(60, 60, ra)
     heights[where] += height
     return make_track(heights, **changes)
 
 
 def extreme_track(load: float, radius: float, modulus: float, spacing: float, capped: bool) -> RollingContact:
-    """Roughness a tenth of Hertz's approach; capped: hardness 0.7 of Hertz's pressure."""
+    """Make a plate with a roughness of a tenth of Hertz's approach.
+
+    A capped plate has a hardness of 0.7 times Hertz's pressure.
+    """
     heights = rough(
         100, 90, 0.1 * closed_forms.hertz_approach(load, radius, modulus), spacing=spacing, length=5 * spacing
     )
@@ -108,25 +120,28 @@ def extreme_track(load: float, radius: float, modulus: float, spacing: float, ca
 
 
 def ridged_track(along: int, across: int) -> RollingContact:
-    """Ridges along the shorter side of the plate."""
+    """Make a plate with ridges along its shorter side."""
     rng = np.random.default_rng(1)
     heights = 2e-7 * rng.standard_normal((along, 1) if along < across else (1, across))
     return make_track(np.broadcast_to(heights, (along, across)).copy(), load=0.2, hardness=2.1e9)
 
 
 def rolled_track(nodes: int) -> RollingContact:
-    """A rough plate whose seam is moved along by so many nodes."""
+    """Make a rough plate whose seam is moved along by so many nodes."""
     return make_track(np.roll(rough(60, 60, 2e-7), nodes, axis=0), load=0.3, hardness=2.1e9)
 
 
 def noise_track(hardness: float) -> RollingContact:
-    """White noise of 20 um on a 2 um grid. A small sphere: a large one would touch the images as well."""
+    """Make a plate of white noise of 20 um on a 2 um grid.
+
+    The sphere is small, since a large one would touch the periodic images as well.
+    """
     heights = np.random.default_rng(5).standard_normal((60, 60)) * 2e-5
     return make_track(heights, load=0.001, radius=1e-4, hardness=hardness, tolerance=1e-7)
 
 
 def vast_track() -> RollingContact:
-    """24 mm of smooth plate so soft that contact is 11 mm wide."""
+    """Make 24 mm of smooth plate, so soft that contact is 11 mm wide."""
     return make_track(np.broadcast_to(np.zeros(1), (12000, 12000)), hardness=1e5, load=28.0)
 
 
@@ -143,11 +158,10 @@ PLATES = {"elastic": np.inf, "capped": 2.1e9}
 
 
 def _symmetric_and_plastic() -> list[HardCase]:
-    ring = "every node of a ring meets or leaves its bound at once, by symmetry"
-    trace = "heights of 1e-12 m under deflections of 4e-7 m: the symmetry is broken by nearly nothing"
-    whole = (
-        "W / (H dA) is a whole number: p is 0 or H everywhere, no node is free, the approach is free over an interval"
-    )
+    """Return cases of symmetric or fully plastic contact."""
+    ring = "by symmetry, all nodes of a ring change their bounds at once"
+    trace = "heights of 1e-12 m under deflections of 4e-7 m hardly break the symmetry"
+    whole = "W / (H dA) is a whole number: p is 0 or H everywhere, no node is free, and the approach has an interval to lie in"
     limit = "the contact area tends to W / H as E* rises: fewer and fewer nodes between the bounds"
     cases = [
         HardCase("smooth sphere", ring, partial(rough_track, 60, 61, 0.0, load=2.0), 40),
@@ -164,10 +178,11 @@ def _symmetric_and_plastic() -> list[HardCase]:
 
 
 def _refused() -> list[HardCase]:
-    beyond = "no pressure below the hardness carries it: a solver that only iterates would not end"
-    full = "99 % of the capacity fills the period to its corners, more than a window of contact can"
-    wide = "the Hertz contact is wider than the surface: its images would touch each other"
-    vast = "capacity allows it, and the contact is 11 mm wide: more than any transform there is"
+    """Return cases that the solver must refuse."""
+    beyond = "no pressure below the hardness carries the load: a solver that only iterates would not end"
+    full = "99 % of the capacity fills the period to its corners, more than a window of contact can hold"
+    wide = "the Hertz contact is wider than the surface: its periodic images would touch each other"
+    vast = "the capacity suffices, but contact is 11 mm wide: no transform is large enough"
     cases = [
         HardCase(f"load {share:g} of the capacity", beyond, partial(filled_track, share, 1e-7), 0, 0, right=(CAPACITY,))
         for share in (1.0, 1.001, 1e6)
@@ -182,11 +197,14 @@ def _refused() -> list[HardCase]:
 
 
 def _steps_in_height() -> list[HardCase]:
+    """Return cases with spikes, cliffs, trenches and steep slopes."""
     spike = "one node stands out by up to 50 spacings; its pressure swings through the whole range as the sphere passes"
     cliff = "half of the plate lies 20 um lower, through the middle of the contact: pressure is singular along the edge"
     trench = "a groove 3 nodes wide and 100 um deep splits the contact in halves that only the deflection couples"
-    outlier = "1 mm from a faulty instrument: the overlap is looked for on a disc of 6 mm, and one node carries it all"
-    dwarf = "springs turn 20 um into 1e8 times the pressures: what the subtraction leaves of the load must be put right"
+    outlier = (
+        "1 mm from a faulty instrument: the search for overlap covers a disc of 6 mm, and one node carries the load"
+    )
+    dwarf = "springs turn 20 um into 1e8 times the pressures: the load loses its digits in a difference and must be restored"
     slopes = "rms slope 14 each way: a few tips, far apart, 1e4 times their deflection high"
     cases = []
     for height, plate in (
@@ -216,9 +234,10 @@ def _steps_in_height() -> list[HardCase]:
 
 
 def _sizes() -> list[HardCase]:
-    touch = "one node carries it all: there is nothing to iterate, and its deflection is known in closed form"
-    units = "numbers of SI from 1e-12 m to 1e12 Pa: any absolute threshold in the solver shows"
-    odd = "ridges make the contact long and narrow: windows of different transforms in the two directions"
+    """Return cases of extreme sizes, units and shapes, and a contact across the seam."""
+    touch = "one node carries the load: no iteration is needed, and its deflection is known in closed form"
+    units = "SI numbers from 1e-12 m to 1e12 Pa reveal any absolute threshold in the solver"
+    odd = "ridges make the contact long and narrow: its windows differ in the two directions"
     seam = "contact lies across the seam of the periodic surface"
     cases = [HardCase("first touch", touch, partial(rough_track, 60, 60, 1e-7, load=1e-9), 10)]
     for name, numbers in EXTREMES.items():
@@ -235,8 +254,9 @@ def _sizes() -> list[HardCase]:
 
 
 def _many_bounds() -> list[HardCase]:
-    bound = "a step longer than the contact: half of the window is on the wrong bound, and hardly a node is free"
-    trace = "ten capped nodes carry all but a trace, too small for any deflection to tell, yet the load's own"
+    """Return cases in which nearly all nodes change their bounds at once."""
+    bound = "a step is longer than the contact: half of the window starts on the wrong bound, and hardly a node is free"
+    trace = "ten capped nodes carry all but a trace of the load, which no deflection shows but the load needs"
     cases = []
     for nodes, hardness, radius, step in (
         (50.5, 1e6, 5e-5, 10),
@@ -255,7 +275,7 @@ def _many_bounds() -> list[HardCase]:
 
 
 def laps(count: int) -> HardCase:
-    """So many laps of 30 steps on a tiny surface; must not gather error, however many."""
+    """Return a case of so many laps of 30 steps on a tiny surface, which must not gather error."""
     why = "a warm-started march must not gather error: each lap equals the first to its tolerance"
     build = partial(rough_track, 30, 36, 5e-8, load=0.03, hardness=2.1e9, tolerance=1e-5)
     return HardCase(f"{count} laps without drift", why, build, 40, steps=30 * count, lap=30)

@@ -1,6 +1,6 @@
-"""Success rate of the contact solver on hard cases and random scenes: each is marched, and each state judged independently.
+"""Success rate of the contact solver on hard cases and random scenes.
 
-Depends on hard_scenes, random_scenes and optimality.
+Each scene is marched, and separate code judges each state.
 """
 
 from __future__ import annotations
@@ -12,12 +12,13 @@ import warnings
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from rolling import tables
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
@@ -29,32 +30,40 @@ from rolling.verification import hard_cases, optimality
 from rolling.verification.hard_cases import CAPACITY, CASES, ROOM, SOLVED, WIDTH, HardCase
 from rolling.verification.random_cases import found_cases, random_case
 
-TIME_LIMIT = 60.0  # [s] of solving per scene: a hundred times what the slowest needs; the long march is given more
-LEDGER_ERROR = 1e-12  # of the stored energy; an identity but for rounding
-REFUSALS = {  # words of a message: what it refuses
+TIME_LIMIT = 60.0  # [s] of solving per scene, a hundred times the slowest; the long march has more
+LEDGER_ERROR = 1e-12  # share of the stored energy; the ledger is an identity except for rounding
+REFUSALS = {  # words of a message: the reason of refusal
     "more than the surface can carry": CAPACITY,
     "um wide": WIDTH,
     "there is room for": ROOM,
 }
 MUST_HOLD = (
-    "pressures between 0 and the hardness, exactly",
-    "gap zero where the pressure is between, none negative at zero pressure, none positive at the hardness: within 1.5 times"
-    " the tolerance of the largest deflection, by a convolution of its own",
-    "no contact outside the window, on all of the plate",
-    "load to 1e-12; stored energy and deflections to 1e-11 of that convolution",
-    "loading minus release equals the change of stored energy to 1e-12 of it",
-    "every number finite, no warning, iterations within the case's budget, a minute at most",
-    "laps, where there are some, equal to the first within 10 tolerances",
-    "a scene with no answer is refused with numbers; one that has an answer is not",
+    "Pressures lie between 0 and the hardness, exactly.",
+    "The gap is zero where the pressure lies between, not negative at zero pressure, and not positive at the hardness. A"
+    " convolution by separate code checks this within 1.5 times the tolerance of the largest deflection.",
+    "There is no contact outside the window, on the whole plate.",
+    "The load is right to 1e-12; stored energy and deflections agree with that convolution to 1e-11.",
+    "Loading minus release equals the change of stored energy to 1e-12 of the stored energy.",
+    "Every number is finite, there is no warning, iterations stay within the budget of the case, and the time within a minute.",
+    "Later laps equal the first within 10 tolerances.",
+    "A scene without a solution is refused with numbers; a scene with a solution is not.",
 )
 Task = HardCase | tuple[str, int]  # a case, or the generator and seed of one
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a case. `result`: SOLVED, a reason of refusal, or "failed" with what was violated.
+    """The outcome of one case.
 
-    iterations : of each state. seconds : of solving, without the judging.
+    Parameters
+    ----------
+    name, group, feature : str. Name, group and surface of the case.
+    plate : str. "capped" or "elastic".
+    result : str. SOLVED, a reason of refusal, or "failed".
+    violated : tuple of str. The violated conditions, with numbers.
+    message : str. The solver's message, empty without one.
+    iterations : tuple of int. Iterations of each state.
+    seconds : float, s. Time of solving, without judging.
     """
 
     name: str
@@ -68,10 +77,11 @@ class Outcome:
     seconds: float
 
 
-class _Judge:
-    """Marches one case and gathers what is violated, state by state, so that a march of any length can be judged."""
+class _Trial:
+    """The march of one case, judged state by state, so that a march of any length needs little memory."""
 
     def __init__(self, case: HardCase, keep: list[ContactState] | None) -> None:
+        """Start without violations; the states are appended to `keep`."""
         self.case, self.keep = case, keep
         self.violated: list[str] = []
         self.iterations: list[int] = []
@@ -80,6 +90,7 @@ class _Judge:
         self.seconds = 0.0
 
     def march(self, track: RollingContact) -> None:
+        """March the case and judge each state, each step and the laps."""
         half_space = HalfSpace(track.spacing, track.contact_modulus)
         states = march(track, self.case.first, self.case.first + self.case.steps, half_space)
         limit = TIME_LIMIT + 0.1 * self.case.steps
@@ -96,6 +107,7 @@ class _Judge:
             self._judge_laps(track.tolerance * float(old.deflection.max()) if old is not None else 0.0)
 
     def _timed(self, states: Iterator[ContactState]) -> ContactState | None:
+        """Return the next state and add its time, None after the last one."""
         began = time.perf_counter()
         try:
             return next(states, None)
@@ -103,8 +115,9 @@ class _Judge:
             self.seconds += time.perf_counter() - began
 
     def _judge_state(self, track: RollingContact, state: ContactState) -> None:
-        for found in optimality.broken(track, state):
-            self._note(state, found)
+        """Check the contact conditions and the iterations of a state."""
+        for violation in optimality.broken(track, state):
+            self._note(state, violation)
         if state.iterations > self.case.budget:
             self._note(state, f"iterations: {state.iterations}, budget {self.case.budget}")
         self.iterations.append(state.iterations)
@@ -113,6 +126,7 @@ class _Judge:
             self.keep.append(state)
 
     def _judge_step(self, old: ContactState, new: ContactState, half_space: HalfSpace) -> None:
+        """Check the energy ledger of a step."""
         energy = step_energy(old, new, half_space)
         self.releases.append(energy.release)
         largest = max(old.stored_energy, new.stored_energy)
@@ -120,7 +134,11 @@ class _Judge:
             self._note(new, f"ledger: defect {energy.defect:.3g} J of {largest:.3g} J stored")
 
     def _judge_laps(self, tolerance: float) -> None:
-        """The first position of all is solved from a cold start, the same one a lap later is not: both within the tolerance."""
+        """Compare later laps with the first, within the tolerance [m].
+
+        The first position of all starts cold and the same position a lap later starts warm; both
+        are within the tolerance.
+        """
         laps = np.array(self.approaches[:-1]).reshape(-1, self.case.lap)
         drift = float(np.abs(laps - laps[0]).max())
         if not drift <= 10 * tolerance:
@@ -129,93 +147,168 @@ class _Judge:
         if not np.ptp(released) <= 1e-3 * released.mean():
             self.violated.append(f"drift: release of a lap by {np.ptp(released) / released.mean():.3g}, allowed 0.001")
 
-    def _note(self, state: ContactState, found: str) -> None:
-        self.violated.append(f"position {state.position}: {found}")
+    def _note(self, state: ContactState, violation: str) -> None:
+        """Note a violation at the position of a state."""
+        self.violated.append(f"position {state.position}: {violation}")
 
 
 def judge(case: HardCase, keep: list[ContactState] | None = None) -> Outcome:
-    """March a case, warnings as errors, and check all that must hold; the states are appended to `keep`."""
-    judged, result, message = _Judge(case, keep), SOLVED, ""
+    """March a case with warnings as errors, and check all conditions; append the states to `keep`."""
+    trial, result, message = _Trial(case, keep), SOLVED, ""
     track = case.build()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            judged.march(track)
+            trial.march(track)
     except ContactError as error:
         message = str(error)
         result = next((reason for words, reason in REFUSALS.items() if words in message), "failed")
         if result == "failed":
-            judged.violated.append(f"unsolved: {message}")
+            trial.violated.append(f"unsolved: {message}")
         elif sum(c.isdigit() for c in message) < 3 or "nan" in message or "inf " in message:
-            judged.violated.append(f"refused without its numbers: {message}")
-    except Exception as error:  # whatever it is, the other cases go on and this one is shown
-        judged.violated.append(f"raised: {type(error).__name__}: {error}")
+            trial.violated.append(f"refused without its numbers: {message}")
+    except Exception as error:  # any error: the other cases continue and this one is shown
+        trial.violated.append(f"raised: {type(error).__name__}: {error}")
     if result not in (*case.right, "failed"):
-        judged.violated.append(f"{result}, expected: {' or '.join(case.right)} {message}".rstrip())
+        trial.violated.append(f"{result}, expected: {' or '.join(case.right)} {message}".rstrip())
     return Outcome(
         name=case.name,
         group=case.group,
         feature=case.feature,
         plate="capped" if np.isfinite(track.hardness) else "elastic",
-        result="failed" if judged.violated else result,
-        violated=tuple(judged.violated),
+        result="failed" if trial.violated else result,
+        violated=tuple(trial.violated),
         message=message,
-        iterations=tuple(judged.iterations),
-        seconds=judged.seconds,
+        iterations=tuple(trial.iterations),
+        seconds=trial.seconds,
     )
 
 
 def judge_task(task: Task) -> Outcome:
-    """Judge a case, or the random one of (generator, seed): what a worker process is sent."""
+    """Judge a case, or the random scene of a generator and a seed, in a worker process."""
     return judge(task if isinstance(task, HardCase) else random_case(*task))
 
 
-def report(
+@dataclass(frozen=True)
+class Iterations:
+    """Iterations over all states: median, 95th percentile and maximum."""
+
+    median: int = 0
+    high: int = 0
+    most: int = 0
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Counts over some outcomes, with the share of cases that held."""
+
+    scenes: int
+    solved: int
+    refused: dict[str, int]
+    failed: int
+    success_rate: float
+    states: int
+    iterations: Iterations
+    solving_seconds: float
+
+
+@dataclass(frozen=True)
+class Group:
+    """The tally of all outcomes of one group, surface and plate."""
+
+    group: str
+    surface: str
+    plate: str
+    tally: Tally
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        return {"group": self.group, "surface": self.surface, "plate": self.plate, **asdict(self.tally)}
+
+
+@dataclass(frozen=True)
+class Report:
+    """The outcomes of all cases.
+
+    Parameters
+    ----------
+    seconds : float, s. Time of the whole report.
+    total : Tally. All cases except group "found": scenes that entered the report because they failed once tell nothing
+        about the rate of failure.
+    groups : list of Group. Tallies in the order of the table.
+    cases : list of (HardCase, Outcome). The given cases.
+    failed : list of Outcome. All outcomes with a violation.
+    """
+
+    seconds: float
+    total: Tally
+    groups: list[Group]
+    cases: list[tuple[HardCase, Outcome]]
+    failed: list[Outcome]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        return {
+            "must_hold": list(MUST_HOLD),
+            "seconds": self.seconds,
+            "total": asdict(self.total),
+            "groups": [group.to_dict() for group in self.groups],
+            "cases": [
+                {
+                    "name": case.name,
+                    "why": case.why,
+                    "result": outcome.result,
+                    "most_iterations": max(outcome.iterations, default=0),
+                }
+                for case, outcome in self.cases
+            ],
+            "failures": [{"scene": outcome.name, "violated": list(outcome.violated)} for outcome in self.failed],
+        }
+
+
+def judge_all(
     cases: Sequence[HardCase],
     random: int = 2000,
     odd: int = 500,
     blended: int = 500,
     workers: int = 1,
     progress: Callable[[int], object] = lambda scenes: None,
-) -> dict[str, Any]:
-    """Judge the cases and so many random and odd scenes; plain data for JSON: groups, failures, refusals, what must hold."""
-    tasks: list[Task] = [*cases, *(("random", k) for k in range(random)), *(("odd", k) for k in range(odd))]
-    tasks += [("blended", k) for k in range(blended)]
+) -> Report:
+    """Judge the given cases and so many random, odd and blended scenes.
+
+    Parameters
+    ----------
+    cases : sequence of HardCase. Cases that are always trial.
+    random, odd, blended : int. Numbers of scenes from each generator. Default: 2000, 500, 500.
+    workers : int. Number of processes. Default: 1.
+    progress : function. It is called with 1 after each scene. Default: nothing happens.
+    """
+    tasks: list[Task] = [*cases, *(("random", seed) for seed in range(random)), *(("odd", seed) for seed in range(odd))]
+    tasks += [("blended", seed) for seed in range(blended)]
     outcomes = []
     began = time.perf_counter()
-    for outcome in _judged(tasks, workers):
+    for outcome in _outcomes(tasks, workers):
         outcomes.append(outcome)
         progress(1)
     groups: dict[tuple[str, str, str], list[Outcome]] = defaultdict(list)
-    for one in outcomes:
-        groups[one.group, one.feature, one.plate].append(one)
-    return {
-        "must_hold": list(MUST_HOLD),
-        "seconds": time.perf_counter() - began,
-        # Scenes that are here because they failed say nothing of how often one does.
-        "total": _figures([one for one in outcomes if one.group != "found"]),
-        "groups": [
-            {"group": group, "surface": feature, "plate": plate, **_figures(members)}
-            for (group, feature, plate), members in sorted(groups.items(), key=lambda item: _order(*item[0]))
-        ],
-        "cases": [
-            {
-                "name": case.name,
-                "why": case.why,
-                "result": one.result,
-                "most_iterations": max(one.iterations, default=0),
-            }
-            for case, one in zip(cases, outcomes, strict=False)
-        ],
-        "failures": [{"scene": one.name, "violated": list(one.violated)} for one in outcomes if one.violated],
-    }
+    for outcome in outcomes:
+        groups[outcome.group, outcome.feature, outcome.plate].append(outcome)
+    return Report(
+        seconds=time.perf_counter() - began,
+        total=_tally([outcome for outcome in outcomes if outcome.group != "found"]),
+        groups=[Group(*key, _tally(groups[key])) for key in sorted(groups, key=lambda key: _order(*key))],
+        cases=list(zip(cases, outcomes, strict=False)),
+        failed=[outcome for outcome in outcomes if outcome.violated],
+    )
 
 
 def _order(group: str, feature: str, plate: str) -> tuple[int, str, str]:
+    """Return the sorting key of a group in the table."""
     return ("named", "found", "random", "odd", "blended").index(group), feature, plate
 
 
-def _judged(tasks: list[Task], workers: int) -> Iterable[Outcome]:
+def _outcomes(tasks: list[Task], workers: int) -> Iterable[Outcome]:
+    """Judge all tasks in their order, in processes if there is more than one worker."""
     if workers == 1:
         yield from map(judge_task, tasks)
         return
@@ -224,66 +317,72 @@ def _judged(tasks: list[Task], workers: int) -> Iterable[Outcome]:
         yield from pool.map(judge_task, tasks, chunksize=8)
 
 
-def _figures(outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """Counts, the share that held, and iterations over all states: median, 95 %, most."""
-    results = Counter(one.result for one in outcomes)
-    iterations = [k for one in outcomes for k in one.iterations]
-    median, high, most = (int(k) for k in np.percentile(iterations, [50, 95, 100])) if iterations else (0, 0, 0)
-    return {
-        "scenes": len(outcomes),
-        "solved": results[SOLVED],
-        "refused": {reason: results[reason] for reason in (CAPACITY, WIDTH, ROOM)},
-        "failed": results["failed"],
-        "success_rate": 1 - results["failed"] / len(outcomes) if outcomes else 1.0,
-        "states": len(iterations),
-        "iterations": {"median": median, "high": high, "most": most},
-        "solving_seconds": sum(one.seconds for one in outcomes),
-    }
+def _tally(outcomes: Sequence[Outcome]) -> Tally:
+    """Count the results, the share that held, and the iterations over all states."""
+    results = Counter(outcome.result for outcome in outcomes)
+    iterations = [count for outcome in outcomes for count in outcome.iterations]
+    percentiles = (int(count) for count in np.percentile(iterations, [50, 95, 100])) if iterations else ()
+    return Tally(
+        scenes=len(outcomes),
+        solved=results[SOLVED],
+        refused={reason: results[reason] for reason in (CAPACITY, WIDTH, ROOM)},
+        failed=results["failed"],
+        success_rate=1 - results["failed"] / len(outcomes) if outcomes else 1.0,
+        states=len(iterations),
+        iterations=Iterations(*percentiles),
+        solving_seconds=sum(outcome.seconds for outcome in outcomes),
+    )
 
 
-def table(data: dict[str, Any]) -> str:
-    """The report as Markdown, aligned to be read as text too."""
-    heads = ["group", "surface", "plate", "scenes", "solved", *(f"refused: {r}" for r in data["total"]["refused"])]
-    heads += ["failed", "held %", "iterations 50 %", "95 %", "most"]
-    total = {"group": "all but found", "surface": "", "plate": "", **data["total"]}
-    lines = [heads, *(_row(group) for group in (*data["groups"], total))]
-    widths = [max(len(line[k]) for line in lines) for k in range(len(heads))]
-    aligned = [
-        [c.ljust(w) if k < 3 else c.rjust(w) for k, (c, w) in enumerate(zip(x, widths, strict=True))] for x in lines
+def table(report: Report) -> str:
+    """Write hard.md: the conditions, the tallies of all groups, and the failures."""
+    head = ["group", "surface", "plate", "scenes", "solved", *(f"refused: {reason}" for reason in report.total.refused)]
+    head += ["failed", "held %", "iterations 50 %", "95 %", "most"]
+    rows = [_cells(group) for group in (*report.groups, Group("all but found", "", "", report.total))]
+    text = ["# Hard cases", "", "Each scene must hold these conditions, or it counts as failed:", ""]
+    text += [f"- {condition}" for condition in MUST_HOLD]
+    text += ["", tables.markdown(head, rows, padded=True, right=range(3, len(head))), ""]
+    text += [
+        f"{report.total.states} states; {report.seconds:.1f} s, {report.total.solving_seconds:.1f} s of it solving.",
+        "",
     ]
-    rule = ["-" * w if k < 3 else "-" * (w - 1) + ":" for k, w in enumerate(widths)]
-    text = ["# Hard cases", "", "Must hold, or the scene counts as failed:", ""]
-    text += [f"- {condition}" for condition in data["must_hold"]]
-    text += ["", *(f"| {' | '.join(line)} |" for line in (aligned[0], rule, *aligned[1:])), ""]
-    total_seconds, solving = data["seconds"], data["total"]["solving_seconds"]
-    text += [f"{data['total']['states']} states; {total_seconds:.1f} s, {solving:.1f} s of it solving.", ""]
-    text += [f"## Failures: {len(data['failures'])}", ""]
-    for failure in data["failures"]:
-        text += [f"- {failure['scene']}: {'; '.join(failure['violated'][:3])}"]
+    text += [f"## Failures: {len(report.failed)}", ""]
+    text += [f"- {outcome.name}: {'; '.join(outcome.violated[:3])}" for outcome in report.failed]
     return "\n".join(text).rstrip() + "\n"
 
 
-def _row(group: dict[str, Any]) -> list[str]:
-    iterations = group["iterations"]
-    numbers = [group["scenes"], group["solved"], *group["refused"].values(), group["failed"]]
-    rate = f"{100 * group['success_rate']:.2f}"
-    return [group["group"], group["surface"], group["plate"], *map(str, numbers), rate, *map(str, iterations.values())]
+def _cells(group: Group) -> list[str]:
+    """Return the cells of a group's row."""
+    tally, iterations = group.tally, group.tally.iterations
+    counts = [tally.scenes, tally.solved, *tally.refused.values(), tally.failed]
+    rate = f"{100 * tally.success_rate:.2f}"
+    numbers = [*map(str, counts), rate, str(iterations.median), str(iterations.high), str(iterations.most)]
+    return [group.group, group.surface, group.plate, *numbers]
 
 
 def main_report(out: Path, random: int, workers: int = 1, long: bool = False) -> int:
-    """Judge all, print the table, write hard.json and hard.md to the folder `out`; returns 0 when nothing failed, else 1.
+    """Judge all cases, print the table, and write hard.json and hard.md.
 
-    random : scenes of random_scene, and a quarter as many odd and blended ones. long : adds the march of 1e5 steps, some minutes.
+    Parameters
+    ----------
+    out : Path. Folder of the files.
+    random : int. Number of random scenes; there are a quarter as many odd and blended ones each.
+    workers : int. Number of processes. Default: 1.
+    long : bool. If true, add the march of 1e5 steps, which takes minutes. Default: False.
+
+    Returns
+    -------
+    0 without a failure, else 1.
     """
     from tqdm import tqdm
 
     cases = [*CASES, *found_cases(), *([hard_cases.LONG] if long else [])]
     others = random // 4
     with tqdm(total=len(cases) + random + 2 * others, unit="scene", file=sys.stderr, disable=None) as bar:
-        data = report(cases, random, others, others, workers, bar.update)
-    text = table(data)
+        report = judge_all(cases, random, others, others, workers, bar.update)
+    text = table(report)
     print(text)
     out.mkdir(parents=True, exist_ok=True)
-    files.write_json(out / "hard.json", data)
+    files.write_json(out / "hard.json", report.to_dict())
     files.write_bytes(out / "hard.md", text.encode())
-    return 1 if data["failures"] else 0
+    return 1 if report.failed else 0

@@ -1,6 +1,6 @@
-"""Independent check of a contact state: its own gaps, its own convolution, its own search for contact outside the window.
+"""An independent check of a contact state: separate gaps, convolution, and search for contact outside the window.
 
-Imports the types of march and nothing that solves: it shares no code with the fast path.
+It imports the types of the march and shares no code with the solver.
 """
 
 from __future__ import annotations
@@ -17,14 +17,17 @@ from rolling.contact.state import ContactState, RollingContact
 Array = NDArray[np.float64]
 Nodes = NDArray[np.signedinteger]
 
-LOAD_ERROR = 1.001e-12  # relative; the excess is for a sum in another order than the one the solver accepts by
-ENERGY_ERROR = 1e-11  # relative, of two convolutions that round differently
-AROUND = 8  # nodes past the window that are looked at by convolution
-BLOCK = 1_000_000  # nodes looked at in one go in the search outside the window
+LOAD_ERROR = 1.001e-12  # relative; the excess allows for another order of summation than in the solver
+ENERGY_ERROR = 1e-11  # relative; the two convolutions round differently
+AROUND = 8  # nodes past the window that the convolution checks
+BLOCK = 1_000_000  # nodes per block in the search outside the window
 
 
 def love_coefficients(x: Nodes, y: Nodes) -> Array:
-    """Love's (1929) coefficients at node distances x, y [spacings], as logarithms, for pi E* = spacing = 1; they broadcast."""
+    """Compute Love's (1929) coefficients at node distances x, y [spacings], for pi E* = spacing = 1.
+
+    The logarithmic form is used; x and y broadcast.
+    """
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
     for a, b in ((0.5, 0.5), (0.5, -0.5), (-0.5, 0.5), (-0.5, -0.5)):
         s, t = x + a, y + b
@@ -38,12 +41,12 @@ def love_coefficients(x: Nodes, y: Nodes) -> Array:
 
 @lru_cache(maxsize=32)
 def _kernel(rows: int, columns: int) -> Array:
-    """Coefficients for all node distances within (rows, columns)."""
+    """Compute the coefficients for all node distances within (rows, columns)."""
     return love_coefficients(np.arange(1 - rows, rows)[:, None], np.arange(1 - columns, columns)[None, :])
 
 
 def gap_and_deflection(track: RollingContact, state: ContactState, around: int = 0) -> tuple[Array, Array, Array]:
-    """Undeformed gap [m], deflection [m] and pressure [Pa] on the window grown by `around` nodes, all computed afresh."""
+    """Compute undeformed gap [m], deflection [m] and pressure [Pa] on the window grown by `around` nodes."""
     w = state.window
     rows, columns = np.arange(-around, w.rows + around) + w.row, np.arange(-around, w.columns + around) + w.column
     p = np.pad(state.pressure, around)
@@ -53,6 +56,7 @@ def gap_and_deflection(track: RollingContact, state: ContactState, around: int =
 
 
 def _gap(track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes) -> Array:
+    """Compute the undeformed gap [m] at rows and columns."""
     along, across = track.heights.shape
     x = rows * track.spacing - (track.start + state.position * track.step)
     y = (columns - (across - 1) / 2) * track.spacing
@@ -61,12 +65,19 @@ def _gap(track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes
 
 
 def violations(track: RollingContact, state: ContactState, around: int = AROUND) -> dict[str, float]:
-    """What a solved contact must hold, as numbers.
+    """Measure the violation of each condition of a solved contact.
 
-    conditions : largest violation of the gap conditions over the largest deflection, also `around` nodes past the window.
-    lowest, above : lowest pressure, and highest pressure minus the hardness [Pa]; none may be below, above zero.
-    load : relative error of the load. energy, deflection : of what the state says of itself, relative.
-    outside : deepest negative gap [m] anywhere outside the window over the largest deflection; 0 without any.
+    Returns
+    -------
+    conditions : largest violation of the gap conditions over the largest deflection, also `around`
+        nodes past the window.
+    lowest, above : lowest pressure, and highest pressure minus the hardness [Pa]. The first must
+        not be negative, the second not positive.
+    load : relative error of the load.
+    energy, deflection, contact area : relative errors of the state's own values.
+    plastic area : error of the state's own value [nodes].
+    outside : deepest negative gap [m] anywhere outside the window over the largest deflection; 0
+        without any.
     """
     e, u, p = gap_and_deflection(track, state, around)
     gap = e + u - state.approach
@@ -77,7 +88,11 @@ def violations(track: RollingContact, state: ContactState, around: int = AROUND)
     cell = track.spacing**2
 
     def whole(nodes: NDArray[np.bool_]) -> float:
-        """Number of nodes; of blended edges, those between open ones and one at the hardness, the share of it they bear."""
+        """Count nodes.
+
+        With blended edges a node between open nodes and a node at the hardness counts with its
+        share of the hardness.
+        """
         if state.edge is None:
             return float(np.count_nonzero(nodes))
         beside_open = ndimage.binary_dilation(p <= 0, border_value=1)
@@ -100,10 +115,10 @@ def violations(track: RollingContact, state: ContactState, around: int = AROUND)
 
 
 def contact_outside(track: RollingContact, state: ContactState) -> float:
-    """Deepest penetration [m] of sphere and deflected plate outside the state's window, on all there is; 0 without any.
+    """Return the deepest penetration [m] of sphere and deflected plate outside the window; 0 without any.
 
-    Deflections are never negative, so contact needs an undeformed gap below the approach: few nodes are left to look at, and
-    their deflections are summed directly.
+    Deflections are never negative, so contact needs an undeformed gap below the approach. Few nodes
+    remain to be checked, and their deflections are summed directly.
     """
     reach = 2 * track.radius * (state.approach + float(track.heights.max()))
     if not reach > 0:
@@ -127,14 +142,14 @@ def contact_outside(track: RollingContact, state: ContactState) -> float:
 
 
 def _low_lines(track: RollingContact, state: ContactState, centre: float, nodes: float, highest: Array) -> Nodes:
-    """Rows or columns within `nodes` of the centre that hold a node with its undeformed gap below the approach, if any does."""
+    """Return rows or columns within `nodes` of the centre that may hold an undeformed gap below the approach."""
     lines = np.arange(np.floor(centre - nodes), np.ceil(centre + nodes) + 1).astype(np.int64)
     distance = (lines - centre) * track.spacing
     return lines[distance**2 / (2 * track.radius) - highest[lines % highest.size] < state.approach]
 
 
 def _deflection_at(track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes) -> Array:
-    """Deflection [m] at single nodes, one sum over the loaded nodes each."""
+    """Compute the deflection [m] at single nodes, each by one sum over the loaded nodes."""
     i, j = np.nonzero(state.pressure)
     p, i, j = state.pressure[i, j], i + state.window.row, j + state.window.column
     u = np.empty(rows.size)
@@ -144,16 +159,16 @@ def _deflection_at(track: RollingContact, state: ContactState, rows: Nodes, colu
 
 
 def broken(track: RollingContact, state: ContactState, allowance: float = 1.5) -> list[str]:
-    """What a state violates, as "what: how much"; empty for a solved contact.
+    """List the conditions that a state violates, as "name: amount"; empty for a solved contact.
 
-    The allowance is for the rounding of heights against deflection and of the two convolutions; the solver's own residual is
-    the same quantity.
+    The allowance covers the rounding of heights against deflection and of the two convolutions. The
+    solver's own residual is the same quantity.
     """
     if not all(np.isfinite(x) for x in (state.approach, state.stored_energy, state.max_pressure, state.residual)):
         return [f"finite: approach {state.approach:g} m, stored energy {state.stored_energy:g} J"]
     if not (np.isfinite(state.pressure).all() and np.isfinite(state.deflection).all()):
         return ["finite: a pressure or a deflection is not a number"]
-    got = violations(track, state)
+    measured = violations(track, state)
     rounding = 1e-15 * float(np.abs(track.heights).max()) / float(state.deflection.max()) + 1e-14
     allowed = allowance * track.tolerance + 10 * rounding
     limits = {
@@ -166,11 +181,13 @@ def broken(track: RollingContact, state: ContactState, allowance: float = 1.5) -
         "contact area": LOAD_ERROR,
         "plastic area": 1e-6,
     }
-    found = [
-        f"{name}: {got[name]:.3g}, allowed {limit:.3g}" for name, limit in limits.items() if not got[name] <= limit
+    broken_conditions = [
+        f"{name}: {measured[name]:.3g}, allowed {limit:.3g}"
+        for name, limit in limits.items()
+        if not measured[name] <= limit
     ]
-    if not got["lowest"] >= 0:
-        found.append(f"lowest: a pressure of {got['lowest']:.3g} Pa")
+    if not measured["lowest"] >= 0:
+        broken_conditions.append(f"lowest: a pressure of {measured['lowest']:.3g} Pa")
     if not state.residual <= track.tolerance:
-        found.append(f"residual: the solver's own is {state.residual:.3g}, tolerance {track.tolerance:.3g}")
-    return found
+        broken_conditions.append(f"residual: the solver's own is {state.residual:.3g}, tolerance {track.tolerance:.3g}")
+    return broken_conditions

@@ -1,4 +1,4 @@
-"""Random scenes by seed, two distributions: `random_scene` far and wide in load and size, `odd_scene` in what is degenerate."""
+"""Random scenes by seed: `random_scene` covers wide ranges of load and size, `odd_scene` covers degenerate cases."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from rolling.verification.hard_cases import CAPACITY, SOLVED, WIDTH, HardCase, m
 
 Array = NDArray[np.float64]
 
-# Seeds of random_scene that an earlier solver failed on.
+# Seeds of random_scene on which an earlier solver failed.
 FAILED_ONCE = (8, 115, 136, 214, 232, 677, 715, 723, 805, 1290, 1548)
-# Seeds that a solver failed on in a search of 59,000 odd scenes and 19,000 random ones; a report always holds them.
+# Seeds on which a solver failed in a search of 59,000 odd scenes and 19,000 random ones; every report holds them.
 FOUND = {
     "random": (10102,),
     "odd": (
@@ -33,10 +33,11 @@ BUDGET = 150
 
 
 def random_scene(seed: int) -> tuple[RollingContact, str]:
-    """A scene from far and wide, and what is special about its surface.
+    """Make a scene with wide ranges of all parameters, and name the feature of its surface.
 
-    Load over 10 decades, E* over 9, R from 50 um to 1 m; the spacing follows from a Hertz radius of 0.02 to 20 nodes (one in ten
-    wider: mostly refused). Hardness: 4 decades below to 2 above the Hertz pressure, or none.
+    Load covers 10 decades, E* 9, R 50 um to 1 m. The spacing follows from a Hertz radius of 0.02 to
+    20 nodes, or five times as many in a tenth of the scenes, which are mostly refused. The hardness
+    lies between 4 decades below and 2 above the Hertz pressure, or there is none.
     """
     rng = np.random.default_rng([20250117, seed])
     along, across = (int(n) for n in rng.integers(16, 65, 2))
@@ -73,18 +74,18 @@ def random_scene(seed: int) -> tuple[RollingContact, str]:
 
 
 def odd_scene(seed: int) -> tuple[RollingContact, str]:
-    """A degenerate scene, and what its surface is: equal gaps by the hundred, long thin plates, ties between load and hardness.
+    """Make a degenerate scene and name its surface: equal gaps, long thin plates, ties of load and hardness.
 
-    Steps of a quarter to twenty nodes, starts anywhere, every fourth sphere smaller than the spacing; W / (H dA) a whole number
-    of nodes, or 1e-12 or 1e-6 off it, in half of the scenes. Tolerances of 1e-9 to 1e-2, but never below what double precision
-    can tell of the gaps.
+    Steps cover a quarter to twenty nodes, starts lie anywhere, every fourth sphere is smaller than
+    the spacing. In half of the scenes W / (H dA) is a whole number of nodes, or 1e-12 or 1e-6 off
+    it. Tolerances cover 1e-9 to 1e-2, but not less than double precision resolves of the gaps.
     """
     rng = np.random.default_rng([20250118, seed])
     shape = _odd_shape(rng)
     load, modulus, radius = 10 ** rng.uniform(-6, 4), 10 ** rng.uniform(3, 12), 10 ** rng.uniform(-4.3, 0)
     nodes = 10 ** rng.uniform(-1, np.log10(max(min(shape) / 2.5, 1)))
     spacing = closed_forms.hertz_radius(load, radius, modulus) / nodes
-    if rng.random() < 0.25:  # a stylus: the paraboloid leaves the plate within one node
+    if rng.random() < 0.25:  # a stylus: the paraboloid leaves the plate within a node
         radius = spacing * 10 ** rng.uniform(-2, 0)
     size = spacing * 10 ** rng.uniform(-5, 1)
     feature, heights = _odd_surface(rng, shape, size, seed)
@@ -93,8 +94,8 @@ def odd_scene(seed: int) -> tuple[RollingContact, str]:
     if kind == "capped":
         hardness = closed_forms.hertz_pressure(load, radius, modulus) * 10 ** rng.uniform(-4, 1)
     elif kind == "whole":
-        most = max(heights.size // 4, 2)
-        count = int(10 ** rng.uniform(0, np.log10(most)))
+        maximum_count = max(heights.size // 4, 2)
+        count = int(10 ** rng.uniform(0, np.log10(maximum_count)))
         hardness = load / spacing**2 / (count + rng.choice([0, 0, 1e-12, -1e-12, 1e-6, -1e-6, 0.5]))
     track = make_track(
         heights,
@@ -111,7 +112,7 @@ def odd_scene(seed: int) -> tuple[RollingContact, str]:
 
 
 def _rounding(track: RollingContact) -> float:
-    """Rounding of the gaps over the deflection, an estimate: of heights, of the paraboloid one node off, of the position."""
+    """Estimate the rounding of the gaps over the deflection: of heights, paraboloid and position."""
     area = max(track.load / track.hardness, track.spacing**2)
     deflection = 2 * track.load / (track.contact_modulus * np.sqrt(np.pi * area))  # uniform pressure on a disc
     far = abs(track.start) + 3 * track.step
@@ -120,6 +121,7 @@ def _rounding(track: RollingContact) -> float:
 
 
 def _odd_shape(rng: np.random.Generator) -> tuple[int, int]:
+    """Draw the shape of a plate: long, wide, small or any."""
     kind = rng.choice(["long", "wide", "small", "any"])
     few, many = int(rng.integers(5, 17)), int(rng.integers(150, 201))
     if kind == "long":
@@ -132,7 +134,7 @@ def _odd_shape(rng: np.random.Generator) -> tuple[int, int]:
 
 
 def _odd_surface(rng: np.random.Generator, shape: tuple[int, int], size: float, seed: int) -> tuple[str, Array]:
-    """Name and heights [m] of a surface whose steps are of the order of `size` [m]."""
+    """Draw the name and the heights [m] of a surface whose steps are about `size` [m]."""
     feature = str(rng.choice(["quantised", "checkerboard", "ridge", "stairs", "towers", "noise", "sawtooth"]))
     i, j = np.indices(shape)
     noise = np.random.default_rng(seed).standard_normal(shape)
@@ -145,7 +147,7 @@ def _odd_surface(rng: np.random.Generator, shape: tuple[int, int], size: float, 
         steps = j == shape[1] // 2 if rng.random() < 0.5 else i == rng.integers(shape[0])
     elif feature == "stairs":
         steps = (i if rng.random() < 0.5 else j) // rng.integers(1, 6)
-    elif feature == "towers":  # alike, so that all touch at once
+    elif feature == "towers":  # equal heights, so that all touch at once
         steps = (i % rng.integers(2, 9) == 0) & (j % rng.integers(2, 9) == 0)
     elif feature == "sawtooth":
         steps = (i + 2 * j) % rng.integers(3, 12)
@@ -155,7 +157,7 @@ def _odd_surface(rng: np.random.Generator, shape: tuple[int, int], size: float, 
 
 
 def blended_scene(seed: int) -> tuple[RollingContact, str]:
-    """A random or an odd scene whose plate yields, with blended edges, and what is special about its surface."""
+    """Make a random or an odd scene with blended edges whose plate yields, and name its surface."""
     track, feature = (odd_scene if seed % 2 else random_scene)(seed // 2)
     peak = closed_forms.hertz_pressure(track.load, track.radius, track.contact_modulus)
     return replace(track, hardness=min(track.hardness, 0.7 * peak), blended=True), feature
@@ -165,12 +167,15 @@ GENERATORS = {"random": random_scene, "odd": odd_scene, "blended": blended_scene
 WHY = {
     "random": "load over 10 decades, hardness over 6",
     "odd": "ties, equal gaps, long thin plates",
-    "blended": "those of both kinds, with edges that are soft by themselves",
+    "blended": "scenes of both kinds with blended edges",
 }
 
 
 def random_case(generator: str, seed: int, group: str = "") -> HardCase:
-    """The scene of a seed as a case: to be solved, or refused for load or width. `generator` is a key of GENERATORS."""
+    """Return the scene of a seed as a case, to be solved or refused for load or width.
+
+    `generator` is a key of GENERATORS.
+    """
     _, feature = GENERATORS[generator](seed)
     return HardCase(
         f"{generator} {seed}",
@@ -184,9 +189,10 @@ def random_case(generator: str, seed: int, group: str = "") -> HardCase:
 
 
 def _track(generator: str, seed: int) -> RollingContact:
+    """Make the scene of a seed."""
     return GENERATORS[generator](seed)[0]
 
 
 def found_cases() -> list[HardCase]:
-    """What searches of far more scenes than a report holds have met: always in the report, whatever its number of scenes."""
+    """Return the failures of earlier searches, which are part of every report."""
     return [random_case(generator, seed, "found") for generator, seeds in FOUND.items() for seed in seeds]
