@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import STEEL, assert_solved, make_track, roll, rough
+from helpers import STEEL, assert_solved, make_track, roll, rough
 
 from rolling.contact import closed_forms
 from rolling.contact.march import Window

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from conftest import make_track, roll, rough, step_energies
+from helpers import make_track, roll, rough, step_energies
 
 
 def test_rolling_back_swaps_loading_and_release() -> None:

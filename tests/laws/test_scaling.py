@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import make_track, releases, roll, rough
+from helpers import make_track, releases, roll, rough
 
 HEIGHTS = rough(60, 60, 1e-7)
 HARDNESS = {"elastic": np.inf, "capped": 2.1e9}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import make_track, releases, roll, rough
+from helpers import make_track, releases, roll, rough
 
 
 @pytest.mark.parametrize(("step_nodes", "lap"), [(1, 50), (2, 25), (0.5, 100)])

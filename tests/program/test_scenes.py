@@ -9,7 +9,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from conftest import rough
+from helpers import rough
 
 from acoustics import level, wav
 from rolling import cli
@@ -17,7 +17,7 @@ from rolling.folders import own_files, run_record
 from rolling.scene import file as scene_file
 from rolling.scene.scene import HeightFile, expand
 
-SCENES = sorted((Path(__file__).parent.parent / "scenarios").glob("*.yaml"))
+SCENES = sorted((Path(__file__).parents[2] / "scenarios").glob("*.yaml"))
 TRACK_M = 300e-6  # wider than any contact at half a newton
 
 

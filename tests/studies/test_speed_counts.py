@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent / "benchmarks"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 from against_peers import on_full_grid, ours, sequence_track, sequences
-from conftest import roll
+from helpers import roll
 from speed import RIVALS, counts, measure_rival, table, timed_march
 from whole_run import scene_20_n
 

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from conftest import gap_and_deflection, make_track, roll, rough
+from helpers import gap_and_deflection, make_track, roll, rough
 
 
 @pytest.mark.parametrize("hardness", [np.inf, 2.1e9], ids=["elastic", "capped"])

@@ -11,7 +11,7 @@ from acoustics.conformance import __main__, standards
 from acoustics.conformance.bands import least_lines_inside
 from acoustics.conformance.rows import Row, Table
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 OPEN = "Third octaves: tones that do not fit the record"
 BANDWIDTH = "Third octaves: effective bandwidth"
 

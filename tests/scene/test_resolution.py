@@ -68,7 +68,7 @@ def test_a_smooth_sphere_is_silent(overrides: tuple[str, ...]) -> None:
 
 def test_the_sphere_of_the_scenarios_is_silent_at_the_default_tolerance(tmp_path: Path, monkeypatch) -> None:
     """It had -37.6 dB(A), and rounding at -14 dB of full scale in the listening version."""
-    path = Path(__file__).parent.parent / "scenarios" / "smooth.yaml"
+    path = Path(__file__).parents[2] / "scenarios" / "smooth.yaml"
     out = tmp_path / "out"
     monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
     settings = ["--set", "numerics.tolerance=1e-4", "--workers", "1", "--no-report", "--out", str(out)]
@@ -143,7 +143,7 @@ def test_blended_edges_resolve_less_where_the_plate_yields() -> None:
 def test_a_quiet_scene_is_not_a_silent_one() -> None:
     """Distance and radiated share change levels, not what is resolved."""
     energy = 1e-9 * (1 + 0.1 * np.random.default_rng(1).standard_normal(220))
-    scene = load(Path(__file__).parent.parent / "scenarios" / "smooth.yaml")
+    scene = load(Path(__file__).parents[2] / "scenarios" / "smooth.yaml")
     far = Scene.from_dict(scene.to_dict() | {"sound": {"distance_m": 1e4, "q": 1e-6}})
     near, distant = (contact_sound(one, energy, 2e-6, True) for one in (scene, far))
     assert near.audible_rms == pytest.approx(distant.audible_rms, rel=1e-12)

@@ -7,7 +7,7 @@ import pytest
 from rolling.scene.file import loads
 from rolling.scene.scene import SceneError
 
-SCENES = sorted((Path(__file__).parent.parent / "scenarios").glob("*.yaml"))
+SCENES = sorted((Path(__file__).parents[2] / "scenarios").glob("*.yaml"))
 
 TEXT = """\
 name: trial

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import STEEL
+from helpers import STEEL
 
 from rolling.contact import closed_forms
 from rolling.contact.half_space import HalfSpace, love, padded_length

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import STEEL, assert_solved, make_track, roll
+from helpers import STEEL, assert_solved, make_track, roll
 
 from rolling.contact import closed_forms
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from conftest import assert_solved, make_track, releases, roll, rough, space_of, step_energies
+from helpers import assert_solved, make_track, releases, roll, rough, space_of, step_energies
 
 from rolling.accuracy.variants import refined
 from rolling.contact import solver

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import STEEL, make_track, rough
+from helpers import STEEL, make_track, rough
 
 from acoustics import resampling
 from rolling import cli
@@ -120,7 +120,7 @@ def test_warning_gives_the_expected_errors() -> None:
 
 def test_scenes_of_the_repository_have_short_steps() -> None:
     """The quick study of the article takes steps three times as long, and is neither refused nor warned."""
-    root = Path(__file__).parent.parent / "scenarios"
+    root = Path(__file__).parents[2] / "scenarios"
     for path in sorted(root.glob("*.yaml")):
         scene = load(path)
         if scene.height_path is None:

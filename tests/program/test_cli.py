@@ -11,7 +11,7 @@ import pytest
 
 from rolling import cli
 
-SCENES = Path(__file__).parent.parent / "scenarios"
+SCENES = Path(__file__).parents[2] / "scenarios"
 
 
 def test_help_imports_nothing_heavy() -> None:

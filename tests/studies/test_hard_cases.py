@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import STEEL, make_track, roll, rough
+from helpers import STEEL, make_track, roll, rough
 
 from rolling.contact import closed_forms
 from rolling.contact.march import ContactState, RollingContact

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from conftest import make_track, releases, roll, rough, step_energies
+from helpers import make_track, releases, roll, rough, step_energies
 
 from rolling.contact import recovery
 from rolling.contact.march import Window

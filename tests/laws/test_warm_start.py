@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import assert_solved, make_track, releases, roll, rough
+from helpers import assert_solved, make_track, releases, roll, rough
 
 
 @pytest.mark.parametrize("hardness", [np.inf, 2.1e9], ids=["elastic", "capped"])

@@ -267,7 +267,7 @@ def test_each_kind_of_warning_and_equal_assumptions_are_said_once(runs) -> None:
 
 
 def test_citation_is_that_of_the_citation_file() -> None:
-    file = YAML(typ="safe").load(Path(__file__).parents[1] / "CITATION.cff")
+    file = YAML(typ="safe").load(Path(__file__).parents[2] / "CITATION.cff")
     assert file["title"] in citation.PROGRAM and str(file["version"]) in citation.PROGRAM
     assert str(file["date-released"])[:4] in citation.PROGRAM
     assert file["authors"][0]["name"].lower() in citation.PROGRAM.lower()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import STEEL, gap_and_deflection, make_track, roll, rough, step_energies
+from helpers import STEEL, gap_and_deflection, make_track, roll, rough, step_energies
 
 HARDNESS = {"elastic": np.inf, "capped": 2.1e9}
 

@@ -24,7 +24,7 @@ from rolling.simulation import result_file, simulate
 from rolling.sound import contact_sound
 from rolling.surface import contact_of_scene
 
-SCENES = Path(__file__).parent.parent / "scenarios" / "lee2025"
+SCENES = Path(__file__).parents[2] / "scenarios" / "lee2025"
 READINGS = sorted(folder.name for folder in SCENES.iterdir())
 VARIATIONS = ("two-bodies-gaussian", "two-bodies-gaussian-10pct")
 TWINS = {"elastic-gaussian": "as-stated", "elastic-exponential": "hardness-3y-exponential"}  # of which reading

@@ -289,7 +289,7 @@ def test_report_of_one_run_and_of_many() -> None:
 
 def test_quickstart_is_within_its_budget() -> None:
     """Ten seconds of computing, of which three were measured; compilation, once per installation, is not in them."""
-    scene = load(Path(__file__).parent.parent / "scenarios" / "quickstart.yaml")
+    scene = load(Path(__file__).parents[2] / "scenarios" / "quickstart.yaml")
     report(loads(TEXT, ["rolling.duration_s=0.002"]))
     began = time.process_time()
     text = report(scene)

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from conftest import STEEL, assert_solved, gap_and_deflection, make_track, releases, roll, space_of, step_energies
+from helpers import STEEL, assert_solved, gap_and_deflection, make_track, releases, roll, space_of, step_energies
 
 from rolling.contact import closed_forms, recovery, solver
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import STEEL, assert_solved, make_track, releases, roll, rough, space_of
+from helpers import STEEL, assert_solved, make_track, releases, roll, rough, space_of
 
 from rolling.contact import solver
 from rolling.contact.march import Window

@@ -6,7 +6,7 @@ import numpy as np
 
 from acoustics.weighting import POLES_HZ, a_weighting_db
 
-DATA = Path(__file__).parent / "data" / "a_weighting_iec61672.csv"
+DATA = Path(__file__).parents[1] / "data" / "a_weighting_iec61672.csv"
 TABLE = np.genfromtxt(DATA, delimiter=",", names=True, skip_header=2)
 
 

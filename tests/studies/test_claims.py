@@ -592,14 +592,14 @@ def test_markdown_holds_every_claim_and_reading() -> None:
 
 def test_the_page_in_docs_answers_for_every_statement() -> None:
     """It ends with tables.md of the whole study: a statement that is added or worded anew must be run."""
-    page = (Path(__file__).parent.parent / "docs" / "lee2025.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "lee2025.md").read_text(encoding="utf-8")
     assert page.count(claims_text.DOCS_MARK) == 1
     lines = page.partition(claims_text.DOCS_MARK)[2].splitlines()
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| *")]
     stated = [f"*{claim.key}*: {claim.statement}" for claim in (*CLAIMS, *OUTLOOK)]
     assert set(stated) == {row[0] for row in rows}
     heads = [line.strip("|").split("|")[1:] for line in lines if line.startswith("| claim")]
-    scenes = Path(__file__).parent.parent / "scenarios" / "lee2025"
+    scenes = Path(__file__).parents[2] / "scenarios" / "lee2025"
     named = {cell.strip() for head in heads for cell in head}
     assert named == {one.name for one in scenes.iterdir() if not one.name.startswith("elastic-")}
     for row in rows:
