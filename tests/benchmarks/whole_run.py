@@ -18,7 +18,8 @@ import numpy as np
 from rolling.contact.half_space import HalfSpace
 from rolling.scene import file
 from rolling.scene.scene import Scene, expand
-from rolling.simulation.simulate import Piece, heights, pieces, simulate
+from rolling.simulation.simulate import Piece, pieces, simulate
+from rolling.surface.scene_surface import heights
 
 QUICKSTART = Path(__file__).parent.parent.parent / "scenarios" / "quickstart.yaml"
 SPEED, SPACING = 0.1, 2e-6  # of that scene
