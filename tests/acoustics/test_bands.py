@@ -1,6 +1,7 @@
 """Oracles: the base-10 bands of IEC 61260-1, the lines themselves, and white noise."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -25,12 +26,14 @@ def test_nominal_frequencies_name_the_exact_ones():
     assert BAND_NAMES[0] == "20" and BAND_NAMES[2] == "31.5" and BAND_NAMES[17] == "1000" and BAND_NAMES[-1] == "20000"
 
 
+@pytest.mark.law("Third octaves: their edges are the base-10 edges of IEC 61260-1.")
 def test_edges_lie_a_twentieth_of_a_decade_from_the_middle():
     np.testing.assert_allclose(EDGES_HZ[:-1] * 10**0.05, MID_HZ, rtol=1e-14)
     np.testing.assert_allclose(EDGES_HZ[1:] / 10**0.05, MID_HZ, rtol=1e-14)
     np.testing.assert_allclose(AUDIBLE_HZ, (17.7828, 22387.2), rtol=1e-6)  # as printed, six digits
 
 
+@pytest.mark.law("Third octaves: they add up to the lines.")
 @settings(max_examples=40, deadline=None)
 @given(n=st.integers(1, 5000), rate=st.floats(10.0, 2e5), seed=st.integers(0, 99))
 def test_bands_add_up_to_the_lines(n, rate, seed):
@@ -47,6 +50,7 @@ def test_a_line_on_an_edge_belongs_to_the_band_above():
     assert np.array_equal(below, np.arange(1.0, 32.0))  # here the first is
 
 
+@pytest.mark.law("Third octaves: white noise grows with the bandwidth, within 4.34 / sqrt(B T) dB.")
 def test_white_noise_grows_with_the_bandwidth_within_the_stated_uncertainty():
     rate, n = 48000.0, 480000
     noise = np.random.default_rng(3).standard_normal(n)

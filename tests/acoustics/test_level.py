@@ -18,6 +18,7 @@ def tone(frequency_hz, amplitude=1.0, n=24000, rate=RATE):
     return amplitude * np.sin(2.0 * np.pi * frequency_hz * np.arange(n) / rate + 0.4)
 
 
+@pytest.mark.law("Sound chain: a sinusoidal power has the level and the band of its closed form.")
 @pytest.mark.parametrize(
     ("frequency_hz", "band"), [(40.0, "40"), (1000.0, "1000"), (3200.0, "3150"), (19800.0, "20000")]
 )
@@ -46,11 +47,13 @@ def test_sine_through_the_whole_chain(frequency_hz, band):
     assert steady == pytest.approx(10.0 * math.log10(1e-3 / (16.0 * math.pi) / 1e-12), abs=1e-9)
 
 
+@pytest.mark.law("Levels: 1 Pa is 94 dB re 20 uPa.")
 def test_1_pa_is_94_db():
     # 20 lg(1 / 20e-6) = 93.979 dB, the level of an acoustic calibrator.
     assert laeq_db(tone(1000.0, math.sqrt(2.0)), RATE) == pytest.approx(93.9794, abs=1e-4)
 
 
+@pytest.mark.law("Levels: the third octaves add up to the whole.")
 def test_bands_add_up_to_the_whole():
     noise = np.random.default_rng(2).standard_normal(RATE)
     levels = sound_levels(band_limit(noise, RATE), RATE)
@@ -72,6 +75,7 @@ def test_silence_is_none_everywhere():
     assert level_db(0.0) is None and level_db(-1.0) is None and laeq_db(np.zeros(10), RATE) is None
 
 
+@pytest.mark.law("Silence: a constant power does not sound.")
 def test_a_constant_power_is_silent():
     # Transforms of these lengths (smooth and prime) leave rounding beside 0 Hz; it must not sound at -100 dB.
     for n in (24000, 23993):

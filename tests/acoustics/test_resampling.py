@@ -18,6 +18,7 @@ def error_db(got, expected):
     return 10.0 * np.log10(np.mean((got - expected) ** 2) / np.mean(expected**2))
 
 
+@pytest.mark.law("Resampling: the mean over a step is undone exactly.")
 @pytest.mark.parametrize("n", [1000, 1001])
 @pytest.mark.parametrize("share", [0.0, 0.02, 0.3, 0.5, 0.8, 0.95])
 def test_step_mean_is_undone_exactly(n, share):
@@ -45,6 +46,7 @@ def test_step_mean_at_nyquist_holds_nothing_of_the_boundaries():
     assert np.max(np.abs(undo_step_mean(np.array([1.0, -1.0] * 8)))) == 0.0
 
 
+@pytest.mark.law("Resampling: a closed record is resampled exactly.")
 @settings(max_examples=50, deadline=None)
 @given(n=st.integers(3, 400), n_out=st.integers(3, 400), seed=st.integers(0, 99))
 def test_resampling_is_exact_for_what_both_lengths_carry(n, n_out, seed):
@@ -76,6 +78,7 @@ def test_30_khz_is_absent_after_resampling_to_48_khz():
     assert np.max(np.abs(band_limit(resample_closed(1.0 + high, n_out), 48_000.0))) == 0.0
 
 
+@pytest.mark.law("Resampling: no ripple below 20 kHz, 80 dB of rejection above the band.")
 def test_no_ripple_below_20_khz_and_80_db_above_the_band():
     # An impulse holds all frequencies equally: after the chain its lines are the frequency response.
     n, n_out = 100_000, 48_000

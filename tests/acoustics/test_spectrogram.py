@@ -52,6 +52,7 @@ def test_frames_fit_the_record(seconds, frame_s, frames):
     )
 
 
+@pytest.mark.law("Spectrogram: a loop keeps its energy.")
 @pytest.mark.parametrize("n", [24000, 24001, 9600])
 def test_a_loop_keeps_its_energy(n):
     # Frames every 16th of a Hann window weigh all samples alike (to rounding); what is left of a hop at the end does not.

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from acoustics.spectrum import article_line_level_db, line_spectrum, welch
 
 
+@pytest.mark.law("Parseval: the lines of a spectrum hold the mean square of the record.")
 @settings(max_examples=60, deadline=None)
 @given(n=st.integers(1, 3000), seed=st.integers(0, 999), mean=st.sampled_from([0.0, 1.0, -50.0]))
 def test_parseval(n, seed, mean):
@@ -66,6 +67,7 @@ def noise(seed, n):
     return np.random.default_rng(seed).standard_normal(n)
 
 
+@pytest.mark.law("Parseval: the density of noise adds up to its mean square.")
 def test_welch_density_of_noise_adds_up_to_its_mean_square():
     record = noise(4, 480000)
     psd = welch(record, 48000.0)

@@ -11,6 +11,7 @@ from acoustics.time_weighting import FAST_S, SLOW_S, a_weighted, maximum_mean_sq
 RATE = 48000
 
 
+@pytest.mark.law("Time weighting: from silence a constant rises as 1 - exp(-t / tau).")
 @pytest.mark.parametrize("tau", [FAST_S, SLOW_S])
 def test_from_silence_a_constant_rises_as_one_minus_exp(tau):
     t = np.arange(1, RATE + 1) / RATE
@@ -19,6 +20,7 @@ def test_from_silence_a_constant_rises_as_one_minus_exp(tau):
 
 
 # IEC 61672-1:2013, table 4: maximum of a 4 kHz tone burst below the level of the steady tone, dB.
+@pytest.mark.law("Time weighting: tone bursts read as IEC 61672-1 asks.")
 @pytest.mark.parametrize(
     ("tau", "milliseconds", "below_db"),
     [

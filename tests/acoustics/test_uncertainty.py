@@ -46,6 +46,7 @@ CASES = [  # duration [s], slope, low and high [Hz], a band in it
 ]
 
 
+@pytest.mark.law("Uncertainty: levels of noise spread as they state.")
 @pytest.mark.parametrize("own_factor", [False, True])
 @pytest.mark.parametrize(("duration", "slope", "low", "high", "band"), CASES)
 def test_levels_spread_as_they_state(duration, slope, low, high, band, own_factor):
@@ -134,6 +135,7 @@ def test_hardly_a_record(record):
     assert list(got.third_octave_db) == list(levels.third_octave_db)
 
 
+@pytest.mark.law("Uncertainty: the steady level spreads as it states.")
 @pytest.mark.parametrize(("duration", "cut"), [(0.5, None), (0.5, 1000.0), (0.1, 200.0)])
 def test_steady_level_spreads_as_it_states(duration, cut):
     # A mean with noise on it, white or through a low-pass; the mean of 400 records spreads as each states, within

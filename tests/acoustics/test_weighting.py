@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from acoustics.weighting import POLES_HZ, a_weighting_db
 
@@ -10,6 +11,7 @@ DATA = Path(__file__).parents[1] / "data" / "a_weighting_iec61672.csv"
 TABLE = np.genfromtxt(DATA, delimiter=",", names=True, skip_header=2)
 
 
+@pytest.mark.law("A-weighting: the curve is Table 3 of IEC 61672-1:2013 at the exact frequencies.")
 def test_the_curve_is_the_table_at_the_exact_frequencies():
     # The table is rounded to 0.1 dB, so a right curve is within half of that.
     assert len(TABLE) == 34

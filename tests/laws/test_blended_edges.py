@@ -25,6 +25,7 @@ def error_db(signal: np.ndarray, reference: np.ndarray) -> float:
     return float(20 * np.log10(np.std(signal - reference) / np.std(reference)))
 
 
+@pytest.mark.law("Blended edges: the release is closer to a fine grid than with sharp edges.")
 def test_release_is_closer_to_a_fine_grid_for_no_more_iterations(coarse: RollingContact) -> None:
     """Measured against 0.67 um: -15.4 dB sharp, -22.2 dB blended; longer tracks and finer references are in the README."""
     steps = 80
@@ -41,6 +42,7 @@ def test_release_is_closer_to_a_fine_grid_for_no_more_iterations(coarse: Rolling
     assert abs(area[1] / area[2] - 1) < abs(area[0] / area[2] - 1) / 2, area
 
 
+@pytest.mark.law("Blended edges: the contact conditions and the energy ledger hold.")
 def test_every_law_holds(coarse: RollingContact) -> None:
     """The conditions with the gap of a partly covered cell, bounds, load, and the ledger, an identity of any pressures."""
     track = replace(coarse, blended=True, tolerance=1e-7)
@@ -73,6 +75,7 @@ def test_pieces_agree_once_run_in(coarse: RollingContact) -> None:
     assert error_db(pieces, whole) < -45  # measured -58 at twice as long pieces
 
 
+@pytest.mark.law("Blended edges: an elastic contact is not changed.")
 def test_without_hardness_nothing_is_blended(coarse: RollingContact) -> None:
     elastic = replace(coarse, hardness=np.inf)
     one, other = roll(elastic, 0, 3), roll(replace(elastic, blended=True), 0, 3)

@@ -10,6 +10,7 @@ from rolling.contact import closed_forms
 from rolling.contact.march import Window
 
 
+@pytest.mark.law("Dense method: an influence matrix with an active set gives the same pressure as the FFT path.")
 @pytest.mark.parametrize("hardness", [np.inf, 1.6e9, 0.9e9], ids=["elastic", "capped", "mostly capped"])
 @pytest.mark.parametrize("shape", [(30, 24), (25, 31)])
 def test_fft_path_equals_the_dense_method(shape: tuple[int, int], hardness: float) -> None:
@@ -32,6 +33,7 @@ def test_fft_path_equals_the_dense_method(shape: tuple[int, int], hardness: floa
         np.testing.assert_array_equal(mine > 0, pressure > 0)
 
 
+@pytest.mark.law("Dense method: the influence matrix meets Hertz.")
 def test_dense_method_meets_hertz() -> None:
     """The reference itself: measured 0.2 % below Hertz at a / spacing = 4.3."""
     spacing, load = 10e-6, 5.0

@@ -9,6 +9,9 @@ from helpers import STEEL, gap_and_deflection, make_track, roll, rough, step_ene
 HARDNESS = {"elastic": np.inf, "capped": 2.1e9}
 
 
+@pytest.mark.law(
+    "Energy ledger: the stored energy changes by loading minus release, at any step, with and without yield."
+)
 @pytest.mark.parametrize("step_nodes", [0.5, 1, 3, 40])
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_ledger_closes_to_rounding(plate: str, step_nodes: float) -> None:
@@ -21,6 +24,7 @@ def test_ledger_closes_to_rounding(plate: str, step_nodes: float) -> None:
     assert max(abs(step.defect) for step in step_energies(track, states)) < 1e-12 * largest
 
 
+@pytest.mark.law("Energy ledger: the stored energy is the sum of p u dA / 2.")
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_stored_energy_is_half_pressure_times_deflection(plate: str) -> None:
     """The ledger's other side, from a convolution of its own; tolerance: rounding of the two convolutions."""
@@ -30,6 +34,7 @@ def test_stored_energy_is_half_pressure_times_deflection(plate: str) -> None:
         assert state.stored_energy == pytest.approx(0.5 * np.vdot(p, u) * track.spacing**2, rel=1e-12)
 
 
+@pytest.mark.law("Energy ledger: the left-end rule does not close it.")
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_left_end_rule_does_not_close(plate: str) -> None:
     """First order in the step: its defect is 1e-3 of the stored energy at step / a = 1 / 21."""
@@ -40,6 +45,7 @@ def test_left_end_rule_does_not_close(plate: str) -> None:
     assert min(defects) > 1e-4 * largest
 
 
+@pytest.mark.law("Energy ledger: it closes when contact jumps to another place.")
 def test_nothing_released_is_lost_when_contact_jumps() -> None:
     """Two spikes 60 um apart on a smooth plate under a light sphere: contact leaves one for the other within a step, and what the
     left one held, p u / 2, must all be in the release (mean of p and 0, times the whole of u)."""

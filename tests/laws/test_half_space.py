@@ -17,6 +17,7 @@ def nodes(rows: int, columns: int) -> np.ndarray:
     return np.stack(grid, axis=-1).reshape(-1, 2) * SPACING
 
 
+@pytest.mark.law("Half-space: Love's coefficients are the entries of the influence matrix.")
 def test_love_coefficients_agree_with_the_influence_matrix() -> None:
     """Two ways of writing one closed form. Corner terms of size r cancel to 1 / r, and plain logarithms to less: measured 4e-12."""
     rows, columns = 21, 14
@@ -34,6 +35,7 @@ def test_love_coefficient_under_the_loaded_square_and_far_away() -> None:
     )  # 1.7e-7, known to rounding of 2e-12 after cancellation
 
 
+@pytest.mark.law("Half-space: the padded FFT convolution equals the direct sum.")
 @pytest.mark.parametrize("shape", [(1, 1), (3, 8), (17, 5), (31, 33), (12, 40), (64, 64)])
 def test_convolution_equals_direct_summation(shape: tuple[int, int]) -> None:
     """Zero padding makes it exact for any window. Measured 4e-16 to 6e-15, of which the 4096 additions in a row do most."""
@@ -57,6 +59,7 @@ def test_a_window_size_used_before_leaves_nothing_behind() -> None:
     assert np.array_equal(space.deflection(small), before)
 
 
+@pytest.mark.law("Half-space: the deflection scales with the spacing and with 1 / E*.")
 def test_deflection_scales_with_spacing_and_modulus() -> None:
     """Same pressures on squares twice as large: twice the deflection; twice the modulus: half. Powers of two, so to the bit."""
     pressure = np.random.default_rng(4).random((19, 23)) * 1e9
@@ -65,6 +68,7 @@ def test_deflection_scales_with_spacing_and_modulus() -> None:
     np.testing.assert_array_equal(HalfSpace(SPACING, 2 * STEEL).deflection(pressure), 0.5 * once)
 
 
+@pytest.mark.law("Half-space: the deflection is linear and reciprocal.")
 def test_deflection_is_linear_and_symmetric() -> None:
     """Superposition, and reciprocity p1.u2 = p2.u1: both to the rounding of one transform."""
     rng = np.random.default_rng(5)

@@ -43,6 +43,7 @@ def per_metre(heights: np.ndarray, nodes: int, hardness: float = np.inf, times: 
     return np.concatenate(parts) / track.step
 
 
+@pytest.mark.law("Long steps: a smooth sphere loses the tabulated share of its release.")
 @pytest.mark.parametrize("radii", [0.25, 0.5, 1.0, 2.0, 3.0, 4.0])
 def test_a_smooth_elastic_sphere_loses_what_the_table_says(radii: float) -> None:
     """Against the closed form: 16 nodes per radius leave 0.1 % where the table was marched at 32, straight lines in it 0.1 %."""
@@ -52,6 +53,7 @@ def test_a_smooth_elastic_sphere_loses_what_the_table_says(radii: float) -> None
     assert 1 - got == pytest.approx(long_steps.lost_release(radii), abs=0.002)
 
 
+@pytest.mark.law("Long steps: a rough contact loses no more than a smooth one.")
 @pytest.mark.parametrize(("hardness", "height"), [(np.inf, 1e-7), (1.4e9, 1e-7), (2.1e9, 4e-7)])
 def test_rough_contacts_lose_no_more_and_levels_stay_within_their_bound(hardness: float, height: float) -> None:
     """Surfaces that the bounds were not read from; the release itself may be lower by 0.02 more.

@@ -91,6 +91,7 @@ def test_final_stop() -> None:
         motion.time([0.001, 0.0051])
 
 
+@pytest.mark.law("Motion: time is the inverse of distance.")
 @example(Motion((0.0, 1.0, 2.0), (0.0, 0.125, 0.0)), [1.018822925987424e-161])  # its distance squared is no number
 @settings(deadline=None, max_examples=200)
 @given(motions(), st.lists(st.floats(0, 8), min_size=1, max_size=20))
@@ -107,6 +108,7 @@ def test_time_undoes_distance(motion: Motion, times: list[float]) -> None:
     assert back[moving] == pytest.approx(t[moving], rel=1e-10, abs=1e-10)
 
 
+@pytest.mark.law("Motion: distance is the integral of the speed.")
 @settings(deadline=None, max_examples=100)
 @given(motions())
 def test_distance_is_the_integral_of_the_speed(motion: Motion) -> None:

@@ -9,6 +9,9 @@ import pytest
 from helpers import gap_and_deflection, make_track, roll, rough
 
 
+@pytest.mark.law(
+    "Optimality: p2.(e2 - e1) dA <= F2 - F1 <= p1.(e2 - e1) dA between any two positions, with F = sum((p u / 2 + e p) dA)."
+)
 @pytest.mark.parametrize("hardness", [np.inf, 2.1e9], ids=["elastic", "capped"])
 def test_energy_between_positions_is_bracketed(hardness: float) -> None:
     """p2.(e2 - e1) dA <= F2 - F1 <= p1.(e2 - e1) dA on one window: p1 is feasible at position 2 and p2 at 1.
@@ -34,6 +37,7 @@ def test_energy_between_positions_is_bracketed(hardness: float) -> None:
     assert min(widths) > 100  # otherwise the slack would decide
 
 
+@pytest.mark.law("Optimality: a wrong pressure breaks the bracket.")
 def test_a_wrong_pressure_breaks_the_bracket() -> None:
     """The test can fail: a smooth contact marched under a displaced sphere is not a minimum, and the upper bound notices."""
     track = make_track(np.zeros((96, 80)), tolerance=1e-7)

@@ -37,6 +37,7 @@ def test_a_speed_after_the_end_is_not_in_the_record() -> None:
     assert later.levels.third_octave_db == pytest.approx(plain.levels.third_octave_db, abs=1e-6, nan_ok=True)
 
 
+@pytest.mark.law("Speed: a speed that the record does not reach changes nothing in it.")
 @settings(deadline=None, max_examples=25)
 @given(
     speeds=st.lists(st.one_of(st.just(0.0), st.floats(1e-3, 2.0)), min_size=1, max_size=4),
@@ -79,6 +80,7 @@ def test_bands_above_the_greatest_speed_that_is_reached_are_none() -> None:
     assert oversampling(scene.motion, sound.duration, 2 * STEP) == 1  # it was 521: 100 m/s on 48 kHz
 
 
+@pytest.mark.law("Speed: means of the power are means over time.")
 def test_means_of_the_power_are_over_time() -> None:
     """The same energy in every step: the power is that of the speed, and so are its mean and rms over time.
 

@@ -31,6 +31,7 @@ def by_node(columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {name: column[order] for name, column in columns.items()}
 
 
+@pytest.mark.law("Recovery events: their energies add up to the release.")
 @pytest.mark.parametrize("left_end", [False, True])
 def test_event_energies_sum_to_the_release(left_end: bool) -> None:
     """The same terms in another order, a few thousand of them: rounding. Also over the seam (60 steps on 50 rows)."""
@@ -53,6 +54,7 @@ def test_table_grows_without_losing_an_event() -> None:
     assert table.columns()["energy"].sum() == pytest.approx(releases(track, states).sum(), rel=1e-13)
 
 
+@pytest.mark.law("Recovery events: each is an unbroken fall of a loaded node's deflection.")
 def test_events_are_unbroken_falls_of_loaded_nodes() -> None:
     """Against the definition, from the node histories: maximal runs of steps in which u falls while the node is loaded."""
     track = make_track(rough(50, 60, 1e-7), load=0.3, tolerance=1e-9)
@@ -84,6 +86,7 @@ def test_events_are_unbroken_falls_of_loaded_nodes() -> None:
     assert max(times.values()) > 1  # and some nodes fall more than once
 
 
+@pytest.mark.law("Recovery events: on a smooth sphere they are the trailing half of the contact.")
 def test_smooth_sphere_events_are_the_trailing_half() -> None:
     """On a smooth plate a node falls once, from under the centre to the edge: each complete event lasts a chord's half."""
     track = make_track(np.zeros((100, 60)), load=0.5, tolerance=1e-9)
@@ -97,6 +100,7 @@ def test_smooth_sphere_events_are_the_trailing_half() -> None:
     assert abs(longest - radius) <= 1.5
 
 
+@pytest.mark.law("Recovery events: a track that is solved in pieces has the events of the whole.")
 @pytest.mark.parametrize("cuts", [(25,), (1, 2, 31), (10, 20, 30, 40, 50)])
 def test_events_of_a_cut_track_are_those_of_the_whole(cuts: tuple[int, ...]) -> None:
     """Pieces share the position at the cut, each solved from cold there: the same events, energies to the solver's tolerance.

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from helpers import make_track, roll, rough, step_energies
 
 
+@pytest.mark.law("Rolling back: over the same track it swaps loading and release of an elastic contact.")
 def test_rolling_back_swaps_loading_and_release() -> None:
     """Heights mirrored, node i to -i, put position k of the way there at position -k: both marches solve the same contacts.
 

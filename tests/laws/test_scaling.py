@@ -11,6 +11,7 @@ HARDNESS = {"elastic": np.inf, "capped": 2.1e9}
 LOAD = 0.1
 
 
+@pytest.mark.law("Scaling: E, H and W times c leave the deflection and multiply the release by c.")
 @pytest.mark.parametrize("factor", [4.0, 1e-6, 3.7])
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_modulus_hardness_and_load_times_c(plate: str, factor: float) -> None:
@@ -27,6 +28,7 @@ def test_modulus_hardness_and_load_times_c(plate: str, factor: float) -> None:
     np.testing.assert_allclose(releases(scaled, other), factor * releases(base, one), rtol=1e-7)
 
 
+@pytest.mark.law("Translation: a surface moved by n nodes moves the release by n steps.")
 @pytest.mark.parametrize("nodes", [1, 17, 59])
 def test_surface_moved_along_moves_the_signal(nodes: int) -> None:
     """Position k over heights moved by n nodes is position k - n: the same problem, across the seam too. Measured 6e-15."""
@@ -36,6 +38,7 @@ def test_surface_moved_along_moves_the_signal(nodes: int) -> None:
     np.testing.assert_allclose(releases(moved, roll(moved, nodes, nodes + 6)), signal, rtol=1e-7)
 
 
+@pytest.mark.law("Mirror: a surface mirrored across the track gives the same release.")
 def test_surface_mirrored_across_changes_nothing() -> None:
     """The sphere runs at mid-width, (n - 1) / 2 nodes: mirrored heights are the same contact. Measured 4e-15."""
     track, mirrored = (make_track(z, load=LOAD, hardness=2.1e9) for z in (HEIGHTS, HEIGHTS[:, ::-1].copy()))
@@ -50,6 +53,7 @@ def tangential(track, states) -> np.ndarray:
     return np.array(forces)
 
 
+@pytest.mark.law("Tangential force: sum(p (x - x_c)) dA / R has zero mean over a closed lap.")
 @pytest.mark.parametrize("plate", HARDNESS)
 @pytest.mark.parametrize("step_nodes", [12, 3, 1])
 def test_tangential_force_has_zero_mean_over_a_lap(plate: str, step_nodes: int) -> None:

@@ -21,6 +21,7 @@ def smooth_track(spacing: float = 2e-6, width: float = 200e-6, **changes: float)
     return make_track(np.zeros((n, n)), **{"spacing": spacing, "load": LOAD, "radius": RADIUS} | changes)
 
 
+@pytest.mark.law("Smooth release: a smooth elastic rolling sphere releases 3 W v a / (16 R).")
 @pytest.mark.parametrize(("spacing", "tolerance"), [(2e-6, 1e-8), (2e-6, 1e-4), (1e-6, 1e-6)])
 def test_release_is_the_closed_form(spacing: float, tolerance: float) -> None:
     """Asked: 0.5 % at a / spacing >= 30. Measured 3.7e-5 at 34, 4.1e-5 there at a tolerance of 1e-4, 3e-6 at 69."""
@@ -30,6 +31,7 @@ def test_release_is_the_closed_form(spacing: float, tolerance: float) -> None:
     assert abs(released / PER_METRE - 1).max() < 2e-4
 
 
+@pytest.mark.law("Smooth release: the error of the release falls with the square of the node spacing.")
 def test_release_error_falls_at_second_order() -> None:
     """The error of one grid depends on how its nodes meet the edge, and changes sign: so the rms over three spacings and the
     centre on and between nodes, 16 to 8 um against 4 to 2 um. Measured 1.3e-3 and 7.8e-5, a rate of 2.04."""
@@ -46,6 +48,7 @@ def test_release_error_falls_at_second_order() -> None:
     assert 1.6 < np.log(rms[0] / rms[1]) / np.log(4) < 2.5
 
 
+@pytest.mark.law("Silence: the release of a smooth sphere does not vary from step to step.")
 @pytest.mark.parametrize("hardness", [np.inf, 1.5e9], ids=["elastic", "capped"])
 def test_marched_sphere_is_silent(hardness: float) -> None:
     """Every whole-node position is the same problem, and the warm start recognises it: rounding only."""
@@ -54,6 +57,7 @@ def test_marched_sphere_is_silent(hardness: float) -> None:
     assert released.std() / released.mean() < 1e-12
 
 
+@pytest.mark.law("Silence: the release of a smooth sphere does not vary between independent solutions.")
 @pytest.mark.parametrize("hardness", [np.inf, 1.5e9], ids=["elastic", "capped"])
 def test_sphere_is_silent_in_solves_that_know_nothing_of_each_other(hardness: float) -> None:
     """Each position solved from another random start, so that nothing but the answer agrees.
@@ -90,6 +94,7 @@ def test_sphere_is_silent_over_pairs_of_half_node_steps() -> None:
     assert pairs.std() / pairs.mean() < 1e-6
 
 
+@pytest.mark.law("Left-end rule: it is high by 4 step / (3 a) on a smooth sphere.")
 @pytest.mark.parametrize("nodes", [1, 2, 4])
 def test_left_end_rule_is_high_by_its_first_order_excess(nodes: int) -> None:
     """4 step / (3 a). The remainder is second order: measured -0.55 to -0.6 (step / a)^2."""
@@ -99,6 +104,7 @@ def test_left_end_rule_is_high_by_its_first_order_excess(nodes: int) -> None:
     assert excess == pytest.approx(closed_forms.left_end_excess(track.step, A), abs=(track.step / A) ** 2)
 
 
+@pytest.mark.law("Mean rule: the release per metre is second order in the step.")
 def test_mean_rule_does_not_depend_on_the_step() -> None:
     """Second order in the step: measured 1.3e-3 between 2 and 8 um, 0.1 (step / a)^2; the left-end rule changes by 11 %."""
     per_metre = []
@@ -108,6 +114,7 @@ def test_mean_rule_does_not_depend_on_the_step() -> None:
     assert np.ptp(per_metre) / per_metre[0] < 0.2 * (8e-6 / A) ** 2
 
 
+@pytest.mark.law("First yield: a smooth sphere yields when its maximum pressure p0 reaches the hardness H.")
 def test_first_yield_is_at_the_hertz_pressure() -> None:
     """The centre node takes p0 to 1e-4 (Hertz test): no node yields at a hardness 0.1 % above p0, some do 0.1 % below."""
     p0 = closed_forms.hertz_pressure(LOAD, RADIUS, STEEL)
@@ -120,6 +127,7 @@ def test_first_yield_is_at_the_hertz_pressure() -> None:
         assert state.plastic_area < 2 * np.pi * A**2 * 0.002
 
 
+@pytest.mark.law("Energy ledger: loading equals release on a smooth sphere.")
 def test_loading_equals_release_on_a_smooth_sphere() -> None:
     """Nothing is gained or lost from step to step; the defect of the ledger is rounding of the stored energy."""
     track = smooth_track()

@@ -9,6 +9,7 @@ import pytest
 from helpers import assert_solved, make_track, releases, roll, rough
 
 
+@pytest.mark.law("Warm equals cold: the warm start leaves no trace beyond the tolerance.")
 @pytest.mark.parametrize("hardness", [np.inf, 2.1e9], ids=["elastic", "capped"])
 @pytest.mark.parametrize("step_nodes", [0.5, 1, 5])
 def test_warm_equals_cold(hardness: float, step_nodes: float) -> None:
@@ -34,6 +35,7 @@ def test_warm_start_saves_iterations() -> None:
     assert warm < 0.9 * cold
 
 
+@pytest.mark.law("Warm equals cold: a track that is solved in pieces has the release of the whole.")
 @pytest.mark.parametrize("first", [1, 7, 20])
 def test_pieces_agree_with_the_whole(first: int) -> None:
     """A march begun anywhere gives the same signal: errors re its fluctuation measured 5e-9 to 2e-8 at 1e-8."""
@@ -43,6 +45,7 @@ def test_pieces_agree_with_the_whole(first: int) -> None:
     assert np.abs(piece - whole[first:]).max() < 1e-6 * whole.std()
 
 
+@pytest.mark.law("Tolerance: the error of the release falls with it.")
 def test_release_error_falls_with_the_tolerance() -> None:
     """In proportion, or faster: two decades of tolerance are at least 1.5 decades of error (measured 0.022 and 1.7e-4)."""
     signals = {}

@@ -10,6 +10,7 @@ from rolling.contact import solver
 from rolling.contact.march import Window
 
 
+@pytest.mark.law("Window: a window twice as large gives the same answer.")
 @pytest.mark.parametrize("hardness", [np.inf, 2.1e9], ids=["elastic", "capped"])
 def test_window_twice_as_large_gives_the_same_answer(hardness: float) -> None:
     """Zero padding makes the convolution exact on any window, so only the solver's tolerance (1e-9) separates the two."""
@@ -26,6 +27,7 @@ def test_window_twice_as_large_gives_the_same_answer(hardness: float) -> None:
         assert solved.approach == pytest.approx(state.approach, abs=1e-8 * state.deflection.max())
 
 
+@pytest.mark.law("Window: the geometric overlap holds every node that can be in contact.")
 def test_overlap_holds_every_node_below_the_approach() -> None:
     """Against the definition, node by node, on a period and half a node each way; rough enough that the overlap is ragged."""
     track = make_track(rough(33, 41, 1e-6), load=0.5, start=1.3e-6)
@@ -43,6 +45,7 @@ def test_overlap_holds_every_node_below_the_approach() -> None:
             assert found == Window.spanning([(i.min(), i.max(), j.min(), j.max())])
 
 
+@pytest.mark.law("Window: a detached island of contact is found.")
 def test_detached_island_is_found() -> None:
     """A 1 um hill 90 um ahead of a contact 20 um wide carries load of its own, far outside any window a margin would give."""
     heights = np.zeros((160, 80))
@@ -57,6 +60,7 @@ def test_detached_island_is_found() -> None:
     assert island + centre == pytest.approx(track.load, rel=1e-12)
 
 
+@pytest.mark.law("Window: an island of contact that rises during the march is found.")
 def test_island_that_rises_during_the_march_is_found() -> None:
     """The same hill met by marching on: each position must agree with a cold solve that has seen nothing before."""
     heights = np.zeros((160, 80))
@@ -71,6 +75,7 @@ def test_island_that_rises_during_the_march_is_found() -> None:
         assert state.approach == pytest.approx(cold.approach, abs=1e-6 * state.deflection.max())
 
 
+@pytest.mark.law("Window: the release counts nodes that have lost contact.")
 def test_release_counts_nodes_that_lost_contact() -> None:
     """First and last contact of a step on the union of both windows: energies equal those on one window over everything."""
     track = make_track(rough(60, 60, 1e-6), load=0.01, tolerance=1e-8)

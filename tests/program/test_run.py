@@ -213,6 +213,7 @@ def test_a_full_disk_keeps_what_was_written(scene: Path, tmp_path: Path, monkeyp
     assert cli.main(["resume", str(out), "--workers", "1"]) == 0
 
 
+@pytest.mark.law("Speed: a speed times c multiplies the release power by c, without a new solve.")
 def test_resound_solves_nothing_and_speed_scales(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
     first, fast, far = tmp_path / "first", tmp_path / "fast", tmp_path / "far"
     assert cli.main(["run", str(scene), "--out", str(first), "--workers", "1"]) == 0

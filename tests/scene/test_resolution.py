@@ -42,6 +42,7 @@ def heard(scene: Scene) -> ContactSound:
     return contact_sound(scene, energy, way.step, way.closed)
 
 
+@pytest.mark.law("Silence: a record within the solver's error is silent.")
 @pytest.mark.parametrize(
     "overrides",
     [

@@ -25,6 +25,7 @@ def generate(
     return surface.gaussian(shape, SPACING, ra, lengths, law, seed)
 
 
+@pytest.mark.law("Surface: Ra is the value asked for, the mean is zero.")
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("ra", "shape"), [(1e-12, (101, 64)), (1e-7, (64, 101)), (5e-6, (1000, 37))])
 def test_ra_is_exact_and_the_mean_zero(law: str, ra: float, shape: tuple[int, int]) -> None:
@@ -34,6 +35,7 @@ def test_ra_is_exact_and_the_mean_zero(law: str, ra: float, shape: tuple[int, in
     assert abs(heights.mean()) < 1e-14 * ra
 
 
+@pytest.mark.law("Surface: the autocorrelation follows its law along and across.")
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("lengths", [(8e-6, 8e-6), (16e-6, 5e-6)], ids=["isotropic", "longer along"])
 def test_autocorrelation_follows_its_law_along_and_across(law: str, lengths: tuple[float, float]) -> None:
@@ -56,6 +58,7 @@ def test_autocorrelation_follows_its_law_along_and_across(law: str, lengths: tup
         assert half == pytest.approx(law_half, rel=0.12)
 
 
+@pytest.mark.law("Surface: the heights are Gaussian.")
 def test_heights_are_gaussian() -> None:
     """About 43200 / (2 pi 9) = 760 independent heights: skewness 0 +- 0.09, kurtosis 3 +- 0.18 (one sigma); three allowed.
     Ra / Rq of a Gaussian is sqrt(2 / pi)."""
@@ -65,6 +68,7 @@ def test_heights_are_gaussian() -> None:
     assert got.ra / got.rq == pytest.approx(np.sqrt(2 / np.pi), rel=0.02)
 
 
+@pytest.mark.law("Surface: a generated surface is periodic.")
 @pytest.mark.parametrize("axis", [0, 1])
 def test_the_seam_is_like_the_interior(axis: int) -> None:
     """Differences across the seam, over 40 surfaces, have the variance of those inside; about 40 * 9 independent ones: 15 %."""

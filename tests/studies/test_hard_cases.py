@@ -84,6 +84,7 @@ def test_everything_plastic_with_no_node_left_free(nodes: int) -> None:
         assert gap[state.pressure > 0].max() <= state.approach <= gap[state.pressure == 0].min()
 
 
+@pytest.mark.law("Rigid-plastic limit: the contact area tends to W / H.")
 def test_rigid_plastic_limit_of_the_area() -> None:
     """As E* rises or H falls the contact area tends to W / H: never below it, above it by the nodes that are not yet at H."""
     load, hardness = 0.2, 2e8  # 250 nodes
@@ -96,6 +97,7 @@ def test_rigid_plastic_limit_of_the_area() -> None:
     assert excess[2] < 0.01  # at 1000 times steel's modulus fewer than 3 of 250 nodes are between the bounds
 
 
+@pytest.mark.law("Capacity: a load above H times the area of one period is refused with the limit.")
 @pytest.mark.parametrize("share", ["1", "1.001", "1e+06"])
 def test_load_above_capacity_is_refused_with_the_limit(share: str) -> None:
     message = judged(f"load {share} of the capacity")[0].message
@@ -152,6 +154,7 @@ def test_ridges_make_windows_that_are_not_square(name: str) -> None:
     assert any(state.window.rows != state.window.columns for state in solved(name)[1])
 
 
+@pytest.mark.law("Periodic surface: the contact crosses the seam as any other place.")
 def test_seam_of_the_periodic_surface() -> None:
     """Contact across the seam along and, by a start half a surface away, not: the same answer at the same heights moved."""
     across_it, inside = solved("seam")[1], solved("seam moved away")[1]
