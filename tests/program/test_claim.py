@@ -200,7 +200,7 @@ def test_a_full_disk_leaves_no_claim_that_stays(tmp_path: Path, monkeypatch: pyt
         raise OSError(28, "No space left on device")
 
     with pytest.raises(OSError, match="No space"), claim.take(run, "run"):
-        monkeypatch.setattr(run_record.run_folder, "write_bytes", full)
+        monkeypatch.setattr(run_record.files, "write_bytes", full)
         raise OSError(28, "No space left on device")
     monkeypatch.undo()
     assert state(run) == "running"

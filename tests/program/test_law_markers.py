@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 TESTS = Path(__file__).parents[1]
@@ -35,26 +35,26 @@ LAWS = {
 }
 
 
-def markers() -> Iterator[ast.Call | ast.expr]:
-    for file in sorted(TESTS.rglob("test_*.py")):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Attribute) and ast.unparse(node) == "pytest.mark.law":
-                yield node
-            if isinstance(node, ast.FunctionDef):
-                yield from (mark for mark in node.decorator_list if ast.unparse(mark).startswith("pytest.mark.law"))
+def trees() -> list[ast.Module]:
+    return [ast.parse(file.read_text(encoding="utf-8")) for file in sorted(TESTS.rglob("test_*.py"))]
 
 
+def is_law(node: ast.AST) -> bool:
+    return isinstance(node, ast.Attribute) and node.attr == "law" and ast.unparse(node) == "pytest.mark.law"
+
+
+@cache
 def sentences() -> list[str]:
-    calls = [node for node in markers() if isinstance(node, ast.Call)]
-    return [ast.literal_eval(call.args[0]) for call in calls]
+    """Return the sentences of the markers that decorate a test."""
+    tests = [node for tree in trees() for node in tree.body if isinstance(node, ast.FunctionDef)]
+    marks = [mark for test in tests for mark in test.decorator_list if isinstance(mark, ast.Call) and is_law(mark.func)]
+    assert all(len(mark.args) == 1 and not mark.keywords for mark in marks)
+    return [ast.literal_eval(mark.args[0]) for mark in marks]
 
 
 def test_markers_are_literal_decorators_of_tests() -> None:
-    """Each marker is seen twice: as an attribute anywhere and as a decorator with one text."""
-    seen = list(markers())
-    calls = [node for node in seen if isinstance(node, ast.Call)]
-    assert len(seen) == 2 * len(calls)
-    assert all(len(call.args) == 1 and not call.keywords for call in calls)
+    """No marker stands elsewhere, where reading without running would not find it."""
+    assert sum(is_law(node) for tree in trees() for node in ast.walk(tree)) == len(sentences())
     assert all(isinstance(sentence, str) for sentence in sentences())
 
 

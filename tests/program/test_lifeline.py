@@ -22,7 +22,7 @@ rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 1}
 # One task holds Python's lock for ever, as a compiled step of the march does while it lasts; one sleeps.
 PROGRAM = """\
 import ctypes, os, sys, time
-from rolling import pool
+from rolling.simulation import pool
 
 def begin():
     open(os.path.join(sys.argv[1], str(os.getpid())), "w").close()
