@@ -118,7 +118,7 @@ def test_fast_solves_nothing(
     assert "asperities may yield" in printed
     assert "stays elastic" not in printed and "contact area" not in printed and "positions solved" not in printed
     assert any("nodes per" in line for line in printed.splitlines())
-    assert not any("positions" in str(f.warning) for f in summary.check.findings(scene()))
+    assert not any("positions" in str(f.warning) for f in summary.findings.findings(scene()))
 
 
 def test_large_surfaces_are_left_out_with_the_limit() -> None:

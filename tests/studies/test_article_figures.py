@@ -18,8 +18,8 @@ from rolling.lee2025 import figure_data, figures, page, study
 from rolling.lee2025.figure_data import Reading, Scales
 from rolling.lee2025.study import Case
 from rolling.scene import file
-from rolling.simulation import simulate
 from rolling.surface import heights as surface
+from rolling.surface import scene_surface
 
 SCENE = """\
 name: small
@@ -111,7 +111,7 @@ def test_every_figure_with_ra_5_says_that_theory_ends_there(solved: Reading, syn
 def test_warning_is_of_the_slope_measured_on_the_surface(solved: Reading, tmp_path: Path) -> None:
     (tmp_path / "s.yaml").write_text(SCENE)
     scene = file.load(tmp_path / "s.yaml", ["surface.roughness_ra_um=5", "rolling.load_n=0.5"])
-    norm = surface.statistics(simulate.heights(scene), scene.spacing).rms_slope
+    norm = surface.statistics(scene_surface.heights(scene), scene.spacing).rms_slope
     assert solved.slopes[5.0, 10.0] == norm
     # Ra 5 um, Gaussian with 1/e at 10 um: Rq sqrt(2)/length = 0.89 along each direction; half a percent less over one
     # spacing, and a tenth for a surface as small as this one.
