@@ -35,6 +35,7 @@ def tables() -> dict[str, Table]:
     return {table.title: table for table in __main__.tables()}
 
 
+@pytest.mark.slow
 def test_the_page_is_what_the_command_prints_now(tables):
     written = (ROOT / "acoustics" / "CONFORMANCE.md").read_text(encoding="utf-8")
     now = __main__.page(list(tables.values()))

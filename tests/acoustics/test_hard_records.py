@@ -33,6 +33,7 @@ def record(kind, n, seed):
     }[kind]
 
 
+@pytest.mark.slow
 @settings(max_examples=250, deadline=None)
 @given(
     kind=st.sampled_from(["silence", "steady", "nearly steady", "tone", "nyquist", "click", "noise"]),

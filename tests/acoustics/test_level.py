@@ -105,6 +105,7 @@ def test_a_fault_is_not_silence():
         sound_levels(sound_pressure(band_limit(np.array([0.0, math.nan, 1.0]), RATE))[0], RATE)
 
 
+@pytest.mark.slow
 def test_each_band_hears_its_own_middle():
     n = 10 * RATE
     for name, mid in zip(BAND_NAMES, MID_HZ, strict=True):

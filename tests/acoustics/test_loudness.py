@@ -76,6 +76,7 @@ def test_silence_and_what_has_no_loudness(mosqito):
         loudness(np.array([0.0, np.nan]), RATE, closed=True)
 
 
+@pytest.mark.slow
 def test_a_scene_gets_what_it_asks_for(mosqito, scene: Path, tmp_path: Path):
     first, again, without = tmp_path / "first", tmp_path / "again", tmp_path / "without"
     assert cli.main(["run", str(scene), "--out", str(first), "--workers", "1"]) == 0
@@ -89,6 +90,7 @@ def test_a_scene_gets_what_it_asks_for(mosqito, scene: Path, tmp_path: Path):
     assert "loudness_sone" not in json.loads((without / "summary.json").read_text())
 
 
+@pytest.mark.slow
 def test_without_the_package_the_scene_is_refused_before_anything_is_done(
     scene: Path, tmp_path: Path, monkeypatch, capsys
 ):

@@ -46,6 +46,7 @@ CASES = [  # duration [s], slope, low and high [Hz], a band in it
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.law("Uncertainty: levels of noise spread as they state.")
 @pytest.mark.parametrize("own_factor", [False, True])
 @pytest.mark.parametrize(("duration", "slope", "low", "high", "band"), CASES)
@@ -62,6 +63,7 @@ def test_levels_spread_as_they_state(duration, slope, low, high, band, own_facto
         assert 0.45 < found[name] < 1.14, (name, found)
 
 
+@pytest.mark.slow
 def test_a_long_record_keeps_a_bound_on_its_maxima():
     # 24 readings of Fast and 1.5 of Slow in 3 s; 100 records: 7 %, three of these.
     found = spread(100, 3.0, 1.0, 17.8, 22387.0, False, "1000")

@@ -97,6 +97,7 @@ def test_a_loop_that_is_heard_as_a_pitch_says_which() -> None:
     assert "short_loop" not in said(0.03, closed=False)
 
 
+@pytest.mark.slow
 def test_a_short_track_gone_round_many_times_says_its_pitch(runs: Runs) -> None:
     """150 laps of 6 ms in 0.9 s sound at 167 Hz, looped or not; the lap alone at the same."""
     texts = {each.key: each.text for each in caveats.stored(heard_in(runs.three())[0].numbers)}

@@ -117,6 +117,7 @@ def test_a_run_of_a_study_two_folders_below_respects_it(tmp_path: Path) -> None:
     first.kill()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("runs", [(), ("load_n=5",)])
 def test_of_processes_that_begin_at_once_one_wins(tmp_path: Path, runs: tuple[str, ...]) -> None:
     """Twelve rounds of five; with a sweep, some of them want a run in it. Two winners: fewer than four refusals."""

@@ -21,6 +21,8 @@ from rolling.simulation import labels, result_file
 from rolling.simulation.run_result import Heard, hear
 from rolling.sound import contact_sound
 
+pytestmark = pytest.mark.slow
+
 SCENE = """\
 name: small
 sphere: {radius_mm: 5}

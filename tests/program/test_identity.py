@@ -103,6 +103,7 @@ def test_heights_replaced_after_an_interrupt_are_refused(scene: Path, tmp_path: 
     assert np.array_equal(*both)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "spoil",
     [
@@ -175,6 +176,7 @@ def test_missing_heights_are_named(scene: Path, tmp_path: Path, monkeypatch, cap
     refused(capsys, out, "surface.path: ../z.npy: no such file")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

@@ -103,6 +103,7 @@ def test_workers_that_hold_the_lock_or_sleep_end_with_their_parent(tmp_path: Pat
     assert_all_end(main, 3)
 
 
+@pytest.mark.slow
 def test_workers_of_a_run_end_with_it(tmp_path: Path) -> None:
     (tmp_path / "scene.yaml").write_text(SCENE)
     main = start(["-m", "rolling.cli", "run", "scene.yaml", "--out", "out", "--workers", "2"], tmp_path)
@@ -112,6 +113,7 @@ def test_workers_of_a_run_end_with_it(tmp_path: Path) -> None:
     assert_all_end(main)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.0, 0.3, 1.0])
 def test_workers_that_are_starting_end_with_their_parent(tmp_path: Path, delay: float) -> None:
     program = tmp_path / "program.py"

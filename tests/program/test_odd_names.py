@@ -53,6 +53,7 @@ def drawn(texts: list[str]) -> Picture:
     return single("odd", texts[0], "; ".join(texts), {text: np.zeros(2) for text in texts}, draw, texts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_pictures_take_any_label_as_it_stands(name: str) -> None:
     """No formula, no missing letter, no byte that is not UTF-8; all of it within the figure."""
@@ -78,6 +79,7 @@ def test_texts_that_differ_look_different() -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_report_of_folders_with_odd_names(runs: Runs, tmp_path: Path, capsys) -> None:
     """End to end: the page is written beside the run, in a folder that is no UTF-8, and names both runs."""
     here = tmp_path / os.fsdecode(b"$x^$ \n \xff #<b>&\"' \xf0\x9f\x98\x80")
@@ -95,6 +97,7 @@ def test_a_report_of_folders_with_odd_names(runs: Runs, tmp_path: Path, capsys) 
     assert "half a letter: \\ud800, $x^$ and a bell: \\x07" in page
 
 
+@pytest.mark.slow
 def test_the_terminal_takes_a_folder_of_any_bytes(runs: Runs, tmp_path: Path) -> None:
     """A strict terminal, one that knows ASCII only, and a table of such folders."""
     folder = tmp_path / os.fsdecode(b"none \xff")

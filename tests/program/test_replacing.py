@@ -198,6 +198,7 @@ def test_a_page_replaces_pages_only(out, tmp_path, refused, monkeypatch) -> None
     assert cli.main(["report", str(out)]) == 0 == cli.main(["report", str(out)])  # its own report.html
 
 
+@pytest.mark.slow
 def test_a_run_in_progress_is_left_alone_by_all_commands(scene, tmp_path, refused) -> None:
     """A real process: the second resume and --force name it; killed, it is in nobody's way."""
     out = tmp_path / "long"

@@ -46,6 +46,7 @@ def one_page(runs: Runs, tmp_path_factory: pytest.TempPathFactory) -> str:
     return out.read_text()
 
 
+@pytest.mark.slow
 def test_page_is_one_file_that_asks_for_nothing(one_page) -> None:
     targets = [match["target"] for match in MARKUP.finditer(one_page)]
     assert len(targets) > 8
@@ -97,6 +98,7 @@ def test_unsolved_or_too_many_runs_are_refused(runs, tmp_path, capsys, monkeypat
     assert not (runs.three() / "report.html").exists()
 
 
+@pytest.mark.slow
 def test_a_sweep_too_large_for_a_page_says_so(runs, tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.setattr(page, "MOST_RUNS", 2)
     assert cli.main(["resound", str(runs.three()), "--out", str(tmp_path / "out")]) == 0
@@ -104,6 +106,7 @@ def test_a_sweep_too_large_for_a_page_says_so(runs, tmp_path, capsys, monkeypatc
     assert not (tmp_path / "out" / "report.html").exists()
 
 
+@pytest.mark.slow
 def test_runs_write_the_page_unless_told_not_to(runs, tmp_path, capsys) -> None:
     scene = runs.folder / "smooth.yaml"
     runs.smooth()
@@ -120,6 +123,7 @@ def test_runs_write_the_page_unless_told_not_to(runs, tmp_path, capsys) -> None:
     assert (third / "report.html").is_file()
 
 
+@pytest.mark.slow
 def test_a_page_that_cannot_be_written_loses_nothing_of_the_run(runs, tmp_path, capsys, monkeypatch) -> None:
     runs.smooth()
     out = tmp_path / "out"
@@ -138,6 +142,7 @@ def test_a_page_that_cannot_be_written_loses_nothing_of_the_run(runs, tmp_path, 
     assert (out / "report.html").is_file() and run_record.read(out).state == "done"
 
 
+@pytest.mark.slow
 def test_three_records_of_ten_seconds_stay_below_15_mb(runs, tmp_path) -> None:
     """At 0.009 m/s the stored runs last 10 s; nothing is solved for it."""
     slow = tmp_path / "slow"

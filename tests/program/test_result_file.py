@@ -239,6 +239,7 @@ def test_a_file_that_another_program_changed_is_refused(path: Path) -> None:
     assert "not the ones that were written" in refusal(path)
 
 
+@pytest.mark.slow
 def test_damaged_old_files_never_crash_and_never_hang(whole: Path, tmp_path: Path) -> None:
     """Without a digest a flip in a value can pass; in types, shapes and structure it must not end in a traceback."""
     path = tmp_path / "result.h5"
@@ -366,6 +367,7 @@ def shorter(group: h5py.Group) -> None:
         shaped(f"{group.name}/{name}", lambda values: values[len(values) // 2 :])(group.file)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("field", "spoil"), HAND_MADE, ids=[f"{k}-{field}" for k, (field, _) in enumerate(HAND_MADE)])
 def test_hand_made_damage_is_refused_by_its_field(field: str, spoil: Spoil, path: Path, monkeypatch) -> None:
     """In a file of this version and in an old one, which has no digest to betray it."""

@@ -17,6 +17,8 @@ from rolling.folders import own_files, run_record
 from rolling.scene import file as scene_file
 from rolling.scene.scene import HeightFile, expand
 
+pytestmark = pytest.mark.slow
+
 SCENES = sorted((Path(__file__).parents[2] / "scenarios").glob("*.yaml"))
 TRACK_M = 300e-6  # wider than any contact at half a newton
 

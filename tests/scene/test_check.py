@@ -287,6 +287,7 @@ def test_report_of_one_run_and_of_many() -> None:
     assert len([line for line in many.splitlines() if line.startswith("Hertz radius")]) == 3
 
 
+@pytest.mark.slow
 def test_quickstart_is_within_its_budget() -> None:
     """Ten seconds of computing, of which three were measured; compilation, once per installation, is not in them."""
     scene = load(Path(__file__).parents[2] / "scenarios" / "quickstart.yaml")

@@ -169,6 +169,7 @@ def estimate_and_files(folder: Path) -> tuple[Scene, float, int]:
     return scene, needed, sum(file.stat().st_size for file in folder.iterdir())
 
 
+@pytest.mark.slow
 def test_files_of_a_run_take_no_more_than_estimated(finished: Path) -> None:
     _, needed, written = estimate_and_files(finished)
     assert 0.8 * written < needed < 3 * written  # pictures, mostly: a few megabytes more or less

@@ -96,6 +96,7 @@ def outcome(text: str) -> str:
     return "read"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_mutated_scenes_are_read_or_refused_in_words_and_quickly(seed: int) -> None:
     chance = random.Random(seed)

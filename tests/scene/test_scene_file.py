@@ -112,6 +112,7 @@ def test_dump_fills_in_defaults_and_no_folder(tmp_path: Path) -> None:
     assert str(tmp_path) not in text
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=100)
 @given(
     st.floats(1e-12, 1e12),

@@ -23,6 +23,8 @@ from rolling.scene import file
 from rolling.surface import heights as surface
 from rolling.verification import judge
 
+pytestmark = pytest.mark.slow
+
 SCENE = """\
 name: small
 sphere: {radius_mm: 5}

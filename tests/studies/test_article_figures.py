@@ -21,6 +21,8 @@ from rolling.scene import file
 from rolling.surface import heights as surface
 from rolling.surface import scene_surface
 
+pytestmark = pytest.mark.slow
+
 SCENE = """\
 name: small
 sphere: {radius_mm: 1}

@@ -49,6 +49,7 @@ def names(pattern: str) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMED)
 def test_named_case(name: str) -> None:
     """Every state against its own convolution, the ledger, the iterations against the budget; or the refusal that is due."""

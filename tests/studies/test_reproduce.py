@@ -14,6 +14,8 @@ from rolling.lee2025.claims import CLAIMS, OUTLOOK
 from rolling.lee2025.standing import WORDS
 from rolling.simulation import result_file, simulate
 
+pytestmark = pytest.mark.slow
+
 SHORT = study.Part(seeds=1, loads=(5, 10), duration_s=0.01, strides=2)  # a track longer than contact is wide
 READINGS = ("as-stated", "hardness-3y-exponential")
 TWIN = "elastic-gaussian"  # 5 N at two roughnesses

@@ -24,6 +24,8 @@ from rolling.simulation import result_file, simulate
 from rolling.sound import contact_sound
 from rolling.surface import contact_of_scene
 
+pytestmark = pytest.mark.slow
+
 SCENES = Path(__file__).parents[2] / "scenarios" / "lee2025"
 READINGS = sorted(folder.name for folder in SCENES.iterdir())
 VARIATIONS = ("two-bodies-gaussian", "two-bodies-gaussian-10pct")
