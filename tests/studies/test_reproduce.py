@@ -8,6 +8,8 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
 from rolling import cli
 from rolling.lee2025 import study
 from rolling.lee2025.claims import CLAIMS, OUTLOOK
