@@ -1,51 +1,22 @@
-"""Scenes small enough to test on, and a check of a contact state that shares no code with the solver."""
+"""What holds in every test: numbers that are none are errors, and a test that opens a browser is marked so."""
 
 from __future__ import annotations
 
-from itertools import pairwise
+from collections.abc import Iterator
 
 import numpy as np
-
-from rolling.contact import recovery
-from rolling.contact.half_space import HalfSpace
-from rolling.contact.march import march
-from rolling.contact.state import ContactState, RollingContact
-from rolling.verification import optimality
-from rolling.verification.hard_cases import STEEL, make_track, rough
-from rolling.verification.optimality import gap_and_deflection
-
-__all__ = [
-    "STEEL",
-    "assert_solved",
-    "gap_and_deflection",
-    "make_track",
-    "releases",
-    "roll",
-    "rough",
-    "space_of",
-    "step_energies",
-]
+import pytest
 
 
-def space_of(track: RollingContact) -> HalfSpace:
-    return HalfSpace(track.spacing, track.contact_modulus)
+@pytest.fixture(autouse=True)
+def floating_point_errors() -> Iterator[None]:
+    """Raise where numpy would go on with inf or nan; code that divides by zero on purpose says so by `np.errstate`."""
+    with np.errstate(divide="raise", invalid="raise", over="raise"):
+        yield
 
 
-def roll(track: RollingContact, first: int, last: int) -> list[ContactState]:
-    return list(march(track, first, last, space_of(track)))
-
-
-def step_energies(
-    track: RollingContact, states: list[ContactState], left_end: bool = False
-) -> list[recovery.StepEnergy]:
-    space = space_of(track)
-    return [recovery.step_energy(old, new, space, left_end) for old, new in pairwise(states)]
-
-
-def releases(track: RollingContact, states: list[ContactState], left_end: bool = False) -> np.ndarray:
-    return np.array([step.release for step in step_energies(track, states, left_end)])
-
-
-def assert_solved(track: RollingContact, state: ContactState, allowance: float = 1.5) -> None:
-    """The state holds the contact conditions within the tolerance, the bounds exactly and the load to 1e-12."""
-    assert not optimality.broken(track, state, allowance)
+@pytest.hookimpl(tryfirst=True)  # before pytest selects by -m
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if "browser" in getattr(item, "fixturenames", ()):
+            item.add_marker("browser")

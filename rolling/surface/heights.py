@@ -141,6 +141,8 @@ def stored(path: Path) -> Array:
             if isinstance(content, np.ndarray)
             else "an archive"
         )
+        if isinstance(content, np.lib.npyio.NpzFile):
+            content.close()
         raise SurfaceError(f"{path}: got {kind}, allowed is one 2-D array of real heights in m, (along track, across)")
     heights = content.astype(np.float64)
     bad = np.argwhere(~np.isfinite(heights))

@@ -1,0 +1,179 @@
+"""Oracles: tones whose levels follow from their amplitude, through the whole chain from step power to level."""
+
+import math
+
+import numpy as np
+import pytest
+
+from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
+from acoustics.level import I_REF_W_M2, P_REF_PA, RHO_C, laeq_db, level_db, peak_pressure, sound_levels
+from acoustics.radiation import intensity, sound_pressure
+from acoustics.resampling import band_limit, resample_closed, undo_step_mean
+from acoustics.weighting import a_weighting_db
+
+RATE = 48000
+
+
+def tone(frequency_hz, amplitude=1.0, n=24000, rate=RATE):
+    return amplitude * np.sin(2.0 * np.pi * frequency_hz * np.arange(n) / rate + 0.4)
+
+
+@pytest.mark.law("Sound chain: a sinusoidal power has the level and the band of its closed form.")
+@pytest.mark.parametrize(
+    ("frequency_hz", "band"), [(40.0, "40"), (1000.0, "1000"), (3200.0, "3150"), (19800.0, "20000")]
+)
+def test_sine_through_the_whole_chain(frequency_hz, band):
+    # The power over a step of 20 us is the mean of 1 mW + 10 uW sin over it, in closed form.
+    mean_w, amplitude_w, step_rate, n, distance = 1e-3, 1e-5, 50000.0, 25000, 2.0
+    phase = 2.0 * np.pi * frequency_hz * np.arange(n + 1) / step_rate + 0.4
+    means = mean_w - amplitude_w * np.diff(np.cos(phase)) * step_rate / (2.0 * np.pi * frequency_hz)
+
+    radiated = intensity(undo_step_mean(means), distance)
+    audible = band_limit(resample_closed(radiated, RATE // 2), RATE)
+    pressure, factor = sound_pressure(audible)
+    levels = sound_levels(pressure, RATE, highest_hz=step_rate / 2.0)
+
+    fluctuation = amplitude_w / math.sqrt(2.0) / (4.0 * math.pi * distance**2)  # rms of I'
+    expected = 10.0 * math.log10(fluctuation * RHO_C / P_REF_PA**2)
+    # The contract is 0.01 dB; every operation is exact but for rounding, so ask for far more.
+    assert levels.level_db == pytest.approx(expected, abs=1e-6)
+    assert levels.laeq_db == pytest.approx(expected + a_weighting_db(frequency_hz), abs=1e-6)
+    assert levels.third_octave_db[band] == pytest.approx(expected, abs=1e-6)
+    assert levels.third_octave_a_db[band] == pytest.approx(expected + a_weighting_db(frequency_hz), abs=1e-6)
+    assert [name for name, level in levels.third_octave_db.items() if level is not None] == [band]
+    assert factor == pytest.approx(math.sqrt(RHO_C / fluctuation), rel=1e-9)
+    # The steady level is that of the mean intensity and does not sound.
+    steady = level_db(float(np.mean(radiated)), I_REF_W_M2)
+    assert steady == pytest.approx(10.0 * math.log10(1e-3 / (16.0 * math.pi) / 1e-12), abs=1e-9)
+
+
+@pytest.mark.law("Levels: 1 Pa is 94 dB re 20 uPa.")
+def test_1_pa_is_94_db():
+    # 20 lg(1 / 20e-6) = 93.979 dB, the level of an acoustic calibrator.
+    assert laeq_db(tone(1000.0, math.sqrt(2.0)), RATE) == pytest.approx(93.9794, abs=1e-4)
+
+
+@pytest.mark.law("Levels: the third octaves add up to the whole.")
+def test_bands_add_up_to_the_whole():
+    noise = np.random.default_rng(2).standard_normal(RATE)
+    levels = sound_levels(band_limit(noise, RATE), RATE)
+
+    def total(bands):
+        return 10.0 * math.log10(sum(10.0 ** (level / 10.0) for level in bands.values()))
+
+    assert total(levels.third_octave_db) == pytest.approx(levels.level_db, abs=1e-9)  # rounding
+    assert total(levels.third_octave_a_db) == pytest.approx(levels.laeq_db, abs=1e-9)
+    assert laeq_db(band_limit(noise, RATE), RATE) == levels.laeq_db
+
+
+def test_silence_is_none_everywhere():
+    levels = sound_levels(np.zeros(4800), RATE)
+    names = ("laeq_db", "level_db", "laf_max_db", "las_max_db", "lz_peak_db")
+    assert {getattr(levels, name) for name in names} == {None}
+    assert list(levels.third_octave_db) == list(levels.third_octave_a_db) == list(BAND_NAMES)
+    assert {*levels.third_octave_db.values(), *levels.third_octave_a_db.values()} == {None}
+    assert level_db(0.0) is None and level_db(-1.0) is None and laeq_db(np.zeros(10), RATE) is None
+
+
+@pytest.mark.law("Silence: a constant power does not sound.")
+def test_a_constant_power_is_silent():
+    # Transforms of these lengths (smooth and prime) leave rounding beside 0 Hz; it must not sound at -100 dB.
+    for n in (24000, 23993):
+        radiated = intensity(undo_step_mean(np.full(n, 1.8e-4)), 1.0)
+        pressure, factor = sound_pressure(band_limit(resample_closed(radiated, 24000), RATE))
+        assert factor == 0.0 and sound_levels(pressure, RATE).level_db is None
+
+
+def test_bands_above_what_was_simulated_are_unknown():
+    noise = band_limit(np.random.default_rng(4).standard_normal(RATE), RATE)
+    known = sound_levels(noise, RATE, highest_hz=12500.0).third_octave_db
+    # The 10 kHz band ends at 11.2 kHz, the 12.5 kHz band at 14.1 kHz.
+    assert [name for name, level in known.items() if level is None] == ["12500", "16000", "20000"]
+    assert sound_levels(noise, 16000.0).third_octave_a_db["8000"] is None  # above the record's own Nyquist, in part
+
+
+def test_a_steady_pressure_is_no_sound_for_the_ear():
+    assert laeq_db(np.full(480, 3.0), RATE) is None
+
+
+def test_a_fault_is_not_silence():
+    with pytest.raises(ValueError, match="not a finite number"):
+        level_db(math.nan)
+    with pytest.raises(ValueError, match="finite"):
+        sound_levels(np.array([0.0, math.inf]), RATE)
+    with pytest.raises(ValueError, match="finite"):
+        sound_levels(sound_pressure(band_limit(np.array([0.0, math.nan, 1.0]), RATE))[0], RATE)
+
+
+@pytest.mark.slow
+def test_each_band_hears_its_own_middle():
+    n = 10 * RATE
+    for name, mid in zip(BAND_NAMES, MID_HZ, strict=True):
+        on_line = round(mid * 10.0) / 10.0
+        levels = sound_levels(tone(on_line, n=n), RATE).third_octave_db
+        assert max(levels, key=lambda key: -math.inf if levels[key] is None else levels[key]) == name
+    assert AUDIBLE_HZ[1] < RATE / 2
+
+
+def test_maxima_and_peak_of_a_tone():
+    # A steady tone reads its level with any weighting; its peak lies 3.01 dB above its rms. The samples of 12 kHz at 45
+    # degrees miss the crest by as much: only what lies between them has it.
+    t = np.arange(RATE) / RATE
+    levels = sound_levels(np.sin(2.0 * np.pi * 12000.0 * t + np.pi / 4.0), RATE)
+    steady = 10.0 * math.log10(0.5 / P_REF_PA**2)
+    weighted = steady + a_weighting_db(12000.0)
+    assert levels.laf_max_db == pytest.approx(weighted, abs=1e-3)  # ripple of the folded square, see time_weighting
+    assert levels.las_max_db == pytest.approx(weighted, abs=1e-3)
+    assert levels.lz_peak_db == pytest.approx(steady + 10.0 * math.log10(2.0), abs=1e-9)
+
+
+def test_peak_between_the_samples_is_found_to_what_is_said():
+    # Worst place of the crest: half way between two of the 8 points per sample, at any frequency.
+    for frequency, allowed in ((5000, 0.0073), (20000, 0.117), (22380, 0.147)):  # -20 lg cos(pi f / (8 * 48 kHz))
+        phase = 2.0 * np.pi * frequency / (16.0 * RATE)
+        t = np.arange(RATE) / RATE
+        missed = -20.0 * math.log10(peak_pressure(np.cos(2.0 * np.pi * frequency * t + phase)))
+        assert -1e-9 < missed < allowed + 1e-3
+    assert peak_pressure(np.array([0.0, -3.0])) == pytest.approx(3.0)
+
+
+def test_levels_that_bound_each_other():
+    # For a loop: LAFmax >= LASmax >= LAeq, for the weighting's mean is the mean; the peak is above the rms.
+    for seed in range(20):
+        record = band_limit(np.random.default_rng(seed).standard_normal(9600), RATE)
+        levels = sound_levels(record, RATE)
+        assert levels.laf_max_db >= levels.las_max_db >= levels.laeq_db
+        assert levels.lz_peak_db >= 20.0 * math.log10(np.abs(record).max() / P_REF_PA) - 1e-9
+        silent_before = sound_levels(record, RATE, closed=False)
+        assert silent_before.laf_max_db < levels.laf_max_db and silent_before.laeq_db == levels.laeq_db
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 7, 480, 4799])
+def test_short_records_have_levels(n):
+    record = np.random.default_rng(5).standard_normal(n)
+    levels = sound_levels(record, RATE)
+    assert levels.level_db == pytest.approx(10.0 * math.log10(np.mean(record**2) / P_REF_PA**2), abs=1e-9)
+    # Far shorter than 125 ms, the weighting of the loop holds its mean: exp(-n/6000) of swing at most.
+    if n > 1:
+        assert levels.laf_max_db == pytest.approx(levels.laeq_db, abs=10.0 / math.log(10.0) * n / 6000.0)
+    else:
+        assert levels.laf_max_db is None  # one sample is only a mean
+
+
+def test_a_steady_pressure_has_no_a_weighted_maximum():
+    levels = sound_levels(np.full(4800, 2.0), RATE)
+    assert levels.laf_max_db is None and levels.las_max_db is None
+    assert levels.lz_peak_db == pytest.approx(20.0 * math.log10(2.0 / P_REF_PA), abs=1e-9)
+
+
+@pytest.mark.parametrize("scale", [1e-135, 1e-20, 1e20, 1e150])
+def test_any_size_has_its_level(scale):
+    record = np.random.default_rng(6).standard_normal(4800)
+    one, scaled = sound_levels(record, RATE), sound_levels(scale * record, RATE)
+    for name in ("laeq_db", "level_db", "laf_max_db", "las_max_db", "lz_peak_db"):
+        assert getattr(scaled, name) - getattr(one, name) == pytest.approx(20.0 * math.log10(scale), abs=1e-8)
+
+
+def test_a_size_whose_square_is_no_number_is_refused():
+    with np.errstate(all="ignore"), pytest.raises(ValueError, match="not a finite number"):
+        sound_levels(np.array([0.0, 1e200, -1e200, 0.0]), RATE)

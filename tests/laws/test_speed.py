@@ -1,0 +1,39 @@
+"""Speed comes after the contact: the same release per metre at another speed is the same sound, shifted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scene_text import PLAIN
+
+from rolling.scene.file import loads
+from rolling.sound import contact_sound
+
+STEP, STEPS = 2e-6, 1000  # a lap of 2 mm: 20 ms at 0.1 m/s
+LINES = np.array([4, 9, 25, 60])  # cycles per lap: 200 Hz to 3 kHz at 0.1 m/s
+
+
+@pytest.mark.law("Speed: a speed times c multiplies the release power by c and every frequency of the sound by c.")
+@pytest.mark.parametrize("c", [0.5, 2, 3])
+def test_speed_times_c(c: float) -> None:
+    """With q and distance given, p = sqrt(rho c / rms(I')) I' goes with the root of the power. Measured: rounding."""
+    phase = 2 * np.pi * np.arange(STEPS) / STEPS
+    energy = 1e-9 * (1 + 0.1 * np.cos(phase[:, None] * LINES + LINES).sum(axis=1))
+    base, fast = (
+        contact_sound(
+            loads(PLAIN, [f"rolling.speed_m_s={0.1 * factor}", f"rolling.duration_s={0.02 / factor}"]),
+            energy,
+            STEP,
+            True,
+        )
+        for factor in (1, c)
+    )
+    assert fast.duration == pytest.approx(base.duration / c, rel=1e-12)
+    np.testing.assert_allclose(fast.power, c * base.power, rtol=1e-12)
+    assert fast.mean_power == pytest.approx(c * base.mean_power, rel=1e-12)
+    lines = [np.fft.rfft(sound.pressure) / len(sound.pressure) for sound in (base, fast)]
+    largest = np.abs(lines[0]).max()
+    # Entry k of either spectrum stands at k / duration: c times as high.
+    np.testing.assert_allclose(lines[1][LINES], np.sqrt(c) * lines[0][LINES], rtol=1e-9)
+    for spectrum in lines:
+        assert np.abs(np.delete(spectrum, LINES)).max() < 1e-9 * largest

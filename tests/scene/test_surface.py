@@ -1,0 +1,174 @@
+"""Generated surfaces against the statistics asked for; files that are not heights refused with readable messages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rolling.surface import heights as surface
+from rolling.surface.heights import SurfaceError
+
+SPACING = 1e-6
+LAWS = {  # written out again, so that the table in the package is tested
+    "gaussian": lambda r: np.exp(-(r**2)),
+    "gaussian_10pct": lambda r: np.exp(-2.3 * r**2),
+    "exponential": lambda r: np.exp(-r),
+    "exponential_10pct": lambda r: np.exp(-2.3 * r),
+}
+
+
+def generate(
+    law: str = "gaussian", shape=(240, 180), ra: float = 1e-7, lengths=(10e-6, 10e-6), seed: int = 1
+) -> np.ndarray:
+    return surface.gaussian(shape, SPACING, ra, lengths, law, seed)
+
+
+@pytest.mark.law("Surface: Ra is the value asked for, the mean is zero.")
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize(("ra", "shape"), [(1e-12, (101, 64)), (1e-7, (64, 101)), (5e-6, (1000, 37))])
+def test_ra_is_exact_and_the_mean_zero(law: str, ra: float, shape: tuple[int, int]) -> None:
+    heights = generate(law, shape, ra)
+    assert heights.shape == shape
+    assert np.abs(heights).mean() == pytest.approx(ra, rel=1e-13)
+    assert abs(heights.mean()) < 1e-14 * ra
+
+
+@pytest.mark.law("Surface: the autocorrelation follows its law along and across.")
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("lengths", [(8e-6, 8e-6), (16e-6, 5e-6)], ids=["isotropic", "longer along"])
+def test_autocorrelation_follows_its_law_along_and_across(law: str, lengths: tuple[float, float]) -> None:
+    """Mean over 24 surfaces of the circular autocorrelation. One surface holds about A / (pi Lx Ly) independent patches, so its
+    estimate is uncertain by up to sqrt(2 pi Lx Ly / A); five times that over sqrt(24) is allowed at each of 60 lags."""
+    shape, count = (240, 180), 24
+    total = np.zeros(shape)
+    for seed in range(count):
+        z = generate(law, shape, lengths=lengths, seed=seed)
+        spectrum = np.abs(np.fft.fft2(z)) ** 2
+        total += np.fft.ifft2(spectrum).real / (z**2).sum()
+    allowed = 5 * np.sqrt(2 * np.pi * lengths[0] * lengths[1] / (240 * 180 * SPACING**2) / count)
+    assert allowed < 0.12
+    lags = np.arange(30) * SPACING
+    for got, length in ((total[:30, 0] / count, lengths[0]), (total[0, :30] / count, lengths[1])):
+        np.testing.assert_allclose(got, LAWS[law](lags / length), atol=allowed)
+        # The length itself, off the lag where the law says 1/2: within 10 %.
+        half = float(np.interp(-0.5, -got, lags))
+        law_half = float(np.interp(-0.5, -LAWS[law](lags / length), lags))
+        assert half == pytest.approx(law_half, rel=0.12)
+
+
+@pytest.mark.law("Surface: the heights are Gaussian.")
+def test_heights_are_gaussian() -> None:
+    """About 43200 / (2 pi 9) = 760 independent heights: skewness 0 +- 0.09, kurtosis 3 +- 0.18 (one sigma); three allowed.
+    Ra / Rq of a Gaussian is sqrt(2 / pi)."""
+    got = surface.statistics(generate(lengths=(3e-6, 3e-6)), SPACING)
+    assert abs(got.skewness) < 0.27
+    assert abs(got.kurtosis - 3) < 0.54
+    assert got.ra / got.rq == pytest.approx(np.sqrt(2 / np.pi), rel=0.02)
+
+
+@pytest.mark.law("Surface: a generated surface is periodic.")
+@pytest.mark.parametrize("axis", [0, 1])
+def test_the_seam_is_like_the_interior(axis: int) -> None:
+    """Differences across the seam, over 40 surfaces, have the variance of those inside; about 40 * 9 independent ones: 15 %."""
+    inside, seam = [], []
+    for seed in range(40):
+        z = generate(shape=(90, 90), seed=seed)
+        inside.append(np.mean(np.diff(z, axis=axis) ** 2))
+        seam.append(np.mean((np.take(z, 0, axis) - np.take(z, -1, axis)) ** 2))
+    assert np.mean(seam) == pytest.approx(np.mean(inside), rel=0.2)
+
+
+def test_seed_reproduces_and_distinguishes() -> None:
+    np.testing.assert_array_equal(generate(seed=7), generate(seed=7))
+    assert abs(np.corrcoef(generate(seed=7).ravel(), generate(seed=8).ravel())[0, 1]) < 0.2
+
+
+def test_roughness_scales_without_changing_shape() -> None:
+    np.testing.assert_allclose(generate(ra=3e-6), 30 * generate(ra=1e-7), rtol=1e-12)
+
+
+def test_correlation_length_beyond_the_surface_is_refused() -> None:
+    with pytest.raises(SurfaceError, match=r"no roughness left.*correlation length"):
+        generate(shape=(16, 16), lengths=(1e3, 1e3))
+
+
+def test_statistics_of_a_sine() -> None:
+    """Rq = A / sqrt 2, Ra = 2 A / pi, kurtosis 3/2, skewness 0; slope A k sinc over one spacing / sqrt 2. Even sampling: exact."""
+    n, amplitude = 4096, 1e-6
+    z = amplitude * np.sin(2 * np.pi * (np.arange(n) + 0.5) / n)[:, None] + np.zeros(7)
+    got = surface.statistics(z + 5e-3, SPACING)
+    assert got.rq == pytest.approx(amplitude / np.sqrt(2), rel=1e-9)
+    assert got.ra == pytest.approx(2 * amplitude / np.pi, rel=1e-6)
+    assert got.skewness == pytest.approx(0, abs=1e-8)
+    assert got.kurtosis == pytest.approx(1.5, rel=1e-8)
+    assert got.rms_slope == pytest.approx(amplitude * 2 * np.sin(np.pi / n) / SPACING / np.sqrt(2), rel=1e-6)
+    assert got.highest == pytest.approx(amplitude, rel=1e-6)
+    assert got.lowest == pytest.approx(-amplitude, rel=1e-6)
+
+
+def test_statistics_of_a_checkerboard_and_of_nothing() -> None:
+    """+-A: Ra = Rq = A, kurtosis 1; each slope 2 A / spacing, the gradient's norm sqrt 2 times it. Flat: zeros, no division."""
+    z = 1e-6 * (-1.0) ** np.add.outer(np.arange(8), np.arange(6))
+    got = surface.statistics(z, SPACING)
+    assert (got.ra, got.rq, got.kurtosis) == pytest.approx((1e-6, 1e-6, 1.0))
+    assert got.rms_slope == pytest.approx(np.sqrt(2) * 2)
+    flat = surface.statistics(surface.smooth((8, 6)), SPACING)
+    assert (flat.ra, flat.rq, flat.skewness, flat.kurtosis, flat.rms_slope) == (0, 0, 0, 0, 0)
+
+
+def test_rms_slope_of_a_gaussian_surface() -> None:
+    """exp(-(r / L)^2): rms slope sqrt 2 Rq / L each way, 2 Rq / L for the norm (L = 10 nodes: differences miss 0.3 %).
+    10 % is 3 sigma of the 137 independent patches."""
+    z = generate()
+    got = surface.statistics(z, SPACING)
+    assert got.rms_slope == pytest.approx(2 * got.rq / 10e-6, rel=0.1)
+
+
+def saved(path: Path, values: np.ndarray, **how: bool) -> Path:
+    np.save(path / "heights.npy", values, **how)
+    return path / "heights.npy"
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.float32, np.int8])
+def test_file_is_read_as_metres_about_its_mean_plane(tmp_path: Path, kind: type) -> None:
+    z = np.random.default_rng(0).standard_normal((12, 9)) * 1e-6
+    if kind is np.int8:
+        z = np.zeros((12, 9))
+    got = surface.read(saved(tmp_path, (z + (kind is not np.int8) * 1e-3).astype(kind)))
+    assert got.dtype == np.float64
+    assert got.shape == (12, 9)
+    np.testing.assert_allclose(got, z - z.mean(), atol=1e-10 if kind is np.float32 else 1e-18)
+
+
+def refused(path: Path) -> str:
+    with pytest.raises(SurfaceError) as caught:
+        surface.read(path)
+    assert str(path) in str(caught.value)
+    return str(caught.value)
+
+
+def test_files_that_are_not_heights_are_refused_readably(tmp_path: Path) -> None:
+    z = np.random.default_rng(0).standard_normal((12, 9)) * 1e-6
+    holes = z.copy()
+    holes[3, 5] = np.nan
+    holes[7, 1] = np.inf
+    message = refused(saved(tmp_path, holes))
+    assert "2 of 108 heights are not numbers" in message and "(3, 5)" in message
+    assert "1-D float64" in refused(saved(tmp_path, z[0]))
+    assert "3-D float64" in refused(saved(tmp_path, z[None]))
+    assert "2-D complex128" in refused(saved(tmp_path, z + 0j))
+    assert "not a readable .npy" in refused(saved(tmp_path, np.array([[{}, 1]], dtype=object), allow_pickle=True))
+    message = refused(saved(tmp_path, z * 1e6))
+    assert "Ra would be" in message and "more than 0.001 m" in message and "multiply by 1e-6" in message
+    (tmp_path / "heights.npy").write_text("0.1 0.2\n0.3 0.4\n")
+    assert "not a readable .npy" in refused(tmp_path / "heights.npy")
+    np.savez(tmp_path / "two.npz", z, z)
+    assert "an archive" in refused(tmp_path / "two.npz")
+    assert "not a readable .npy" in refused(tmp_path / "missing.npy")
+
+
+def test_file_without_any_height_is_refused(tmp_path: Path) -> None:
+    """An empty array has no mean: no RuntimeWarning and no NaN surface may come of it."""
+    refused(saved(tmp_path, np.empty((0, 9))))

@@ -1,0 +1,79 @@
+"""The part of benchmarks/speed.py that no machine changes: iterations and convolutions per step, its check, its table."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+from against_peers import on_full_grid, ours, sequence_track, sequences
+from helpers import roll
+from speed import RIVALS, counts, measure_rival, table, timed_march
+from whole_run import scene_20_n
+
+from rolling.contact.window import Window
+from rolling.surface.contact_of_scene import rolling_contact
+
+GUARDS = {  # most iterations and convolutions per step: what was measured and 15 %
+    "scene": (9.1, 10.2),
+    "A": (11.7, 12.9),
+    "B": (12.0, 13.3),
+    "C": (9.0, 10.1),
+}
+TOLERANCES = {"A": 1e-5, "B": 1e-5, "C": 1e-6}  # at which speed.py compares us with the peers
+
+
+def assert_guarded(name: str, iterations: float, convolutions: float) -> None:
+    most_iterations, most_convolutions = GUARDS[name]
+    assert iterations <= most_iterations and convolutions <= most_convolutions, (name, iterations, convolutions)
+
+
+def test_counts_of_the_scene() -> None:
+    march = timed_march(rolling_contact(scene_20_n()), 30)
+    assert_guarded("scene", **counts(march.states))
+    assert (march.convolving > 0).all() and (march.convolving < march.seconds).all()
+
+
+@pytest.mark.parametrize("name", sorted(TOLERANCES))
+def test_counts_of_the_sequences(name: str) -> None:
+    got = ours(name, TOLERANCES[name], 5)
+    assert got.iterations is not None
+    assert_guarded(name, got.iterations, got.convolutions)
+    assert abs(got.last_load_error) < 1e-12
+
+
+def test_peers_are_given_the_gaps_we_solve() -> None:
+    track, k = sequence_track("C", 1e-6), 3
+    on_plate = track.gap(k, Window(k, 0, sequences.N, sequences.N))
+    assert np.abs(on_plate - sequences.gap("C", k)).max() < 1e-18  # of gaps up to 26 um
+
+
+@pytest.mark.parametrize("name", ["A", "B"])
+def test_check_sees_a_wrong_pressure(name: str) -> None:
+    """The right one has what the solver says of it, a little more by another approach; wrong ones far more."""
+    k, tolerance = 1, 1e-6
+    state = roll(sequence_track(name, tolerance), 0, k)[k]
+    right = on_full_grid(state)
+    error = sequences.violation(name, k, right)
+    assert error < 2 * tolerance * state.deflection.max()
+    # One node aside, one too far along, 0.1 % too much everywhere (in B above the hardness), a loaded node forgotten, tension.
+    forgotten, pulled = right.copy(), right.copy()
+    forgotten[np.unravel_index(right.argmax(), right.shape)] = 0.0
+    pulled[0, 0] = -1e-3 * right.max()
+    wrong = [np.roll(right, 1, axis=1), np.roll(right, 1, axis=0), 1.001 * right, forgotten, pulled]
+    assert all(sequences.violation(name, k, pressure) > 20 * error for pressure in wrong)
+    assert sequences.load_error(name, 1.001 * right) == pytest.approx(1e-3, rel=1e-6)
+
+
+def test_table_says_which_peer_is_absent() -> None:
+    rows = [measure_rival(rival, None, 1, 1) for rival in RIVALS[:2]]
+    lines = table(rows).splitlines()
+    assert len(lines) == 2 + len(rows) and len({line.count("|") for line in lines}) == 1
+    for rival, row, line in zip(RIVALS, rows, lines[2:], strict=False):
+        assert row.met is None and row.numbers["ours"]["gap_error"] <= rival.gap_error
+        assert line.startswith(
+            f"| sequence {rival.sequence}: {rival.peer} / ours | not run: give --{rival.peer} PYTHON |"
+        )

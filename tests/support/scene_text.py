@@ -1,0 +1,42 @@
+"""A scene for the tests of scenes: its text, the faults of its variants, and the scenes of scenarios/."""
+
+from pathlib import Path
+
+import pytest
+
+from rolling.scene.file import loads
+from rolling.scene.messages import SceneError
+
+SCENES = sorted((Path(__file__).parents[2] / "scenarios").glob("*.yaml"))
+
+TEXT = """\
+name: trial
+sphere: {radius_mm: 5}
+plate:
+  youngs_modulus_gpa: 210
+  poissons_ratio: 0.3
+  hardness_gpa: 2.1
+surface:
+  kind: gaussian
+  roughness_ra_um: 0.1
+  correlation_length_um: 10
+  spacing_um: 2
+  width_um: 64
+  seed: 1
+rolling:
+  load_n: 20
+  speed_m_s: 0.1
+  duration_s: 0.01
+numerics: {step_nodes: 1}
+sweep:
+  rolling.load_n: [5, 20, 100]
+  sphere.radius_mm: [2, 5]
+"""
+PLAIN = TEXT[: TEXT.index("sweep:")]
+
+
+def faults(text: str, *overrides: str) -> list[str]:
+    with pytest.raises(SceneError) as error:
+        loads(text, overrides, "s.yaml")
+    assert str(error.value) == "\n".join(error.value.faults)
+    return error.value.faults
