@@ -1,7 +1,7 @@
-"""Write the generated parts of the documentation: `python docs/_hooks/generate.py`. With --check, only say which are out of date.
+"""Write the generated parts of the documentation: `python docs/_hooks/generate.py`. With --check, only name the stale ones.
 
-Generated are the reference of scene files and their JSON Schema (from the models), the table of laws (from the tests), and the table
-of rooms (from the imports).
+Generated are the reference of scene files with their JSON Schema (from the models), the table of laws (from the tests), and the
+table of rooms (from the imports).
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ Json = dict[str, Any]
 
 def main(arguments: list[str]) -> int:
     """Write the generated files, or name the stale ones; return the exit code."""
-    stale = [path for path, text in generated().items() if not path.exists() or path.read_text(encoding="utf-8") != text]
+    stale = [
+        path for path, text in generated().items() if not path.exists() or path.read_text(encoding="utf-8") != text
+    ]
     for path in stale:
         print(path.relative_to(ROOT))
         if "--check" not in arguments:
@@ -173,7 +175,12 @@ def room_table() -> str:
     rooms = {room: _imports(paths) - {room} for room, paths in _rooms().items()}
     floors = _floors(rooms)
     rows = [
-        [str(floors[room]), f"`{room}`", _purpose(_rooms()[room]), ", ".join(f"`{other}`" for other in sorted(rooms[room]))]
+        [
+            str(floors[room]),
+            f"`{room}`",
+            _purpose(_rooms()[room]),
+            ", ".join(f"`{other}`" for other in sorted(rooms[room])),
+        ]
         for room in sorted(rooms, key=lambda room: (floors[room], room))
     ]
     return _table(["floor", "room", "purpose", "imports"], rows)
