@@ -10,7 +10,7 @@ for spacing in (8e-6, 4e-6, 2e-6):
     half = round(160e-6 / spacing)  # of the window, in nodes; the contact radius is 69 um
     x = np.arange(-half, half + 1) * spacing
     gap = (x[:, None] ** 2 + x[None, :] ** 2) / (2 * RADIUS)
-    contact = rc.solve_contact(rc.HalfSpace(spacing, MODULUS), gap, LOAD, tolerance=1e-8)
+    contact = rc.solve_contact(rc.HalfSpace(spacing, MODULUS), gap, LOAD)
     approach = rc.closed_forms.hertz_approach(LOAD, RADIUS, MODULUS)
     peak = rc.closed_forms.hertz_pressure(LOAD, RADIUS, MODULUS)
     print(

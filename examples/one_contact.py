@@ -3,15 +3,15 @@
 import numpy as np
 
 import rolling as rc
-from rolling.surface.heights import gaussian
+from rolling.surface import heights as surface
 
 RADIUS, LOAD, MODULUS, HARDNESS, SPACING = 5e-3, 20.0, 231e9, 2.1e9, 2e-6  # SI
 
-heights = gaussian((128, 128), SPACING, 0.1e-6, (10e-6, 10e-6), "gaussian", seed=1)
+heights = surface.gaussian((128, 128), SPACING, 0.1e-6, (10e-6, 10e-6), "gaussian", seed=1)
 x = (np.arange(128) - 63.5) * SPACING
 gap = (x[:, None] ** 2 + x[None, :] ** 2) / (2 * RADIUS) - heights
 half_space = rc.HalfSpace(SPACING, MODULUS)
-contact = rc.solve_contact(half_space, gap, LOAD, tolerance=1e-6, hardness=HARDNESS)
+contact = rc.solve_contact(half_space, gap, LOAD, hardness=HARDNESS)
 
 cell = SPACING**2
 hertz_area = np.pi * rc.closed_forms.hertz_radius(LOAD, RADIUS, MODULUS) ** 2

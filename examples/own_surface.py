@@ -8,10 +8,10 @@ import numpy as np
 import rolling as rc
 
 SPACING = 4e-6  # m
-along = np.arange(512) * SPACING
-period = 512 * SPACING
+along = np.arange(256) * SPACING
+period = 256 * SPACING
 rng = np.random.default_rng(7)
-marks = sum(np.cos(2 * np.pi * n * along / period + rng.uniform(0, 2 * np.pi)) for n in range(20, 60))
+marks = sum(np.cos(2 * np.pi * n * along / period + rng.uniform(0, 2 * np.pi)) for n in range(10, 30))
 heights = np.repeat(0.02e-6 * marks[:, None], 96, axis=1)  # the same across the track
 
 scene = rc.read_scene(Path(__file__).parents[1] / "scenarios" / "quickstart.yaml").to_dict()
