@@ -109,6 +109,16 @@ def test_scenes_name_their_schema():
         assert scene.read_text(encoding="utf-8").startswith(line), _name(scene)
 
 
+def test_command_that_makes_heights_runs(tmp_path: Path):
+    """The scene with a height file says how to make one."""
+    text = (ROOT / "scenarios" / "measured-surface.yaml").read_text(encoding="utf-8")
+    code = re.findall(r'^#   python -c "(.*)"$', text, re.MULTILINE)
+    assert len(code) == 1
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, "-c", code[0]], cwd=tmp_path, env=environment, check=True)
+    assert (tmp_path / "heights.npy").exists()
+
+
 @pytest.mark.parametrize("script", EXAMPLES, ids=_name)
 def test_example_runs(script: Path, tmp_path: Path):
     assert len(script.read_text(encoding="utf-8").splitlines()) < 30
