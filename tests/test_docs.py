@@ -1,0 +1,146 @@
+"""README and docs: length, links, generated parts, named places, examples. A stranger must find what they promise."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
+DOCS = ROOT / "docs"
+PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *DOCS.glob("*.md")])
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
+WITHOUT_PAGE = {"api.md"}  # made when the site is built
+
+
+def _name(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def _anchor(heading: str) -> str:
+    """Return the anchor of a heading, as the site and code hosts make it."""
+    text = re.sub(r"[^\w\s-]", "", heading.strip().lower())
+    return re.sub(r"[\s]+", "-", text)
+
+
+def _anchors(page: Path) -> set[str]:
+    return {_anchor(line.lstrip("#")) for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("#")}
+
+
+def test_readme_has_at_most_600_words():
+    """As `wc -w` counts, tables and code included."""
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").split()) <= 600
+
+
+@pytest.mark.parametrize("page", PAGES, ids=_name)
+def test_links_lead_to_files_and_headings(page: Path):
+    for link in LINK.findall(page.read_text(encoding="utf-8")):
+        if "://" in link:
+            continue
+        path, _, anchor = link.partition("#")
+        target = (page.parent / path).resolve() if path else page
+        assert target.exists(), f"{_name(page)} links to {link}"
+        if anchor and target.suffix == ".md":
+            assert anchor in _anchors(target), f"{_name(page)} links to {link}"
+
+
+def test_every_page_is_in_the_navigation():
+    navigation = set(re.findall(r"([\w-]+\.md)", (ROOT / "mkdocs.yml").read_text(encoding="utf-8")))
+    assert {page.name for page in DOCS.glob("*.md")} <= navigation
+
+
+def test_generated_parts_are_up_to_date():
+    spec = importlib.util.spec_from_file_location("generate", DOCS / "_hooks" / "generate.py")
+    assert spec is not None and spec.loader is not None
+    generate = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(generate)
+    for path, text in generate.generated().items():
+        assert path.read_text(encoding="utf-8") == text, f"{_name(path)} is out of date: {generate.COMMAND}"
+
+
+def _definitions(path: Path) -> set[str]:
+    """Return the names that a module defines at its top."""
+    names = set()
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            names |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return names
+
+
+@pytest.mark.parametrize("page", ["architecture.md", "numerics.md", "acoustics.md"])
+def test_places_in_the_code_exist(page: str):
+    """Rows that name a module, and names in the cell after it."""
+    rows = [line.split("|") for line in (DOCS / page).read_text(encoding="utf-8").splitlines() if line.startswith("|")]
+    named = 0
+    for cells in rows:
+        for k, cell in enumerate(cells):
+            if not re.fullmatch(r" `(rolling|acoustics)/[\w/]+\.py` ", cell):
+                continue
+            path = ROOT / cell.strip(" `")
+            assert path.exists(), cells
+            wanted = set(re.findall(r"`(\w+)`", cells[k + 1]))
+            assert wanted <= _definitions(path), f"{wanted - _definitions(path)} not in {_name(path)}"
+            named += 1
+    assert named >= 10
+
+
+def test_python_of_readme_and_getting_started_is_the_same():
+    blocks = [
+        re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)[0]
+        for page in (ROOT / "README.md", DOCS / "getting-started.md")
+    ]
+    assert blocks[0] == blocks[1]
+    compile(blocks[0], "README.md", "exec")
+
+
+def test_scenes_name_their_schema():
+    line = "# yaml-language-server: $schema=scene.schema.json\n"
+    for scene in (ROOT / "scenarios").glob("*.yaml"):
+        assert scene.read_text(encoding="utf-8").startswith(line), _name(scene)
+
+
+def test_command_that_makes_heights_runs(tmp_path: Path):
+    """The scene with a height file says how to make one."""
+    text = (ROOT / "scenarios" / "measured-surface.yaml").read_text(encoding="utf-8")
+    code = re.findall(r'^#   python -c "(.*)"$', text, re.MULTILINE)
+    assert len(code) == 1
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, "-c", code[0]], cwd=tmp_path, env=environment, check=True)
+    assert (tmp_path / "heights.npy").exists()
+
+
+@pytest.mark.parametrize("script", EXAMPLES, ids=_name)
+def test_example_runs(script: Path, tmp_path: Path):
+    assert len(script.read_text(encoding="utf-8").splitlines()) < 30
+    environment = {**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT)}
+    # An example takes less than 20 s on a free machine; a busy one gets more.
+    run = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120
+    )
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.strip()
+
+
+def test_site_builds_without_warnings(tmp_path: Path):
+    pytest.importorskip("mkdocs", reason="the extra `docs` is not installed")
+    pytest.importorskip("material", reason="the extra `docs` is not installed")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(tmp_path / "site")]
+    built = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert built.returncode == 0, built.stdout + built.stderr
+    theory = (tmp_path / "site" / "theory.html").read_text(encoding="utf-8")
+    assert "<math" in theory and "arithmatex" not in theory
+    for page in (tmp_path / "site").glob("*.html"):
+        loaded = re.findall(
+            r"<(?:script|img|iframe)[^>]*src=\"(https?:)?//|<link[^>]*href=\"https?://", page.read_text()
+        )
+        assert not loaded, f"{page.name} loads from a network"
