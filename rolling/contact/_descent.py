@@ -18,24 +18,6 @@ MAX_ITERATIONS = 1000
 AIM = 0.98  # of the tolerance: the rest is for the difference between the deflection carried along and one computed afresh
 
 
-class ContactError(RuntimeError):
-    """A contact that cannot be solved: the limit in numbers, or the methods tried and the residual they reached."""
-
-
-@dataclass(frozen=True)
-class Trend:
-    """Changes of a contact from the position before to this one, a guess at the next changes.
-
-    Parameters
-    ----------
-    pressure : (m, n) array, Pa.
-    deflection : (m, n) array, m.
-    """
-
-    pressure: Array
-    deflection: Array
-
-
 @lru_cache(maxsize=1)
 def _inverse_stencil() -> Array:
     """Return the 3 x 3 middle of the inverse of Love's coefficients on a large periodic grid, for unit spacing and pi E* = 1."""
@@ -45,7 +27,7 @@ def _inverse_stencil() -> Array:
 
 
 @dataclass
-class Tried:
+class Effort:
     """Work that a solve has done so far."""
 
     iterations: int = 0
@@ -55,14 +37,10 @@ class Tried:
     rounds: int = 0
     snapping: bool = True
 
-    def refuse_more(self, residual: float, tolerance: float) -> None:
-        """Raise ContactError once the solve is stuck or out of iterations."""
-        if self.stuck > 1 or self.iterations >= MAX_ITERATIONS or self.rounds > MAX_ITERATIONS:
-            raise ContactError(
-                f"the contact solve stopped after {self.iterations} iterations at a residual of {residual:.2g},"
-                f" {tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {self.restarts} restarts,"
-                f" {self.plain_steps} plain gradient steps)"
-            )
+    @property
+    def is_spent(self) -> bool:
+        """Whether the solve is stuck or out of iterations."""
+        return self.stuck > 1 or self.iterations >= MAX_ITERATIONS or self.rounds > MAX_ITERATIONS
 
 
 @dataclass(frozen=True)
@@ -147,20 +125,20 @@ class Descent:
         """Pressures of the candidates [Pa]."""
         return self.system.nodes.p
 
-    def lead(self, trend: Trend) -> None:
-        """Take the first direction from the extrapolation of the last solutions."""
-        ahead = trend.pressure.ravel()[self.node], trend.deflection.ravel()[self.node]
+    def lead(self, pressure_trend: Array, deflection_trend: Array) -> None:
+        """Take the first direction from the extrapolation of the last solutions by their trends on the window."""
+        ahead = pressure_trend.ravel()[self.node], deflection_trend.ravel()[self.node]
         self.direction = Direction(*_solver_kernels.lead(self.packed, *ahead))
 
-    def iterate(self, tried: Tried) -> None:
+    def iterate(self, effort: Effort) -> None:
         """Step until converged, stuck or out of iterations, at one convolution per step."""
-        tried.rounds += 1
-        snap = 0.01 * self.allowed * self.system.stencil.stiffness if tried.snapping else 0.0
+        effort.rounds += 1
+        snap = 0.01 * self.allowed * self.system.stencil.stiffness if effort.snapping else 0.0
         share = self.node.size  # of the snap that a node may take, so that the sum of them makes no difference
         if self.direction.slope < 0:  # the direction of `lead`
-            self._convolve(tried)
+            self._convolve(effort)
         while True:
-            last = tried.iterations >= MAX_ITERATIONS
+            last = effort.iterations >= MAX_ITERATIONS
             step, direction = _solver_kernels.iterate(
                 self.packed, tuple(self.direction), snap / share, np.inf if last else self.goal
             )
@@ -168,32 +146,32 @@ class Descent:
             if last or not self.step.worst > self.goal:
                 break
             share = max(self.step.bound, 1)
-            tried.restarts += self.step.restarts
-            tried.plain_steps += self.step.plain_steps
+            effort.restarts += self.step.restarts
+            effort.plain_steps += self.step.plain_steps
             if not self.direction.slope < 0:
-                tried.iterations += 1
+                effort.iterations += 1
                 break
-            tried.stuck = 0
-            self._convolve(tried)
+            effort.stuck = 0
+            self._convolve(effort)
 
-    def settle(self, tried: Tried) -> None:
-        """Make the pressures carry the load exactly, or, where no step descends, find others to go on from."""
+    def settle(self, effort: Effort) -> None:
+        """Make the pressures carry the load exactly, or, where no step descends, replace them by a feasible restart."""
         (p, g, *_), work, step = self.system.nodes, self.system.work, self.step
         if not step.worst > self.goal:
             # A node put on a bound took its share of the load along: the free nodes have it, or those nearest to moving.
             if step.free:
                 _solver_kernels.carry_load(self.packed, step.approach, step.free)
             elif abs(p.sum() / self.limits.total - 1) > 1e-13:
-                tried.snapping = False
+                effort.snapping = False
                 _projection.settle_load(p, g, self.limits, 0.0)
         elif not self.direction.slope < 0:
             # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
-            tried.stuck += 1
+            effort.stuck += 1
             p += work.d
             _projection.settle_load(p, g, self.limits, 1e-9 * p.max())
         np.clip(p, 0.0, self.limits.hardness, out=p)
 
-    def _convolve(self, tried: Tried) -> None:
+    def _convolve(self, effort: Effort) -> None:
         self.transforms.apply(self.rows)
         self.half_space.count += 1
-        tried.iterations += 1
+        effort.iterations += 1

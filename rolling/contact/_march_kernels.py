@@ -1,4 +1,7 @@
-"""Compiled passes of the march: gap, geometric overlap, what a solved window holds; rows and columns of the unrolled plate."""
+"""Compiled passes of the march: gap, overlap, edges within cells, trends, and the measures of a solved window.
+
+Rows and columns are those of the unrolled plate; heights repeat with their period.
+"""
 
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
@@ -9,7 +12,7 @@ from numba import njit
 
 @njit(cache=True)
 def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
-    """out = ((x_i - x)^2 + (y_j - y)^2) / (2 R) - z on the window that begins at node (row, column)."""
+    """Set out to ((x_i - x)^2 + (y_j - y)^2) / (2 R) - z on the window that begins at node (row, column)."""
     along, across = heights.shape
     curvature = 0.5 / radius
     for i in range(out.shape[0]):
@@ -29,10 +32,10 @@ def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
 
 @njit(cache=True)
 def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach):
-    """Bounding block (first row, last row, first column, last column) of the nodes whose gap is below the approach.
+    """Find the bounding block (first row, last row, first column, last column) of the nodes whose gap is below the approach.
 
-    Looked for on the whole disc the highest node allows, one period to each side at most: an island may lie outside any earlier
-    window. Empty: last row < first row.
+    The search covers the whole disc that the highest node allows, at most one period to each side: an island may lie outside
+    any earlier window. An empty block has its last row before its first.
     """
     along, across = heights.shape
     first_row, last_row, first_column, last_column = 1, 0, 1, 0
@@ -40,7 +43,7 @@ def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach
     if reach2 <= 0.0:
         return first_row, last_row, first_column, last_column
     reach = np.sqrt(reach2)
-    # Half a node more than a period, so that rounding does not hide the image of a node right below the sphere.
+    # The reach is half a node more than a period, so that rounding does not hide the image of a node right below the sphere.
     reach = min(reach, (along + 0.5) * spacing)
     low = int(np.ceil((x - reach) / spacing))
     high = int(np.floor((x + reach) / spacing))
@@ -72,9 +75,9 @@ def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach
 
 @njit(cache=True)
 def towards_the_sphere(p, u, gap, row_offset, column_offset, nodes):
-    """Slope and curvature of the energy from pressures p that stay with the plate towards the same ones `nodes` rows on.
+    """Return slope and curvature of the energy from pressures that stay with the plate towards the same ones `nodes` rows on.
 
-    `gap` is the new undeformed gap on its window, in which that of p and u begins at the offsets.
+    `gap` is the new undeformed gap on its window; the window of the pressures p and deflections u begins at the offsets in it.
     """
     slope = 0.0
     curvature = 0.0
@@ -92,9 +95,9 @@ def towards_the_sphere(p, u, gap, row_offset, column_offset, nodes):
 
 @njit(cache=True)
 def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend):
-    """Changes of p and u since the position before, whose window begins at the offsets in that of p and u.
+    """Compute the changes of p and u since the position before, whose window begins at the offsets in the window of p and u.
 
-    Outside that window nothing was loaded, and of the deflection nothing is known: no change.
+    Outside the window before, all nodes were unloaded; their deflections are unknown, and their changes are set to zero.
     """
     p_trend[:] = p
     u_trend[:] = 0.0
@@ -107,9 +110,9 @@ def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend
 
 @njit(cache=True)
 def cell_ranges(gap, u, u_trend, p, share, most, out):
-    """out = share of half the range [m] of the deflected gap over the cells of loaded nodes and their neighbours, at most `most`.
+    """Set out to a share of half the range [m] of the deflected gap over the cells of loaded nodes and their neighbours.
 
-    u_trend : what the deflection is expected to change by (empty: nothing).
+    `u_trend` is the expected change of the deflection, empty for none; no range exceeds `most` [m].
     """
     rows, columns = p.shape
     for j in range(columns):
@@ -129,7 +132,7 @@ def cell_ranges(gap, u, u_trend, p, share, most, out):
 
 @njit(cache=True)
 def beside_open(pressure, i, j):
-    """Whether one of the four neighbours of a node is open, as all is outside."""
+    """Tell whether one of the four neighbours of a node is open; nodes outside the window are."""
     rows, columns = pressure.shape
     if i == 0 or j == 0 or i == rows - 1 or j == columns - 1:
         return True
@@ -138,7 +141,7 @@ def beside_open(pressure, i, j):
 
 @njit(cache=True)
 def beside_bound(pressure, i, j, hardness):
-    """Whether one of the eight nodes around a node is at the hardness."""
+    """Tell whether one of the eight nodes around a node is at the hardness."""
     for a in range(max(0, i - 1), min(pressure.shape[0], i + 2)):
         for b in range(max(0, j - 1), min(pressure.shape[1], j + 2)):
             if pressure[a, b] >= hardness:
@@ -148,14 +151,14 @@ def beside_bound(pressure, i, j, hardness):
 
 @njit(cache=True)
 def loaded(pressure, deflection, hardness, blended):
-    """Nodes in contact and at the hardness, greatest pressure, sum of p u, bounding block of the loaded nodes in the window.
+    """Return the numbers of nodes in contact and at the hardness, maximum pressure, sum of p u, block of the loaded nodes.
 
-    Where edges are blended, a node between open ones and one at the bound counts with the share of its cell that bears the
-    hardness. An edge beside no node at the bound is elastic.
+    Where edges are blended, a node between open nodes and one at the hardness is a partial cell: it counts with the share of
+    its cell that bears the hardness. An edge beside no node at the hardness is elastic.
     """
     count = 0.0
     capped = 0.0
-    greatest = 0.0
+    maximum = 0.0
     work = 0.0
     first_row, last_row, first_column, last_column = pressure.shape[0], -1, pressure.shape[1], -1
     for i in range(pressure.shape[0]):
@@ -170,18 +173,18 @@ def loaded(pressure, deflection, hardness, blended):
                     capped += p / hardness
                 else:
                     count += 1.0
-                greatest = max(greatest, p)
+                maximum = max(maximum, p)
                 work += p * deflection[i, j]
                 first_row = min(first_row, i)
                 last_row = max(last_row, i)
                 first_column = min(first_column, j)
                 last_column = max(last_column, j)
-    return count, capped, greatest, work, first_row, last_row, first_column, last_column
+    return count, capped, maximum, work, first_row, last_row, first_column, last_column
 
 
 @njit(cache=True)
 def copy_block(source, target, row_offset, column_offset):
-    """target[i + row_offset, j + column_offset] = source[i, j] where both exist, 0 elsewhere."""
+    """Set target[i + row_offset, j + column_offset] to source[i, j] where both exist, and to 0 elsewhere."""
     target[:] = 0.0
     for i in range(max(0, -row_offset), min(source.shape[0], target.shape[0] - row_offset)):
         for j in range(max(0, -column_offset), min(source.shape[1], target.shape[1] - column_offset)):

@@ -1,4 +1,4 @@
-"""Compiled passes over two successive states: what each node releases, and the events it belongs to."""
+"""Compiled passes over two successive states: the release of each node, and the events it belongs to."""
 
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
@@ -7,11 +7,15 @@ from numba import njit
 
 
 @njit(cache=True)
-def node_work(p_old, u_old, row_offset, column_offset, p_new, u_new, left_end, cell, work):
-    """work = pressure times fall of the deflection [J] per node: positive is release, negative is loading. Returns both sums.
+def node_work(old, offset, new, left_end, cell, work):
+    """Set work to pressure times fall of the deflection [J] of each node; return the sums of release and loading.
 
-    The old window begins at the offsets in the new one; outside it nothing was loaded, nor is, where its deflection counts.
+    Positive work is release, negative loading. `old` and `new` are pressure and deflection on their windows; the old window
+    begins at `offset` (row, column) in the new one. A node outside the old window was unloaded before and is so now.
     """
+    p_old, u_old = old
+    p_new, u_new = new
+    row_offset, column_offset = offset
     release = 0.0
     loading = 0.0
     work[:] = 0.0
@@ -27,11 +31,16 @@ def node_work(p_old, u_old, row_offset, column_offset, p_new, u_new, left_end, c
 
 
 @njit(cache=True)
-def extend_events(work, row, column, step, open_event, first, last, energy, peak, node, count):
+def extend_events(work, origin, step, open_event, table, count):
     """Add the releases of one step to the table of events; a node that released in the step before goes on with its event.
 
-    Returns the new count, or -1 - (rows needed) with nothing done when the table is too short.
+    `work` [J] begins at node `origin` (row, column); `open_event` holds the last event of each node of the surface, and `table`
+    the columns node, first, last, energy and peak.
+
+    Returns the new count, or -1 - (rows needed), without a change, when the table is too short.
     """
+    row, column = origin
+    node, first, last, energy, peak = table
     along, across = open_event.shape
     needed = count
     for i in range(work.shape[0]):

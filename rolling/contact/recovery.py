@@ -65,7 +65,7 @@ def step_energy(old: ContactState, new: ContactState, half_space: HalfSpace, lef
     work = np.empty((window.rows, window.columns))
     cell = half_space.spacing**2
     release, loading = _recovery_kernels.node_work(
-        p_old, u_old, *offset, new.pressure, new.deflection, left_end, cell, work
+        (p_old, u_old), offset, (new.pressure, new.deflection), left_end, cell, work
     )
     defect = loading - release - (new.stored_energy - old.stored_energy)
     return StepEnergy(float(release), float(loading), float(defect), window, work)
@@ -98,20 +98,10 @@ class EventTable:
 
     def add(self, step: int, work: StepEnergy) -> None:
         """Add the releases between positions `step` and `step` + 1."""
+        origin = work.window.row, work.window.column
         while True:
-            count = _recovery_kernels.extend_events(
-                work.node_work,
-                work.window.row,
-                work.window.column,
-                step,
-                self._open,
-                self.first,
-                self.last,
-                self.energy,
-                self.peak,
-                self.node,
-                self.count,
-            )
+            table = self.node, self.first, self.last, self.energy, self.peak
+            count = _recovery_kernels.extend_events(work.node_work, origin, step, self._open, table, self.count)
             if count >= 0:
                 self.count = int(count)
                 return

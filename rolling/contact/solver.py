@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling.contact import _projection, _solver_kernels
-from rolling.contact._descent import Candidates, ContactError, Descent, Trend, Tried
+from rolling.contact._descent import Candidates, Descent, Effort
 from rolling.contact._system import Limits, Sets
 from rolling.contact.half_space import HalfSpace
 
@@ -25,6 +25,10 @@ Array = NDArray[np.float64]
 
 NEAR = 0.01  # candidates for contact have a gap below this share of the largest deflection; 0.001 to 0.1 take the same iterations
 SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the largest deflection, serves no tighter one
+
+
+class ContactError(RuntimeError):
+    """A contact that cannot be solved: the limit in numbers, or the methods tried and the residual they reached."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,20 @@ class Contact:
     approach: float
     residual: float
     iterations: int
+
+
+@dataclass(frozen=True)
+class Trend:
+    """Changes of a contact from the position before to this one, a guess at the next changes.
+
+    Parameters
+    ----------
+    pressure : (m, n) array, Pa.
+    deflection : (m, n) array, m.
+    """
+
+    pressure: Array
+    deflection: Array
 
 
 @dataclass(frozen=True)
@@ -140,7 +158,7 @@ def solve_contact(
     Parameters
     ----------
     half_space : HalfSpace. Pressure to deflection.
-    gap : (m, n) array, m, C-contiguous. Undeformed gap.
+    gap : (m, n) array, m. Undeformed gap.
     load : float, N. Normal load.
     start : WarmStart or None. Default: a Winkler foundation.
     hardness : float, Pa. Largest pressure. Default: infinite, purely elastic.
@@ -157,6 +175,7 @@ def solve_contact(
     ------
     ContactError : the window cannot carry the load, or the solve did not converge; the message has residual, iterations and the
         methods tried.
+    ValueError : the start has another shape than the gap.
 
     Examples
     --------
@@ -175,14 +194,16 @@ def solve_contact(
     options = options or SolverOptions()
     start = start or _cold_start(half_space, gap, load, hardness)
     limits = Limits(float(hardness), float(load / half_space.spacing**2))
-    p = np.array(start.pressure, dtype=float)
+    gap, p = np.ascontiguousarray(gap, dtype=float), np.array(start.pressure, dtype=float)
+    if p.shape != gap.shape:
+        raise ValueError(f"the start has pressures of shape {p.shape}, the gap has shape {gap.shape}")
     u = half_space.deflection(p) if start.deflection is None else start.deflection
     compliance = None
     if edge is not None:
         # A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives 2 edge / H by itself.
         gap, compliance = gap - edge, 2 * edge / hardness
     near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
-    tried = Tried()
+    effort = Effort()
     while True:
         v = u if compliance is None else u + compliance * p
         flat = p.ravel(), gap.ravel(), v.ravel(), limits.hardness
@@ -194,8 +215,13 @@ def solve_contact(
                 "the contact solve met numbers that are not finite: check units of load, modulus and heights"
             )
         if fresh and worst <= options.tolerance * u_max and abs(p.sum() / limits.total - 1) <= 1e-12:
-            return Contact(p, u, float(approach), float(worst / u_max), tried.iterations)
-        tried.refuse_more(worst / u_max, options.tolerance)
+            return Contact(p, u, float(approach), float(worst / u_max), effort.iterations)
+        if effort.is_spent:
+            raise ContactError(
+                f"the contact solve stopped after {effort.iterations} iterations at a residual of {worst / u_max:.2g},"
+                f" {options.tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {effort.restarts} restarts,"
+                f" {effort.plain_steps} plain gradient steps)"
+            )
         candidates = Candidates.below(p, gap, v, approach + near * u_max)
         # Not converged though no new node came into sight: single precision is not enough.
         precise = not options.single or options.tolerance < SINGLE_TOLERANCE or (fresh and candidates.node.size <= seen)
@@ -203,9 +229,9 @@ def solve_contact(
             half_space, candidates, p, gap + v, compliance, limits, options.tolerance * u_max, not precise
         )
         if start.trend is not None and not fresh:
-            descent.lead(start.trend)
-        descent.iterate(tried)
-        descent.settle(tried)
+            descent.lead(start.trend.pressure, start.trend.deflection)
+        descent.iterate(effort)
+        descent.settle(effort)
         p.ravel()[candidates.node] = descent.pressure
         u, fresh = half_space.deflection(p), True
         near, seen = NEAR, candidates.node.size
