@@ -13,5 +13,5 @@ cost, demand, machine
 refusals
     scenes that cannot be run here
 finding, report
-    one finding and its numbers in words; the table
+    one finding and its numbers in words; `Findings`, all of a scene, and their table
 """

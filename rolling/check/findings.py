@@ -5,9 +5,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple, overload
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from rolling.check import (
     cost,
@@ -15,68 +15,18 @@ from rolling.check import (
     height_files,
     long_steps,
     refusals,
-    report,
     sampling,
     size,
     smooth_contact,
     validity,
 )
 from rolling.check.finding import Finding, clock, on_cores
+from rolling.check.report import Findings, RunFindings
 from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
 
 if TYPE_CHECKING:
     from rolling.check.probe import Probe
-
-
-class RunFindings(NamedTuple):
-    """Findings of one run and its name: the swept values, or the name of the scene."""
-
-    name: str
-    findings: list[Finding]
-
-
-@dataclass(frozen=True)
-class Findings(Sequence[Finding]):
-    """Findings of all runs of a scene, one run after the other; printed, they are a table.
-
-    Attributes
-    ----------
-    runs : tuple of RunFindings
-        Findings by run.
-    of_all : tuple of (str, str)
-        Time, memory and disk of all runs together; empty for a single run.
-    excess : tuple of str
-        Warnings that all runs together need too much memory or disk.
-    """
-
-    runs: tuple[RunFindings, ...]
-    of_all: tuple[tuple[str, str], ...] = ()
-    excess: tuple[str, ...] = ()
-
-    @property
-    def warnings(self) -> list[str]:
-        """Warnings in words, each once; empty where nothing is doubtful."""
-        return [*self.excess, *report.warnings(self)]
-
-    def __len__(self) -> int:
-        return sum(len(run.findings) for run in self.runs)
-
-    def __iter__(self) -> Iterator[Finding]:
-        return (finding for run in self.runs for finding in run.findings)
-
-    @overload
-    def __getitem__(self, index: int) -> Finding: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Finding]: ...
-    def __getitem__(self, index: int | slice) -> Finding | list[Finding]:
-        return list(self)[index]
-
-    def __str__(self) -> str:
-        return report.text(self)
-
-    def _repr_html_(self) -> str:
-        return report.html(self)
 
 
 def check_scene(scene: Scene, solve: bool = True) -> Findings:

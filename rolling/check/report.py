@@ -1,16 +1,67 @@
-"""Findings as a table: for the terminal as text, for a notebook as HTML."""
+"""Findings of all runs of a scene as a sequence and as a table: text for the terminal, HTML for a notebook."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from html import escape
-from typing import TYPE_CHECKING
+from typing import NamedTuple, overload
 
-if TYPE_CHECKING:
-    from rolling.check.finding import Finding
-    from rolling.check.findings import Findings
+from rolling.check.finding import Finding
 
 RUNS_ABREAST = 5  # columns of the table
+
+
+class RunFindings(NamedTuple):
+    """Findings of one run and its name: the swept values, or the name of the scene."""
+
+    name: str
+    findings: list[Finding]
+
+
+@dataclass(frozen=True, repr=False)
+class Findings(Sequence[Finding]):
+    """Findings of all runs of a scene, one run after the other; printed, they are a table.
+
+    Attributes
+    ----------
+    runs : tuple of RunFindings
+        Findings by run.
+    of_all : tuple of (str, str)
+        Time, memory and disk of all runs together; empty for a single run.
+    excess : tuple of str
+        Warnings that all runs together need too much memory or disk.
+    """
+
+    runs: tuple[RunFindings, ...]
+    of_all: tuple[tuple[str, str], ...] = ()
+    excess: tuple[str, ...] = ()
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings in words, each once; empty where nothing is doubtful."""
+        return [*self.excess, *warnings(self)]
+
+    def __len__(self) -> int:
+        return sum(len(run.findings) for run in self.runs)
+
+    def __iter__(self) -> Iterator[Finding]:
+        return (finding for run in self.runs for finding in run.findings)
+
+    @overload
+    def __getitem__(self, index: int) -> Finding: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Finding]: ...
+    def __getitem__(self, index: int | slice) -> Finding | list[Finding]:
+        return list(self)[index]
+
+    def __str__(self) -> str:
+        return text(self)
+
+    __repr__ = __str__  # the table at a prompt
+
+    def _repr_html_(self) -> str:
+        return html(self)
 
 
 def text(findings: Findings) -> str:
