@@ -39,6 +39,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:  # the message says what is kept, where a run was under way
         _say(str(error))
         return FAILED
+    except Exception as error:
+        if not _is_bad_input(error):
+            raise
+        _say(str(error))
+        return BAD_INPUT
+
+
+def _is_bad_input(error: Exception) -> bool:
+    """Return whether an error is of the scene or the folder that a command was given."""
+    from rolling.folders.files import FolderError
+    from rolling.scene.messages import SceneError
+
+    return isinstance(error, SceneError | FolderError)
 
 
 # ---- the arguments of the commands -----------------------------------------------------------------------------------
@@ -161,50 +174,40 @@ def _seconds(text: str) -> float:
 # ---- the commands ----------------------------------------------------------------------------------------------------
 
 
-def _run(arguments: argparse.Namespace) -> int:
+def _run(given: argparse.Namespace) -> int:
     from rolling import commands
 
-    a = arguments
-    return _reported(lambda: commands.run(a.scene, a.set, a.out, a.force, a.workers, not a.no_report), not a.no_report)
+    return _reported(
+        commands.run(given.scene, given.set, given.out, given.force, given.workers, not given.no_report),
+        not given.no_report,
+    )
 
 
-def _resume(arguments: argparse.Namespace) -> int:
+def _resume(given: argparse.Namespace) -> int:
     from rolling import commands
 
-    a = arguments
-    return _reported(lambda: commands.resume(a.folder, a.workers, not a.no_report, a.take_over), not a.no_report)
+    return _reported(
+        commands.resume(given.folder, given.workers, not given.no_report, given.take_over), not given.no_report
+    )
 
 
-def _resound(arguments: argparse.Namespace) -> int:
+def _resound(given: argparse.Namespace) -> int:
     from rolling import commands
 
-    a = arguments
-    return _reported(lambda: commands.resound(a.folder, a.set, a.out, a.force, not a.no_report), not a.no_report)
+    return _reported(
+        commands.resound(given.folder, given.set, given.out, given.force, not given.no_report), not given.no_report
+    )
 
 
 def _report(arguments: argparse.Namespace) -> int:
     from rolling import commands
-    from rolling.folders.files import FolderError
-    from rolling.scene.messages import SceneError
 
-    try:
-        print(commands.report(arguments.folders, arguments.out, arguments.force))
-    except (SceneError, FolderError) as error:
-        _say(str(error))
-        return BAD_INPUT
+    print(commands.report(arguments.folders, arguments.out, arguments.force))
     return OK
 
 
-def _reported(act: Callable[[], Report], page: bool) -> int:
-    """Run a command that works on a run folder, and print what came of it."""
-    from rolling.folders.files import FolderError
-    from rolling.scene.messages import SceneError
-
-    try:
-        report = act()
-    except (SceneError, FolderError) as error:
-        _say(str(error))
-        return BAD_INPUT
+def _reported(report: Report, page: bool) -> int:
+    """Print the outcome of a command that worked on a run folder."""
     _print_levels(report)
     if report.exit_code == OK:
         _print_files(report, page)
@@ -244,13 +247,8 @@ def _print_files(report: Report, page: bool) -> None:
 def _check(arguments: argparse.Namespace) -> int:
     from rolling.check import findings
     from rolling.scene import file
-    from rolling.scene.messages import SceneError
 
-    try:
-        print(findings.check_scene(file.read_scene(arguments.scene, arguments.set), solve=not arguments.fast))
-    except SceneError as error:
-        _say(str(error))
-        return BAD_INPUT
+    print(findings.check_scene(file.read_scene(arguments.scene, arguments.set), solve=not arguments.fast))
     return OK
 
 
@@ -268,31 +266,18 @@ def _accuracy(arguments: argparse.Namespace) -> int:
         return BAD_INPUT
 
     from rolling.accuracy import study
-    from rolling.folders.files import FolderError
-    from rolling.scene.messages import SceneError
 
     given = {name: value for name in ("finest", "duration") if (value := getattr(arguments, name)) is not None}
-    try:
-        return study.run_study(
-            arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers, **given
-        )
-    except (SceneError, FolderError) as error:
-        _say(str(error))
-        return BAD_INPUT
+    return study.run_study(arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers, **given)
 
 
 def _hard_cases(arguments: argparse.Namespace) -> int:
     from rolling.check import cost
     from rolling.folders import new_folder, run_record
-    from rolling.folders.files import FolderError
     from rolling.verification import judge
 
-    try:
-        target = new_folder.aim(Path("outputs") / "hard-cases", arguments.out, False, ["hard-cases"])
-        held = new_folder.make(target, run_record.new("hard-cases"))
-    except FolderError as error:
-        _say(str(error))
-        return BAD_INPUT
+    target = new_folder.aim(Path("outputs") / "hard-cases", arguments.out, False, ["hard-cases"])
+    held = new_folder.make(target, run_record.new("hard-cases"))
     with held:
         workers = arguments.workers or cost.cores()
         code = judge.main_report(held.folder, arguments.random or 2000, workers, arguments.long)
@@ -301,17 +286,10 @@ def _hard_cases(arguments: argparse.Namespace) -> int:
     return code
 
 
-def _reproduce(arguments: argparse.Namespace) -> int:
-    from rolling.folders.files import FolderError
+def _reproduce(given: argparse.Namespace) -> int:
     from rolling.lee2025 import reproduce
-    from rolling.scene.messages import SceneError
 
-    a = arguments
-    try:
-        done = reproduce.reproduce(a.study, a.readings, a.out, a.quick, a.workers, a.take_over)
-    except (SceneError, FolderError) as error:
-        _say(str(error))
-        return BAD_INPUT
+    done = reproduce.reproduce(given.study, given.readings, given.out, given.quick, given.workers, given.take_over)
     for case, reason in done.failures.items():
         _say(f"failed: {case}: {reason}")
     if done.interrupted:

@@ -181,24 +181,24 @@ def _maps(file: h5py.File, result: Result) -> None:
     if not maps:
         return
     group = _Group(file.create_group("pressure_maps"))
-    shapes = np.array([one.pressure.shape for one in maps])
+    shapes = np.array([each.pressure.shape for each in maps])
     rows, columns = shapes.max(axis=0).tolist()
     for name, length in (("map", len(maps)), ("row", rows), ("column", columns)):
         group.dimension(name, length)
     for name, values, unit in (
-        ("position", [one.position for one in maps], "1"),
-        ("distance", [one.distance for one in maps], "m"),
-        ("along", [one.along for one in maps], "m"),
-        ("across", [one.across for one in maps], "m"),
-        ("cell", [one.cell for one in maps], "m"),
+        ("position", [each.position for each in maps], "1"),
+        ("distance", [each.distance for each in maps], "m"),
+        ("along", [each.along for each in maps], "m"),
+        ("across", [each.across for each in maps], "m"),
+        ("cell", [each.cell for each in maps], "m"),
         ("rows", shapes[:, 0], "1"),
         ("columns", shapes[:, 1], "1"),
     ):
         group.add(name, np.asarray(values), ["map"], unit)
     # Each map is as large as its contact: around it there is nothing.
     padded = np.full((len(maps), rows, columns), np.nan, dtype=np.float32)
-    for one, block in zip(maps, padded, strict=True):
-        block[: one.pressure.shape[0], : one.pressure.shape[1]] = one.pressure
+    for each, block in zip(maps, padded, strict=True):
+        block[: each.pressure.shape[0], : each.pressure.shape[1]] = each.pressure
     group.add("pressure", padded, ["map", "row", "column"], "Pa", packed=True)
 
 

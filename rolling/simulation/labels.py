@@ -186,7 +186,7 @@ def _absent(scene: Scene, key: str) -> str:
 
 
 def _value(scene: Scene, key: str) -> Hashable:
-    """Read the value of a dotted key, None where the scene has none; of a height file its place on the disk."""
+    """Read the value of a dotted key, None where there is none; a height file is read as its place on the disk."""
     if key == "surface.path":
         return scene.height_path and scene.height_path.resolve()
     section, _, last = key.partition(".")

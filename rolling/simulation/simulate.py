@@ -139,6 +139,12 @@ def pressure_map(state: ContactState, distance: float, spacing: float) -> Pressu
     return PressureMap(state.position, distance, *corner, nodes * spacing, means.astype(np.float32))
 
 
+def _snapshot(state: ContactState, contact: RollingContact) -> Snapshot:
+    """Return pressure and deflection of a state with the place of its window."""
+    row, column = state.window.row * contact.spacing, state.window.column * contact.spacing
+    return Snapshot(contact.position(state.position), row, column, state.pressure, state.deflection)
+
+
 def simulate_piece(
     scene: Scene,
     first: int,
@@ -194,10 +200,7 @@ def simulate_piece(
             if k in kept_positions:
                 maps.append(pressure_map(state, contact.position(k), contact.spacing))
         if k == last and first == 0:
-            window, spacing = state.window, contact.spacing
-            snapshot = Snapshot(
-                contact.position(k), window.row * spacing, window.column * spacing, state.pressure, state.deflection
-            )
+            snapshot = _snapshot(state, contact)
         old = state
     return Piece(first, last, steps, states, table.columns() if table else None, snapshot, maps)
 

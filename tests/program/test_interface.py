@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import doctest
 import inspect
 import json
 import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import matplotlib
@@ -18,9 +20,11 @@ from matplotlib.figure import Figure
 
 import rolling as rc
 from rolling import cli
+from rolling.commands import interface
 from rolling.contact.solver import ContactError
 from rolling.folders.files import FolderError
 from rolling.scene.messages import SceneError
+from rolling.simulation import solving
 from rolling.simulation.run_result import Heard
 
 matplotlib.use("Agg")
@@ -211,6 +215,19 @@ def test_progress_is_shown_where_it_is_asked_for(folder: Path, capsys: pytest.Ca
         rc.simulate(scene, workers=1, progress=progress)
         printed = capsys.readouterr()
         assert ("100%" in printed.err) == shown and not printed.out
+
+
+def test_progress_is_shown_in_a_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A notebook is no terminal, but somebody looks."""
+    assert solving._disabled(None) is None  # tqdm looks for a terminal
+    shell = type("ZMQInteractiveShell", (), {})()
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    assert solving._disabled(None) is False and solving._disabled(False) is True
+
+
+def test_example_of_the_docstring() -> None:
+    failed, attempted = doctest.testmod(interface)
+    assert attempted >= 4 and not failed
 
 
 def test_levels_and_caveats_for_a_notebook(run: Heard) -> None:
