@@ -18,6 +18,7 @@ def nodes(rows: int, columns: int) -> np.ndarray:
 
 
 @pytest.mark.law("Half-space: Love's coefficients are the entries of the influence matrix.")
+@pytest.mark.kernel
 def test_love_coefficients_agree_with_the_influence_matrix() -> None:
     """Two ways of writing one closed form. Corner terms of size r cancel to 1 / r, and plain logarithms to less: measured 4e-12."""
     rows, columns = 21, 14
@@ -69,6 +70,7 @@ def test_deflection_scales_with_spacing_and_modulus() -> None:
 
 
 @pytest.mark.law("Half-space: the deflection is linear and reciprocal.")
+@pytest.mark.kernel
 def test_deflection_is_linear_and_symmetric() -> None:
     """Superposition, and reciprocity p1.u2 = p2.u1: both to the rounding of one transform."""
     rng = np.random.default_rng(5)
