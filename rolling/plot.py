@@ -23,7 +23,7 @@ from acoustics.weighting import a_weighting_db
 from rolling.figures import axes
 from rolling.scene.scene import Scene
 from rolling.simulation import labels
-from rolling.simulation.run_result import Heard
+from rolling.simulation.run_result import RunResult
 from rolling.surface import scene_surface
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["contact_pressure", "levels", "release_power", "spectrum", "surface", "third_octaves"]
 
 
-def third_octaves(runs: Heard | Iterable[Heard], ax: Axes | None = None, a_weighted: bool = False) -> Axes:
+def third_octaves(runs: RunResult | Iterable[RunResult], ax: Axes | None = None, a_weighted: bool = False) -> Axes:
     """Plot third-octave levels of runs with their standard uncertainty.
 
     Parameters
@@ -63,7 +63,7 @@ def third_octaves(runs: Heard | Iterable[Heard], ax: Axes | None = None, a_weigh
     return ax
 
 
-def spectrum(runs: Heard | Iterable[Heard], ax: Axes | None = None) -> Axes:
+def spectrum(runs: RunResult | Iterable[RunResult], ax: Axes | None = None) -> Axes:
     """Plot A-weighted line spectra of the sound pressure of runs.
 
     Parameters
@@ -83,7 +83,7 @@ def spectrum(runs: Heard | Iterable[Heard], ax: Axes | None = None) -> Axes:
     return ax
 
 
-def release_power(run: Heard, ax: Axes | None = None) -> Axes:
+def release_power(run: RunResult, ax: Axes | None = None) -> Axes:
     """Plot the release power of a run over time, with its mean.
 
     Parameters
@@ -100,7 +100,7 @@ def release_power(run: Heard, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def contact_pressure(run: Heard, ax: Axes | None = None) -> Axes:
+def contact_pressure(run: RunResult, ax: Axes | None = None) -> Axes:
     """Plot the contact pressure at the snapshot of a run as a map, with a colour bar.
 
     Parameters
@@ -124,7 +124,7 @@ def contact_pressure(run: Heard, ax: Axes | None = None) -> Axes:
     return axes.contact_map(ax, _bar(ax), snapshot, pressure, run.scene.spacing, limits, "pressure [GPa]")
 
 
-def surface(shown: Heard | Scene, ax: Axes | None = None) -> Axes:
+def surface(shown: RunResult | Scene, ax: Axes | None = None) -> Axes:
     """Plot the heights of the surface of a run or scene as a map, with a colour bar.
 
     Parameters
@@ -135,12 +135,12 @@ def surface(shown: Heard | Scene, ax: Axes | None = None) -> Axes:
     -------
     ax : heights, µm, over the first 0.8 mm of the plate, µm.
     """
-    scene = shown.scene if isinstance(shown, Heard) else shown
+    scene = shown.scene if isinstance(shown, RunResult) else shown
     ax = _axes(ax)
     return axes.surface(ax, _bar(ax), scene_surface.heights(scene), scene.spacing)
 
 
-def levels(runs: Iterable[Heard], key: str, ax: Axes | None = None) -> Axes:
+def levels(runs: Iterable[RunResult], key: str, ax: Axes | None = None) -> Axes:
     """Plot LAeq and LZeq of runs against a number of their scenes.
 
     Parameters
@@ -188,14 +188,14 @@ def _bar(ax: Axes) -> Axes:
     return ax.inset_axes((1.03, 0.0, 0.05, 1.0))
 
 
-def _listed(runs: Heard | Iterable[Heard]) -> Sequence[Heard]:
+def _listed(runs: RunResult | Iterable[RunResult]) -> Sequence[RunResult]:
     """Return one run or several as a list; of a dictionary its values."""
     if isinstance(runs, dict):
         return [*runs.values()]
     return [*runs] if isinstance(runs, Iterable) else [runs]
 
 
-def _a_weighted_lines(run: Heard) -> Lines:
+def _a_weighted_lines(run: RunResult) -> Lines:
     frequency, square = line_spectrum(run.sound.pressure, run.sound.sample_rate)
     with np.errstate(divide="ignore"):
         level = 10 * np.log10(square / P_REF_PA**2)

@@ -23,7 +23,7 @@ from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan, refuse
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
-from rolling.simulation.run_result import Heard, hear
+from rolling.simulation.run_result import RunResult, hear
 from rolling.simulation.stored_runs import (
     is_begun,
     is_kept,
@@ -174,7 +174,7 @@ def resound(
             return _finish(work, _sounds(work), Outcome())
 
 
-def save_run(finished: Heard, folder: Path, force: bool = False, report: bool = True) -> Path:
+def save_run(finished: RunResult, folder: Path, force: bool = False, report: bool = True) -> Path:
     """Write a run that is in memory into a new run folder, with the files that `run` writes.
 
     Parameters
@@ -231,9 +231,9 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     return out
 
 
-def _stored_sounds(runs: Sequence[Run]) -> tuple[list[Heard], list[str]]:
+def _stored_sounds(runs: Sequence[Run]) -> tuple[list[RunResult], list[str]]:
     """Make the sound of stored runs; return them, and the titles of runs of which too little is solved."""
-    finished: list[Heard] = []
+    finished: list[RunResult] = []
     unsolved: list[str] = []
     for each, label in zip(runs, labels.labels(runs), strict=True):
         refusals.refuse_unavailable(each.scene)
@@ -278,7 +278,7 @@ def _way_on(work: _Work) -> str:
     return f"{text}\nthe run that this one replaces stays in {new_folder.previous(folder)} until this one is done"
 
 
-def _sounds(work: _Work) -> list[Heard | None]:
+def _sounds(work: _Work) -> list[RunResult | None]:
     """Make the sound of each run; None where too little is solved."""
     names = labels.labels(work.runs)
     return [
@@ -288,7 +288,7 @@ def _sounds(work: _Work) -> list[Heard | None]:
     ]
 
 
-def _finish(work: _Work, sounds: Sequence[Heard | None], outcome: Outcome) -> Report:
+def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -> Report:
     """Write sound, numbers and figures of every run, those of all runs together, the page, and the states last.
 
     Parameters
@@ -321,7 +321,7 @@ def _finish(work: _Work, sounds: Sequence[Heard | None], outcome: Outcome) -> Re
     )
 
 
-def _write_run(finished: Heard, result: Result) -> None:
+def _write_run(finished: RunResult, result: Result) -> None:
     """Write result, sound files, numbers and provenance of one run into its folder."""
     folder, scene = finished.folder, finished.scene
     batch.keep(Run(finished.values, scene, folder), result, finished.sound)
@@ -369,7 +369,7 @@ def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
     return new_folder.previous(held.folder) if held.record.replaces else None
 
 
-def _write_pictures(folder: Path, runs: list[Heard], page: bool) -> list[tuple[Heard | None, Exhibit]]:
+def _write_pictures(folder: Path, runs: list[RunResult], page: bool) -> list[tuple[RunResult | None, Exhibit]]:
     """Write the figures of each run into its folder and those of all runs into theirs.
 
     Returns

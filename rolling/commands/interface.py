@@ -17,7 +17,7 @@ from rolling.simulation import simulate as pieces
 from rolling.simulation.plan import refuse
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
-from rolling.simulation.run_result import Heard, hear
+from rolling.simulation.run_result import RunResult, hear
 from rolling.simulation.stored_runs import read_runs
 
 Values = float | tuple[float, ...]
@@ -31,12 +31,12 @@ class SweepError(ContactError):
     runs : dict. The other runs, as `simulate_sweep` returns them.
     """
 
-    def __init__(self, failures: dict[str, str], runs: dict[Values, Heard]) -> None:
+    def __init__(self, failures: dict[str, str], runs: dict[Values, RunResult]) -> None:
         super().__init__("\n".join(f"{label}: {reason}" for label, reason in failures.items()))
         self.failures, self.runs = failures, runs
 
 
-def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> Heard:
+def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> RunResult:
     """Simulate a scene in memory: contact, released energy, sound and levels.
 
     Parameters
@@ -76,7 +76,7 @@ def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> He
     return run
 
 
-def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None) -> dict[Values, Heard]:
+def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None) -> dict[Values, RunResult]:
     """Simulate every run of a scene that sweeps, in memory.
 
     Parameters
@@ -99,7 +99,7 @@ def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None)
     return _simulated(scene, [_Single(values, single) for values, single in scene.runs()], workers, progress)
 
 
-def open_run(folder: Path | str) -> Heard:
+def open_run(folder: Path | str) -> RunResult:
     """Read a stored run; its sound is made again, without solving.
 
     Parameters
@@ -135,7 +135,9 @@ class _Single:
     folder: Path = _HERE
 
 
-def _simulated(scene: Scene, singles: Sequence[_Single], workers: int, progress: bool | None) -> dict[Values, Heard]:
+def _simulated(
+    scene: Scene, singles: Sequence[_Single], workers: int, progress: bool | None
+) -> dict[Values, RunResult]:
     """Simulate the runs of a scene; return them by their swept values."""
     refuse(scene, workers, None)
     results = [Result.empty(single.scene.track, single.scene.start) for single in singles]
@@ -145,7 +147,7 @@ def _simulated(scene: Scene, singles: Sequence[_Single], workers: int, progress:
     outcome = solving.solve(scenes, results, workers, scene.name, progress=progress)
     if outcome.interrupted:
         raise KeyboardInterrupt
-    runs: dict[Values, Heard] = {}
+    runs: dict[Values, RunResult] = {}
     names = labels.labels(singles)
     for number, (single, label, result) in enumerate(zip(singles, names, results, strict=True)):
         if number not in outcome.failures:
@@ -158,7 +160,7 @@ def _simulated(scene: Scene, singles: Sequence[_Single], workers: int, progress:
     return runs
 
 
-def _raise_failures(outcome: Outcome, names: Sequence[str], runs: dict[Values, Heard], swept: bool) -> None:
+def _raise_failures(outcome: Outcome, names: Sequence[str], runs: dict[Values, RunResult], swept: bool) -> None:
     """Raise ContactError if a run failed."""
     if outcome.failures and swept:
         raise SweepError({names[number]: reason for number, reason in outcome.failures.items()}, runs)
@@ -171,7 +173,7 @@ def _key(values: Mapping[str, float]) -> Values:
     return next(iter(values.values())) if len(values) == 1 else tuple(values.values())
 
 
-def _with_stored_time(run: Heard) -> Heard:
+def _with_stored_time(run: RunResult) -> RunResult:
     """Take the seconds that the sound took from summary.json, so that the numbers are the stored ones."""
     path = run.folder / "summary.json"
     if not path.is_file():

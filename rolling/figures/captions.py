@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling.simulation import caveats
-from rolling.simulation.run_result import Heard
+from rolling.simulation.run_result import RunResult
 
 Array = NDArray[np.float64]
 
 _NAMED_SCENES = 4  # in a title; more scenes are counted
 
 
-def subject(runs: Sequence[Heard]) -> str:
+def subject(runs: Sequence[RunResult]) -> str:
     """Name the scenes of runs, and the run where there is only one; count scenes if there are many."""
     if len(runs) == 1:
         return runs[0].title
@@ -23,12 +23,12 @@ def subject(runs: Sequence[Heard]) -> str:
     return ", ".join(names) if len(names) <= _NAMED_SCENES else f"{len(names)} scenes"
 
 
-def distance(runs: Iterable[Heard]) -> str:
+def distance(runs: Iterable[RunResult]) -> str:
     """Write the distance of the listener."""
     return common("at", [run.scene.sound.distance_m for run in runs], "m")
 
 
-def duration(runs: Iterable[Heard]) -> str:
+def duration(runs: Iterable[RunResult]) -> str:
     """Write the duration of the records."""
     return common("T =", [run.sound.duration for run in runs], "s")
 
@@ -49,7 +49,7 @@ def note(facts: Iterable[str]) -> str:
     return "; ".join(facts)
 
 
-def remarks(runs: Sequence[Heard]) -> tuple[str, ...]:
+def remarks(runs: Sequence[RunResult]) -> tuple[str, ...]:
     """List the caveats that stand beside the levels of runs."""
     gathered = caveats.gathered([(run.label, caveats.stored(run.numbers)) for run in runs])
     return tuple(remark.line for remark in gathered)

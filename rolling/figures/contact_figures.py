@@ -25,7 +25,7 @@ from rolling.figures.picture import (
     blank,
     lay_out,
 )
-from rolling.simulation.run_result import Heard
+from rolling.simulation.run_result import RunResult
 from rolling.simulation.simulate import Snapshot
 from rolling.surface import scene_surface
 
@@ -41,7 +41,7 @@ _MOST_DURATIONS = 50  # columns of a distribution of durations
 # ---- surface ---------------------------------------------------------------------------------------------------------
 
 
-def surface(run: Heard) -> Picture:
+def surface(run: RunResult) -> Picture:
     """Draw the beginning of the track as a map of heights, with the profile at mid-width below."""
     heights, spacing = scene_surface.heights(run.scene), run.scene.spacing
     nodes = axes.shown_nodes(heights, spacing)
@@ -61,7 +61,7 @@ def surface(run: Heard) -> Picture:
     return Picture("surface", f"{title}: {note}", figure, columns)
 
 
-def _surface_note(run: Heard, heights: Array) -> str:
+def _surface_note(run: RunResult, heights: Array) -> str:
     statistics, spacing = run.numbers["surface"], run.scene.spacing
     facts = [
         f"Ra {statistics['ra'] * 1e6:.4g} µm, Rq {statistics['rq'] * 1e6:.4g} µm",
@@ -109,7 +109,7 @@ class ContactScales:
     deflection: float
 
     @classmethod
-    def of(cls, runs: Sequence[Heard]) -> ContactScales:
+    def of(cls, runs: Sequence[RunResult]) -> ContactScales:
         """Derive the scales from all runs that have a snapshot."""
         compared = [(run, run.result.snapshot) for run in runs if run.result.snapshot is not None]
         return cls(
@@ -119,7 +119,7 @@ class ContactScales:
         )
 
 
-def contact(run: Heard, among: Sequence[Heard]) -> Picture | None:
+def contact(run: RunResult, among: Sequence[RunResult]) -> Picture | None:
     """Draw pressure and deflection of a run's snapshot on the scales of all runs; None without a snapshot."""
     snapshot = run.result.snapshot
     if snapshot is None:
@@ -137,7 +137,7 @@ def contact(run: Heard, among: Sequence[Heard]) -> Picture | None:
     return Picture("contact", f"Pressure and deflection. {title}: {note}", figure, {})
 
 
-def _draw_contact(figure: Figure, run: Heard, snapshot: Snapshot, scales: ContactScales) -> dict[Axes, Box]:
+def _draw_contact(figure: Figure, run: RunResult, snapshot: Snapshot, scales: ContactScales) -> dict[Axes, Box]:
     """Draw the maps of pressure and deflection; return the boxes of all axes."""
     along, across = _sphere_position(run, snapshot)
     places: dict[Axes, Box] = {}
@@ -161,12 +161,12 @@ def _draw_contact(figure: Figure, run: Heard, snapshot: Snapshot, scales: Contac
     return places
 
 
-def _sphere_position(run: Heard, snapshot: Snapshot) -> tuple[float, float]:
+def _sphere_position(run: RunResult, snapshot: Snapshot) -> tuple[float, float]:
     """Return the sphere's position in the snapshot, along and across [m]."""
     return snapshot.distance, (run.scene.track.n_across - 1) / 2 * run.scene.spacing
 
 
-def _reach(run: Heard, snapshot: Snapshot) -> float:
+def _reach(run: RunResult, snapshot: Snapshot) -> float:
     """Return the distance from the sphere to the farthest edge of the snapshot's window [m]."""
     spacing = run.scene.spacing
     low = np.array([snapshot.along, snapshot.across]) - spacing / 2 - _sphere_position(run, snapshot)
@@ -211,7 +211,7 @@ class EventDistribution:
         }
 
 
-def event_distributions(run: Heard) -> tuple[EventDistribution, EventDistribution] | None:
+def event_distributions(run: RunResult) -> tuple[EventDistribution, EventDistribution] | None:
     """Sort the recovery events of a run by energy and by duration; None without events."""
     table = run.events
     if table is None or run.event_statistics is None:
@@ -226,7 +226,7 @@ def event_distributions(run: Heard) -> tuple[EventDistribution, EventDistributio
     )
 
 
-def recovery_events(run: Heard) -> Picture | None:
+def recovery_events(run: RunResult) -> Picture | None:
     """Draw the distributions of energy and duration of the recovery events; None without events."""
     distributions, statistics = event_distributions(run), run.event_statistics
     if distributions is None or statistics is None:

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 
 from rolling.figures import contact_figures, sound_figures
 from rolling.figures.picture import Picture
-from rolling.simulation.run_result import Heard
+from rolling.simulation.run_result import RunResult
 
 
-def gallery(runs: Sequence[Heard]) -> Iterator[tuple[Heard | None, Picture]]:
+def gallery(runs: Sequence[RunResult]) -> Iterator[tuple[RunResult | None, Picture]]:
     """Draw all pictures of runs that are compared.
 
     Parameters
@@ -28,7 +28,7 @@ def gallery(runs: Sequence[Heard]) -> Iterator[tuple[Heard | None, Picture]]:
             yield None, picture
 
 
-def of_run(run: Heard, among: Sequence[Heard] = ()) -> Iterator[Picture]:
+def of_run(run: RunResult, among: Sequence[RunResult] = ()) -> Iterator[Picture]:
     """Draw the pictures of one run on the axes of all the runs `among` which it is compared."""
     runs = [*among] or [run]
     yield from sound_figures.spectra([run], runs)
@@ -41,7 +41,7 @@ def of_run(run: Heard, among: Sequence[Heard] = ()) -> Iterator[Picture]:
             yield picture
 
 
-def of_runs(runs: Sequence[Heard]) -> Iterator[Picture]:
+def of_runs(runs: Sequence[RunResult]) -> Iterator[Picture]:
     """Draw the pictures that compare runs, with levels against the first quantity that a sweep varies."""
     yield from sound_figures.spectra(runs, runs)
     yield from sound_figures.third_octaves(runs, runs)

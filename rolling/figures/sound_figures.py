@@ -34,7 +34,7 @@ from rolling.figures.picture import (
     single,
 )
 from rolling.simulation import labels
-from rolling.simulation.run_result import Heard
+from rolling.simulation.run_result import RunResult
 
 Array = NDArray[np.float64]
 LevelCurve = tuple[str, list[float | None], list[float | None]]  # label, levels [dB], standard uncertainty [dB]
@@ -46,7 +46,7 @@ _UNCERTAINTY = "bars: standard uncertainty of Gaussian noise of that duration"
 class SoundViews:
     """Spectra of a run's sound, each computed when it is first needed."""
 
-    def __init__(self, run: Heard) -> None:
+    def __init__(self, run: RunResult) -> None:
         self._sound, self._scene = run.sound, run.scene
 
     @cached_property
@@ -90,10 +90,10 @@ class SoundViews:
 
 
 # The curves of each run set the axes of all the others: they are computed once and kept as long as the run.
-_views_by_run: WeakKeyDictionary[Heard, SoundViews] = WeakKeyDictionary()
+_views_by_run: WeakKeyDictionary[RunResult, SoundViews] = WeakKeyDictionary()
 
 
-def views(run: Heard) -> SoundViews:
+def views(run: RunResult) -> SoundViews:
     """Return the spectra of a run, kept as long as the run."""
     if run not in _views_by_run:
         _views_by_run[run] = SoundViews(run)
@@ -110,7 +110,7 @@ class SpectrumKind:
     name: str
     title: str
     ylabel: str
-    lines: Callable[[Heard], Lines]
+    lines: Callable[[RunResult], Lines]
 
 
 A_WEIGHTED = SpectrumKind(
@@ -125,7 +125,7 @@ ARTICLE = SpectrumKind(
 PSD = SpectrumKind("psd", "Power spectral density", "density level [dB re (20 µPa)²/Hz]", lambda run: views(run).psd)
 
 
-def spectra(shown: Sequence[Heard], among: Sequence[Heard]) -> Iterator[Picture]:
+def spectra(shown: Sequence[RunResult], among: Sequence[RunResult]) -> Iterator[Picture]:
     """Draw the spectra of runs, one curve each, on the axes of all the runs `among`."""
     distance, duration = captions.distance(shown), captions.duration(shown)
     lines = captions.common("lines of", [1 / run.sound.duration for run in shown], "Hz")
@@ -149,9 +149,9 @@ def spectra(shown: Sequence[Heard], among: Sequence[Heard]) -> Iterator[Picture]
 def _spectrum(
     kind: SpectrumKind,
     facts: Sequence[str],
-    shown: Sequence[Heard],
-    among: Sequence[Heard],
-    subject: Sequence[Heard] = (),
+    shown: Sequence[RunResult],
+    among: Sequence[RunResult],
+    subject: Sequence[RunResult] = (),
 ) -> Picture:
     """Draw one kind of spectrum; its title names the `subject`, or the runs shown."""
     curves = [(run.label, kind.lines(run)) for run in shown]
@@ -191,7 +191,7 @@ def _line_columns(curves: Iterable[tuple[str, Array, Array]], kind: str, ylabel:
 # ---- third octaves ---------------------------------------------------------------------------------------------------
 
 
-def third_octaves(shown: Sequence[Heard], among: Sequence[Heard]) -> Iterator[Picture]:
+def third_octaves(shown: Sequence[RunResult], among: Sequence[RunResult]) -> Iterator[Picture]:
     """Draw unweighted and A-weighted third octaves of runs, one curve each, on the axes of all the runs `among`."""
     yield _third_octaves("third_octaves", "Z", lambda run: run.sound.levels.third_octave_db, shown, among)
     yield _third_octaves("third_octaves_a", "A", lambda run: run.sound.levels.third_octave_a_db, shown, among)
@@ -200,9 +200,9 @@ def third_octaves(shown: Sequence[Heard], among: Sequence[Heard]) -> Iterator[Pi
 def _third_octaves(
     name: str,
     weighting: str,
-    levels: Callable[[Heard], Mapping[str, float | None]],
-    shown: Sequence[Heard],
-    among: Sequence[Heard],
+    levels: Callable[[RunResult], Mapping[str, float | None]],
+    shown: Sequence[RunResult],
+    among: Sequence[RunResult],
 ) -> Picture:
     curves = [(run.label, levels(run), run.sound.uncertainty.third_octave_db) for run in shown]
     limits = sound_plots.level_limits(level for run in among for level in levels(run).values())
@@ -225,7 +225,7 @@ def _third_octaves(
     )
 
 
-def unrepeated_seconds(run: Heard) -> float:
+def unrepeated_seconds(run: RunResult) -> float:
     """Return the duration of the part of a record that does not repeat itself [s]."""
     return run.sound.duration * min(1.0, run.result.solved_steps / run.result.done_steps)
 
@@ -233,7 +233,7 @@ def unrepeated_seconds(run: Heard) -> float:
 # ---- pictures over time ----------------------------------------------------------------------------------------------
 
 
-def spectrogram_of(run: Heard, among: Sequence[Heard]) -> Picture:
+def spectrogram_of(run: RunResult, among: Sequence[RunResult]) -> Picture:
     """Draw the spectrogram of a run with the colours of all the runs `among`."""
     shown = views(run).spectrogram
     limits = sound_plots.level_limits(level for other in among for level in views(other).density_extremes)
@@ -260,7 +260,7 @@ def spectrogram_of(run: Heard, among: Sequence[Heard]) -> Picture:
     return Picture("spectrogram", f"{title}: {note}", figure, {})
 
 
-def release_power(run: Heard, among: Sequence[Heard]) -> Picture:
+def release_power(run: RunResult, among: Sequence[RunResult]) -> Picture:
     """Draw the release power of a run, with one share of the mean for all the runs `among`."""
     sound = run.sound
     shares = np.array([sound_plots.power_share(other.sound.power, other.sound.mean_power) for other in among])
@@ -300,7 +300,7 @@ class LevelPanel:
         return columns
 
 
-def swept_key(runs: Sequence[Heard]) -> str | None:
+def swept_key(runs: Sequence[RunResult]) -> str | None:
     """Return the first key whose value differs between runs, or None if the sweep does not tell them apart."""
     for key in runs[0].values:
         if all(key in run.values for run in runs) and len({run.values[key] for run in runs}) > 1:
@@ -309,11 +309,11 @@ def swept_key(runs: Sequence[Heard]) -> str | None:
     return None
 
 
-def level_panels(key: str, runs: Sequence[Heard], x: Array) -> list[LevelPanel]:
+def level_panels(key: str, runs: Sequence[RunResult], x: Array) -> list[LevelPanel]:
     """Return LAeq and LZeq of runs at the values x (n,) of a swept key, with gaps."""
     several = len({run.scene.name for run in runs}) > 1
 
-    def others(run: Heard) -> tuple[str, tuple[tuple[str, float], ...]]:
+    def others(run: RunResult) -> tuple[str, tuple[tuple[str, float], ...]]:
         return run.scene.name, tuple((name, value) for name, value in run.values.items() if name != key)
 
     laeq, lzeq = LevelPanel("LAeq", []), LevelPanel("LZeq", [])
@@ -327,7 +327,7 @@ def level_panels(key: str, runs: Sequence[Heard], x: Array) -> list[LevelPanel]:
     return [laeq, lzeq]
 
 
-def levels(key: str, runs: Sequence[Heard]) -> Picture:
+def levels(key: str, runs: Sequence[RunResult]) -> Picture:
     """Draw LAeq and LZeq against a swept quantity, one curve for each combination of the others."""
     x = np.array(sorted({run.values[key] for run in runs}))
     word, unit = labels.named(key)

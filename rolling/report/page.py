@@ -30,7 +30,7 @@ from rolling.report.run_maps import MapScale, RunMaps, maps_of
 from rolling.simulation import caveats
 from rolling.simulation.caveats import Caveat
 from rolling.simulation.labels import printable
-from rolling.simulation.run_result import Heard
+from rolling.simulation.run_result import RunResult
 
 LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
 GENERATOR = f"{program.NAME} {__version__}"
@@ -97,7 +97,7 @@ class RunView:
     """
 
     label: str
-    run: Heard
+    run: RunResult
     playback: Playback
     wav: str
     pictures: dict[str, Exhibit]
@@ -129,12 +129,12 @@ def is_page(path: Path) -> bool:
         return f'<meta name="generator" content="{program.NAME} '.encode() in file.read(4096)
 
 
-def belongs(run: Heard | None, name: str, runs: int) -> bool:
+def belongs(run: RunResult | None, name: str, runs: int) -> bool:
     """Return whether a picture is on the page; the curves of one run are not if several are compared."""
     return run is None or runs == 1 or name in OWN
 
 
-def exhibits(runs: Sequence[Heard]) -> list[tuple[Heard | None, Exhibit]]:
+def exhibits(runs: Sequence[RunResult]) -> list[tuple[RunResult | None, Exhibit]]:
     """Draw the pictures for the page of runs, each with its run or with None if it shows several."""
     return [
         (run, exhibit(picture)) for run, picture in run_figures.gallery(runs) if belongs(run, picture.name, len(runs))
@@ -149,7 +149,9 @@ def exhibit(picture: Picture) -> Exhibit:
     return Exhibit(picture.name, picture.alt, _uri("image/svg+xml", picture.svg()), link, bool(csv), time)
 
 
-def page(runs: Sequence[Heard], shelf: Sequence[tuple[Heard | None, Exhibit]], unheard: Sequence[str] = ()) -> bytes:
+def page(
+    runs: Sequence[RunResult], shelf: Sequence[tuple[RunResult | None, Exhibit]], unheard: Sequence[str] = ()
+) -> bytes:
     """Write the page of one run or several.
 
     Parameters
@@ -191,7 +193,7 @@ def page(runs: Sequence[Heard], shelf: Sequence[tuple[Heard | None, Exhibit]], u
     return html.encode()
 
 
-def _script_data(runs: Sequence[Heard], views: Sequence[RunView], scale: MapScale | None) -> dict[str, Any]:
+def _script_data(runs: Sequence[RunResult], views: Sequence[RunView], scale: MapScale | None) -> dict[str, Any]:
     """Return the data of the page's script, and whether a record is short."""
     players = [view.player for view in views]
     data = {"runs": players, "view": asdict(scale) if scale else None, "tsv": report_text.tsv(runs)}
@@ -199,7 +201,7 @@ def _script_data(runs: Sequence[Heard], views: Sequence[RunView], scale: MapScal
 
 
 def _views(
-    runs: Sequence[Heard], shelf: Sequence[tuple[Heard | None, Exhibit]], maps: Sequence[RunMaps | None]
+    runs: Sequence[RunResult], shelf: Sequence[tuple[RunResult | None, Exhibit]], maps: Sequence[RunMaps | None]
 ) -> list[RunView]:
     """Return the runs with players, pictures and maps."""
     peaks = [float(np.abs(run.sound.pressure).max()) for run in runs]

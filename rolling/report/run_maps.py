@@ -10,7 +10,7 @@ import numpy as np
 from rolling.contact import closed_forms
 from rolling.report import pressure_maps
 from rolling.report.pressure_maps import Sheet
-from rolling.simulation.run_result import Heard
+from rolling.simulation.run_result import RunResult
 from rolling.simulation.simulate import PressureMap
 
 
@@ -61,7 +61,7 @@ class RunMaps:
     plastic_um2: list[float | None]
 
 
-def maps_of(runs: Sequence[Heard]) -> tuple[MapScale | None, list[RunMaps | None]]:
+def maps_of(runs: Sequence[RunResult]) -> tuple[MapScale | None, list[RunMaps | None]]:
     """Collect the pressure maps of all runs on common scales.
 
     Returns
@@ -88,23 +88,23 @@ def maps_of(runs: Sequence[Heard]) -> tuple[MapScale | None, list[RunMaps | None
     return scale, [_run_maps(run, sheets[k], radii_um[k]) if k in mapped else None for k, run in enumerate(runs)]
 
 
-def sounding_maps(run: Heard) -> list[PressureMap]:
+def sounding_maps(run: RunResult) -> list[PressureMap]:
     """Return the maps in the part of the track that the record covers."""
     maps: Mapping[int, PressureMap] = run.result.maps
     return [maps[position] for position in sorted(maps) if position <= run.result.done_steps]
 
 
-def _mid_width(run: Heard) -> float:
+def _mid_width(run: RunResult) -> float:
     """Return the position of the sphere across the plate [m]."""
     return (run.scene.track.n_across - 1) / 2 * run.scene.spacing
 
 
-def _hertz_radius(run: Heard) -> float:
+def _hertz_radius(run: RunResult) -> float:
     """Return the contact radius of the smooth elastic contact [m]."""
     return closed_forms.hertz_radius(run.scene.load, run.scene.radius, run.scene.contact_modulus)
 
 
-def _run_maps(run: Heard, sheet: Sheet, hertz_um: float) -> RunMaps:
+def _run_maps(run: RunResult, sheet: Sheet, hertz_um: float) -> RunMaps:
     result, maps = run.result, sounding_maps(run)
     positions = np.array([each.position for each in maps])
     lap, rolled = result.solved_steps * result.step, result.done_steps * result.step

@@ -19,7 +19,7 @@ from rolling.scene.sections import Gaussian, HeightFile
 from rolling.simulation import caveats
 from rolling.simulation.caveats import Remark
 from rolling.simulation.labels import printable
-from rolling.simulation.run_result import Heard
+from rolling.simulation.run_result import RunResult
 from rolling.simulation.summary import uncertain
 from rolling.surface.scene_surface import scene_surface
 
@@ -106,7 +106,7 @@ class Recipe:
     command: str
 
 
-def sentence(runs: Sequence[Heard]) -> str:
+def sentence(runs: Sequence[RunResult]) -> str:
     """State the result in one sentence."""
     sounding = [(level, run) for run in runs if (level := run.sound.levels.laeq_db) is not None]
     if not sounding:
@@ -127,14 +127,14 @@ def sentence(runs: Sequence[Heard]) -> str:
     )
 
 
-def levels(runs: Sequence[Heard]) -> Table:
+def levels(runs: Sequence[RunResult]) -> Table:
     """Tabulate levels and contact numbers, a row per run.
 
     A level without sound is `silent`, and one that was not computed `-`.
     """
     columns = _columns(runs)
 
-    def cell(run: Heard, column: Column) -> str:
+    def cell(run: RunResult, column: Column) -> str:
         if column.key not in run.numbers:
             return NOTHING
         value = run.numbers[column.key]
@@ -148,7 +148,7 @@ def levels(runs: Sequence[Heard]) -> Table:
     return Table(heads, [(run.label, [cell(run, column) for column in columns]) for run in runs])
 
 
-def tsv(runs: Sequence[Heard]) -> str:
+def tsv(runs: Sequence[RunResult]) -> str:
     """Write the numbers of `levels` for a spreadsheet, with the caveats above them.
 
     Tabs separate the cells, uncertainties have columns of their own, and silence leaves a cell empty.
@@ -177,18 +177,18 @@ def significant(value: float) -> str:
     return f"{float(f'{value:.4g}'):g}"
 
 
-def _columns(runs: Sequence[Heard]) -> list[Column]:
+def _columns(runs: Sequence[RunResult]) -> list[Column]:
     return [
         column for column in COLUMNS if column.key not in ASKED_FOR or any(column.key in run.numbers for run in runs)
     ]
 
 
-def _uncertainty(run: Heard, column: Column) -> float | None:
+def _uncertainty(run: RunResult, column: Column) -> float | None:
     uncertainty: float | None = run.numbers["uncertainty_db"].get(column.uncertainty)
     return uncertainty
 
 
-def bands(runs: Sequence[Heard]) -> list[tuple[str, bool, list[str]]]:
+def bands(runs: Sequence[RunResult]) -> list[tuple[str, bool, list[str]]]:
     """Tabulate third octaves.
 
     Returns
@@ -198,7 +198,7 @@ def bands(runs: Sequence[Heard]) -> list[tuple[str, bool, list[str]]]:
     """
     certain = reliable(min(run.sound.duration for run in runs))
 
-    def cell(run: Heard, band: str) -> str:
+    def cell(run: RunResult, band: str) -> str:
         level = run.sound.levels.third_octave_db[band]
         if level is None:
             return NOTHING
@@ -221,7 +221,7 @@ LEVELS_NOTE = (
 )
 
 
-def assumptions(runs: Sequence[Heard]) -> list[Fact]:
+def assumptions(runs: Sequence[RunResult]) -> list[Fact]:
     """List the assumptions behind the numbers, each once if all runs share it."""
     facts = [_assumed_sound(run) | _assumed_contact(run) for run in runs]
     return [
@@ -229,7 +229,7 @@ def assumptions(runs: Sequence[Heard]) -> list[Fact]:
     ]
 
 
-def _assumed_sound(run: Heard) -> dict[str, str]:
+def _assumed_sound(run: RunResult) -> dict[str, str]:
     """Return the assumptions between release and listener, by quantity."""
     scene, sound = run.scene, run.sound
     fixed = scene.sound.gain_pa_per_w_m2 is not None
@@ -247,7 +247,7 @@ def _assumed_sound(run: Heard) -> dict[str, str]:
     }
 
 
-def _assumed_contact(run: Heard) -> dict[str, str]:
+def _assumed_contact(run: RunResult) -> dict[str, str]:
     """Return the assumptions about bodies, motion and solver, by quantity."""
     scene, sound = run.scene, run.sound
     plate, sphere = scene.plate, scene.sphere
@@ -301,33 +301,33 @@ def surface_words(scene: Scene) -> str:
     return f"heights of {printable(s.path)}{tilt}"
 
 
-def remarks(runs: Sequence[Heard]) -> list[Remark]:
+def remarks(runs: Sequence[RunResult]) -> list[Remark]:
     """List all caveats of runs, each once."""
     return caveats.gathered([(run.label, caveats.stored(run.numbers)) for run in runs])
 
 
-def headline(runs: Sequence[Heard]) -> str:
+def headline(runs: Sequence[RunResult]) -> str:
     """Join the caveats that stand beside every level."""
     return " ".join(each.line for each in remarks(runs) if each.key in caveats.HEADLINE)
 
 
-def partial(runs: Sequence[Heard]) -> list[Remark]:
+def partial(runs: Sequence[RunResult]) -> list[Remark]:
     """List the caveat that names the partial runs, if there are any."""
     return [each for each in remarks(runs) if each.key == "partial"]
 
 
-def standing(runs: Sequence[Heard]) -> list[Remark]:
+def standing(runs: Sequence[RunResult]) -> list[Remark]:
     """List the caveats that hold for any such run and do not stand at the top."""
     top = (*caveats.HEADLINE, "partial")
     return [remark for remark in remarks(runs) if remark.key in caveats.STANDING and remark.key not in top]
 
 
-def warnings(runs: Sequence[Heard]) -> list[Remark]:
+def warnings(runs: Sequence[RunResult]) -> list[Remark]:
     """List the warnings of the check, each kind once."""
     return [each for each in remarks(runs) if each.key not in caveats.STANDING]
 
 
-def events(run: Heard) -> list[Fact]:
+def events(run: RunResult) -> list[Fact]:
     """List the numbers of the recovery events of a run; empty without events."""
     statistics = run.event_statistics
     if statistics is None:
@@ -354,9 +354,9 @@ def _grouped(name: str, values: Sequence[tuple[str, str]]) -> Fact:
     return Fact(name, [("; ".join(labels), value) for value, labels in by_value.items()])
 
 
-def recipes(runs: Sequence[Heard]) -> list[Recipe]:
+def recipes(runs: Sequence[RunResult]) -> list[Recipe]:
     """Return the scenes that make runs again, run for all runs of a sweep."""
-    members: dict[Path, list[Heard]] = {}
+    members: dict[Path, list[RunResult]] = {}
     for run in runs:
         members.setdefault(run.home, []).append(run)
     return [
@@ -370,14 +370,14 @@ def recipes(runs: Sequence[Heard]) -> list[Recipe]:
     ]
 
 
-def provenance(runs: Sequence[Heard]) -> list[Fact]:
+def provenance(runs: Sequence[RunResult]) -> list[Fact]:
     """List program, packages and machine that made the numbers, from the run folders."""
     records = [(run.label, _provenance(run)) for run in runs]
     names = list(dict.fromkeys(name for _, record in records for name in record))
     return [_grouped(name, [(label, record.get(name, NOTHING)) for label, record in records]) for name in names]
 
 
-def _provenance(run: Heard) -> dict[str, str]:
+def _provenance(run: RunResult) -> dict[str, str]:
     """Read provenance.json of a run folder; empty without run."""
     path = run.folder / "provenance.json"
     if not path.is_file():

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import xarray
 
 Array = NDArray[np.float64]
-Writer = Callable[["Heard", Path, bool, bool], Path]  # run, folder, force, report
+Writer = Callable[["RunResult", Path, bool, bool], Path]  # run, folder, force, report
 _LEVELS = (  # name, key of the summary and of its uncertainty, unit
     ("LAeq", "laeq_db", "laeq", "dB(A)"),
     ("LZeq", "level_db", "level", "dB"),
@@ -41,7 +41,7 @@ _LEVELS = (  # name, key of the summary and of its uncertainty, unit
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Heard:
+class RunResult:
     """A run with its sound. It equals no other run, so that things can be kept by it.
 
     label : str. Tells the run from its neighbours, such as `load 5 N`.
@@ -204,7 +204,7 @@ class Heard:
         return "silent" if level is None else numbers_of.uncertain(level, self.summary["uncertainty_db"][uncertainty])
 
 
-def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, result: Result) -> Heard | None:
+def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, result: Result) -> RunResult | None:
     """Make the sound of the solved steps of a run; None where fewer than two are solved."""
     steps = result.done_steps
     if steps < 2:
@@ -214,4 +214,4 @@ def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, resul
     energy = result.whole("release_energy")[:steps]
     sound = contact_sound(scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam)
     summary = numbers_of.summarize(scene, result, sound, time.perf_counter() - began)
-    return Heard(label, values, folder, scene, result, sound, summary)
+    return RunResult(label, values, folder, scene, result, sound, summary)

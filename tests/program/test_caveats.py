@@ -21,7 +21,7 @@ from rolling.report import text as report_text
 from rolling.scene import file
 from rolling.simulation import caveats, result_file, summary
 from rolling.simulation.caveats import Caveat, Remark
-from rolling.simulation.run_result import Heard
+from rolling.simulation.run_result import RunResult
 from rolling.sound import ContactSound, contact_sound
 
 STEP = 2e-6  # 0.1 m/s: 50,000 steps a second
@@ -32,7 +32,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
     return runs_in(tmp_path_factory.getbasetemp() / "report-runs")
 
 
-def heard_in(folder: Path) -> list[Heard]:
+def heard_in(folder: Path) -> list[RunResult]:
     found = [
         commands.hear(one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5"))
         for one in commands.read_runs(folder)

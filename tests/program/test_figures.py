@@ -18,7 +18,7 @@ from rolling.figures import run_figures
 from rolling.figures.picture import DPI, SIDE_IN, Picture
 from rolling.scene.scene import Scene
 from rolling.simulation import labels, result_file
-from rolling.simulation.run_result import Heard, hear
+from rolling.simulation.run_result import RunResult, hear
 from rolling.sound import contact_sound
 
 pytestmark = pytest.mark.slow
@@ -48,14 +48,14 @@ def _no_warnings() -> Iterator[None]:
         yield
 
 
-def heard(text: str, folder: Path) -> list[Heard]:
+def heard(text: str, folder: Path) -> list[RunResult]:
     """The runs of a scene, run and read again from their folder."""
     (folder / "s.yaml").write_text(text)
     commands.run(folder / "s.yaml", [], folder / "out", workers=1)
     return read(folder / "out")
 
 
-def read(folder: Path) -> list[Heard]:
+def read(folder: Path) -> list[RunResult]:
     runs = [
         hear(one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5"))
         for one in commands.read_runs(folder)
@@ -64,7 +64,7 @@ def read(folder: Path) -> list[Heard]:
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Heard]:
+def runs(tmp_path_factory: pytest.TempPathFactory) -> list[RunResult]:
     return heard(SCENE, tmp_path_factory.mktemp("figures"))
 
 
@@ -76,12 +76,12 @@ def note(picture: Picture) -> str:
     return picture.figure.texts[1].get_text()
 
 
-def labelled(runs: list[Heard]) -> list[Heard]:
+def labelled(runs: list[RunResult]) -> list[RunResult]:
     """The runs with labels made together."""
     return [replace(one, label=label) for one, label in zip(runs, labels.labels(runs), strict=True)]
 
 
-def renamed(one: Heard, name: str) -> Scene:
+def renamed(one: RunResult, name: str) -> Scene:
     return Scene.from_dict(one.scene.to_dict() | {"name": name}, one.scene.folder)
 
 
@@ -98,7 +98,7 @@ ALWAYS = {
 }
 
 
-def test_a_run_folder_has_them_all(runs: list[Heard]) -> None:
+def test_a_run_folder_has_them_all(runs: list[RunResult]) -> None:
     for one in runs:
         for name in ALWAYS | {"recovery_events"}:
             for suffix in ("png", "svg"):
@@ -109,7 +109,7 @@ def test_a_run_folder_has_them_all(runs: list[Heard]) -> None:
     }
 
 
-def test_what_is_compared_has_the_same_axes(runs: list[Heard]) -> None:
+def test_what_is_compared_has_the_same_axes(runs: list[RunResult]) -> None:
     first, second = (by_name(run_figures.of_run(one, runs)) for one in runs)
     both = by_name(run_figures.of_runs(runs))
     for name in ("spectrum", "article_spectrum", "psd", "third_octaves", "third_octaves_a"):
@@ -135,7 +135,7 @@ def test_what_is_compared_has_the_same_axes(runs: list[Heard]) -> None:
     assert alone["spectrum"].figure.axes[0].get_ylim() != both["spectrum"].figure.axes[0].get_ylim()
 
 
-def test_the_same_run_gives_the_same_bytes(runs: list[Heard]) -> None:
+def test_the_same_run_gives_the_same_bytes(runs: list[RunResult]) -> None:
     again = read(runs[0].folder.parent)
     pairs = zip(run_figures.of_run(runs[0], runs), run_figures.of_run(again[0], again), strict=True)
     for one, other in [*pairs, *zip(run_figures.of_runs(runs), run_figures.of_runs(again), strict=True)]:
@@ -149,7 +149,7 @@ def columns(picture: Picture) -> dict[str, np.ndarray]:
     return {name: cells[:, k][np.isfinite(cells[:, k])] for k, name in enumerate(head)}
 
 
-def test_curves_in_the_csv_add_up_to_the_levels(runs: list[Heard]) -> None:
+def test_curves_in_the_csv_add_up_to_the_levels(runs: list[RunResult]) -> None:
     one = runs[0]
     pictures = by_name(run_figures.of_run(one, runs))
     lines = columns(pictures["spectrum"])[f"{one.label}: A-weighted line level [dB re 20 µPa]"]
@@ -172,7 +172,7 @@ def test_curves_in_the_csv_add_up_to_the_levels(runs: list[Heard]) -> None:
             assert events[f"{kind}: share of the {of}"].sum() == pytest.approx(1.0, rel=1e-8)
 
 
-def test_levels_against_the_load(runs: list[Heard]) -> None:
+def test_levels_against_the_load(runs: list[RunResult]) -> None:
     picture = by_name(run_figures.of_runs(runs))["levels"]
     found = columns(picture)
     assert found["load [N]"].tolist() == [0.5, 2.0]
@@ -183,7 +183,7 @@ def test_levels_against_the_load(runs: list[Heard]) -> None:
     assert left.get_ylim() == right.get_ylim()
 
 
-def test_notes_say_what_was_assumed(runs: list[Heard]) -> None:
+def test_notes_say_what_was_assumed(runs: list[RunResult]) -> None:
     pictures = by_name(run_figures.of_run(runs[0], runs))
     # 0.009 s: 432 samples; Welch segments of a quarter, 108 samples.
     for name, facts in {
@@ -200,13 +200,13 @@ def test_notes_say_what_was_assumed(runs: list[Heard]) -> None:
         assert f"small, {runs[0].label}" in pictures[name].figure.texts[0].get_text()
 
 
-def test_other_distances_are_named_as_a_range(runs: list[Heard]) -> None:
+def test_other_distances_are_named_as_a_range(runs: list[RunResult]) -> None:
     far = Scene.from_dict(runs[1].scene.to_dict() | {"sound": {"distance_m": 4}}, runs[1].scene.folder)
     both = by_name(run_figures.of_runs([runs[0], replace(runs[1], scene=far)]))
     assert "at 1 to 4 m" in note(both["spectrum"])
 
 
-def test_runs_of_other_scenes_stand_together(runs: list[Heard]) -> None:
+def test_runs_of_other_scenes_stand_together(runs: list[RunResult]) -> None:
     other = replace(runs[1], scene=renamed(runs[1], "other"), values={"sphere.radius_mm": 5.0})
     pictures = by_name(run_figures.of_runs([runs[0], other]))
     assert "levels" not in pictures  # no swept quantity in common
@@ -223,7 +223,7 @@ def edges_are_blank(picture: Picture) -> bool:
     )
 
 
-def test_long_names_and_twelve_runs_stay_within_the_figure(runs: list[Heard]) -> None:
+def test_long_names_and_twelve_runs_stay_within_the_figure(runs: list[RunResult]) -> None:
     one = replace(runs[0], scene=renamed(runs[0], "W" * 64))
     many = [
         replace(
@@ -242,14 +242,14 @@ def test_long_names_and_twelve_runs_stay_within_the_figure(runs: list[Heard]) ->
                 assert below is not None and below.y0 > box.y1 - 1.0, picture.name  # a dot of rounding
 
 
-def test_labels_do_not_change_where_the_plot_lies(runs: list[Heard]) -> None:
+def test_labels_do_not_change_where_the_plot_lies(runs: list[RunResult]) -> None:
     long = replace(runs[0], scene=renamed(runs[0], "W" * 64))
     for name in ("spectrogram", "release_power"):
         areas = [by_name(run_figures.of_run(one, runs))[name].plot_area() for one in (runs[0], long)]
         assert areas[0] == areas[1]
 
 
-def test_ten_seconds_stay_small(runs: list[Heard]) -> None:
+def test_ten_seconds_stay_small(runs: list[RunResult]) -> None:
     """500,000 steps of noise: what a page embeds of them is below 150 kB a picture."""
     energy = 1e-9 * (1.0 + 0.1 * np.random.default_rng(1).standard_normal(500_000))
     sound = contact_sound(runs[0].scene, energy, 2e-6, True, 500_000)
@@ -261,7 +261,7 @@ def test_ten_seconds_stay_small(runs: list[Heard]) -> None:
     assert len(pictures["release_power"].columns["release power [W]"]) == 500_000
 
 
-def test_large_surfaces_are_drawn_from_every_other_node(runs: list[Heard]) -> None:
+def test_large_surfaces_are_drawn_from_every_other_node(runs: list[RunResult]) -> None:
     wide = Scene.from_dict(
         runs[0].scene.to_dict() | {"surface": runs[0].scene.to_dict()["surface"] | {"width_um": 1200}},
         runs[0].scene.folder,
@@ -284,7 +284,7 @@ def test_silence_is_drawn(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("steps", [2, 3, 10])
-def test_the_beginning_of_a_run_is_drawn(runs: list[Heard], steps: int) -> None:
+def test_the_beginning_of_a_run_is_drawn(runs: list[RunResult], steps: int) -> None:
     """Two steps are two samples."""
     result = result_file.load(runs[0].folder / "result.h5")
     result.series["release_energy"][steps:] = np.nan
@@ -294,7 +294,7 @@ def test_the_beginning_of_a_run_is_drawn(runs: list[Heard], steps: int) -> None:
         assert picture.png() and picture.svg() and picture.csv() is not None
 
 
-def test_one_band_alone_is_drawn(runs: list[Heard]) -> None:
+def test_one_band_alone_is_drawn(runs: list[RunResult]) -> None:
     """A tone: one line, one band, on axes that hold it."""
     steps = len(runs[0].sound.power)
     energy = 1e-9 * (1.0 + 0.1 * np.sin(2 * np.pi * 9 * np.arange(steps) / steps))  # 9 periods in 0.009 s: 1 kHz
@@ -308,12 +308,12 @@ def test_one_band_alone_is_drawn(runs: list[Heard]) -> None:
         assert picture.svg()
 
 
-def test_maps_and_events_only_where_there_are_any(runs: list[Heard]) -> None:
+def test_maps_and_events_only_where_there_are_any(runs: list[RunResult]) -> None:
     bare = replace(runs[0].result, snapshot=None, event_pieces={})
     assert set(by_name(run_figures.of_run(replace(runs[0], result=bare)))) == ALWAYS - {"contact"}
 
 
-def test_runs_alike_in_name_stay_apart(runs: list[Heard]) -> None:
+def test_runs_alike_in_name_stay_apart(runs: list[RunResult]) -> None:
     """The same run heard from elsewhere, and a run of another scene: no curve takes the place of another."""
     far = Scene.from_dict(runs[0].scene.to_dict() | {"sound": {"distance_m": 4}}, runs[0].scene.folder)
     for other, expected in (

@@ -25,7 +25,7 @@ from rolling.contact.solver import ContactError
 from rolling.folders.files import FolderError
 from rolling.scene.messages import SceneError
 from rolling.simulation import solving
-from rolling.simulation.run_result import Heard
+from rolling.simulation.run_result import RunResult
 
 matplotlib.use("Agg")
 
@@ -75,7 +75,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def run(folder: Path) -> Heard:
+def run(folder: Path) -> RunResult:
     return rc.simulate(rc.read_scene(folder / "scene.yaml"), workers=1)
 
 
@@ -133,7 +133,7 @@ def test_import_is_instant_and_names_are_public() -> None:
     assert (Path(rc.__file__).parent / "py.typed").is_file()
 
 
-def test_same_numbers_as_the_command_bit_by_bit(folder: Path, run: Heard) -> None:
+def test_same_numbers_as_the_command_bit_by_bit(folder: Path, run: RunResult) -> None:
     with h5py.File(folder / "out" / "result.h5") as file:
         for name, values in run.series.items():
             if name != "step_time":
@@ -156,7 +156,9 @@ def test_same_numbers_as_the_command_bit_by_bit(folder: Path, run: Heard) -> Non
     assert {k: v for k, v in told.items() if k not in timed} == {k: v for k, v in run.summary.items() if k not in timed}
 
 
-def test_saved_run_has_the_files_of_the_command_and_comes_back_equal(folder: Path, tmp_path: Path, run: Heard) -> None:
+def test_saved_run_has_the_files_of_the_command_and_comes_back_equal(
+    folder: Path, tmp_path: Path, run: RunResult
+) -> None:
     saved = run.save(tmp_path / "mine")
     given = {"scene.yaml"}  # the text that the command was given
     assert {file.name for file in saved.iterdir()} == {file.name for file in (folder / "out").iterdir()} - given
@@ -171,7 +173,7 @@ def test_saved_run_has_the_files_of_the_command_and_comes_back_equal(folder: Pat
     assert again.save(saved, force=True, report=False) == saved and not (saved / "report.html").exists()
 
 
-def test_tree_is_the_file(folder: Path, run: Heard) -> None:
+def test_tree_is_the_file(folder: Path, run: RunResult) -> None:
     tree = run.to_xarray()
     with xr.open_datatree(folder / "out" / "result.h5", engine="h5netcdf") as file:
         assert {*tree.groups} == {*file.groups}
@@ -180,7 +182,7 @@ def test_tree_is_the_file(folder: Path, run: Heard) -> None:
             assert here.drop_vars("step_time", errors="ignore").equals(there.drop_vars("step_time", errors="ignore"))
 
 
-def test_sweep_gives_runs_by_value_and_is_refused_by_simulate(folder: Path, run: Heard) -> None:
+def test_sweep_gives_runs_by_value_and_is_refused_by_simulate(folder: Path, run: RunResult) -> None:
     swept = rc.read_scene(folder / "swept.yaml")
     with pytest.raises(SceneError, match=r"sweeps rolling\.load_n; simulate_sweep"):
         rc.simulate(swept)
@@ -230,14 +232,14 @@ def test_example_of_the_docstring() -> None:
     assert attempted >= 4 and not failed
 
 
-def test_levels_and_caveats_for_a_notebook(run: Heard) -> None:
+def test_levels_and_caveats_for_a_notebook(run: RunResult) -> None:
     html = run._repr_html_()
     assert "LAeq" in html and "dB(A)" in html and "upper bound" in html and "&lt;" not in run.title
     assert repr(run).startswith("<run small, load 0.5 N: LAeq ") and repr(run).endswith("450 steps>")
 
 
 def test_player_of_a_notebook_or_the_name_of_the_file(
-    run: Heard, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    run: RunResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, "IPython.display", None)
@@ -253,7 +255,7 @@ def test_player_of_a_notebook_or_the_name_of_the_file(
     assert run.play() == (len(run.sound.pressure), 48000, False)
 
 
-def test_plots_take_and_return_axes(run: Heard) -> None:
+def test_plots_take_and_return_axes(run: RunResult) -> None:
     figure = Figure()
     axes = figure.subplots(1, 6)
     draws = (

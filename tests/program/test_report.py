@@ -19,7 +19,7 @@ from rolling.report import citation, page, pressure_maps, text
 from rolling.report.playback import PEAK, playbacks
 from rolling.scene.motion import Motion
 from rolling.simulation import result_file
-from rolling.simulation.run_result import Heard
+from rolling.simulation.run_result import RunResult
 from rolling.simulation.simulate import PressureMap
 
 SHORT = ("--set", "rolling.duration_s=0.0006", "--workers", "1")
@@ -31,7 +31,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
     return runs_in(tmp_path_factory.getbasetemp() / "report-runs")
 
 
-def heard_in(folder: Path) -> list[Heard]:
+def heard_in(folder: Path) -> list[RunResult]:
     found = [
         commands.hear(one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5"))
         for one in commands.read_runs(folder)
