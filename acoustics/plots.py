@@ -435,5 +435,5 @@ def _short(name: str) -> str:
     return f"{value / 1000.0:g}k" if value >= 1000.0 else name
 
 
-def _cycled(items: Sequence, number: int):
+def _cycled(items: Sequence[Any], number: int) -> Any:
     return items[number % len(items)]

@@ -8,6 +8,7 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from rolling import __version__
 
@@ -43,7 +44,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"rolling-contact-noise {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    def command(name, function, text, *parts):
+    def command(name: str, function: Any, text: str, *parts: Any) -> Any:
         sub = commands.add_parser(name, help=text, description=text)
         sub.set_defaults(command=function)
         for part in parts:
@@ -210,7 +211,7 @@ def _report(arguments: argparse.Namespace) -> int:
     return OK
 
 
-def _reported(act, page: bool) -> int:
+def _reported(act: Any, page: bool) -> int:
     from rolling.folders.files import FolderError
     from rolling.scene.scene import SceneError
     from rolling.simulation import labels, summary

@@ -169,7 +169,7 @@ def _place_labels(ax: Axes, labels: Labels) -> None:
         taken.append(best)
 
 
-def _tried(point, offset: tuple[float, float], text: Bbox, inside: Bbox, taken: list[Bbox]) -> tuple[float, Bbox]:
+def _tried(point: Any, offset: tuple[float, float], text: Bbox, inside: Bbox, taken: list[Bbox]) -> tuple[float, Bbox]:
     """What a label would hide [pixels], and where it would be: the offset reaches to its nearest edge, or to its middle."""
     (x, y), (dx, dy) = point, offset
     left = x + dx - (text.width if dx < 0 else text.width / 2 if dx == 0 else 0)

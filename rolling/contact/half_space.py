@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import pyfftw
@@ -102,7 +103,7 @@ class HalfSpace:
 
 
 @njit(cache=True)
-def _reach(pressure):
+def _reach(pressure: Any) -> Any:
     """Greatest distance of any row from a loaded one, and never less than half the window, which must fit; so for columns."""
     rows, columns = pressure.shape
     first_row, last_row, first_column, last_column = rows, 0, columns, 0
@@ -120,7 +121,7 @@ def _reach(pressure):
 
 
 @njit(cache=True)
-def _multiply(lines, coefficients):
+def _multiply(lines: Any, coefficients: Any) -> None:
     """lines *= coefficients, of which the second half of the rows mirrors the first."""
     rows = lines.shape[0]
     for i in range(rows):

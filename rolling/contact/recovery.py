@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,13 +98,13 @@ class EventTable:
                 new[: self.count] = old[: self.count]
                 setattr(self, name, new)
 
-    def columns(self) -> dict[str, NDArray]:
+    def columns(self) -> dict[str, NDArray[Any]]:
         """The filled part, by column name."""
         names = ("node", "first", "last", "energy", "peak")
         return {name: getattr(self, name)[: self.count].copy() for name in names}
 
 
-def join_events(pieces: Iterable[dict[str, NDArray]]) -> dict[str, NDArray]:
+def join_events(pieces: Iterable[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
     """One table from the tables of pieces of a track, in their order: an event cut by a border between pieces is made whole."""
     copies = [{name: column.copy() for name, column in piece.items()} for piece in pieces]
     tables = [piece for piece in copies if piece["energy"].size]
@@ -111,7 +112,7 @@ def join_events(pieces: Iterable[dict[str, NDArray]]) -> dict[str, NDArray]:
         return copies[0] if copies else {}
     kept = [np.ones(table["energy"].size, dtype=bool) for table in tables]
     # Where each event that reaches the last position of its piece began: a long one may run through whole pieces.
-    open_events: dict[tuple[int, ...], tuple[dict[str, NDArray], int]] = {}
+    open_events: dict[tuple[int, ...], tuple[dict[str, NDArray[Any]], int]] = {}
     for table, keep in zip(tables, kept, strict=True):
         border = table["first"].min()
         reaching = open_events

@@ -75,7 +75,9 @@ def work(
     return outcome
 
 
-def _work_parallel(tasks, workers, finished, progress, begun, asked, outcome) -> None:
+def _work_parallel(
+    tasks: Any, workers: int, finished: Any, progress: Any, begun: Any, asked: Any, outcome: Any
+) -> None:
     context = multiprocessing.get_context("spawn")
     stop = context.Event()
     waiting = list(reversed(tasks))
