@@ -105,9 +105,17 @@ def __getattr__(name: str) -> Any:
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, attribute = _PLACES[name]
+    if not module.startswith("rolling.contact"):
+        _bind_check()
     value = import_module(module) if attribute is None else getattr(import_module(module), attribute)
     globals()[name] = value
     return value
+
+
+def _bind_check() -> None:
+    """Give scenes the method `check`, whose module stands above theirs."""
+    scene = import_module("rolling.scene.scene").Scene
+    scene.check = import_module("rolling.check.findings").check_scene
 
 
 def __dir__() -> list[str]:

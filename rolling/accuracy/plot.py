@@ -181,7 +181,7 @@ def _place_labels(ax: Axes, labels: Labels) -> None:
         taken.append(best)
 
 
-def _tried(point, offset: tuple[float, float], text: Bbox, inside: Bbox, taken: list[Bbox]) -> tuple[float, Bbox]:
+def _tried(point: Any, offset: tuple[float, float], text: Bbox, inside: Bbox, taken: list[Bbox]) -> tuple[float, Bbox]:
     """Return the area that a label would hide [pixels] and its box there.
 
     The offset reaches to the nearest edge of the box, or to its middle.

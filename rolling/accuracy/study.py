@@ -124,7 +124,7 @@ def _march(study: Study, folder: Path, workers: int) -> tuple[Findings, bool]:
     return errors.judge(study, {v: done[v] for v in sorted(done, key=_in_table)}, failures), outcome.interrupted
 
 
-def _in_table(variant: Variant) -> tuple:
+def _in_table(variant: Variant) -> tuple[Any, ...]:
     """Return the sorting key of a variant in the tables."""
     return variant.times, variant.edges != "sharp", variant.step_nodes, variant.precision, -variant.tolerance
 

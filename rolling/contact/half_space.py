@@ -139,7 +139,7 @@ class HalfSpace:
 
 
 @njit(cache=True)
-def _reach(pressure):
+def _reach(pressure: Array) -> tuple[int, int]:
     """Return the maximum distance of a row from a loaded one, at least half the window, which must fit; and so for columns."""
     rows, columns = pressure.shape
     first_row, last_row, first_column, last_column = rows, 0, columns, 0
@@ -157,7 +157,7 @@ def _reach(pressure):
 
 
 @njit(cache=True)
-def _multiply(lines, coefficients):
+def _multiply(lines: Array, coefficients: Array) -> None:
     """Multiply lines by coefficients; the second half of their rows mirrors the first."""
     rows = lines.shape[0]
     for i in range(rows):

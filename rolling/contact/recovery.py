@@ -112,13 +112,13 @@ class EventTable:
                 new[: self.count] = old[: self.count]
                 setattr(self, name, new)
 
-    def columns(self) -> dict[str, NDArray]:
+    def columns(self) -> dict[str, NDArray[Any]]:
         """Return copies of the filled part of each column, by its name."""
         names = ("node", "first", "last", "energy", "peak")
         return {name: getattr(self, name)[: self.count].copy() for name in names}
 
 
-def join_events(pieces: Iterable[dict[str, NDArray]]) -> dict[str, NDArray]:
+def join_events(pieces: Iterable[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
     """Join the tables of successive pieces of a track; an event cut by a border between pieces is made whole.
 
     Parameters
@@ -135,7 +135,7 @@ def join_events(pieces: Iterable[dict[str, NDArray]]) -> dict[str, NDArray]:
         return copies[0] if copies else {}
     kept = [np.ones(table["energy"].size, dtype=bool) for table in tables]
     # Table and row of each event that reaches the last position of its piece: a long one may run through whole pieces.
-    open_events: dict[tuple[int, ...], tuple[dict[str, NDArray], int]] = {}
+    open_events: dict[tuple[int, ...], tuple[dict[str, NDArray[Any]], int]] = {}
     for table, keep in zip(tables, kept, strict=True):
         border = table["first"].min()
         reaching = open_events

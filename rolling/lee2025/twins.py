@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -37,7 +38,14 @@ def influences(study: Cases) -> Finding:
             for reach in (_reach(study, roughness, load), study.grid.band_db.get(roughness, 0.0))
         )
 
-        def differs(level_grid: float, band_grid: float, step=step, error=error, off=off, uncertain=uncertain) -> bool:
+        def differs(
+            level_grid: float,
+            band_grid: float,
+            step: Any = step,
+            error: Any = error,
+            off: Any = off,
+            uncertain: Any = uncertain,
+        ) -> bool:
             beyond = np.abs(off) > np.maximum(2 * uncertain, band_grid)
             return abs(step) > max(2 * error, level_grid) or (len(off) > 0 and float(beyond.mean()) >= LEAST_SHARE)
 

@@ -7,12 +7,11 @@ a changed copy.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from pydantic import (
     BeforeValidator,
@@ -115,6 +114,9 @@ class Scene(Section):
         BeforeValidator(lambda value: sweeps.validated(value, Scene)),
         WithJsonSchema({"type": "object"}),  # the keys are filled in by `schema`
     ] = Field(default={}, description="Lists of values by dotted key; their product is run")
+
+    # Judges the scene before it is run. The check stands above the scene, so `rolling/__init__.py` binds it.
+    check: ClassVar[Callable[..., Any]]
 
     _folder: Path = PrivateAttr(default=Path())
 
@@ -257,27 +259,6 @@ class Scene(Section):
             SweepRun(values, Scene.from_dict(sweeps.with_values(data, values), self.folder))
             for values in sweeps.product(self.sweep)
         ]
-
-    def check(self, solve: bool = True) -> Any:
-        """Judge the scene before it is run: its cost, and whether the result can be believed.
-
-        Parameters
-        ----------
-        solve : bool
-            Solve a few positions, which tells more than closed forms. Default true.
-
-        Returns
-        -------
-        Findings
-            The findings of every run; a table when it is printed or shown in a notebook.
-
-        Raises
-        ------
-        SceneError
-            A height file cannot be used, a package is missing, or the steps are too long.
-        """
-        # By name: the check stands above the scene, whose modules import none of it.
-        return import_module("rolling.check.findings").check_scene(self, solve)
 
     # ---- quantities in SI ----
 

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 # A room is a file or folder at the top of a package. A room imports rooms of lower floors only, so a new room needs a floor.
 FLOORS = {
     "rolling": (
-        ("_typing", "contact", "scene"),
+        ("_typing", "contact", "scene", "tables"),
         ("folders", "surface"),
         ("check",),
         ("sound",),
@@ -29,7 +29,7 @@ FLOORS = {
     "acoustics": (
         ("_typing", "bands", "radiation", "weighting"),
         ("resampling", "spectrum", "time_weighting"),
-        ("level", "loudness", "spectrogram"),
+        ("drawn_lines", "level", "loudness", "spectrogram"),
         ("plots", "uncertainty", "wav"),
         ("conformance",),
     ),

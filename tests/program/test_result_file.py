@@ -462,6 +462,7 @@ def limited(arguments: list[str], limit: str = "") -> subprocess.CompletedProces
     return subprocess.run(command, capture_output=True, text=True, timeout=120)
 
 
+@pytest.mark.slow
 def test_a_file_that_may_not_grow_ends_in_one_message(whole: Path, tmp_path: Path) -> None:
     """A limit that result.h5 passes while it grows: exit code 1, no crash of the library, what was kept is whole."""
     size = (whole / "result.h5").stat().st_size
@@ -482,6 +483,7 @@ def test_a_file_that_may_not_grow_ends_in_one_message(whole: Path, tmp_path: Pat
     )
 
 
+@pytest.mark.slow
 def test_a_full_disk_ends_in_one_message(whole: Path, tmp_path: Path) -> None:
     disk = tmp_path / "disk"
     disk.mkdir()

@@ -48,6 +48,7 @@ def summary(folder: Path) -> dict:
     return json.loads((folder / "summary.json").read_text())
 
 
+@pytest.mark.slow
 def test_same_numbers_whatever_the_workers(scene: Path, tmp_path: Path) -> None:
     for workers in (1, 2):
         assert cli.main(["run", str(scene), "--out", str(tmp_path / str(workers)), "--workers", str(workers)]) == 0
@@ -57,6 +58,7 @@ def test_same_numbers_whatever_the_workers(scene: Path, tmp_path: Path) -> None:
     assert sounds[0] == sounds[1]
 
 
+@pytest.mark.slow
 def test_sweep_makes_a_folder_per_run_and_a_table(scene: Path, tmp_path: Path, capsys) -> None:
     out = tmp_path / "out"
     settings = ["--set", "rolling.duration_s=0.002", "--set", "sweep.rolling.load_n=[0.5, 2]"]
@@ -74,6 +76,7 @@ def test_sweep_makes_a_folder_per_run_and_a_table(scene: Path, tmp_path: Path, c
     assert "upper bound" in head and "microphone" in head and "± covers" in head  # right under the levels
 
 
+@pytest.mark.slow
 def test_outputs_are_never_overwritten_without_force(scene: Path, tmp_path: Path, capsys) -> None:
     out = tmp_path / "out"
     short = ["--set", "rolling.duration_s=0.002", "--workers", "1"]
@@ -104,6 +107,7 @@ def test_bad_scene_writes_nothing(scene: Path, tmp_path: Path, capsys) -> None:
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_a_run_that_fails_says_why_and_leaves_the_others_whole(scene: Path, tmp_path: Path, capsys) -> None:
     out = tmp_path / "out"
     # 2.1 GPa times 200 x 200 um is 84 N
@@ -134,6 +138,7 @@ def wait_for_steps(out: Path, process: subprocess.Popen) -> None:
 LONG = ("--set", "rolling.duration_s=0.4", "--set", "surface.width_um=128", "--set", "rolling.load_n=0.3")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_ctrl_c_leaves_a_valid_part(scene: Path, tmp_path: Path, workers: str) -> None:
     out = tmp_path / "out"
@@ -153,6 +158,7 @@ def test_ctrl_c_leaves_a_valid_part(scene: Path, tmp_path: Path, workers: str) -
     assert run_record.read(out).state != "done"
 
 
+@pytest.mark.slow
 def test_a_killed_run_is_resumed_to_the_same_numbers(scene: Path, tmp_path: Path) -> None:
     killed, whole = tmp_path / "killed", tmp_path / "whole"
     settings = ["--set", "rolling.duration_s=0.05", "--set", "recovery.events=true"]
@@ -177,6 +183,7 @@ def test_a_killed_run_is_resumed_to_the_same_numbers(scene: Path, tmp_path: Path
     assert run_record.read(killed).state == "done"
 
 
+@pytest.mark.slow
 def test_a_killed_worker_fails_the_run_and_keeps_what_is_solved(scene: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     process = start(scene, out, *LONG, "--workers", "2")
@@ -191,6 +198,7 @@ def test_a_killed_worker_fails_the_run_and_keeps_what_is_solved(scene: Path, tmp
     assert summary(out)["steps"] >= simulate.PIECE_STEPS and run_record.read(out).state == "failed"
 
 
+@pytest.mark.slow
 def test_a_full_disk_keeps_what_was_written(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
     out = tmp_path / "out"
     inner, calls = result_file.write_bytes, []

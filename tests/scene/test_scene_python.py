@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rolling import Scene
 from rolling.check.findings import check_scene
 from rolling.scene.file import dump, loads
 from rolling.scene.messages import SceneError
-from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian, HeightFile, Numerics, Plate, Rolling, Smooth, Sphere
 
 
