@@ -28,8 +28,8 @@ FLOORS = {
     ),
     "acoustics": (
         ("_typing", "bands", "radiation", "weighting"),
-        ("resampling", "spectrum", "time_weighting"),
-        ("drawn_lines", "level", "loudness", "spectrogram"),
+        ("drawn_lines", "resampling", "spectrum", "time_weighting"),
+        ("level", "loudness", "spectrogram"),
         ("plots", "uncertainty", "wav"),
         ("conformance",),
     ),
