@@ -27,7 +27,8 @@ FLOORS = {
         ("cli",),
     ),
     "acoustics": (
-        ("_typing", "bands", "radiation", "weighting"),
+        ("_typing",),
+        ("bands", "radiation", "weighting"),
         ("drawn_lines", "resampling", "spectrum", "time_weighting"),
         ("level", "loudness", "spectrogram"),
         ("plots", "uncertainty", "wav"),
