@@ -51,7 +51,7 @@ def note(facts: Iterable[str]) -> str:
 
 def remarks(runs: Sequence[RunResult]) -> tuple[str, ...]:
     """List the caveats that stand beside the levels of runs."""
-    gathered = caveats.gathered([(run.label, caveats.stored(run.numbers)) for run in runs])
+    gathered = caveats.gathered([(run.label, caveats.stored(run.summary)) for run in runs])
     return tuple(remark.line for remark in gathered)
 
 

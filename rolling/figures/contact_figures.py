@@ -62,7 +62,7 @@ def surface(run: RunResult) -> Picture:
 
 
 def _surface_note(run: RunResult, heights: Array) -> str:
-    statistics, spacing = run.numbers["surface"], run.scene.spacing
+    statistics, spacing = run.summary["surface"], run.scene.spacing
     facts = [
         f"Ra {statistics['ra'] * 1e6:.4g} µm, Rq {statistics['rq'] * 1e6:.4g} µm",
         f"skewness {statistics['skewness']:.2f}, kurtosis {statistics['kurtosis']:.2f}",

@@ -106,7 +106,7 @@ class RunView:
     @property
     def repeats(self) -> list[Caveat]:
         """Caveats of a record that sounds as the tone of its repetition."""
-        return [caveat for caveat in caveats.stored(self.run.numbers) if caveat.key in caveats.REPEATS]
+        return [caveat for caveat in caveats.stored(self.run.summary) if caveat.key in caveats.REPEATS]
 
     @property
     def player(self) -> dict[str, Any]:
@@ -236,7 +236,7 @@ def _surfaces(views: Sequence[RunView]) -> list[Surface]:
         Surface(
             labels=[view.label for view in members],
             words=report_text.surface_words(members[0].run.scene),
-            statistics=members[0].run.numbers["surface"],
+            statistics=members[0].run.summary["surface"],
             picture=members[0].pictures["surface"],
         )
         for members in sharing.values()

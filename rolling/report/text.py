@@ -117,7 +117,7 @@ def sentence(runs: Sequence[RunResult]) -> str:
     also = f" {silent} of {len(runs)} runs are silent." if silent else ""
     if len(sounding) == 1:
         level, run = sounding[0]
-        laeq = uncertain(level, run.numbers["uncertainty_db"]["laeq"])
+        laeq = uncertain(level, run.summary["uncertainty_db"]["laeq"])
         return f"{run.label}: LAeq {laeq} dB re 20 µPa{at}.{also}"
     low_db, quietest = min(sounding, key=lambda pair: pair[0])
     high_db, loudest = max(sounding, key=lambda pair: pair[0])
@@ -135,9 +135,9 @@ def levels(runs: Sequence[RunResult]) -> Table:
     columns = _columns(runs)
 
     def cell(run: RunResult, column: Column) -> str:
-        if column.key not in run.numbers:
+        if column.key not in run.summary:
             return NOTHING
-        value = run.numbers[column.key]
+        value = run.summary[column.key]
         if value is None:
             return "silent" if column.key.endswith("_db") else NOTHING
         if column.uncertainty:
@@ -162,7 +162,7 @@ def tsv(runs: Sequence[RunResult]) -> str:
     for run in runs:
         row = [run.label]
         for column in columns:
-            value = run.numbers.get(column.key)
+            value = run.summary.get(column.key)
             row.append("" if value is None else f"{value * column.factor:.6g}")
             if column in uncertain:
                 uncertainty = _uncertainty(run, column)
@@ -179,12 +179,12 @@ def significant(value: float) -> str:
 
 def _columns(runs: Sequence[RunResult]) -> list[Column]:
     return [
-        column for column in COLUMNS if column.key not in ASKED_FOR or any(column.key in run.numbers for run in runs)
+        column for column in COLUMNS if column.key not in ASKED_FOR or any(column.key in run.summary for run in runs)
     ]
 
 
 def _uncertainty(run: RunResult, column: Column) -> float | None:
-    uncertainty: float | None = run.numbers["uncertainty_db"].get(column.uncertainty)
+    uncertainty: float | None = run.summary["uncertainty_db"].get(column.uncertainty)
     return uncertainty
 
 
@@ -202,7 +202,7 @@ def bands(runs: Sequence[RunResult]) -> list[tuple[str, bool, list[str]]]:
         level = run.sound.levels.third_octave_db[band]
         if level is None:
             return NOTHING
-        return uncertain(level, run.numbers["third_octave_uncertainty_db"][band])
+        return uncertain(level, run.summary["third_octave_uncertainty_db"][band])
 
     return [
         (band, bool(sure), [cell(run, band) for run in runs]) for band, sure in zip(BAND_NAMES, certain, strict=True)
@@ -303,7 +303,7 @@ def surface_words(scene: Scene) -> str:
 
 def remarks(runs: Sequence[RunResult]) -> list[Remark]:
     """List all caveats of runs, each once."""
-    return caveats.gathered([(run.label, caveats.stored(run.numbers)) for run in runs])
+    return caveats.gathered([(run.label, caveats.stored(run.summary)) for run in runs])
 
 
 def headline(runs: Sequence[RunResult]) -> str:

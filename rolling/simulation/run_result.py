@@ -64,11 +64,6 @@ class RunResult:
     writer: Writer | None = None
 
     @property
-    def numbers(self) -> dict[str, Any]:
-        """The summary."""
-        return self.summary
-
-    @property
     def home(self) -> Path:
         """The run folder that it was made in: the folder of the sweep, if it is a part of one."""
         return self.folder.parent if self.values else self.folder

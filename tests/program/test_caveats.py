@@ -100,10 +100,10 @@ def test_a_loop_that_is_heard_as_a_pitch_says_which() -> None:
 @pytest.mark.slow
 def test_a_short_track_gone_round_many_times_says_its_pitch(runs: Runs) -> None:
     """150 laps of 6 ms in 0.9 s sound at 167 Hz, looped or not; the lap alone at the same."""
-    texts = {each.key: each.text for each in caveats.stored(heard_in(runs.three())[0].numbers)}
+    texts = {each.key: each.text for each in caveats.stored(heard_in(runs.three())[0].summary)}
     assert "every 0.006 s, 167 times a second" in texts["short_track"] and "short_loop" not in texts
     (lap,) = heard_in(runs.lap())
-    texts = {each.key: each.text for each in caveats.stored(lap.numbers)}
+    texts = {each.key: each.text for each in caveats.stored(lap.summary)}
     assert "0.006 s repeats 167 times a second" in texts["short_loop"] and "short_track" not in texts
 
 
@@ -145,7 +145,7 @@ def test_summary_sidecars_csv_tsv_and_table_say_the_same(runs: Runs) -> None:
     together = {picture.name: picture.csv().decode() for picture in run_figures.of_runs(heard)}
     assert all(texts[0] in content for content in together.values()) and "levels" in together
     assert f"# {texts[0]}\n" in report_text.tsv(heard)
-    table = summary.table([(each.label, "folder", each.numbers) for each in heard]).splitlines()
+    table = summary.table([(each.label, "folder", each.summary) for each in heard]).splitlines()
     assert texts[0] in table[4] and "microphone" in table[4] and "± covers" in table[5] and table[6] == ""
     assert report_text.headline(heard) == f"{table[4]} {table[5]}"
     words = " ".join(fact.name + value for fact in report_text.assumptions(heard) for _, value in fact.values)
@@ -170,7 +170,7 @@ def test_tables_are_read_by_csv_readers_whatever_the_labels_hold(runs: Runs) -> 
 
 def test_text_of_scenes_in_a_remark_stays_on_its_line(runs: Runs) -> None:
     (one,) = heard_in(runs.lap())
-    numbers = one.numbers | {"caveats": [{"key": "x", "text": "first\nsecond,1,2\u2028"}]}
+    numbers = one.summary | {"caveats": [{"key": "x", "text": "first\nsecond,1,2\u2028"}]}
     for picture in run_figures.of_run(replace(one, summary=numbers)):
         if picture.name == "spectrum":
             first, second, *_ = picture.csv().decode().splitlines()

@@ -234,7 +234,7 @@ def test_numbers_that_are_missing_or_silent_are_said(runs) -> None:
     table = text.levels([silent])
     assert table.rows[0][1][:5] == ["silent"] * 5
     assert "No sound" in text.sentence([silent])
-    old = replace(silent, summary={k: v for k, v in silent.numbers.items() if not k.startswith("la")})
+    old = replace(silent, summary={k: v for k, v in silent.summary.items() if not k.startswith("la")})
     assert "-" in text.levels([old]).rows[0][1]
     head, *rows = [line.split("\t") for line in text.tsv([old]).splitlines() if not line.startswith("#")]
     assert rows and all(len(row) == len(head) for row in rows)
@@ -247,9 +247,9 @@ def test_table_gives_levels_with_their_uncertainty(runs) -> None:
     for one, (label, cells) in zip(heard, table.rows, strict=True):
         assert label == one.label
         value, uncertainty = cells[column].split(" ± ")
-        assert float(value) == pytest.approx(one.numbers["laeq_db"], abs=0.05)
+        assert float(value) == pytest.approx(one.summary["laeq_db"], abs=0.05)
         # Rounded up: never less than it is, never 0.0.
-        assert 0.0 <= float(uncertainty) - one.numbers["uncertainty_db"]["laeq"] < 0.1
+        assert 0.0 <= float(uncertainty) - one.summary["uncertainty_db"]["laeq"] < 0.1
     said = text.sentence(heard)
     assert "at 1 m" in said and heard[0].label in said and heard[-1].label in said
 
@@ -260,7 +260,7 @@ def test_each_kind_of_warning_and_equal_assumptions_are_said_once(runs) -> None:
     keys = [each.key for each in warnings]
     assert keys and len(set(keys)) == len(keys)
     for each in warnings:
-        texts = {one.label: c["text"] for one in heard for c in one.numbers["caveats"] if c["key"] == each.key}
+        texts = {one.label: c["text"] for one in heard for c in one.summary["caveats"] if c["key"] == each.key}
         assert list(each.labels or [one.label for one in heard]) == list(texts)
         first = next(iter(texts))
         assert each.text == texts[first] + (f" (in the numbers of {first})" if len(set(texts.values())) > 1 else "")
