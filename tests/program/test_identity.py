@@ -99,7 +99,7 @@ def test_heights_replaced_after_an_interrupt_are_refused(scene: Path, tmp_path: 
     assert cli.main(["resume", str(out), "--workers", "1", "--no-report"]) == 0
     whole = tmp_path / "whole"
     assert cli.main(["run", str(scene), "--out", str(whole), "--workers", "1", "--no-report"]) == 0
-    both = [result_file.read_scene(folder / "result.h5").series["release_energy"] for folder in (out, whole)]
+    both = [result_file.load(folder / "result.h5").series["release_energy"] for folder in (out, whole)]
     assert np.array_equal(*both)
 
 
@@ -121,7 +121,7 @@ def test_heights_that_change_during_a_run_fail_it(spoil, scene: Path, tmp_path: 
     message = capsys.readouterr().err
     assert "z.npy" in message and "Traceback" not in message
     assert "another surface than the one solved" in message or "the surface that was solved is gone" in message
-    result = result_file.read_scene(out / "result.h5")
+    result = result_file.load(out / "result.h5")
     solved = np.isfinite(result.series["release_energy"])
     assert solved[:200].all() and not solved[200:].any()
     assert not (out / "summary.json").exists()  # its statistics would be another surface's
@@ -151,7 +151,7 @@ def test_heights_replaced_in_the_last_moment_give_no_numbers(scene: Path, tmp_pa
     out = tmp_path / "out"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
     assert "another surface than the one solved" in capsys.readouterr().err
-    assert result_file.read_scene(out / "result.h5").complete and not (out / "summary.json").exists()
+    assert result_file.load(out / "result.h5").complete and not (out / "summary.json").exists()
 
 
 def test_the_same_heights_elsewhere_and_written_anew_are_the_same_surface(scene: Path, tmp_path: Path) -> None:

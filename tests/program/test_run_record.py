@@ -120,7 +120,7 @@ def test_random_damage_never_gives_a_traceback(tmp_path: Path, position: int, by
 
 def test_the_digest_follows_every_module_and_asset(tmp_path: Path) -> None:
     """In a copy: equal as it is, another after a change of one byte in a module, a nested module or an asset, or a new module."""
-    root = Path(program.__file__).parents[1]
+    root = Path(program.__file__).parents[2]
     for package in ("rolling", "acoustics"):
         shutil.copytree(root / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
 
@@ -132,7 +132,7 @@ def test_the_digest_follows_every_module_and_asset(tmp_path: Path) -> None:
 
     digests = [digest()]
     assert digests[0] == program.sources_digest()
-    for name in ("rolling/article/study.py", "rolling/page/report.css", "acoustics/new.py"):
+    for name in ("rolling/lee2025/study.py", "rolling/report/assets/report.css", "acoustics/new.py"):
         with (tmp_path / name).open("a") as file:
             file.write("\n")
         digests.append(digest())
