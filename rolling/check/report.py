@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import NamedTuple, overload
 
+from rolling import tables
 from rolling.check.finding import Finding
 
 RUNS_ABREAST = 5  # columns of the table
@@ -67,10 +68,10 @@ class Findings(Sequence[Finding]):
 def text(findings: Findings) -> str:
     """Write the values that all runs share, then a column per run, then the warnings."""
     shared, by_run = _rows(findings)
-    blocks = [_table(shared)]
+    blocks = [tables.columns(shared)]
     if len(by_run) > 1:
         columns = range(1, len(findings.runs) + 1, RUNS_ABREAST)
-        blocks += [_table([[row[0], *row[k : k + RUNS_ABREAST]] for row in by_run]) for k in columns]
+        blocks += [tables.columns([[row[0], *row[k : k + RUNS_ABREAST]] for row in by_run]) for k in columns]
     return "\n\n".join(filter(None, [*blocks, "\n".join(f"warning: {line}" for line in findings.warnings)]))
 
 
@@ -122,9 +123,3 @@ def _quantities(findings: Findings) -> list[str]:
 
 def _cell(finding: Finding) -> str:
     return finding.value + (" !" if finding.warning else "")
-
-
-def _table(rows: Sequence[Sequence[str]]) -> str:
-    """Write rows of cells, columns aligned."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return "\n".join("  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from acoustics import loudness
+from rolling import tables
 from rolling.check import cost, findings, height_files
 from rolling.contact import closed_forms
 from rolling.folders import program
@@ -161,9 +162,8 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
                 printable(folder),
             )
         )
-    widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    return "\n".join(lines + _remarks([(label, summary) for label, _, summary in runs if summary is not None]))
+    remarks = _remarks([(label, summary) for label, _, summary in runs if summary is not None])
+    return "\n".join([tables.columns(rows), *remarks])
 
 
 def _remarks(runs: list[tuple[str, dict[str, Any]]]) -> list[str]:

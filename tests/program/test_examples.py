@@ -21,7 +21,6 @@ WITH_DOCTESTS = sorted(
 )
 
 
-@pytest.mark.skipif(not (ROOT / "examples").is_dir(), reason="there is no folder examples/")
 def test_there_are_five_examples() -> None:
     """Hertz, one contact, a load sweep, an own surface, acoustics alone."""
     assert len(EXAMPLES) >= 5
