@@ -1,4 +1,5 @@
-"""Sound from a released power: levels, third octaves, weighting, spectra, uncertainty, sound files, plots.
+"""Sound from a released power: levels, third octaves, weighting, spectra, uncertainty, sound files,
+plots.
 
 The package knows arrays and sample rates and nothing of contact. Every name below is imported when
 it is first used, so that ``import acoustics`` takes no time.
@@ -58,7 +59,14 @@ __all__ = [
 ]
 
 _MODULES = {
-    "bands": ("BAND_NAMES", "EDGES_HZ", "MID_HZ", "band_uncertainty_db", "reliable", "third_octave_mean_square"),
+    "bands": (
+        "BAND_NAMES",
+        "EDGES_HZ",
+        "MID_HZ",
+        "band_uncertainty_db",
+        "reliable",
+        "third_octave_mean_square",
+    ),
     "level": ("SoundLevels", "laeq_db", "level_db", "sound_levels"),
     "radiation": ("I_REF_W_M2", "P_REF_PA", "RHO_C", "intensity", "sound_pressure"),
     "spectrum": ("Psd", "line_spectrum", "welch"),

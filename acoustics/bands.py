@@ -32,8 +32,8 @@ LEAST_BT = 5.0
 def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Array:
     """Sum the mean squares of the lines in each third octave.
 
-    A line on an edge belongs to the band above it. Every line in ``AUDIBLE_HZ`` is therefore counted
-    once, and the bands add up to the lines. Lines outside are not counted.
+    A line on an edge belongs to the band above it. Every line in ``AUDIBLE_HZ`` is therefore
+    counted once, and the bands add up to the lines. Lines outside are not counted.
 
     Parameters
     ----------
@@ -59,7 +59,9 @@ def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Ar
     band = np.searchsorted(EDGES_HZ, frequency_hz, side="right") - 1
     inside = (band >= 0) & (band < len(NOMINAL_HZ))
     weights = np.asarray(line_mean_square)[inside]
-    return np.asarray(np.bincount(band[inside], weights=weights, minlength=len(NOMINAL_HZ)), dtype=float)
+    return np.asarray(
+        np.bincount(band[inside], weights=weights, minlength=len(NOMINAL_HZ)), dtype=float
+    )
 
 
 def band_uncertainty_db(duration_s: float) -> Array:

@@ -14,7 +14,8 @@ from acoustics.bands import AUDIBLE_HZ
 PER_OCTAVE = 12  # of the means drawn of dense spectra
 NOTHING_DB = -300.0  # stands for -inf, which matplotlib would drop together with its neighbours
 DENSE = 500  # more lines than this hide one another: they fade behind their mean
-_COLUMNS = 1500  # across a plot: more than its dots, so that an envelope looks like the curve itself
+# across a plot: more than its dots, so that an envelope looks like the curve itself
+_COLUMNS = 1500
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +49,9 @@ class Lines:
 
     @cached_property
     def envelope(self) -> tuple[Array, Array]:
-        """The lines, or minimum and maximum of each column of the plot where several lines share one."""
+        """The lines, or minimum and maximum of each column of the plot where several lines share
+        one.
+        """
         low, high = np.log(AUDIBLE_HZ)
         column = (np.log(self.frequency_hz) - low) / (high - low)
         return _thinned(self.frequency_hz, np.maximum(self.level_db, NOTHING_DB), column)
@@ -70,7 +73,9 @@ def is_thinned(time_s: Array) -> bool:
 
 
 def power_envelope(time_s: Array, power_w: Array) -> tuple[Array, Array]:
-    """Return time and power as drawn: minimum and maximum in each of 1,500 columns of more than 3,000 values."""
+    """Return time and power as drawn: minimum and maximum in each of 1,500 columns of more than
+    3,000 values.
+    """
     if not is_thinned(time_s):
         return time_s, power_w
     return _thinned(time_s, power_w, (time_s - time_s[0]) / (time_s[-1] - time_s[0]))
@@ -79,8 +84,8 @@ def power_envelope(time_s: Array, power_w: Array) -> tuple[Array, Array]:
 def _thinned(x: Array, y: Array, share: Array) -> tuple[Array, Array]:
     """Replace the points of each column of a plot by its minimum and maximum y at its first x.
 
-    Columns of one or two points stay. x rises, and `share` (n,), 0 to 1, is the place of each point in
-    the width of the plot.
+    Columns of one or two points stay. x rises, and `share` (n,), 0 to 1, is the place of each point
+    in the width of the plot.
     """
     column = np.minimum(np.floor(share * _COLUMNS), _COLUMNS - 1)
     starts = np.flatnonzero(np.diff(column, prepend=-1.0))
@@ -88,13 +93,17 @@ def _thinned(x: Array, y: Array, share: Array) -> tuple[Array, Array]:
     crowded = counts > 2
     alone = np.repeat(~crowded, counts)
     at = np.repeat(x[starts[crowded]], 2)
-    extremes = np.stack([np.minimum.reduceat(y, starts)[crowded], np.maximum.reduceat(y, starts)[crowded]], 1).ravel()
+    extremes = np.stack(
+        [np.minimum.reduceat(y, starts)[crowded], np.maximum.reduceat(y, starts)[crowded]], 1
+    ).ravel()
     merged = np.argsort(np.concatenate([x[alone], at]), kind="stable")
     return np.concatenate([x[alone], at])[merged], np.concatenate([y[alone], extremes])[merged]
 
 
 def _band_mean(frequency_hz: Array, level_db: Array) -> tuple[Array, Array]:
-    """Return mid frequency and level of the mean power of the lines in each 1/12 octave that has any."""
+    """Return mid frequency and level of the mean power of the lines in each 1/12 octave that has
+    any.
+    """
     octaves = math.log2(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
     edges = AUDIBLE_HZ[0] * 2.0 ** (np.arange(math.ceil(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)
     band = np.searchsorted(edges, frequency_hz, side="right") - 1

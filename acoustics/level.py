@@ -18,13 +18,24 @@ from acoustics.spectrum import line_spectrum
 from acoustics.time_weighting import FAST_S, SLOW_S, a_weighted, maximum_mean_square
 from acoustics.weighting import a_weighting_db
 
-__all__ = ["I_REF_W_M2", "P_REF_PA", "RHO_C", "SoundLevels", "a_weighted_rms", "laeq_db", "level_db", "sound_levels"]
+__all__ = [
+    "I_REF_W_M2",
+    "P_REF_PA",
+    "RHO_C",
+    "SoundLevels",
+    "a_weighted_rms",
+    "laeq_db",
+    "level_db",
+    "sound_levels",
+]
 
-# A part 200 dB below the record counts as rounding. Transforms leave -300 dB, or -200 dB of a fluctuation that is
-# 1e-5 of its mean; hearing spans 130 dB, and no contact solve is better than 1e-10.
+# A part 200 dB below the record counts as rounding. Transforms leave -300 dB, or -200 dB of a
+# fluctuation that is 1e-5 of its mean; hearing spans 130 dB, and no contact solve is better than
+# 1e-10.
 _ROUNDING = 1e-20
 
-# Smaller mean squares are silence: their parts would be numbers of few digits, or none (1e-308 and below).
+# Smaller mean squares are silence: their parts would be numbers of few digits, or none (1e-308 and
+# below).
 _SILENCE = 1e-280
 
 _PEAK_OVERSAMPLING = 8
@@ -68,7 +79,8 @@ def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None
     Raises
     ------
     ValueError
-        If the mean square is not finite: a fault upstream must pass neither as silence nor as a level.
+        If the mean square is not finite: a fault upstream must pass neither as silence nor as a
+        level.
 
     References
     ----------
@@ -86,7 +98,8 @@ def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None
 
 
 def laeq_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
-    """Return the A-weighted equivalent level LAeq of the whole record, or None if there is no sound.
+    """Return the A-weighted equivalent level LAeq of the whole record, or None if there is no
+    sound.
 
     The weighting is exact and works in the frequency domain. It has neither the settling time of a
     filter nor its error near the Nyquist frequency.
@@ -123,14 +136,16 @@ def laeq_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
 def a_weighted_rms(pressure_pa: Array, sample_rate_hz: float) -> float:
     """Return the A-weighted rms of the whole record, in its unit; 0 if only rounding is left."""
     frequency_hz, mean_square = line_spectrum(pressure_pa, sample_rate_hz)
-    return math.sqrt(_above_rounding(_a_weighted(frequency_hz, mean_square).sum(), mean_square.sum()))
+    return math.sqrt(
+        _above_rounding(_a_weighted(frequency_hz, mean_square).sum(), mean_square.sum())
+    )
 
 
 def peak_pressure(pressure_pa: Array) -> float:
     """Return the maximum |p| of a record at and between its samples [Pa], by 8-fold interpolation.
 
-    The pressure between the interpolated points can exceed them by 0.01 dB at 5 kHz, and by 0.15 dB at
-    the top of the audible band (at 48 kHz).
+    The pressure between the interpolated points can exceed them by 0.01 dB at 5 kHz, and by 0.15 dB
+    at the top of the audible band (at 48 kHz).
 
     Parameters
     ----------
@@ -165,8 +180,8 @@ def sound_levels(
     Returns
     -------
     SoundLevels, dB re 20 uPa
-        A band without line power is None. Power below 1e-20 of the record's mean square (-200 dB) is
-        rounding and counts as none.
+        A band without line power is None. Power below 1e-20 of the record's mean square (-200 dB)
+        is rounding and counts as none.
 
     Raises
     ------
@@ -196,7 +211,9 @@ def sound_levels(
     known = EDGES_HZ[1:] <= min(highest_hz, sample_rate_hz / 2.0)
 
     def bands(line_mean_square: Array) -> dict[str, float | None]:
-        band_mean_square = np.where(known, third_octave_mean_square(frequency_hz, line_mean_square), 0.0)
+        band_mean_square = np.where(
+            known, third_octave_mean_square(frequency_hz, line_mean_square), 0.0
+        )
         return {
             name: level_db(_above_rounding(value, whole))
             for name, value in zip(BAND_NAMES, band_mean_square, strict=True)

@@ -12,8 +12,8 @@ from acoustics.spectrum import check_record
 
 LEAST_RATE_HZ = 48000  # below, mosqito would resample
 
-# The filters of the lowest bands (25 Hz, 5.8 Hz wide) settle in 0.2 s; a loop is played long enough to make that
-# negligible.
+# The filters of the lowest bands (25 Hz, 5.8 Hz wide) settle in 0.2 s; a loop is played long enough
+# to make that negligible.
 _PLAYED_S = 4.0
 
 
@@ -21,8 +21,8 @@ _PLAYED_S = 4.0
 class Loudness:
     """Loudness and sharpness of a record.
 
-    Both are None where the method does not hold: if a third octave up to 250 Hz exceeds 120 dB, or if
-    a record of some milliseconds does not close.
+    Both are None where the method does not hold: if a third octave up to 250 Hz exceeds 120 dB, or
+    if a record of some milliseconds does not close.
 
     Parameters
     ----------
@@ -65,15 +65,22 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
 
     check_record(pressure_pa)
     if sample_rate_hz < LEAST_RATE_HZ:
-        raise ValueError(f"loudness needs a sample rate of {LEAST_RATE_HZ} Hz or more, got {sample_rate_hz:g}")
-    fluctuation = pressure_pa - np.mean(pressure_pa)  # the onset of a mean would be a bang to the filters
+        raise ValueError(
+            f"loudness needs a sample rate of {LEAST_RATE_HZ} Hz or more, got {sample_rate_hz:g}"
+        )
+    # the onset of a mean would be a bang to the filters
+    fluctuation = pressure_pa - np.mean(pressure_pa)
     if not np.any(fluctuation):
         return Loudness(0.0, None)
     rounds = math.ceil(_PLAYED_S * sample_rate_hz / len(pressure_pa)) if closed else 1
     try:
-        sone, specific, _ = loudness_zwst(np.tile(fluctuation, rounds), sample_rate_hz, field_type="free")
+        sone, specific, _ = loudness_zwst(
+            np.tile(fluctuation, rounds), sample_rate_hz, field_type="free"
+        )
     except ValueError:  # raised in either case
         return Loudness(None, None)
     if not sone > 0.0:
         return Loudness(0.0, None)
-    return Loudness(float(sone), float(sharpness_din_from_loudness(sone, specific, weighting="din")))
+    return Loudness(
+        float(sone), float(sharpness_din_from_loudness(sone, specific, weighting="din"))
+    )

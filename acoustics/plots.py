@@ -1,8 +1,8 @@
 """Plots of levels and power: each function draws on `ax` and returns it.
 
-The colours are those of Okabe and Ito (2008), which differ for any colour vision. Line styles differ too,
-for grey print. More curves than colours go from dark to light in the order given. The functions label
-their curves, but leave title and legend to the caller.
+The colours are those of Okabe and Ito (2008), which differ for any colour vision. Line styles
+differ too, for grey print. More curves than colours go from dark to light in the order given. The
+functions label their curves, but leave title and legend to the caller.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _GREY = "0.6"
 
 _SHOWN_DB = 70.0
-_SHADES = 36  # of a spectrogram: 2 dB in 70, less than noise leaves uncertain; more make large files
+# of a spectrogram: 2 dB in 70, less than noise leaves uncertain; more make large files
+_SHADES = 36
 FEW = 3  # curves whose single lines or error bars can be told apart
 
 
@@ -85,15 +86,19 @@ def level_limits(levels_db: Iterable[float | None]) -> tuple[float, float]:
 
 
 def drawn_as_means(curves: Sequence[tuple[str, Lines]]) -> list[tuple[str, Lines]]:
-    """Return the curves whose mean over 1/12 octave is drawn: dense spectra, or all of more than three."""
+    """Return the curves whose mean over 1/12 octave is drawn: dense spectra, or all of more than
+    three.
+    """
     return [curve for curve in curves if curve[1].dense or len(curves) > FEW]
 
 
-def spectrum(ax: Axes, curves: Sequence[tuple[str, Lines]], limits_db: tuple[float, float] | None = None) -> Axes:
+def spectrum(
+    ax: Axes, curves: Sequence[tuple[str, Lines]], limits_db: tuple[float, float] | None = None
+) -> Axes:
     """Draw spectra against frequency, 20 Hz to 20 kHz.
 
-    More than 500 lines, and more than three curves, are drawn as the mean (of powers) over 1/12 octave.
-    The lines of up to three curves are thin and pale behind it.
+    More than 500 lines, and more than three curves, are drawn as the mean (of powers) over 1/12
+    octave. The lines of up to three curves are thin and pale behind it.
 
     Parameters
     ----------
@@ -124,14 +129,18 @@ def spectrum(ax: Axes, curves: Sequence[tuple[str, Lines]], limits_db: tuple[flo
         else:
             level = np.maximum(lines.level_db, NOTHING_DB)
             ax.plot(lines.frequency_hz, level, linewidth=1.2, label=label, **look)
-    ax.set_ylim(limits_db or level_limits([level for _, lines in curves for level in lines.extremes]))
+    ax.set_ylim(
+        limits_db or level_limits([level for _, lines in curves for level in lines.extremes])
+    )
     ax.set_xscale("log")
     ax.set_xlim(*AUDIBLE_HZ)
     ax.xaxis.set_minor_locator(NullLocator())
     _say_if_silent(ax, any(lines.extremes for _, lines in curves))
     octaves = slice(2, None, 3)
     ax.xaxis.set_major_locator(FixedLocator(list(MID_HZ[octaves])))
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda f, _: _short(BAND_NAMES[int(np.abs(MID_HZ - f).argmin())])))
+    ax.xaxis.set_major_formatter(
+        FuncFormatter(lambda f, _: _short(BAND_NAMES[int(np.abs(MID_HZ - f).argmin())]))
+    )
     ax.set_xlabel("frequency [Hz]")
     return _finish(ax, "level [dB]")
 
@@ -144,15 +153,15 @@ def third_octaves(
 ) -> Axes:
     """Draw third-octave levels as steps over the bands, 20 Hz to 20 kHz.
 
-    More than three curves are drawn as lines from band to band instead. A band is grey if the record is
-    too short to read its level (B T < 5, uncertain by 2 dB or more). In the other bands up to three
-    curves have bars of their standard uncertainty.
+    More than three curves are drawn as lines from band to band instead. A band is grey if the
+    record is too short to read its level (B T < 5, uncertain by 2 dB or more). In the other bands
+    up to three curves have bars of their standard uncertainty.
 
     Parameters
     ----------
     ax : axes to draw on.
-    curves : sequence of triples. Label with the weighting, levels in dB re 20 uPa and their standard
-        uncertainty in dB, both by nominal frequency; None is a gap.
+    curves : sequence of triples. Label with the weighting, levels in dB re 20 uPa and their
+        standard uncertainty in dB, both by nominal frequency; None is a gap.
     duration_s : float, s. Duration T of the record; the shortest of several.
     limits_db : pair of float, dB. Limits of the level axis. Default: `level_limits` of the curves.
 
@@ -170,16 +179,23 @@ def third_octaves(
     'third octave, nominal mid frequency [Hz]'
     """
     read = reliable(duration_s)
-    first = int(np.argmax(read)) if read.any() else len(read)  # bands widen upwards, so the grey ones are the lowest
+    # bands widen upwards, so the grey ones are the lowest
+    first = int(np.argmax(read)) if read.any() else len(read)
     seen: list[float] = []
     for number, (label, levels, uncertainty) in enumerate(curves):
-        level, spread = (_numbers(by_name[name] for name in BAND_NAMES) for by_name in (levels, uncertainty))
+        level, spread = (
+            _numbers(by_name[name] for name in BAND_NAMES) for by_name in (levels, uncertainty)
+        )
         seen += [*level]
         look = _look(number, len(curves))
         _band_curve(ax, label, level, spread, first, look, len(curves) <= FEW)
     if first > 0:
         ax.axvspan(
-            EDGES_HZ[0], EDGES_HZ[first], color="0.93", zorder=0, label=f"B T < {LEAST_BT:g}: uncertain by 2 dB or more"
+            EDGES_HZ[0],
+            EDGES_HZ[first],
+            color="0.93",
+            zorder=0,
+            label=f"B T < {LEAST_BT:g}: uncertain by 2 dB or more",
         )
     ax.set_ylim(limits_db or level_limits(seen))
     ax.set_xscale("log")
@@ -191,25 +207,45 @@ def third_octaves(
     return _finish(ax, "sound pressure level [dB re 20 µPa]")
 
 
-def _band_curve(ax: Axes, label: str, level: Array, spread: Array, first: int, look: dict[str, Any], few: bool) -> None:
-    """Draw one curve of third octaves: grey bands below the first that can be read, coloured ones from it on."""
+def _band_curve(
+    ax: Axes, label: str, level: Array, spread: Array, first: int, look: dict[str, Any], few: bool
+) -> None:
+    """Draw one curve of third octaves: grey bands below the first that can be read, coloured ones
+    from it on.
+    """
     colour, style = look["color"], look["linestyle"]
     marker = {"marker": look["marker"], "markersize": 4, "linestyle": "none"}
     if first > 0:
         width = 1.2 if few else 0.7
-        _steps(ax, level[:first], EDGES_HZ[: first + 1], few, color=_GREY, linestyle=style, linewidth=width)
+        _steps(
+            ax,
+            level[:first],
+            EDGES_HZ[: first + 1],
+            few,
+            color=_GREY,
+            linestyle=style,
+            linewidth=width,
+        )
         if few:
             ax.plot(MID_HZ[:first], level[:first], color=_GREY, markerfacecolor="white", **marker)
     if first < len(level):
-        _steps(ax, level[first:], EDGES_HZ[first:], few, color=colour, linestyle=style, linewidth=1.5)
+        _steps(
+            ax, level[first:], EDGES_HZ[first:], few, color=colour, linestyle=style, linewidth=1.5
+        )
         if few:
             _bars(ax, MID_HZ[first:], level[first:], spread[first:], colour)
     ax.plot(MID_HZ[first:], level[first:], color=colour, **marker)
-    ax.plot([], [], color=colour, linestyle=style, marker=marker["marker"], markersize=4, label=label)
+    ax.plot(
+        [], [], color=colour, linestyle=style, marker=marker["marker"], markersize=4, label=label
+    )
 
 
 def spectrogram(
-    ax: Axes, bar: Axes | None, shown: Spectrogram, duration_s: float, limits_db: tuple[float, float]
+    ax: Axes,
+    bar: Axes | None,
+    shown: Spectrogram,
+    duration_s: float,
+    limits_db: tuple[float, float],
 ) -> Axes:
     """Draw a spectrogram as colours over time and frequency, light where there is no sound.
 
@@ -239,7 +275,8 @@ def spectrogram(
     first, last = (shown.time_s[[0, -1]] + np.array([-0.5, 0.5]) * shown.hop_s) / factor
     low, high = np.log10(shown.edges_hz[[0, -1]])
     colours = matplotlib.colormaps["magma"].resampled(_SHADES).with_extremes(bad="0.85")
-    # Rows are equally wide on a logarithmic scale, so an image on a linear axis of logarithms shows each value as a dot.
+    # Rows are equally wide on a logarithmic scale, so an image on a linear axis of logarithms shows
+    # each value as a dot.
     image = ax.imshow(
         shown.level_db,
         origin="lower",
@@ -258,7 +295,11 @@ def spectrogram(
     ax.set_xlabel(f"time [{prefix}s]")
     ax.set_ylabel("frequency [Hz]")
     ax.figure.colorbar(
-        image, cax=bar, ax=None if bar else ax, label="density level [dB re (20 µPa)²/Hz]", extend="both"
+        image,
+        cax=bar,
+        ax=None if bar else ax,
+        label="density level [dB re (20 µPa)²/Hz]",
+        extend="both",
     )
     return ax
 
@@ -273,8 +314,8 @@ def power(
 ) -> Axes:
     """Draw release power against time with its mean, in units that suit the numbers.
 
-    The power axis spans at least 2 % of the mean, so that a steady power looks steady. More than 3,000
-    values are drawn as minimum and maximum in each of 1,500 columns.
+    The power axis spans at least 2 % of the mean, so that a steady power looks steady. More than
+    3,000 values are drawn as minimum and maximum in each of 1,500 columns.
 
     Parameters
     ----------
@@ -283,7 +324,8 @@ def power(
     power_w : array (n,), W. Release power.
     mean_w : float, W. Mean of the power over time; the values may be unevenly spaced.
     duration_s : float, s. Duration of the record, the whole width of the axes.
-    share : pair of float. Minimum and maximum power shown, as shares of the mean. Default: `power_share`.
+    share : pair of float. Minimum and maximum power shown, as shares of the mean. Default:
+        `power_share`.
 
     Returns
     -------
@@ -308,7 +350,13 @@ def power(
         linewidth=0.5 if len(time) > DENSE else 1.5,
         label="release power",
     )
-    ax.axhline(mean, color=COLOURS[1], linestyle="--", linewidth=1.5, label=f"mean {mean:.4g} {power_unit[1]}W")
+    ax.axhline(
+        mean,
+        color=COLOURS[1],
+        linestyle="--",
+        linewidth=1.5,
+        label=f"mean {mean:.4g} {power_unit[1]}W",
+    )
     low, high = (edge * mean for edge in share or power_share(power_w, mean_w))
     room = 0.05 * (high - low) or 1.0
     ax.set_ylim(low - room, high + room)
@@ -389,7 +437,16 @@ def _finish(ax: Axes, ylabel: str) -> Axes:
 def _say_if_silent(ax: Axes, sounds: bool) -> None:
     """Write `no sound` on axes without a level."""
     if not sounds:
-        ax.text(0.5, 0.5, "no sound", transform=ax.transAxes, ha="center", va="center", color="0.4", fontsize=14)
+        ax.text(
+            0.5,
+            0.5,
+            "no sound",
+            transform=ax.transAxes,
+            ha="center",
+            va="center",
+            color="0.4",
+            fontsize=14,
+        )
 
 
 def _look(number: int, count: int) -> dict[str, Any]:
@@ -397,7 +454,11 @@ def _look(number: int, count: int) -> dict[str, Any]:
     colour = COLOURS[number % len(COLOURS)]
     if count > len(COLOURS):  # beyond 0.9 the map is too light for white paper
         colour = to_hex(matplotlib.colormaps["viridis"](0.9 * number / (count - 1)))
-    return {"color": colour, "linestyle": _cycled(LINE_STYLES, number), "marker": _cycled(MARKERS, number)}
+    return {
+        "color": colour,
+        "linestyle": _cycled(LINE_STYLES, number),
+        "marker": _cycled(MARKERS, number),
+    }
 
 
 def _steps(ax: Axes, level_db: Array, edges_hz: Array, few: bool, **look: Any) -> None:
@@ -409,7 +470,16 @@ def _steps(ax: Axes, level_db: Array, edges_hz: Array, few: bool, **look: Any) -
 
 
 def _bars(ax: Axes, x: Array, level_db: Array, uncertainty_db: Array, colour: str) -> None:
-    ax.errorbar(x, level_db, yerr=uncertainty_db, fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5, capthick=0.9)
+    ax.errorbar(
+        x,
+        level_db,
+        yerr=uncertainty_db,
+        fmt="none",
+        ecolor=colour,
+        elinewidth=0.9,
+        capsize=2.5,
+        capthick=0.9,
+    )
 
 
 def _numbers(levels_db: Iterable[float | None]) -> Array:

@@ -13,7 +13,8 @@ RHO_C = 413.3  # characteristic impedance of air at 20 C, Pa s/m
 
 
 def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
-    """Return the intensity q W / (4 pi r^2) of a compact source that radiates evenly in all directions.
+    """Return the intensity q W / (4 pi r^2) of a compact source that radiates evenly in all
+    directions.
 
     Parameters
     ----------
@@ -38,7 +39,9 @@ def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
     return q * np.asarray(power_w, dtype=float) / (4.0 * np.pi * distance_m**2)
 
 
-def sound_pressure(intensity_fluctuation: ArrayLike, gain_pa_per_w_m2: float | None = None) -> tuple[Array, float]:
+def sound_pressure(
+    intensity_fluctuation: ArrayLike, gain_pa_per_w_m2: float | None = None
+) -> tuple[Array, float]:
     """Convert the intensity fluctuation to a sound pressure, p = factor * I'.
 
     Without a gain the factor is sqrt(rho c / rms(I')), so that mean(p^2)/(rho c) = rms(I'). The

@@ -1,7 +1,8 @@
 """Exact spectral operations that lead from step means of a closed track to audible samples.
 
-A record of n samples is closed when its end meets its beginning: n samples are one period. The lines
-of its transform are the signal itself, so filters are brick walls without ripple, delay or alias.
+A record of n samples is closed when its end meets its beginning: n samples are one period. The
+lines of its transform are the signal itself, so filters are brick walls without ripple, delay or
+alias.
 """
 
 from __future__ import annotations
@@ -14,16 +15,17 @@ from acoustics.bands import AUDIBLE_HZ
 
 _OVERSAMPLING = 8
 
-# A transform errs by less than 1e-15 of the rms of its input (measured to 1e6 samples, prime lengths included).
+# A transform errs by less than 1e-15 of the rms of its input (measured to 1e6 samples, prime
+# lengths included).
 _ROUNDING = 1e-13
 
 
 def undo_step_mean(means: Array) -> Array:
     """Return a signal at the step boundaries from its means over consecutive steps.
 
-    Mean i covers the step from i to i + 1. Averaging multiplies line k of n by sinc(k/n), and the mean
-    belongs to i + 1/2. Both are undone, which is exact for every band-limited signal. The line at
-    Nyquist (even n) is set to zero: a step mean contains only its sine, which vanishes at the
+    Mean i covers the step from i to i + 1. Averaging multiplies line k of n by sinc(k/n), and the
+    mean belongs to i + 1/2. Both are undone, which is exact for every band-limited signal. The line
+    at Nyquist (even n) is set to zero: a step mean contains only its sine, which vanishes at the
     boundaries.
 
     Parameters
@@ -45,12 +47,15 @@ def undo_step_mean(means: Array) -> Array:
 
 
 def band_limit(
-    signal: Array, sample_rate_hz: float, low_hz: float = AUDIBLE_HZ[0], high_hz: float = AUDIBLE_HZ[1]
+    signal: Array,
+    sample_rate_hz: float,
+    low_hz: float = AUDIBLE_HZ[0],
+    high_hz: float = AUDIBLE_HZ[1],
 ) -> Array:
     """Limit a closed record to low <= f < high by a brick wall, and remove its mean.
 
-    Give the signal with its mean. A remainder that is only rounding (1e-13 of the rms) is recognised
-    against it and returned as zeros, so a constant power is silent.
+    Give the signal with its mean. A remainder that is only rounding (1e-13 of the rms) is
+    recognised against it and returned as zeros, so a constant power is silent.
 
     Parameters
     ----------
@@ -77,9 +82,9 @@ def band_limit(
 def resample_closed(signal: Array, n_out: int) -> Array:
     """Resample a closed record to another number of samples over the same period.
 
-    Frequencies that both lengths can carry are exact. Lines at or above the new Nyquist frequency are
-    dropped, so nothing folds back. The new sample rate is n_out / duration: choose a duration that
-    holds a whole number of output samples.
+    Frequencies that both lengths can carry are exact. Lines at or above the new Nyquist frequency
+    are dropped, so nothing folds back. The new sample rate is n_out / duration: choose a duration
+    that holds a whole number of output samples.
 
     Parameters
     ----------
@@ -99,17 +104,18 @@ def resample_closed(signal: Array, n_out: int) -> Array:
     below_nyquist = (min(n, n_out) + 1) // 2
     kept[:below_nyquist] = lines[:below_nyquist]
     if n < n_out and n % 2 == 0:
-        kept[n // 2] = lines[n // 2] / 2.0  # it stood for +Nyquist and -Nyquist, which are two lines now
+        # it stood for +Nyquist and -Nyquist, which are two lines now
+        kept[n // 2] = lines[n // 2] / 2.0
     return np.fft.irfft(kept, n_out) * (n_out / n)
 
 
 def interpolate_closed(signal: Array, index: Array) -> Array:
     """Interpolate a closed record between its samples.
 
-    The lines are oversampled eight-fold, then a periodic cubic spline follows. Its measured error, rms
-    over rms of a sine, is -112 dB at half of Nyquist and -91 dB at 0.9 of it. Values at unequal
-    intervals (a track at varying speed) can reach above the Nyquist frequency of a coarse output: take
-    them densely, then fade and `resample_closed`.
+    The lines are oversampled eight-fold, then a periodic cubic spline follows. Its measured error,
+    rms over rms of a sine, is -112 dB at half of Nyquist and -91 dB at 0.9 of it. Values at unequal
+    intervals (a track at varying speed) can reach above the Nyquist frequency of a coarse output:
+    take them densely, then fade and `resample_closed`.
 
     Parameters
     ----------
@@ -128,7 +134,8 @@ def interpolate_closed(signal: Array, index: Array) -> Array:
 
 
 def fade(signal: Array, n: int) -> Array:
-    """Fade a record that does not close to zero over its first and last n samples by a raised cosine.
+    """Fade a record that does not close to zero over its first and last n samples by a raised
+    cosine.
 
     Parameters
     ----------

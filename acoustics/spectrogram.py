@@ -12,7 +12,8 @@ from acoustics._typing import Array
 from acoustics.radiation import P_REF_PA
 from acoustics.spectrum import check_record, equivalent_noise_bandwidth
 
-# Edges of base-10 twelfth octaves: four to each third octave of acoustics.bands, whose edges are among them (125,).
+# Edges of base-10 twelfth octaves: four to each third octave of acoustics.bands, whose edges are
+# among them (125,).
 ROW_EDGES_HZ = 10.0 ** (np.arange(50, 175) / 40.0)
 ROW_EDGES_HZ.setflags(write=False)
 
@@ -53,13 +54,13 @@ def spectrogram(
 ) -> Spectrogram:
     """Compute the density of a record in up to 400 frames and 124 rows from 20 Hz to 20 kHz.
 
-    A row holds the mean density over its width, where each line fills the distance to the next. White
-    noise is therefore flat, a row narrower than a line has the density of its line, and rows times
-    widths add up to the lines. A tone rises above noise by its mean square over its row's width, or
-    over `enbw_hz` if that is wider.
+    A row holds the mean density over its width, where each line fills the distance to the next.
+    White noise is therefore flat, a row narrower than a line has the density of its line, and rows
+    times widths add up to the lines. A tone rises above noise by its mean square over its row's
+    width, or over `enbw_hz` if that is wider.
 
-    The frames are Hann windows of 40 ms, or of a 12.5th of a shorter record. At most 16 begin within
-    the length of one frame. From 8 s on they are long enough to overlap by half.
+    The frames are Hann windows of 40 ms, or of a 12.5th of a shorter record. At most 16 begin
+    within the length of one frame. From 8 s on they are long enough to overlap by half.
 
     Parameters
     ----------
@@ -99,7 +100,9 @@ def spectrogram(
     padded = np.pad(pressure_pa, (before - first, frame), mode="wrap" if closed else "constant")
 
     window = get_window("hann", frame)
-    transform = ShortTimeFFT(window, hop, sample_rate_hz, fft_mode="onesided2X", scale_to="psd", phase_shift=None)
+    transform = ShortTimeFFT(
+        window, hop, sample_rate_hz, fft_mode="onesided2X", scale_to="psd", phase_shift=None
+    )
     density = transform.spectrogram(padded, p0=before // hop, p1=before // hop + frames)
     rows = _share_of_lines(transform.f, sample_rate_hz / frame) @ density
 
@@ -120,7 +123,9 @@ def spectrogram(
 
 
 def _share_of_lines(frequency_hz: Array, line_width_hz: float) -> Array:
-    """Return the share of each row's width that each line (l,) covers: (r, l), 1 in all along a row."""
+    """Return the share of each row's width that each line (l,) covers: (r, l), 1 in all along a
+    row.
+    """
     low, high = ROW_EDGES_HZ[:-1, np.newaxis], ROW_EDGES_HZ[1:, np.newaxis]
     from_line = np.maximum(low, frequency_hz - line_width_hz / 2.0)
     to_line = np.minimum(high, frequency_hz + line_width_hz / 2.0)

@@ -1,4 +1,6 @@
-"""Spectra of a record: lines that add up, density by Welch's method, line level of Lee, Kim & Kim (2025)."""
+"""Spectra of a record: lines that add up, density by Welch's method, line level of Lee, Kim & Kim
+(2025).
+"""
 
 from __future__ import annotations
 
@@ -26,8 +28,8 @@ class Psd:
     psd : array (n,), unit of the record squared per Hz. Density.
     window : str. Name of the window.
     line_width_hz : float, Hz. Distance of the lines.
-    enbw_hz : float, Hz. Equivalent noise bandwidth of a line. A tone's mean square is the density of
-        its line times this bandwidth.
+    enbw_hz : float, Hz. Equivalent noise bandwidth of a line. A tone's mean square is the density
+        of its line times this bandwidth.
     """
 
     frequency_hz: Array
@@ -46,13 +48,16 @@ def check_record(signal: Array) -> None:
         If the array is empty, not one-dimensional, or holds a value that is not finite.
     """
     if np.ndim(signal) != 1 or len(signal) == 0:
-        raise ValueError(f"a record is a series of at least one sample, got an array of shape {np.shape(signal)}")
+        raise ValueError(
+            f"a record is a series of at least one sample, got an array of shape {np.shape(signal)}"
+        )
     if not np.all(np.isfinite(signal)):
         raise ValueError("the record holds values that are not finite")
 
 
 def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
-    """Compute the mean square of each spectral line; their sum is mean(signal**2) (Parseval's theorem).
+    """Compute the mean square of each spectral line; their sum is mean(signal**2) (Parseval's
+    theorem).
 
     The window is rectangular, so the record must close on itself or be faded.
 
@@ -111,8 +116,8 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
 
     References
     ----------
-    Welch, IEEE Transactions on Audio and Electroacoustics 1967, 15(2), 70-73. Harris, Proceedings of the IEEE 1978,
-    66(1), 51-83, for the equivalent noise bandwidth.
+    Welch, IEEE Transactions on Audio and Electroacoustics 1967, 15(2), 70-73. Harris, Proceedings
+    of the IEEE 1978, 66(1), 51-83, for the equivalent noise bandwidth.
 
     Examples
     --------
@@ -129,7 +134,12 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
     segment = min(max(segment, _LEAST_SEGMENT), len(signal))
     window = scipy_signal.get_window("hann", segment)
     frequency_hz, psd = scipy_signal.welch(
-        signal, sample_rate_hz, window=window, noverlap=segment // 2, detrend=False, scaling="density"
+        signal,
+        sample_rate_hz,
+        window=window,
+        noverlap=segment // 2,
+        detrend=False,
+        scaling="density",
     )
     return Psd(
         frequency_hz=frequency_hz,
@@ -141,7 +151,8 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
 
 
 def equivalent_noise_bandwidth(window: Array, sample_rate_hz: float) -> float:
-    """Return the width of the rectangle that passes as much white noise as a line of this window [Hz].
+    """Return the width of the rectangle that passes as much white noise as a line of this window
+    [Hz].
 
     It is 1.5 lines for a Hann window.
 
@@ -156,7 +167,8 @@ def equivalent_noise_bandwidth(window: Array, sample_rate_hz: float) -> float:
 def article_line_level_db(
     power_w: Array, sample_rate_hz: float, distance_m: float, q: float = 1.0
 ) -> tuple[Array, Array]:
-    """Return the A-weighted line levels as the article plots them, 10 lg(q |E'^(f)| / (S I_ref)) + A(f).
+    """Return the A-weighted line levels as the article plots them, 10 lg(q |E'^(f)| / (S I_ref)) +
+    A(f).
 
     |E'^(f)| is the single-sided amplitude of a line of the release power in watts, and S = 4 pi r^2.
     **The level depends on the length of the record**: the lines of a noise fall by 5 dB when the
@@ -207,5 +219,7 @@ def _frequencies(n: int, sample_rate_hz: float) -> Array:
 
 
 def _paired(n: int) -> slice:
-    """Return the lines with a mirror image at negative frequency: all but 0 Hz and, for even n, Nyquist."""
+    """Return the lines with a mirror image at negative frequency: all but 0 Hz and, for even n,
+    Nyquist.
+    """
     return slice(1, (n + 1) // 2)

@@ -1,9 +1,9 @@
 """Standard uncertainty of levels from the length of the record.
 
-The record counts as a stretch of stationary Gaussian noise. The uncertainty is the standard deviation
-of the level over other stretches of the same length, for example over other seeds of a surface. It
-holds no error of the model. It is of first order in the relative spread u of the mean square,
-10/ln(10) u = 4.34 u dB; a value above 2 dB is too small.
+The record counts as a stretch of stationary Gaussian noise. The uncertainty is the standard
+deviation of the level over other stretches of the same length, for example over other seeds of a
+surface. It holds no error of the model. It is of first order in the relative spread u of the mean
+square, 10/ln(10) u = 4.34 u dB; a value above 2 dB is too small.
 """
 
 from __future__ import annotations
@@ -48,37 +48,42 @@ class LevelUncertainty:
 
 
 def level_uncertainty(
-    pressure_pa: Array, sample_rate_hz: float, levels: SoundLevels, own_factor: bool, laps: float = 1.0
+    pressure_pa: Array,
+    sample_rate_hz: float,
+    levels: SoundLevels,
+    own_factor: bool,
+    laps: float = 1.0,
 ) -> LevelUncertainty:
     """Compute the standard uncertainty of the levels of one record.
 
     - LZeq, LAeq: 4.34/sqrt(N) with the number N of independent lines, 2 (sum P)^2 / (sum P^2) - 1, over
-      their mean squares P (A-weighted for LAeq). The factor 2 follows from the exponential distribution
-      of a line of Gaussian noise, E P^2 = 2 (E P)^2. The 1 accounts for the same few lines in numerator
-      and denominator; it makes N = M for M equal lines. N is at least 1.
+      their mean squares P (A-weighted for LAeq). The factor 2 follows from the exponential
+      distribution of a line of Gaussian noise, E P^2 = 2 (E P)^2. The 1 accounts for the same few
+      lines in numerator and denominator; it makes N = M for M equal lines. N is at least 1.
     - Third octaves: 4.34/sqrt(B T), see `band_uncertainty_db`.
     - LAFmax, LASmax: the spread of a single reading, an average over min(T, 2 tau), because exponential
-      averaging over tau equals a block of 2 tau. This is an upper bound: the maximum of many readings
-      spreads less than each of them.
+      averaging over tau equals a block of 2 tau. This is an upper bound: the maximum of many
+      readings spreads less than each of them.
     - LZpeak: the spread of the maximum of N extremes of Gaussian noise (Gumbel), relatively
       pi/sqrt(6) / (2 (ln N + 0.577)) with N = 2 f T and the rms frequency f, combined with LZeq.
 
-    A record whose level follows from the rms of its own fluctuation (`own_factor`) has the mean square
-    X/sqrt(Z) in place of X, where Z is the mean square of that fluctuation. The spread of Z then
-    cancels by half: LZeq spreads half as much, a narrow band hardly less than with a fixed factor.
+    A record whose level follows from the rms of its own fluctuation (`own_factor`) has the mean
+    square X/sqrt(Z) in place of X, where Z is the mean square of that fluctuation. The spread of Z
+    then cancels by half: LZeq spreads half as much, a narrow band hardly less than with a fixed
+    factor.
 
     In simulations with N of ten or more these values hold within 15 %, for the peak within 20 %
-    because the extremes of a narrow band come in groups. LAFmax spreads down to 0.4 times its bound,
-    and red noise once 9 % above it. Fades at the ends are not deducted: a tenth of the record at either
-    end adds 6 %.
+    because the extremes of a narrow band come in groups. LAFmax spreads down to 0.4 times its
+    bound, and red noise once 9 % above it. Fades at the ends are not deducted: a tenth of the
+    record at either end adds 6 %.
 
     Parameters
     ----------
     pressure_pa : array (n,), Pa. Sound pressure; the record closes on itself or is faded.
     sample_rate_hz : float, Hz. Sample rate.
     levels : SoundLevels. Levels of the record, from `sound_levels`.
-    own_factor : bool. If true, the factor to sound pressure is the record's own, as `sound_pressure`
-        gives it without a gain.
+    own_factor : bool. If true, the factor to sound pressure is the record's own, as
+        `sound_pressure` gives it without a gain.
     laps : float. Number of repetitions in the record; the noise is one lap long. Default 1.
 
     Returns
@@ -92,9 +97,9 @@ def level_uncertainty(
 
     References
     ----------
-    Bendat and Piersol, Random Data, 4th ed. 2010, chapter 8. Cartwright and Longuet-Higgins, Proceedings
-    of the Royal Society A 1956, 237, 212-232, for the extremes. Davenport, Proceedings of the Institution
-    of Civil Engineers 1964, 28(2), 187-196, for their maximum.
+    Bendat and Piersol, Random Data, 4th ed. 2010, chapter 8. Cartwright and Longuet-Higgins,
+    Proceedings of the Royal Society A 1956, 237, 212-232, for the extremes. Davenport, Proceedings
+    of the Institution of Civil Engineers 1964, 28(2), 187-196, for their maximum.
 
     Examples
     --------
@@ -117,13 +122,18 @@ def level_uncertainty(
         weighted, part = _variance(a, z, exponent), _variance(a, z, 0.0)
 
         def a_maximum_db(time_constant_s: float) -> float:
-            # A reading is a part of the record: it varies with Z as the whole does, and by itself in addition.
-            return _db(weighted + part * (duration_s / min(duration_s, 2.0 * time_constant_s) - 1.0))
+            # A reading is a part of the record: it varies with Z as the whole does, and by itself
+            # in addition.
+            return _db(
+                weighted + part * (duration_s / min(duration_s, 2.0 * time_constant_s) - 1.0)
+            )
 
         laeq_db, laf_max_db, las_max_db = _db(weighted), a_maximum_db(FAST_S), a_maximum_db(SLOW_S)
     share = third_octave_mean_square(frequency_hz, z) / z.sum()
     # The covariance of a band and the whole is the variance of the band times its share.
-    bands = (1.0 - 2.0 * exponent * share) / (BANDWIDTH_HZ * duration_s) + exponent**2 * _variance(z, z, 0.0)
+    bands = (1.0 - 2.0 * exponent * share) / (BANDWIDTH_HZ * duration_s) + exponent**2 * _variance(
+        z, z, 0.0
+    )
     return LevelUncertainty(
         laeq_db=laeq_db,
         level_db=_db(whole),
@@ -140,8 +150,9 @@ def level_uncertainty(
 def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
     """Return the standard uncertainty of the level of a mean power, from its density at 0 Hz [dB].
 
-    The mean over T spreads like the lines next to 0 Hz, whose mean squares are each twice its variance:
-    u = sqrt(mean of P / 2) / mean, over the lines up to 50 Hz or the first four if they reach higher.
+    The mean over T spreads like the lines next to 0 Hz, whose mean squares are each twice its
+    variance: u = sqrt(mean of P / 2) / mean, over the lines up to 50 Hz or the first four if they
+    reach higher.
 
     Parameters
     ----------
@@ -163,7 +174,9 @@ def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
 
 
 def _variance(part: Array, whole: Array, exponent: float) -> float:
-    """Return the relative variance of sum(part) / sum(whole)**exponent over lines of Gaussian noise."""
+    """Return the relative variance of sum(part) / sum(whole)**exponent over lines of Gaussian
+    noise.
+    """
     share, total = part / part.sum(), whole / whole.sum()
     # Sums of few lines make this too small by 1/N.
     few = float(np.sum(share**2)) / 2.0

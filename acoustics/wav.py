@@ -25,21 +25,22 @@ _LONGEST_TEXT = 2000
 
 _TARGET_RMS = 10.0 ** (-23.0 / 20.0)  # the programme loudness of EBU R 128, here as A-weighted rms
 PEAK = 10.0 ** (-1.0 / 20.0)  # largest sample of a record for listening, of full scale
-# The threshold of hearing, 0 dB(A), reaches the target. Quieter records stay quieter, because an unbounded gain would make
-# the rounding of a silent record as loud as a sound.
+# The threshold of hearing, 0 dB(A), reaches the target. Quieter records stay quieter, because an
+# unbounded gain would make the rounding of a silent record as loud as a sound.
 MOST_GAIN = _TARGET_RMS / P_REF_PA  # full scale per pascal
 
 
 def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "") -> bytes:
     """Write sound pressure as a mono 32-bit float WAV in which 1.0 is 1 Pa.
 
-    Full scale is a sine of 91 dB rms, so a quiet record plays quietly. Players read 32 bits, and their
-    rounding lies 150 dB below the record.
+    Full scale is a sine of 91 dB rms, so a quiet record plays quietly. Players read 32 bits, and
+    their rounding lies 150 dB below the record.
 
     Parameters
     ----------
     pressure_pa : array (n,), Pa. Sound pressure at 48 kHz.
-    comment, title : str. Metadata of the file, up to 2000 bytes of UTF-8 each. Default title: empty.
+    comment, title : str. Metadata of the file, up to 2000 bytes of UTF-8 each. Default title:
+        empty.
 
     Returns
     -------
@@ -49,8 +50,8 @@ def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "") -> bytes:
     Raises
     ------
     ValueError
-        If the record is not a finite series of at least one sample, or exceeds the range of a 32-bit
-        float, or if a text does not fit.
+        If the record is not a finite series of at least one sample, or exceeds the range of a
+        32-bit float, or if a text does not fit.
 
     Examples
     --------
@@ -66,24 +67,28 @@ def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "") -> bytes:
     samples = np.asarray(pressure_pa, dtype=float)
     check_record(samples)
     if np.max(np.abs(samples), initial=0.0) > np.finfo(np.float32).max:
-        raise ValueError(f"the record reaches {np.max(np.abs(samples)):g} Pa, more than a 32-bit float holds")
+        raise ValueError(
+            f"the record reaches {np.max(np.abs(samples)):g} Pa, more than a 32-bit float holds"
+        )
     return _wav(samples, "FLOAT", comment, title)
 
 
-def listening(pressure_pa: Array, gain: float, comment: str, title: str = "", bits: Literal[16, 24] = 24) -> bytes:
+def listening(
+    pressure_pa: Array, gain: float, comment: str, title: str = "", bits: Literal[16, 24] = 24
+) -> bytes:
     """Write gain * pressure as a mono PCM WAV for listening.
 
     Samples are rounded without dither, so silence stays silent. The noise of rounding is white. Its
-    rms is LSB/sqrt(12): -101 dB of full scale with 16 bits and -149 dB with 24 bits, which is 78 and
-    126 dB below a record at -23 dB.
+    rms is LSB/sqrt(12): -101 dB of full scale with 16 bits and -149 dB with 24 bits, which is 78
+    and 126 dB below a record at -23 dB.
 
     Parameters
     ----------
     pressure_pa : array (n,), Pa. Sound pressure at 48 kHz.
     gain : float, full scale per Pa. Gain, for example from `listening_gain`. One gain for several
         records keeps their differences.
-    comment, title : str. Metadata of the file, up to 2000 bytes of UTF-8 each; the comment should state
-        the gain. Default title: empty.
+    comment, title : str. Metadata of the file, up to 2000 bytes of UTF-8 each; the comment should
+        state the gain. Default title: empty.
     bits : 16 or 24. Bits of a sample. Default 24.
 
     Returns
@@ -117,13 +122,15 @@ def listening(pressure_pa: Array, gain: float, comment: str, title: str = "", bi
             f"a gain of {gain:g} per Pa drives the peak to {peak:.4g} of full scale; "
             f"the largest that fits is {gain / peak:g}"
         )
-    # libsndfile would round down, which leaves half a step of offset. It takes 32-bit integers and writes their upper
-    # bits. Full scale itself lies one step above the largest number.
+    # libsndfile would round down, which leaves half a step of offset. It takes 32-bit integers and
+    # writes their upper bits. Full scale itself lies one step above the largest number.
     steps = np.minimum(np.rint(samples * 2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1.0)
     return _wav(steps.astype(np.int32) << (32 - bits), f"PCM_{bits}", comment, title)
 
 
-def listening_gain(pressure_pa: Array, target_rms: float = _TARGET_RMS, peak: float = PEAK) -> float:
+def listening_gain(
+    pressure_pa: Array, target_rms: float = _TARGET_RMS, peak: float = PEAK
+) -> float:
     """Return the gain that makes a record as loud as others without clipping.
 
     A record below 0 dB(A) gets `MOST_GAIN`, which brings 0 dB(A) to the default target, and stays
@@ -133,7 +140,8 @@ def listening_gain(pressure_pa: Array, target_rms: float = _TARGET_RMS, peak: fl
     ----------
     pressure_pa : array (n,), Pa. Sound pressure at 48 kHz.
     target_rms : float, of full scale. A-weighted rms to reach. Default -23 dB.
-    peak : float, of full scale. Largest sample allowed; it takes precedence over the target. Default -1 dB.
+    peak : float, of full scale. Largest sample allowed; it takes precedence over the target.
+        Default -1 dB.
 
     Returns
     -------
@@ -184,7 +192,9 @@ def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str) -> bytes
         if length > _LONGEST_TEXT:
             raise ValueError(f"the {field} takes {length} bytes, at most {_LONGEST_TEXT} fit")
     memory = io.BytesIO()
-    with soundfile.SoundFile(memory, "w", SAMPLE_RATE_HZ, channels=1, subtype=subtype, format="WAV") as file:
+    with soundfile.SoundFile(
+        memory, "w", SAMPLE_RATE_HZ, channels=1, subtype=subtype, format="WAV"
+    ) as file:
         if comment:  # libsndfile refuses an empty one
             file.comment = comment
         if title:

@@ -12,7 +12,9 @@ _REFERENCE, _LOW, _HIGH, _A = 1000.0, 10.0**1.5, 10.0**3.9, 10.0**2.45
 
 
 def _pole_frequencies() -> tuple[float, float, float, float]:
-    """Return the pole frequencies in Hz, not rounded: 20.60 (double), 107.7, 737.9 and 12194 (double)."""
+    """Return the pole frequencies in Hz, not rounded: 20.60 (double), 107.7, 737.9 and 12194
+    (double).
+    """
     d = np.sqrt(0.5)
     c = (_LOW * _HIGH) ** 2
     b = (_REFERENCE**2 + c / _REFERENCE**2 - d * (_LOW**2 + _HIGH**2)) / (1.0 - d)

@@ -20,4 +20,6 @@ with tempfile.TemporaryDirectory() as folder:
     file = Path(folder) / "tone.wav"
     file.write_bytes(wav.calibrated(pressure, "a tone of 100 Hz; 1.0 is 1 Pa"))
     samples, rate, _ = wav.read(file)
-print(f"the WAV holds {len(samples)} samples at {rate} Hz, rms {np.sqrt(np.mean(samples**2)):.4f} Pa")
+print(
+    f"the WAV holds {len(samples)} samples at {rate} Hz, rms {np.sqrt(np.mean(samples**2)):.4f} Pa"
+)

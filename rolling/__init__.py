@@ -1,12 +1,15 @@
-"""Contact noise of a sphere that rolls over a rough surface: a scene in, the released energy and its sound out.
+"""Contact noise of a sphere that rolls over a rough surface: a scene in, the released energy and
+its sound out.
 
-Public names are imported when they are first used, so `import rolling` and `rolling --help` are instant.
+Public names are imported when they are first used, so `import rolling` and `rolling --help` are
+instant.
 
 Scenes
-    read_scene, Scene and its sections Sphere, Plate, Gaussian, Smooth, HeightFile, Rolling, Numerics, Recovery, Sound;
-    check (module), SceneError
+    read_scene, Scene and its sections Sphere, Plate, Gaussian, Smooth, HeightFile, Rolling,
+    Numerics, Recovery, Sound; check (module), SceneError
 Runs
-    simulate, simulate_sweep, open_run, save_run, plot (module), ContactError, SweepError, FolderError
+    simulate, simulate_sweep, open_run, save_run, plot (module), ContactError, SweepError,
+    FolderError
 Contact
     HalfSpace, solve_contact, march, closed_forms (module)
 """
@@ -107,7 +110,9 @@ def __getattr__(name: str) -> Any:
     module, attribute = _PLACES[name]
     if not module.startswith("rolling.contact"):
         _bind_check()
-    value = import_module(module) if attribute is None else getattr(import_module(module), attribute)
+    value = (
+        import_module(module) if attribute is None else getattr(import_module(module), attribute)
+    )
     globals()[name] = value
     return value
 

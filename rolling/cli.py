@@ -20,12 +20,15 @@ OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line; return the exit code: 0 done, 1 failed, 2 bad scene or usage, 130 interrupted."""
+    """Run the command line; return the exit code: 0 done, 1 failed, 2 bad scene or usage, 130
+    interrupted.
+    """
     # The solve is cut into processes; threads of libraries only get in their way.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):  # a folder's name may be no UTF-8, and a terminal may lack a sign
+        # a folder's name may be no UTF-8, and a terminal may lack a sign
+        if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     arguments = _parser().parse_args(argv)
     try:
@@ -54,7 +57,8 @@ def _is_bad_input(error: Exception) -> bool:
     return isinstance(error, SceneError | FolderError)
 
 
-# ---- the arguments of the commands -----------------------------------------------------------------------------------
+# ---- the arguments of the commands
+# -----------------------------------------------------------------------------------
 
 
 def _scene(sub: argparse.ArgumentParser) -> None:
@@ -67,12 +71,18 @@ def _folder(sub: argparse.ArgumentParser) -> None:
 
 def _settings(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", help="override, such as rolling.load_n=50"
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="override, such as rolling.load_n=50",
     )
 
 
 def _target(sub: argparse.ArgumentParser, default: str = "outputs/NAME/TIME") -> None:
-    sub.add_argument("--out", type=_path, metavar="FOLDER", help=f"run folder to make (default: {default})")
+    sub.add_argument(
+        "--out", type=_path, metavar="FOLDER", help=f"run folder to make (default: {default})"
+    )
     sub.add_argument(
         "--force",
         action="store_true",
@@ -85,15 +95,21 @@ def _accuracy_target(sub: argparse.ArgumentParser) -> None:
 
 
 def _workers(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--workers", type=_count, default=0, metavar="N", help="processes (default: one per core)")
+    sub.add_argument(
+        "--workers", type=_count, default=0, metavar="N", help="processes (default: one per core)"
+    )
 
 
 def _no_page(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--no-report", action="store_true", help="leave out the report page (of 24 runs at most)")
+    sub.add_argument(
+        "--no-report", action="store_true", help="leave out the report page (of 24 runs at most)"
+    )
 
 
 def _reported_folders(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("folders", type=_path, nargs="+", metavar="RUN", help="run folder, of one run or of a sweep")
+    sub.add_argument(
+        "folders", type=_path, nargs="+", metavar="RUN", help="run folder, of one run or of a sweep"
+    )
     sub.add_argument(
         "--out",
         type=_path,
@@ -104,20 +120,29 @@ def _reported_folders(sub: argparse.ArgumentParser) -> None:
 
 
 def _fast(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--fast", action="store_true", help="solve no positions: closed forms and estimates only")
+    sub.add_argument(
+        "--fast", action="store_true", help="solve no positions: closed forms and estimates only"
+    )
 
 
 def _study(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
-        "study", choices=("lee2025",), metavar="STUDY", help="lee2025: Lee, Kim & Kim, Inventions 10(1), 17"
+        "study",
+        choices=("lee2025",),
+        metavar="STUDY",
+        help="lee2025: Lee, Kim & Kim, Inventions 10(1), 17",
     )
-    sub.add_argument("--readings", nargs="+", default=[], metavar="NAME", help="readings to run (default: all)")
+    sub.add_argument(
+        "--readings", nargs="+", default=[], metavar="NAME", help="readings to run (default: all)"
+    )
     sub.add_argument(
         "--quick",
         action="store_true",
         help="one surface, three loads, 0.015 s in steps of 6 um; without the outlook unless named",
     )
-    sub.add_argument("--out", type=_path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)")
+    sub.add_argument(
+        "--out", type=_path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)"
+    )
 
 
 def _take_over(sub: argparse.ArgumentParser) -> None:
@@ -129,9 +154,14 @@ def _take_over(sub: argparse.ArgumentParser) -> None:
 
 
 def _trial(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("scene", type=_path, nargs="?", metavar="SCENE", help="scene file (YAML), not with --hard")
     sub.add_argument(
-        "--finest", type=_power_of_two, metavar="N", help="divide the spacing by 2, 4, ... up to N (default 4)"
+        "scene", type=_path, nargs="?", metavar="SCENE", help="scene file (YAML), not with --hard"
+    )
+    sub.add_argument(
+        "--finest",
+        type=_power_of_two,
+        metavar="N",
+        help="divide the spacing by 2, 4, ... up to N (default 4)",
     )
     sub.add_argument(
         "--duration",
@@ -140,8 +170,12 @@ def _trial(sub: argparse.ArgumentParser) -> None:
         help="seconds of rolling at most (default 0.045: no third octave from 100 Hz is empty)",
     )
     sub.add_argument("--hard", action="store_true", help="judge the solver on hard cases instead")
-    sub.add_argument("--random", type=_count, metavar="N", help="with --hard: random scenes (default 2000)")
-    sub.add_argument("--long", action="store_true", help="with --hard: the march of 1e5 steps as well")
+    sub.add_argument(
+        "--random", type=_count, metavar="N", help="with --hard: random scenes (default 2000)"
+    )
+    sub.add_argument(
+        "--long", action="store_true", help="with --hard: the march of 1e5 steps as well"
+    )
 
 
 def _path(text: str) -> Path:
@@ -171,14 +205,17 @@ def _seconds(text: str) -> float:
     return value
 
 
-# ---- the commands ----------------------------------------------------------------------------------------------------
+# ---- the commands
+# ----------------------------------------------------------------------------------------------------
 
 
 def _run(given: argparse.Namespace) -> int:
     from rolling import commands
 
     return _reported(
-        commands.run(given.scene, given.set, given.out, given.force, given.workers, not given.no_report),
+        commands.run(
+            given.scene, given.set, given.out, given.force, given.workers, not given.no_report
+        ),
         not given.no_report,
     )
 
@@ -187,7 +224,8 @@ def _resume(given: argparse.Namespace) -> int:
     from rolling import commands
 
     return _reported(
-        commands.resume(given.folder, given.workers, not given.no_report, given.take_over), not given.no_report
+        commands.resume(given.folder, given.workers, not given.no_report, given.take_over),
+        not given.no_report,
     )
 
 
@@ -195,7 +233,8 @@ def _resound(given: argparse.Namespace) -> int:
     from rolling import commands
 
     return _reported(
-        commands.resound(given.folder, given.set, given.out, given.force, not given.no_report), not given.no_report
+        commands.resound(given.folder, given.set, given.out, given.force, not given.no_report),
+        not given.no_report,
     )
 
 
@@ -212,7 +251,9 @@ def _reported(report: Report, page: bool) -> int:
     if report.exit_code == OK:
         _print_files(report, page)
     else:
-        solved = f"what is solved is in {report.folder}" if report.solved else "nothing is solved yet"
+        solved = (
+            f"what is solved is in {report.folder}" if report.solved else "nothing is solved yet"
+        )
         _say(f"stopped early; {solved}, `rolling resume {report.folder}` goes on")
     if report.previous:
         why = (
@@ -229,7 +270,10 @@ def _print_levels(report: Report) -> None:
     from rolling.simulation import labels, summary
 
     names = labels.labels([run for run, _ in report.runs])
-    rows = [(label, str(run.folder), numbers) for label, (run, numbers) in zip(names, report.runs, strict=True)]
+    rows = [
+        (label, str(run.folder), numbers)
+        for label, (run, numbers) in zip(names, report.runs, strict=True)
+    ]
     print(summary.table(rows))
     for label, reason in report.failures.items():
         _say(f"failed: {label}: {reason}")
@@ -237,18 +281,26 @@ def _print_levels(report: Report) -> None:
 
 def _print_files(report: Report, page: bool) -> None:
     """Print where the files are that a person opens first."""
-    print(f"\nlisten: {report.runs[0][0].folder / 'listen.wav'}   pictures, numbers: {report.folder}")
+    print(
+        f"\nlisten: {report.runs[0][0].folder / 'listen.wav'}   pictures, numbers: {report.folder}"
+    )
     if report.page:
         print(f"all on one page: {report.page}")
     elif page:
-        print(f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes one of those to compare")
+        print(
+            f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes one of those to compare"
+        )
 
 
 def _check(arguments: argparse.Namespace) -> int:
     from rolling.check import findings
     from rolling.scene import file
 
-    print(findings.check_scene(file.read_scene(arguments.scene, arguments.set), solve=not arguments.fast))
+    print(
+        findings.check_scene(
+            file.read_scene(arguments.scene, arguments.set), solve=not arguments.fast
+        )
+    )
     return OK
 
 
@@ -256,8 +308,12 @@ def _accuracy(arguments: argparse.Namespace) -> int:
     of_scene = {"SCENE": arguments.scene, "--set": arguments.set, "--finest": arguments.finest}
     of_scene |= {"--duration": arguments.duration, "--force": arguments.force}
     of_hard = {"--random": arguments.random, "--long": arguments.long}
-    if misplaced := [name for name, given in (of_scene if arguments.hard else of_hard).items() if given]:
-        _say(f"rolling accuracy: {', '.join(misplaced)} {'cannot' if arguments.hard else 'can only'} go with --hard")
+    if misplaced := [
+        name for name, given in (of_scene if arguments.hard else of_hard).items() if given
+    ]:
+        _say(
+            f"rolling accuracy: {', '.join(misplaced)} {'cannot' if arguments.hard else 'can only'} go with --hard"
+        )
         return BAD_INPUT
     if arguments.hard:
         return _hard_cases(arguments)
@@ -267,8 +323,14 @@ def _accuracy(arguments: argparse.Namespace) -> int:
 
     from rolling.accuracy import study
 
-    given = {name: value for name in ("finest", "duration") if (value := getattr(arguments, name)) is not None}
-    return study.run_study(arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers, **given)
+    given = {
+        name: value
+        for name in ("finest", "duration")
+        if (value := getattr(arguments, name)) is not None
+    }
+    return study.run_study(
+        arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers, **given
+    )
 
 
 def _hard_cases(arguments: argparse.Namespace) -> int:
@@ -281,7 +343,9 @@ def _hard_cases(arguments: argparse.Namespace) -> int:
     with held:
         workers = arguments.workers or cost.cores()
         code = judge.main_report(held.folder, arguments.random or 2000, workers, arguments.long)
-        held.mark(held.folder, "failed" if code else "done", "not every case holds" if code else None)
+        held.mark(
+            held.folder, "failed" if code else "done", "not every case holds" if code else None
+        )
     print(f"\ntable, numbers: {held.folder}")
     return code
 
@@ -289,7 +353,9 @@ def _hard_cases(arguments: argparse.Namespace) -> int:
 def _reproduce(given: argparse.Namespace) -> int:
     from rolling.lee2025 import reproduce
 
-    done = reproduce.reproduce(given.study, given.readings, given.out, given.quick, given.workers, given.take_over)
+    done = reproduce.reproduce(
+        given.study, given.readings, given.out, given.quick, given.workers, given.take_over
+    )
     for case, reason in done.failures.items():
         _say(f"failed: {case}: {reason}")
     if done.interrupted:
@@ -298,7 +364,9 @@ def _reproduce(given: argparse.Namespace) -> int:
     if done.failures:
         _say(f"{len(done.failures)} cases failed; the statements are judged without them")
     print(f"{len(done.cases)} cases. {done.headline}")
-    print(f"all on one page: {done.folder / reproduce.PAGE}   statements: {done.folder / reproduce.CLAIMS}")
+    print(
+        f"all on one page: {done.folder / reproduce.PAGE}   statements: {done.folder / reproduce.CLAIMS}"
+    )
     return done.exit_code
 
 
@@ -343,7 +411,12 @@ _COMMANDS = (
         "validate a scene and say what it will cost and where it is doubtful",
         (_scene, _settings, _fast),
     ),
-    _Command("resume", _resume, "go on with a run that was interrupted", (_folder, _workers, _no_page, _take_over)),
+    _Command(
+        "resume",
+        _resume,
+        "go on with a run that was interrupted",
+        (_folder, _workers, _no_page, _take_over),
+    ),
     _Command(
         "resound",
         _resound,
@@ -377,7 +450,9 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="rolling", description="Contact noise of a sphere rolling over a rough surface."
     )
-    parser.add_argument("--version", action="version", version=f"rolling-contact-noise {__version__}")
+    parser.add_argument(
+        "--version", action="version", version=f"rolling-contact-noise {__version__}"
+    )
     parsers = parser.add_subparsers(required=True, metavar="COMMAND")
     for command in _COMMANDS:
         sub = parsers.add_parser(command.name, help=command.text, description=command.text)

@@ -34,7 +34,9 @@ if TYPE_CHECKING:
 __all__ = ["contact_pressure", "levels", "release_power", "spectrum", "surface", "third_octaves"]
 
 
-def third_octaves(runs: RunResult | Iterable[RunResult], ax: Axes | None = None, a_weighted: bool = False) -> Axes:
+def third_octaves(
+    runs: RunResult | Iterable[RunResult], ax: Axes | None = None, a_weighted: bool = False
+) -> Axes:
     """Plot third-octave levels of runs with their standard uncertainty.
 
     Parameters
@@ -76,7 +78,10 @@ def spectrum(runs: RunResult | Iterable[RunResult], ax: Axes | None = None) -> A
     ax : A-weighted line levels, dB re 20 µPa, over frequency, Hz.
     """
     shown = _listed(runs)
-    curves = [(label, _a_weighted_lines(run)) for label, run in zip(labels.labels(shown), shown, strict=True)]
+    curves = [
+        (label, _a_weighted_lines(run))
+        for label, run in zip(labels.labels(shown), shown, strict=True)
+    ]
     ax = plots.spectrum(_axes(ax), curves)
     ax.set_ylabel("A-weighted line level [dB re 20 µPa]")
     ax.legend(fontsize="small")
@@ -121,7 +126,9 @@ def contact_pressure(run: RunResult, ax: Axes | None = None) -> Axes:
     pressure = snapshot.pressure * 1e-9
     ax = _axes(ax)
     limits = (0.0, float(pressure.max()))
-    return axes.contact_map(ax, _bar(ax), snapshot, pressure, run.scene.spacing, limits, "pressure [GPa]")
+    return axes.contact_map(
+        ax, _bar(ax), snapshot, pressure, run.scene.spacing, limits, "pressure [GPa]"
+    )
 
 
 def surface(shown: RunResult | Scene, ax: Axes | None = None) -> Axes:

@@ -32,15 +32,15 @@ class ContactSound:
         Sound pressure at `sample_rate`, the one record that is shown, measured and heard.
     factor : float, Pa per W/m2
         Factor from the fluctuation of the intensity to the sound pressure.
-    closed : bool
-        Levels and bands take the record as closed: the track closes and the speed is constant. Otherwise it is faded.
+    closed : bool Levels and bands take the record as closed: the track closes and the speed is
+        constant. Otherwise it is faded.
     constant_speed : bool
         The speed stays the same for the whole record.
     duration : float, s
         Duration of the record.
-    highest : float, Hz
-        Nyquist frequency of the steps at the maximum speed of the record. While the sphere rolls slower, the march
-        resolves sound up to speed / (2 step) only, and the bands above hold the sound of the faster stretches alone.
+    highest : float, Hz Nyquist frequency of the steps at the maximum speed of the record. While the
+        sphere rolls slower, the march resolves sound up to speed / (2 step) only, and the bands
+        above hold the sound of the faster stretches alone.
     levels : SoundLevels, dB
         Levels of the record.
     uncertainty : LevelUncertainty, dB
@@ -57,10 +57,10 @@ class ContactSound:
         Mean of the release power over time.
     audible_rms : float, W
         Rms of the release power's fluctuation within hearing; 0 where there is only rounding.
-    resolved_rms : float, W
-        Rms within hearing that the solver's error reaches. A record with no more than that is silent.
-    has_seam : bool
-        The surface does not lead from its end to its beginning, so a closed record clicks where it goes round.
+    resolved_rms : float, W Rms within hearing that the solver's error reaches. A record with no
+        more than that is silent.
+    has_seam : bool The surface does not lead from its end to its beginning, so a closed record
+        clicks where it goes round.
     """
 
     pressure: Array
@@ -101,7 +101,9 @@ class ContactSound:
     @property
     def power_rms(self) -> float:
         """Rms [W] over time of the release power of the steps about its mean, unfiltered."""
-        return float(np.sqrt(np.average(np.square(self.power - self.mean_power), weights=self.step_duration)))
+        return float(
+            np.sqrt(np.average(np.square(self.power - self.mean_power), weights=self.step_duration))
+        )
 
 
 def middle_speeds(motion: Motion, steps: int, step: float) -> tuple[Array, Array]:
@@ -178,7 +180,8 @@ class _Release:
         return _at_changing_speed(self.motion, self.per_metre, self.step, closed, self.samples)
 
     def white_error(self) -> float:
-        """Return the rms within hearing [W] of an error as large as the mean release that is white along the track.
+        """Return the rms within hearing [W] of an error as large as the mean release that is white
+        along the track.
 
         At a speed v it fills the band up to v / (2 step).
         """
@@ -197,8 +200,8 @@ def contact_sound(
 ) -> ContactSound:
     """Turn the energy released in each step into the sound at the listener.
 
-    The speed makes power of the energy, the distance makes intensity of the power. Its fluctuation within hearing is the
-    sound, unless the solver's error hides it.
+    The speed makes power of the energy, the distance makes intensity of the power. Its fluctuation
+    within hearing is the sound, unless the solver's error hides it.
 
     Parameters
     ----------
@@ -247,9 +250,11 @@ def contact_sound(
 
 
 def oversampling(motion: Motion, duration: float, step: float) -> int:
-    """Return the factor over the sample rate at which a record of changing speed is read from the track.
+    """Return the factor over the sample rate at which a record of changing speed is read from the
+    track.
 
-    The maximum speed within the duration [s] makes the highest frequency of the steps of length `step` [m].
+    The maximum speed within the duration [s] makes the highest frequency of the steps of length
+    `step` [m].
     """
     return max(1, int(np.ceil(motion.fastest(duration) / step / wav.SAMPLE_RATE_HZ)))
 
@@ -271,21 +276,28 @@ def _level_uncertainty(
 ) -> uncertainty.LevelUncertainty:
     """Return the uncertainty of levels [dB] of a record that goes round its track so many times."""
     own_factor = scene.sound.gain_pa_per_w_m2 is None
-    return uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, own_factor, laps=laps)
+    return uncertainty.level_uncertainty(
+        pressure, wav.SAMPLE_RATE_HZ, levels, own_factor, laps=laps
+    )
 
 
 def _at_constant_speed(power: Array, closed: bool, duration: float, samples: int) -> Array:
-    """Return the release power [W] at the samples of the sound, without its mean if it does not close."""
+    """Return the release power [W] at the samples of the sound, without its mean if it does not
+    close.
+    """
     if not closed:
         # The fade takes in the fluctuation only.
         power = resampling.fade(power - power.mean(), _fade_length(len(power), duration))
     return resampling.resample_closed(resampling.undo_step_mean(power), samples)
 
 
-def _at_changing_speed(motion: Motion, per_metre: Array, step: float, closed: bool, samples: int) -> Array:
+def _at_changing_speed(
+    motion: Motion, per_metre: Array, step: float, closed: bool, samples: int
+) -> Array:
     """Return the fluctuation of the release power [W] at the samples of the sound."""
     duration = motion.duration(len(per_metre) * step)
-    # The mean goes off in distance: multiplied by a changing speed it would sound as loud as the roughness.
+    # The mean goes off in distance: multiplied by a changing speed it would sound as loud as the
+    # roughness.
     signal = per_metre - per_metre.mean()
     if not closed:
         signal = resampling.fade(signal, _fade_length(len(signal), duration))
@@ -293,7 +305,9 @@ def _at_changing_speed(motion: Motion, per_metre: Array, step: float, closed: bo
     fine_samples = samples * oversampling(motion, duration, step)
     fine = np.arange(fine_samples) * duration / fine_samples
     in_time = resampling.interpolate_closed(signal, np.asarray(motion.distance(fine)) / step)
-    in_time = resampling.fade(in_time * np.asarray(motion.speed(fine)), _fade_length(fine_samples, duration))
+    in_time = resampling.fade(
+        in_time * np.asarray(motion.speed(fine)), _fade_length(fine_samples, duration)
+    )
     return resampling.resample_closed(in_time, samples)
 
 

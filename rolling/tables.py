@@ -6,14 +6,18 @@ from collections.abc import Collection, Sequence
 
 
 def markdown(
-    head: Sequence[str], rows: Sequence[Sequence[str]], padded: bool = False, right: Collection[int] = ()
+    head: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    padded: bool = False,
+    right: Collection[int] = (),
 ) -> str:
     """Write a table in Markdown.
 
     Parameters
     ----------
     head : sequence of str. Titles of the columns.
-    rows : sequence of sequences of str. Cells. A row with fewer cells ends with a remark, which widens no column.
+    rows : sequence of sequences of str. Cells. A row with fewer cells ends with a remark, which
+        widens no column.
     padded : bool. If true, all cells of a column have the same width. Default: False.
     right : collection of int. Columns of numbers, aligned to the right where padded. Default: none.
     """
@@ -23,8 +27,12 @@ def markdown(
     widths = [max(3, len(title)) for title in head]
     for row in rows:
         cells = row if len(row) == count else row[:-1]
-        widths[: len(cells)] = [max(width, len(cell)) for width, cell in zip(widths, cells, strict=False)]
-    rule = ["-" * (width - 1) + ":" if k in right else "-" * width for k, width in enumerate(widths)]
+        widths[: len(cells)] = [
+            max(width, len(cell)) for width, cell in zip(widths, cells, strict=False)
+        ]
+    rule = [
+        "-" * (width - 1) + ":" if k in right else "-" * width for k, width in enumerate(widths)
+    ]
     full = [head, rule, *([*row, *[""] * (count - len(row))] for row in rows)]
     lines = [
         [
@@ -39,5 +47,8 @@ def markdown(
 def columns(rows: Sequence[Sequence[str]]) -> str:
     """Write rows of equal length in aligned columns, two spaces apart, for a terminal."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        for row in rows
+    ]
     return "\n".join(line.rstrip() for line in lines)

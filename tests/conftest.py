@@ -1,4 +1,6 @@
-"""What holds in every test: numbers that are none are errors, and a test that opens a browser is marked so."""
+"""What holds in every test: numbers that are none are errors, and a test that opens a browser is
+marked so.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ import pytest
 
 @pytest.fixture(autouse=True)
 def floating_point_errors() -> Iterator[None]:
-    """Raise where numpy would go on with inf or nan; code that divides by zero on purpose says so by `np.errstate`."""
+    """Raise where numpy would go on with inf or nan; code that divides by zero on purpose says so
+    by `np.errstate`.
+    """
     with np.errstate(divide="raise", invalid="raise", over="raise"):
         yield
 

@@ -1,4 +1,7 @@
-"""README and docs: length, links, generated parts, named places, examples. A stranger must find what they promise."""
+"""README and docs: length, links, generated parts, named places, examples.
+
+A stranger must find what they promise.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,9 @@ import pytest
 
 ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
 DOCS = ROOT / "docs"
-PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *DOCS.glob("*.md")])
+PAGES = sorted(
+    [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *DOCS.glob("*.md")]
+)
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 WITHOUT_PAGE = {"api.md"}  # made when the site is built
@@ -31,7 +36,11 @@ def _anchor(heading: str) -> str:
 
 
 def _anchors(page: Path) -> set[str]:
-    return {_anchor(line.lstrip("#")) for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("#")}
+    return {
+        _anchor(line.lstrip("#"))
+        for line in page.read_text(encoding="utf-8").splitlines()
+        if line.startswith("#")
+    }
 
 
 def test_readme_has_at_most_600_words():
@@ -62,7 +71,9 @@ def test_generated_parts_are_up_to_date():
     generate = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(generate)
     for path, text in generate.generated().items():
-        assert path.read_text(encoding="utf-8") == text, f"{_name(path)} is out of date: {generate.COMMAND}"
+        assert path.read_text(encoding="utf-8") == text, (
+            f"{_name(path)} is out of date: {generate.COMMAND}"
+        )
 
 
 def _definitions(path: Path) -> set[str]:
@@ -80,7 +91,11 @@ def _definitions(path: Path) -> set[str]:
 @pytest.mark.parametrize("page", ["architecture.md", "numerics.md", "acoustics.md"])
 def test_places_in_the_code_exist(page: str):
     """Rows that name a module, and names in the cell after it."""
-    rows = [line.split("|") for line in (DOCS / page).read_text(encoding="utf-8").splitlines() if line.startswith("|")]
+    rows = [
+        line.split("|")
+        for line in (DOCS / page).read_text(encoding="utf-8").splitlines()
+        if line.startswith("|")
+    ]
     named = 0
     for cells in rows:
         for k, cell in enumerate(cells):
@@ -89,7 +104,9 @@ def test_places_in_the_code_exist(page: str):
             path = ROOT / cell.strip(" `")
             assert path.exists(), cells
             wanted = set(re.findall(r"`(\w+)`", cells[k + 1]))
-            assert wanted <= _definitions(path), f"{wanted - _definitions(path)} not in {_name(path)}"
+            assert wanted <= _definitions(path), (
+                f"{wanted - _definitions(path)} not in {_name(path)}"
+            )
             named += 1
     assert named >= 10
 
@@ -125,7 +142,12 @@ def test_example_runs(script: Path, tmp_path: Path):
     environment = {**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT)}
     # An example takes less than 20 s on a free machine; a busy one gets more.
     run = subprocess.run(
-        [sys.executable, script], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120
+        [sys.executable, script],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=120,
     )
     assert run.returncode == 0, run.stderr
     assert run.stdout.strip()
@@ -134,13 +156,23 @@ def test_example_runs(script: Path, tmp_path: Path):
 def test_site_builds_without_warnings(tmp_path: Path):
     pytest.importorskip("mkdocs", reason="the extra `docs` is not installed")
     pytest.importorskip("material", reason="the extra `docs` is not installed")
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(tmp_path / "site")]
+    command = [
+        sys.executable,
+        "-m",
+        "mkdocs",
+        "build",
+        "--strict",
+        "--quiet",
+        "--site-dir",
+        str(tmp_path / "site"),
+    ]
     built = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert built.returncode == 0, built.stdout + built.stderr
     theory = (tmp_path / "site" / "theory.html").read_text(encoding="utf-8")
     assert "<math" in theory and "arithmatex" not in theory
     for page in (tmp_path / "site").glob("*.html"):
         loaded = re.findall(
-            r"<(?:script|img|iframe)[^>]*src=\"(https?:)?//|<link[^>]*href=\"https?://", page.read_text()
+            r"<(?:script|img|iframe)[^>]*src=\"(https?:)?//|<link[^>]*href=\"https?://",
+            page.read_text(),
         )
         assert not loaded, f"{page.name} loads from a network"

@@ -1,4 +1,5 @@
-"""Results of this package against IEC 61672-1, IEC 61260-1 and its own requirements, as a Markdown page.
+"""Results of this package against IEC 61672-1, IEC 61260-1 and its own requirements, as a Markdown
+page.
 
 `python -m acoustics.conformance` prints it; every number on it is computed then.
 """
@@ -40,7 +41,13 @@ def tables() -> tuple[Table, ...]:
 def page(measured: Sequence[Table]) -> str:
     """Write the page in Markdown: introduction, summary and tables."""
     summary = [
-        (f"{number}. {table.title}", table.source, len(table.rows), _number(table.worst.share, 1), verdict(table))
+        (
+            f"{number}. {table.title}",
+            table.source,
+            len(table.rows),
+            _number(table.worst.share, 1),
+            verdict(table),
+        )
         for number, table in enumerate(measured, start=1)
     ]
     parts = [
@@ -86,13 +93,25 @@ def _cells(row: Row, decimals: int) -> tuple[str, ...]:
         computed = f"> {MAX_DB:g}" if math.isinf(row.computed) else _number(row.computed, decimals)
         difference, lower, upper = "", _number(row.lower, decimals), ""
     else:
-        computed, difference = _number(row.computed, decimals), _number(row.difference, decimals, signed=True)
+        computed, difference = (
+            _number(row.computed, decimals),
+            _number(row.difference, decimals, signed=True),
+        )
         lower, upper = (_number(limit, decimals, signed=True) for limit in (row.lower, row.upper))
-    return _number(row.expected, decimals), computed, difference, lower, upper, share if row.within else f"**{share}**"
+    return (
+        _number(row.expected, decimals),
+        computed,
+        difference,
+        lower,
+        upper,
+        share if row.within else f"**{share}**",
+    )
 
 
 def _number(value: float, decimals: int, signed: bool = False) -> str:
-    """Write a rounded number without the sign of a zero, so that rounding does not show; empty without a limit."""
+    """Write a rounded number without the sign of a zero, so that rounding does not show; empty
+    without a limit.
+    """
     if math.isinf(value):
         return "∞" if value > 0.0 else ""
     rounded = round(value, decimals) + 0.0  # turns -0.0 into 0.0
@@ -111,7 +130,10 @@ def _markdown(heads: Sequence[str], rows: Iterable[Sequence[object]], align: str
         )
         return f"| {' | '.join(padded)} |"
 
-    rule = ["-" * (width - 1) + ":" if side == "r" else "-" * width for width, side in zip(widths, align, strict=True)]
+    rule = [
+        "-" * (width - 1) + ":" if side == "r" else "-" * width
+        for width, side in zip(widths, align, strict=True)
+    ]
     return "\n".join([line(cells[0]), line(rule), *map(line, cells[1:])])
 
 

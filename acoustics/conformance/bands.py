@@ -8,7 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from acoustics.bands import BAND_NAMES, BANDWIDTH_HZ, EDGES_HZ, LEAST_BT, MID_HZ, third_octave_mean_square
+from acoustics.bands import (
+    BAND_NAMES,
+    BANDWIDTH_HZ,
+    EDGES_HZ,
+    LEAST_BT,
+    MID_HZ,
+    third_octave_mean_square,
+)
 from acoustics.conformance import standards
 from acoustics.conformance.rows import Row, Table, suppression_db, tone
 from acoustics.resampling import fade
@@ -41,7 +48,9 @@ def mid_band_frequencies() -> Table:
         4,
         tuple(
             _frequency_row(
-                (f"{standards.third_octave_nominal_hz(x):g}", name), standards.third_octave_mid_hz(x), mid_hz
+                (f"{standards.third_octave_nominal_hz(x):g}", name),
+                standards.third_octave_mid_hz(x),
+                mid_hz,
             )
             for x, name, mid_hz in zip(_OFFSETS, BAND_NAMES, MID_HZ, strict=True)
         ),
@@ -92,7 +101,9 @@ class MaskPoint:
     @property
     def at_edge(self) -> bool:
         """Whether the point lies at a band edge."""
-        return math.isclose(self.ratio**self.side, standards.third_octave_frequency_ratio(0.5), rel_tol=1e-6)
+        return math.isclose(
+            self.ratio**self.side, standards.third_octave_frequency_ratio(0.5), rel_tol=1e-6
+        )
 
 
 def mask_points() -> tuple[MaskPoint, ...]:
@@ -106,9 +117,16 @@ def mask_points() -> tuple[MaskPoint, ...]:
 
 
 def attenuation_db(
-    frequency_hz: float, band: int, samples: int, rate_hz: float, phase: float = 0.4, fade_s: float = 0.0
+    frequency_hz: float,
+    band: int,
+    samples: int,
+    rate_hz: float,
+    phase: float = 0.4,
+    fade_s: float = 0.0,
 ) -> float:
-    """Return the level of a tone's record minus its level in a band, dB; infinite if the band holds rounding."""
+    """Return the level of a tone's record minus its level in a band, dB; infinite if the band holds
+    rounding.
+    """
     record = fade(tone(frequency_hz, samples, rate_hz, phase), round(fade_s * rate_hz))
     lines_hz, mean_square = line_spectrum(record, rate_hz)
     in_band = third_octave_mean_square(lines_hz, mean_square)[band]
@@ -129,7 +147,11 @@ def closed_records() -> Table:
             frequency_hz = round(line) / duration_s
             if frequency_hz < SAMPLE_RATE_HZ / 2.0:
                 keys = (BAND_NAMES[band], _ratio(point), f"{frequency_hz:.1f}")
-                rows.append(_attenuation_row(keys, point, attenuation_db(frequency_hz, band, samples, SAMPLE_RATE_HZ)))
+                rows.append(
+                    _attenuation_row(
+                        keys, point, attenuation_db(frequency_hz, band, samples, SAMPLE_RATE_HZ)
+                    )
+                )
     return Table(
         "Third octaves: tones on a line",
         "class 1",
@@ -168,7 +190,12 @@ class OpenRecord:
         return f"{self.duration_s:g} s, {'faded' if self.fade_s else 'cut'}"
 
 
-OPEN_RECORDS = (OpenRecord(0.5, 0.0), OpenRecord(0.5, _FADE_S), OpenRecord(10.0, 0.0), OpenRecord(10.0, _FADE_S))
+OPEN_RECORDS = (
+    OpenRecord(0.5, 0.0),
+    OpenRecord(0.5, _FADE_S),
+    OpenRecord(10.0, 0.0),
+    OpenRecord(10.0, _FADE_S),
+)
 
 _PARTS: tuple[tuple[str, Callable[[MaskPoint], bool]], ...] = (
     ("inside", lambda point: point.inside and not point.at_edge),
@@ -180,10 +207,11 @@ _PARTS: tuple[tuple[str, Callable[[MaskPoint], bool]], ...] = (
 def open_attenuation(record: OpenRecord, band: int, part: Callable[[MaskPoint], bool]) -> Row:
     """Measure the worst attenuation of a band at the points of one part, for tones half a line off.
 
-    The tones have the standard's frequencies, and the record is lengthened or shortened by up to half a period until
-    they lie midway between two lines; many periods are changed in frequency instead, which keeps the length of the
-    transform a fast one. Tones at the edges are one to two lines off. The two phases are a
-    quarter period apart, because a tone's mirror at negative frequency adds or subtracts.
+    The tones have the standard's frequencies, and the record is lengthened or shortened by up to
+    half a period until they lie midway between two lines; many periods are changed in frequency
+    instead, which keeps the length of the transform a fast one. Tones at the edges are one to two
+    lines off. The two phases are a quarter period apart, because a tone's mirror at negative
+    frequency adds or subtracts.
     """
     # The standard's highest frequency, 5.39 f_mid, and a fade of 10 ms need no more samples.
     rate_hz = float(np.clip(12.0 * math.ceil(MID_HZ[band]), 2400.0, SAMPLE_RATE_HZ))
@@ -201,9 +229,16 @@ def open_attenuation(record: OpenRecord, band: int, part: Callable[[MaskPoint], 
             frequency_hz = (math.floor(line) + 0.5) / duration_s
         if frequency_hz >= rate_hz / 2.0:
             continue
-        keys = (record.name, BAND_NAMES[band], f"{BANDWIDTH_HZ[band] * record.duration_s:.1f}", _ratio(point))
+        keys = (
+            record.name,
+            BAND_NAMES[band],
+            f"{BANDWIDTH_HZ[band] * record.duration_s:.1f}",
+            _ratio(point),
+        )
         for phase in (0.0, 0.5 * math.pi):
-            computed = attenuation_db(frequency_hz, band, round(duration_s * rate_hz), rate_hz, phase, record.fade_s)
+            computed = attenuation_db(
+                frequency_hz, band, round(duration_s * rate_hz), rate_hz, phase, record.fade_s
+            )
             rows.append(_attenuation_row(keys, point, computed))
     return max(rows, key=lambda row: row.share)
 
@@ -211,8 +246,8 @@ def open_attenuation(record: OpenRecord, band: int, part: Callable[[MaskPoint], 
 def min_lines_inside() -> float:
     """Find the B T from which class 1 holds inside a band for every record length.
 
-    The scan covers cut records from B T = 4 to 8; a scan up to 40 gave the same. The leakage of a cut
-    record depends only on the number of lines in the band.
+    The scan covers cut records from B T = 4 to 8; a scan up to 40 gave the same. The leakage of a
+    cut record depends only on the number of lines in the band.
     """
     band, rate_hz = BAND_NAMES.index("100"), 2400.0
     inside = [point for point in mask_points() if point.inside and not point.at_edge]
@@ -221,7 +256,9 @@ def min_lines_inside() -> float:
         samples = round(lines / BANDWIDTH_HZ[band] * rate_hz)
         for point in inside:
             for phase in (0.0, 0.5 * math.pi):
-                computed = attenuation_db(point.ratio * float(MID_HZ[band]), band, samples, rate_hz, phase)
+                computed = attenuation_db(
+                    point.ratio * float(MID_HZ[band]), band, samples, rate_hz, phase
+                )
                 if not _attenuation_row((), point, computed).within:
                     minimum = lines + 0.02
         lines += 0.02
@@ -229,20 +266,34 @@ def min_lines_inside() -> float:
 
 
 def open_records() -> Table:
-    """Measure the attenuation on records that do not close: the leakage of their ends, cut or faded."""
+    """Measure the attenuation on records that do not close: the leakage of their ends, cut or
+    faded.
+    """
     shown = (0, BAND_NAMES.index("100"), BAND_NAMES.index("1000"), len(BAND_NAMES) - 1)
     rows: list[Row] = []
-    holds = ["| record | " + " | ".join(name for name, _ in _PARTS) + " |", "| --- |" + " --- |" * len(_PARTS)]
+    holds = [
+        "| record | " + " | ".join(name for name, _ in _PARTS) + " |",
+        "| --- |" + " --- |" * len(_PARTS),
+    ]
     for record in OPEN_RECORDS:
-        # Leakage falls with the frequency in lines, so a long record need not be searched up to the highest band.
-        searched = range(len(BAND_NAMES) if record.duration_s < 1.0 else BAND_NAMES.index("500") + 1)
+        # Leakage falls with the frequency in lines, so a long record need not be searched up to the
+        # highest band.
+        searched = range(
+            len(BAND_NAMES) if record.duration_s < 1.0 else BAND_NAMES.index("500") + 1
+        )
         cells = [record.name]
         for name, part in _PARTS:
-            results = {band: open_attenuation(record, band, part) for band in sorted({*searched, *shown})}
+            results = {
+                band: open_attenuation(record, band, part) for band in sorted({*searched, *shown})
+            }
             rows += [replace(results[band], keys=(*results[band].keys, name)) for band in shown]
-            cells.append(_from_band([band for band, row in results.items() if not row.within], len(results)))
+            cells.append(
+                _from_band([band for band, row in results.items() if not row.within], len(results))
+            )
         holds.append(f"| {' | '.join(cells)} |")
-    worst_db = min(row.computed for row in rows if row.keys[0].endswith("faded") and row.keys[-1] == "outside")
+    worst_db = min(
+        row.computed for row in rows if row.keys[0].endswith("faded") and row.keys[-1] == "outside"
+    )
     return Table(
         "Third octaves: tones that do not fit the record",
         "class 1",

@@ -20,8 +20,12 @@ LEVEL_LIMIT_DB = 0.01
 
 
 def whole_periods(frequency_hz: float, longest_s: float = 1.0) -> int:
-    """Return the samples of the record up to ``longest_s`` that is nearest to a whole number of periods."""
-    samples = np.rint(np.arange(1, int(longest_s * frequency_hz) + 1) * SAMPLE_RATE_HZ / frequency_hz)
+    """Return the samples of the record up to ``longest_s`` that is nearest to a whole number of
+    periods.
+    """
+    samples = np.rint(
+        np.arange(1, int(longest_s * frequency_hz) + 1) * SAMPLE_RATE_HZ / frequency_hz
+    )
     periods = samples * frequency_hz / SAMPLE_RATE_HZ
     return int(samples[np.argmin(np.abs(periods - np.rint(periods)))])
 
@@ -65,16 +69,32 @@ def tone_bursts() -> Table:
         measured = sound_levels(record, SAMPLE_RATE_HZ, closed=False)
         length = f"{row.duration_ms:g}"
         fast.append(
-            _burst_row("LAFmax", length, row.fast_db, known(measured.laf_max_db) - steady_db, row.fast_lower_db, row)
+            _burst_row(
+                "LAFmax",
+                length,
+                row.fast_db,
+                known(measured.laf_max_db) - steady_db,
+                row.fast_lower_db,
+                row,
+            )
         )
         if row.slow_db is not None and row.slow_lower_db is not None:
             slow.append(
                 _burst_row(
-                    "LASmax", length, row.slow_db, known(measured.las_max_db) - steady_db, row.slow_lower_db, row
+                    "LASmax",
+                    length,
+                    row.slow_db,
+                    known(measured.las_max_db) - steady_db,
+                    row.slow_lower_db,
+                    row,
                 )
             )
         exposure_db = known(measured.laeq_db) + 10.0 * math.log10(len(record) / SAMPLE_RATE_HZ)
-        exposure.append(_burst_row("LAE", length, row.exposure_db, exposure_db - steady_db, row.fast_lower_db, row))
+        exposure.append(
+            _burst_row(
+                "LAE", length, row.exposure_db, exposure_db - steady_db, row.fast_lower_db, row
+            )
+        )
     return Table(
         "Tone bursts",
         "class 1",
@@ -89,7 +109,9 @@ def tone_bursts() -> Table:
     )
 
 
-def _burst_row(name: str, length: str, expected: float, computed: float, lower: float, row: standards.BurstRow) -> Row:
+def _burst_row(
+    name: str, length: str, expected: float, computed: float, lower: float, row: standards.BurstRow
+) -> Row:
     return Row((name, length), expected, computed, lower, row.upper_db)
 
 
@@ -139,17 +161,39 @@ def levels() -> Table:
     """Compare levels with amplitudes, and sums with their parts."""
     calibrator = sound_levels(tone(1000.0, SAMPLE_RATE_HZ), SAMPLE_RATE_HZ)
     threshold = sound_levels(P_REF_PA * tone(1000.0, SAMPLE_RATE_HZ), SAMPLE_RATE_HZ)
-    noise = band_limit(np.random.default_rng(1).standard_normal(SAMPLE_RATE_HZ // 2), SAMPLE_RATE_HZ)
+    noise = band_limit(
+        np.random.default_rng(1).standard_normal(SAMPLE_RATE_HZ // 2), SAMPLE_RATE_HZ
+    )
     of_noise = sound_levels(noise, SAMPLE_RATE_HZ)
     rows = (
         ("sine of 1 Pa rms, 1 kHz: LZeq", ONE_PA_DB, calibrator.level_db),
         ("sine of 1 Pa rms, 1 kHz: LAeq", ONE_PA_DB, calibrator.laeq_db),
-        ("sine of 1 Pa rms, 1 kHz: third octave 1000", ONE_PA_DB, calibrator.third_octave_db["1000"]),
-        ("sine of 1 Pa rms, 1 kHz: LZpeak", ONE_PA_DB + 10.0 * math.log10(2.0), calibrator.lz_peak_db),
+        (
+            "sine of 1 Pa rms, 1 kHz: third octave 1000",
+            ONE_PA_DB,
+            calibrator.third_octave_db["1000"],
+        ),
+        (
+            "sine of 1 Pa rms, 1 kHz: LZpeak",
+            ONE_PA_DB + 10.0 * math.log10(2.0),
+            calibrator.lz_peak_db,
+        ),
         ("sine of 20 uPa rms, 1 kHz: LAeq", 0.0, threshold.laeq_db),
-        ("noise: LZeq against the mean square in time", level_db(float(np.mean(noise**2))), of_noise.level_db),
-        ("noise: third octaves added up against LZeq", of_noise.level_db, _sum_db(of_noise.third_octave_db)),
-        ("noise: A-weighted third octaves against LAeq", of_noise.laeq_db, _sum_db(of_noise.third_octave_a_db)),
+        (
+            "noise: LZeq against the mean square in time",
+            level_db(float(np.mean(noise**2))),
+            of_noise.level_db,
+        ),
+        (
+            "noise: third octaves added up against LZeq",
+            of_noise.level_db,
+            _sum_db(of_noise.third_octave_db),
+        ),
+        (
+            "noise: A-weighted third octaves against LAeq",
+            of_noise.laeq_db,
+            _sum_db(of_noise.third_octave_a_db),
+        ),
     )
     return Table(
         "Levels",
@@ -168,4 +212,6 @@ def levels() -> Table:
 
 
 def _sum_db(band_levels: dict[str, float | None]) -> float:
-    return 10.0 * math.log10(sum(10.0 ** (band / 10.0) for band in band_levels.values() if band is not None))
+    return 10.0 * math.log10(
+        sum(10.0 ** (band / 10.0) for band in band_levels.values() if band is not None)
+    )

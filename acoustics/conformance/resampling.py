@@ -9,7 +9,13 @@ import numpy as np
 from acoustics._typing import Array
 from acoustics.conformance.rows import ONE_PA_DB, Row, Table, known, suppression_db
 from acoustics.level import sound_levels
-from acoustics.resampling import band_limit, fade, interpolate_closed, resample_closed, undo_step_mean
+from acoustics.resampling import (
+    band_limit,
+    fade,
+    interpolate_closed,
+    resample_closed,
+    undo_step_mean,
+)
 from acoustics.wav import SAMPLE_RATE_HZ
 
 # Requirements: attenuation of an alias or an error, and ripple in the audible band.
@@ -42,7 +48,9 @@ def resampled_levels() -> Table:
             at_steps = undo_step_mean(step_means(frequency_hz, rate_hz, rate_hz))
             record = band_limit(resample_closed(at_steps, SAMPLE_RATE_HZ), SAMPLE_RATE_HZ)
             measured = known(sound_levels(record, SAMPLE_RATE_HZ).level_db) - ONE_PA_DB
-            rows.append(Row((f"{rate_hz}", f"{frequency_hz}"), 0.0, measured, -RIPPLE_DB, RIPPLE_DB))
+            rows.append(
+                Row((f"{rate_hz}", f"{frequency_hz}"), 0.0, measured, -RIPPLE_DB, RIPPLE_DB)
+            )
     return Table(
         "Resampling: level of sines",
         f"the limit of {RIPPLE_DB:g} dB",
@@ -87,7 +95,9 @@ def alias_rejection() -> Table:
     ):
         for frequency_hz in frequencies_hz:
             # The phase counted in whole steps of the record, so that the tone is pure to rounding.
-            signal = np.sin(2.0 * np.pi * (np.arange(rate_hz) * frequency_hz % rate_hz) / rate_hz + 0.4)
+            signal = np.sin(
+                2.0 * np.pi * (np.arange(rate_hz) * frequency_hz % rate_hz) / rate_hz + 0.4
+            )
             left = np.mean(resample_closed(signal, SAMPLE_RATE_HZ) ** 2) / np.mean(signal**2)
             rows.append(_suppression_row((f"{rate_hz}", f"{frequency_hz}"), float(left)))
     return Table(
@@ -112,9 +122,15 @@ def varying_speed() -> Table:
         exact = np.sin(omega * index + 0.3)
         computed = interpolate_closed(np.sin(omega * np.arange(samples) + 0.3), index)
         keys = (f"f = {share:g} of Nyquist", "everywhere")
-        rows.append(_suppression_row(keys, float(np.mean((computed - exact) ** 2) / np.mean(exact**2))))
+        rows.append(
+            _suppression_row(keys, float(np.mean((computed - exact) ** 2) / np.mean(exact**2)))
+        )
     for top_hz in (1000, 5000, 10000, 20000):
-        rows.append(_suppression_row((f"sweep from {top_hz // 2} to {top_hz} Hz", "inner 90 %"), _sweep_error(top_hz)))
+        rows.append(
+            _suppression_row(
+                (f"sweep from {top_hz // 2} to {top_hz} Hz", "inner 90 %"), _sweep_error(top_hz)
+            )
+        )
     return Table(
         "Resampling: varying speed",
         f"the limit of {REJECTION_DB:g} dB",
@@ -142,7 +158,10 @@ def _sweep_error(top_hz: float) -> float:
 
     at_steps = undo_step_mean(step_means(waves, steps, steps))
     fine_s = np.arange(samples * oversampling) / (SAMPLE_RATE_HZ * oversampling)
-    in_time = fade(interpolate_closed(at_steps, steps_passed(fine_s)), round(_FADE_S * SAMPLE_RATE_HZ * oversampling))
+    in_time = fade(
+        interpolate_closed(at_steps, steps_passed(fine_s)),
+        round(_FADE_S * SAMPLE_RATE_HZ * oversampling),
+    )
     inner = slice(samples // 20, -samples // 20)
     computed = resample_closed(in_time, samples)[inner]
     time_s = np.arange(samples)[inner] / SAMPLE_RATE_HZ

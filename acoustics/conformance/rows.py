@@ -13,8 +13,9 @@ from acoustics.wav import SAMPLE_RATE_HZ
 
 ONE_PA_DB = 20.0 * math.log10(1.0 / P_REF_PA)
 
-# Attenuations above this count as infinite: their digits would be rounding, which differs between machines. The sine of
-# 1e6 rad is wrong by 1e-10 (-200 dB), which changes a level of -120 dB by 1e-3 dB at most.
+# Attenuations above this count as infinite: their digits would be rounding, which differs between
+# machines. The sine of 1e6 rad is wrong by 1e-10 (-200 dB), which changes a level of -120 dB by
+# 1e-3 dB at most.
 MAX_DB = 120.0
 
 
@@ -43,9 +44,11 @@ class Row:
 
     @property
     def share(self) -> float:
-        """Share of the tolerance used, %: the difference over the limit on its side, or required over computed.
+        """Share of the tolerance used, %: the difference over the limit on its side, or required
+        over computed.
 
-        Above 100 the limit is exceeded. It is rounded to the digits of the page, so that rows that differ by rounding are equal.
+        Above 100 the limit is exceeded. It is rounded to the digits of the page, so that rows that
+        differ by rounding are equal.
         """
         if math.isinf(self.expected):
             share = self.lower / self.computed if self.computed > 0.0 else math.inf
@@ -97,14 +100,20 @@ class Table:
         return tuple(row for row in self.rows if not row.within)
 
 
-def tone(frequency_hz: float, samples: int, rate_hz: float = SAMPLE_RATE_HZ, phase: float = 0.4) -> Array:
+def tone(
+    frequency_hz: float, samples: int, rate_hz: float = SAMPLE_RATE_HZ, phase: float = 0.4
+) -> Array:
     """Return a sine of 1 Pa rms (samples,)."""
-    sine: Array = math.sqrt(2.0) * np.sin(2.0 * np.pi * frequency_hz / rate_hz * np.arange(samples) + phase)
+    sine: Array = math.sqrt(2.0) * np.sin(
+        2.0 * np.pi * frequency_hz / rate_hz * np.arange(samples) + phase
+    )
     return sine
 
 
 def suppression_db(left: float) -> float:
-    """Return the attenuation that leaves a share of a mean square, dB; infinite if only rounding is left."""
+    """Return the attenuation that leaves a share of a mean square, dB; infinite if only rounding is
+    left.
+    """
     attenuation = -10.0 * math.log10(left) if left > 0.0 else math.inf
     return attenuation if attenuation <= MAX_DB else math.inf
 

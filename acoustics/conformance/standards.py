@@ -1,8 +1,9 @@
-"""Tables of IEC 61672-1:2013 and IEC 61260-1:2014, class 1, that `acoustics.conformance` measures against.
+"""Tables of IEC 61672-1:2013 and IEC 61260-1:2014, class 1, that `acoustics.conformance` measures
+against.
 
-The limits are acceptance limits on the deviation from the design goal. The editions of 2013 and 2014 leave
-out the uncertainty of a testing laboratory, which the tolerance limits of earlier editions included. A
-computed deviation therefore compares with them directly.
+The limits are acceptance limits on the deviation from the design goal. The editions of 2013 and
+2014 leave out the uncertainty of a testing laboratory, which the tolerance limits of earlier
+editions included. A computed deviation therefore compares with them directly.
 """
 
 from __future__ import annotations
@@ -47,7 +48,9 @@ class DecayRow(NamedTuple):
 
 
 class AttenuationRow(NamedTuple):
-    """Minimum and maximum relative attenuation of an octave-band filter at f/f_mid = G**exponent, dB."""
+    """Minimum and maximum relative attenuation of an octave-band filter at f/f_mid = G**exponent,
+    dB.
+    """
 
     exponent: float
     min_db: float
@@ -56,7 +59,8 @@ class AttenuationRow(NamedTuple):
 
 _NONE = float("inf")
 
-# IEC 61672-1:2013, Table 3, column A and class 1. With a lower limit of minus infinity only the upper one applies.
+# IEC 61672-1:2013, Table 3, column A and class 1. With a lower limit of minus infinity only the
+# upper one applies.
 A_WEIGHTING: tuple[WeightingRow, ...] = (
     WeightingRow(10, 10, -70.4, -_NONE, 3.0),
     WeightingRow(11, 12.5, -63.4, -_NONE, 2.5),
@@ -94,8 +98,9 @@ A_WEIGHTING: tuple[WeightingRow, ...] = (
     WeightingRow(43, 20000, -9.3, -_NONE, 3.0),
 )
 
-# IEC 61672-1:2013, 5.9 and Table 4. Design goals are equations (7), 10 lg(1 - exp(-Tb/tau)), and (8), 10 lg(Tb/1 s),
-# as the table rounds them; the sound exposure level shares the limits of the Fast maximum.
+# IEC 61672-1:2013, 5.9 and Table 4. Design goals are equations (7), 10 lg(1 - exp(-Tb/tau)), and
+# (8), 10 lg(Tb/1 s), as the table rounds them; the sound exposure level shares the limits of the
+# Fast maximum.
 TONE_BURSTS: tuple[BurstRow, ...] = (
     BurstRow(1000, 0.0, -0.5, 0.0, -2.0, -0.5, 0.5),
     BurstRow(500, -0.1, -0.5, -3.0, -4.1, -0.5, 0.5),
@@ -117,8 +122,8 @@ DECAY_RATES: tuple[DecayRow, ...] = (DecayRow("F", 34.7, -3.7, 3.8), DecayRow("S
 # IEC 61672-1:2013, 5.8.3: a steady 1 kHz tone reads alike with S, averaged over time, and F.
 STEADY_LIMIT_DB = 0.1
 
-# IEC 61260-1:2014, 5.10 and Table 1, class 1, side above the mid-band frequency. The first row at the exponent 1/2 is
-# just inside the band edge, the second just outside.
+# IEC 61260-1:2014, 5.10 and Table 1, class 1, side above the mid-band frequency. The first row at
+# the exponent 1/2 is just inside the band edge, the second just outside.
 OCTAVE_ATTENUATION: tuple[AttenuationRow, ...] = (
     AttenuationRow(0.0, -0.4, 0.4),
     AttenuationRow(1 / 8, -0.4, 0.5),
@@ -144,12 +149,16 @@ _R10 = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
 
 
 def third_octave_mid_hz(x: int) -> float:
-    """Return the exact mid-band frequency of the band x third octaves above 1 kHz, Hz (IEC 61260-1:2014, 5.4)."""
+    """Return the exact mid-band frequency of the band x third octaves above 1 kHz, Hz (IEC
+    61260-1:2014, 5.4).
+    """
     return float(REFERENCE_HZ * OCTAVE_RATIO ** (x / 3.0))
 
 
 def third_octave_edge_hz(x: int, side: int) -> float:
-    """Return the band-edge frequency below (side -1) or above (side 1) the mid-band frequency, Hz (IEC 61260-1:2014, 5.6)."""
+    """Return the band-edge frequency below (side -1) or above (side 1) the mid-band frequency, Hz
+    (IEC 61260-1:2014, 5.6).
+    """
     return float(third_octave_mid_hz(x) * OCTAVE_RATIO ** (side / 6.0))
 
 

@@ -1,7 +1,9 @@
-"""Write the generated parts of the documentation: `python docs/_hooks/generate.py`. With --check, only name the stale ones.
+"""Write the generated parts of the documentation: `python docs/_hooks/generate.py`.
 
-Generated are the reference of scene files with their JSON Schema (from the models), the table of laws (from the tests), and the
-table of rooms (from the imports).
+With --check, only name the stale ones.
+
+Generated are the reference of scene files with their JSON Schema (from the models), the table of
+laws (from the tests), and the table of rooms (from the imports).
 """
 
 from __future__ import annotations
@@ -24,7 +26,9 @@ Json = dict[str, Any]
 def main(arguments: list[str]) -> int:
     """Write the generated files, or name the stale ones; return the exit code."""
     stale = [
-        path for path, text in generated().items() if not path.exists() or path.read_text(encoding="utf-8") != text
+        path
+        for path, text in generated().items()
+        if not path.exists() or path.read_text(encoding="utf-8") != text
     ]
     for path in stale:
         print(path.relative_to(ROOT))
@@ -38,7 +42,8 @@ def generated() -> dict[Path, str]:
     schema = _schema()
     docs = ROOT / "docs"
     return {
-        ROOT / "scenarios" / "scene.schema.json": json.dumps(schema, indent=1, ensure_ascii=False) + "\n",
+        ROOT / "scenarios" / "scene.schema.json": json.dumps(schema, indent=1, ensure_ascii=False)
+        + "\n",
         docs / "scene-file.md": _between(docs / "scene-file.md", "keys", scene_reference(schema)),
         docs / "verification.md": _between(docs / "verification.md", "laws", law_table()),
         docs / "architecture.md": _between(docs / "architecture.md", "rooms", room_table()),
@@ -57,10 +62,13 @@ def _between(path: Path, mark: str, text: str) -> str:
 def _table(head: list[str], rows: list[list[str]]) -> str:
     """Return a Markdown table."""
     lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+    return "\n".join(
+        "| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines
+    )
 
 
-# ---- scene files -----------------------------------------------------------------------------------------------------
+# ---- scene files
+# -----------------------------------------------------------------------------------------------------
 
 
 def _schema() -> Json:
@@ -76,7 +84,13 @@ def scene_reference(schema: Json) -> str:
     for name, section in schema["properties"].items():
         for model in _models(section, schema):
             kind = model["properties"].get("kind", {}).get("const")
-            parts += ["", f"## {name}" + (f": {kind}" if kind else ""), "", model.get("description", ""), ""]
+            parts += [
+                "",
+                f"## {name}" + (f": {kind}" if kind else ""),
+                "",
+                model.get("description", ""),
+                "",
+            ]
             parts.append(_keys(model, schema))
     return "\n".join(parts)
 
@@ -93,7 +107,9 @@ def _keys(model: Json, schema: Json) -> str:
     rows = []
     for name, field in model["properties"].items():
         sections = list(_models(field, schema))
-        text = field.get("description", "") or (sections[0].get("description", "") if len(sections) == 1 else "")
+        text = field.get("description", "") or (
+            sections[0].get("description", "") if len(sections) == 1 else ""
+        )
         rows.append([f"`{name}`", _values(field, sections), _default(name, field, required), text])
     return _table(["key", "values", "default", "meaning"], rows)
 
@@ -114,37 +130,52 @@ def _values(field: Json, sections: list[Json]) -> str:
     if "enum" in field:
         return ", ".join(f"`{value}`" for value in field["enum"])
     if "anyOf" in field:
-        return " or ".join(_values(part, []) for part in field["anyOf"] if part.get("type") != "null")
+        return " or ".join(
+            _values(part, []) for part in field["anyOf"] if part.get("type") != "null"
+        )
     words = {"object": "lists by dotted key", "array": "list of pairs"}
     limits = {"exclusiveMinimum": "> {:g}", "minimum": ">= {:g}", "maximum": "<= {:g}"}
     bounds = " and ".join(sign.format(field[key]) for key, sign in limits.items() if key in field)
     return f"{words.get(field.get('type', ''), field.get('type', ''))} {bounds}".strip()
 
 
-# ---- laws ------------------------------------------------------------------------------------------------------------
+# ---- laws
+# ------------------------------------------------------------------------------------------------------------
 
 
 def law_table() -> str:
-    """Return the table of laws and the tests that carry `@pytest.mark.law("...")`, found without running them."""
+    """Return the table of laws and the tests that carry `@pytest.mark.law("...")`, found without
+    running them.
+    """
     laws: dict[str, list[str]] = {}
     for path in sorted((ROOT / "tests").rglob("test_*.py")):
         for law, test in _marked(ast.parse(path.read_text(encoding="utf-8"))):
             laws.setdefault(law, []).append(f"`{path.relative_to(ROOT).as_posix()}::{test}`")
     if not laws:
         return "No test carries the marker `law` yet."
-    return _table(["law", "tests"], [[law, "<br>".join(tests)] for law, tests in sorted(laws.items())])
+    return _table(
+        ["law", "tests"], [[law, "<br>".join(tests)] for law, tests in sorted(laws.items())]
+    )
 
 
 def _marked(module: ast.Module) -> Iterator[tuple[str, str]]:
-    """Yield law and test of each marked test; the mark of a class or of a module (`pytestmark`) holds for all of its tests."""
+    """Yield law and test of each marked test; the mark of a class or of a module (`pytestmark`)
+    holds for all of its tests.
+    """
     whole: list[str] = []
     for node in module.body:
-        if isinstance(node, ast.Assign) and any(isinstance(t, ast.Name) and t.id == "pytestmark" for t in node.targets):
+        if isinstance(node, ast.Assign) and any(
+            isinstance(t, ast.Name) and t.id == "pytestmark" for t in node.targets
+        ):
             whole += _laws([node.value])
     for node in module.body:
         if isinstance(node, ast.ClassDef):
             of_class = whole + _laws(node.decorator_list)
-            tests = [(f"{node.name}::{part.name}", part) for part in node.body if isinstance(part, ast.FunctionDef)]
+            tests = [
+                (f"{node.name}::{part.name}", part)
+                for part in node.body
+                if isinstance(part, ast.FunctionDef)
+            ]
         elif isinstance(node, ast.FunctionDef):
             of_class, tests = whole, [(node.name, node)]
         else:
@@ -161,17 +192,22 @@ def _laws(expressions: list[ast.expr]) -> list[str]:
         argument.value
         for expression in expressions
         for call in ast.walk(expression)
-        if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) and call.func.attr == "law"
+        if isinstance(call, ast.Call)
+        and isinstance(call.func, ast.Attribute)
+        and call.func.attr == "law"
         for argument in call.args
         if isinstance(argument, ast.Constant) and isinstance(argument.value, str)
     ]
 
 
-# ---- rooms -----------------------------------------------------------------------------------------------------------
+# ---- rooms
+# -----------------------------------------------------------------------------------------------------------
 
 
 def room_table() -> str:
-    """Return the rooms of the packages, lowest floor first: purpose and the rooms that each imports."""
+    """Return the rooms of the packages, lowest floor first: purpose and the rooms that each
+    imports.
+    """
     rooms = {room: _imports(paths) - {room} for room, paths in _rooms().items()}
     floors = _floors(rooms)
     rows = [
@@ -187,7 +223,9 @@ def room_table() -> str:
 
 
 def _rooms() -> dict[str, list[Path]]:
-    """Return the modules of each room: a folder or file at the top of `rolling`, and `acoustics` as one."""
+    """Return the modules of each room: a folder or file at the top of `rolling`, and `acoustics` as
+    one.
+    """
     rooms: dict[str, list[Path]] = {"acoustics": sorted((ROOT / "acoustics").rglob("*.py"))}
     for path in sorted((ROOT / "rolling").iterdir()):
         if path.is_dir() and (path / "__init__.py").exists():
@@ -210,7 +248,9 @@ def _imports(paths: list[Path]) -> set[str]:
 
 
 def _room(name: str) -> str | None:
-    """Return the room of a dotted name, None where it belongs to another project or to `rolling` itself."""
+    """Return the room of a dotted name, None where it belongs to another project or to `rolling`
+    itself.
+    """
     if name.split(".")[0] == "acoustics":
         return "acoustics"
     room = ".".join(name.split(".")[:2])
@@ -218,7 +258,10 @@ def _room(name: str) -> str | None:
 
 
 def _floors(rooms: dict[str, set[str]]) -> dict[str, int]:
-    """Return the floor of each room: one above the highest room that it imports. Rooms in a circle share the highest."""
+    """Return the floor of each room: one above the highest room that it imports.
+
+    Rooms in a circle share the highest.
+    """
     floors = dict.fromkeys(rooms, 1)
     for _ in rooms:
         for room, imported in rooms.items():
@@ -227,7 +270,9 @@ def _floors(rooms: dict[str, set[str]]) -> dict[str, int]:
 
 
 def _purpose(paths: list[Path]) -> str:
-    """Return the first sentence of the docstring of a room, or the names of its modules where it has none."""
+    """Return the first sentence of the docstring of a room, or the names of its modules where it
+    has none.
+    """
     first = next((path for path in paths if path.name == "__init__.py"), paths[0])
     text = ast.get_docstring(ast.parse(first.read_text(encoding="utf-8")))
     if text:

@@ -1,7 +1,9 @@
-"""Pages of the site that stand elsewhere in the repository, and the list of modules of the API page.
+"""Pages of the site that stand elsewhere in the repository, and the list of modules of the API
+page.
 
-A page links to a file outside of docs/ by its path in the repository (`../CHANGELOG.md`), so that the link also works where the
-repository is browsed. In the site such a link leads to the copy of that file, or becomes plain text if the site has no copy.
+A page links to a file outside of docs/ by its path in the repository (`../CHANGELOG.md`), so that
+the link also works where the repository is browsed. In the site such a link leads to the copy of
+that file, or becomes plain text if the site has no copy.
 """
 
 from __future__ import annotations
@@ -19,9 +21,16 @@ PAGES = {
     "acoustics/CONFORMANCE.md": "conformance.md",
 }
 PICTURES = "scenarios/pictures/"
-# The rooms whose modules are documented where a package exports no names. A module whose name begins with an underscore is private.
+# The rooms whose modules are documented where a package exports no names. A module whose name
+# begins with an underscore is private.
 ROOMS = {
-    "rolling": ("rolling/scene", "rolling/surface", "rolling/contact", "rolling/simulation", "rolling"),
+    "rolling": (
+        "rolling/scene",
+        "rolling/surface",
+        "rolling/contact",
+        "rolling/simulation",
+        "rolling",
+    ),
     "acoustics": ("acoustics",),
 }
 # The command line is described by its own help.
@@ -59,15 +68,19 @@ def _within_site(match):
 
 
 def exported_names(package):
-    """List the names that a package exports and their full paths, from the imports in its `__init__.py`.
+    """List the names that a package exports and their full paths, from the imports in its
+    `__init__.py`.
 
-    Public names are imported lazily at run time; for editors the same imports stand under `TYPE_CHECKING`.
+    Public names are imported lazily at run time; for editors the same imports stand under
+    `TYPE_CHECKING`.
     """
     module = ast.parse((ROOT / package / "__init__.py").read_text(encoding="utf-8"))
     names = {}
     for node in ast.walk(module):
         if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == package:
-            names |= {alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names}
+            names |= {
+                alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names
+            }
     return {name: path for name, path in names.items() if not name.startswith("_")}
 
 
@@ -82,14 +95,23 @@ def public_modules(room):
 
 
 def api_page():
-    """Return the Markdown of the API page: the exported names of each package, or its modules where it exports none."""
-    lines = ["# API", "", "All arguments and results are in SI units unless a name carries its unit.", ""]
+    """Return the Markdown of the API page: the exported names of each package, or its modules where
+    it exports none.
+    """
+    lines = [
+        "# API",
+        "",
+        "All arguments and results are in SI units unless a name carries its unit.",
+        "",
+    ]
     for package, rooms in ROOMS.items():
         exported = exported_names(package)
         lines += [f"## {package}", ""]
         if exported:
             lines += ["| name | is |", "|---|---|"]
-            lines += [f"| `{package}.{name}` | [`{path}`][{path}] |" for name, path in exported.items()]
+            lines += [
+                f"| `{package}.{name}` | [`{path}`][{path}] |" for name, path in exported.items()
+            ]
             lines += [""]
         paths = exported.values() or [module for room in rooms for module in public_modules(room)]
         for path in dict.fromkeys(paths):

@@ -1,4 +1,5 @@
-"""Errors of a scene's variants against a fine reference, orders of convergence, and the cheapest good variant.
+"""Errors of a scene's variants against a fine reference, orders of convergence, and the cheapest
+good variant.
 
 The module holds numbers only: `study` marches the variants, `text` and `plot` show the results.
 """
@@ -33,7 +34,8 @@ LEAST_NYQUIST = 20e3  # [Hz] of steps that cover all of hearing
 MOST_ORDER, LEAST_ORDER = 2.0, 0.5  # of convergence, limits in an extrapolation
 
 
-# ---- the numbers of a variant -----------------------------------------------------------------------------------------
+# ---- the numbers of a variant
+# -----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -75,10 +77,19 @@ class Measurement:
 def measure(study: Study, variant: Variant, pieces: Sequence[simulate.Piece]) -> Measurement:
     """Compute the numbers of a variant from all its pieces."""
     pieces = sorted(pieces, key=lambda piece: piece.first)
-    step = {name: np.concatenate([piece.steps[name] for piece in pieces]) for name in simulate.STEP_SERIES}
-    state = {name: np.concatenate([piece.states[name] for piece in pieces])[1:] for name in simulate.STATE_SERIES}
+    step = {
+        name: np.concatenate([piece.steps[name] for piece in pieces])
+        for name in simulate.STEP_SERIES
+    }
+    state = {
+        name: np.concatenate([piece.states[name] for piece in pieces])[1:]
+        for name in simulate.STATE_SERIES
+    }
     sound = contact_sound(
-        study.as_solved(variant), step["release_energy"], variant.step_nodes * study.scene.spacing, study.closed
+        study.as_solved(variant),
+        step["release_energy"],
+        variant.step_nodes * study.scene.spacing,
+        study.closed,
     )
     steps = len(step["release_energy"])
     usual = np.sort(step["step_time"])[: math.ceil(0.95 * steps)]
@@ -120,7 +131,8 @@ def errors(measurement: Measurement, reference: Measurement) -> Errors:
         a, b = getattr(measurement, name), getattr(reference, name)
         differences[f"{name}_percent"] = 100 * (a / b - 1) if b else math.nan
     return differences | {
-        band: db(measurement.third_octave_db[band], reference.third_octave_db[band]) for band in BANDS
+        band: db(measurement.third_octave_db[band], reference.third_octave_db[band])
+        for band in BANDS
     }
 
 
@@ -136,15 +148,21 @@ def decibel(ratio: float) -> float:
 
 def worst_band(errors_by_name: Errors) -> tuple[str, float]:
     """Return the third octave with the largest known error and this error [dB]."""
-    known = {band: abs(errors_by_name[band]) for band in BANDS if not math.isnan(errors_by_name.get(band, math.nan))}
+    known = {
+        band: abs(errors_by_name[band])
+        for band in BANDS
+        if not math.isnan(errors_by_name.get(band, math.nan))
+    }
     return max(known.items(), key=lambda item: item[1]) if known else ("", math.nan)
 
 
-# ---- the reference's own error, orders -------------------------------------------------------------------------------
+# ---- the reference's own error, orders
+# -------------------------------------------------------------------------------
 
 
 def extrapolated(coarse: Errors | None, fine: Errors) -> Errors:
-    """Extrapolate the error of the finest of three grids (Richardson) from the differences between the grids.
+    """Extrapolate the error of the finest of three grids (Richardson) from the differences between
+    the grids.
 
     The order is the observed one, limited to 0.5 to 2; without a third grid it is 1.
     """
@@ -186,10 +204,14 @@ def orders_of_differences(series: Sequence[tuple[float, Measurement]]) -> Errors
     """
     differences = [errors(a, b) for (_, a), (_, b) in pairwise(series)]
     sizes = [size for size, _ in series[:-1]]
-    return {name: observed_order(sizes, [errors_there[name] for errors_there in differences]) for name in ORDERED}
+    return {
+        name: observed_order(sizes, [errors_there[name] for errors_there in differences])
+        for name in ORDERED
+    }
 
 
-# ---- the recommendation -----------------------------------------------------------------------------------------------
+# ---- the recommendation
+# -----------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -216,7 +238,9 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Recommendation:
-    """The cheapest variant within both limits, the cheapest within the limit of LAeq, and the nearest to both."""
+    """The cheapest variant within both limits, the cheapest within the limit of LAeq, and the
+    nearest to both.
+    """
 
     both: Candidate | None
     laeq_only: Candidate | None
@@ -225,11 +249,18 @@ class Recommendation:
 
 def candidate(measurement: Measurement, errors_by_name: Errors, uncertainty: Errors) -> Candidate:
     """Return a variant with its errors; unknown ones count as infinite."""
-    bands = [abs(errors_by_name[band]) + uncertainty[band] for band in BANDS if not math.isnan(errors_by_name[band])]
+    bands = [
+        abs(errors_by_name[band]) + uncertainty[band]
+        for band in BANDS
+        if not math.isnan(errors_by_name[band])
+    ]
     laeq = abs(errors_by_name["laeq_db"]) + uncertainty["laeq_db"]
     worst = max(bands, default=math.inf)
     return Candidate(
-        measurement.variant.name, measurement.seconds_per_second, math.inf if math.isnan(laeq) else laeq, worst
+        measurement.variant.name,
+        measurement.seconds_per_second,
+        math.inf if math.isnan(laeq) else laeq,
+        worst,
     )
 
 
@@ -248,12 +279,18 @@ def recommend(candidates: Sequence[Candidate]) -> Recommendation:
 
 
 def loosest_tolerance(signal_errors: Mapping[float, float], grid_error: float) -> float | None:
-    """Return the loosest tolerance whose signal error is at most a fifth of the grid's and -40 dB, or None.
+    """Return the loosest tolerance whose signal error is at most a fifth of the grid's and -40 dB,
+    or None.
 
     A fifth adds 0.2 dB to the whole error.
     """
     return max(
-        (tolerance for tolerance, error in signal_errors.items() if error <= min(0.2 * grid_error, 0.01)), default=None
+        (
+            tolerance
+            for tolerance, error in signal_errors.items()
+            if error <= min(0.2 * grid_error, 0.01)
+        ),
+        default=None,
     )
 
 
@@ -262,7 +299,8 @@ def default_tolerance() -> float:
     return float(Numerics().tolerance)
 
 
-# ---- all together ----------------------------------------------------------------------------------------------------
+# ---- all together
+# ----------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -309,18 +347,26 @@ def judge(study: Study, done: dict[Variant, Measurement], failures: dict[Variant
     """Compute errors, orders and the recommendation from the variants that are there."""
     errors_by_variant: dict[Variant, Errors] = {}
     by_edges = by_refining = dict.fromkeys((*ERRORS, *BANDS), math.nan)
-    best = next((v for edges in study.all_edges[::-1] if (v := study.reference(edges)) in done), None)
+    best = next(
+        (v for edges in study.all_edges[::-1] if (v := study.reference(edges)) in done), None
+    )
     if best:
         errors_by_variant = {v: errors(measurement, done[best]) for v, measurement in done.items()}
-        other = [v for edges in study.all_edges if (v := study.reference(edges)) != best and v in done]
+        other = [
+            v for edges in study.all_edges if (v := study.reference(edges)) != best and v in done
+        ]
         by_edges = errors_by_variant[other[0]] if other else by_edges
         by_refining = _by_refining(study, done, best) or by_refining
     uncertainty = either([by_edges, by_refining])
     solved = done.get(study.solver_reference)
     own_grid = {v: measurement for v, measurement in done.items() if _same_grid(v, study.own)}
-    solver_errors = {v: errors(measurement, solved) for v, measurement in own_grid.items()} if solved else {}
+    solver_errors = (
+        {v: errors(measurement, solved) for v, measurement in own_grid.items()} if solved else {}
+    )
     by_tolerance = {
-        v.tolerance: off["signal"] for v, off in solver_errors.items() if v.precision == study.own.precision
+        v.tolerance: off["signal"]
+        for v, off in solver_errors.items()
+        if v.precision == study.own.precision
     }
     return Findings(
         study=study,
@@ -334,7 +380,11 @@ def judge(study: Study, done: dict[Variant, Measurement], failures: dict[Variant
         uncertainty=uncertainty,
         orders=_orders(study, done, solver_errors),
         recommendation=recommend(
-            [candidate(done[v], off, uncertainty) for v, off in errors_by_variant.items() if _hears(study, v)]
+            [
+                candidate(done[v], off, uncertainty)
+                for v, off in errors_by_variant.items()
+                if _hears(study, v)
+            ]
         ),
         tolerance=loosest_tolerance(by_tolerance, errors_by_variant[study.own]["signal"])
         if study.own in errors_by_variant
@@ -349,7 +399,11 @@ def _hears(study: Study, variant: Variant) -> bool:
 
 def _same_grid(variant: Variant, other: Variant) -> bool:
     """Return whether two variants share grid, step and edges."""
-    return (variant.times, variant.step_nodes, variant.edges) == (other.times, other.step_nodes, other.edges)
+    return (variant.times, variant.step_nodes, variant.edges) == (
+        other.times,
+        other.step_nodes,
+        other.edges,
+    )
 
 
 def _by_refining(study: Study, done: dict[Variant, Measurement], best: Variant) -> Errors | None:
@@ -361,17 +415,25 @@ def _by_refining(study: Study, done: dict[Variant, Measurement], best: Variant) 
     return extrapolated(coarse, errors(grids[-1], done[best]))
 
 
-def _orders(study: Study, done: dict[Variant, Measurement], solver_errors: dict[Variant, Errors]) -> dict[str, Errors]:
+def _orders(
+    study: Study, done: dict[Variant, Measurement], solver_errors: dict[Variant, Errors]
+) -> dict[str, Errors]:
     """Compute the observed orders of all families."""
     families = study.families()
     orders = {}
     for name, variants in families.items():
         if name.startswith("spacing"):
-            orders[name] = orders_of_differences([(1 / v.times, done[v]) for v in variants if v in done])
-    orders["step"] = orders_of_differences([(v.step_nodes, done[v]) for v in families["step"] if v in done])
+            orders[name] = orders_of_differences(
+                [(1 / v.times, done[v]) for v in variants if v in done]
+            )
+    orders["step"] = orders_of_differences(
+        [(v.step_nodes, done[v]) for v in families["step"] if v in done]
+    )
     judged = [v for v in families["tolerance"] if v in solver_errors]
     orders["tolerance"] = {
-        name: observed_order([v.tolerance for v in judged], [solver_errors[v][name] for v in judged])
+        name: observed_order(
+            [v.tolerance for v in judged], [solver_errors[v][name] for v in judged]
+        )
         for name in ORDERED
     }
     return orders

@@ -1,4 +1,6 @@
-"""The command `rolling accuracy SCENE`: it marches the variants of a scene and writes their costs and errors."""
+"""The command `rolling accuracy SCENE`: it marches the variants of a scene and writes their costs
+and errors.
+"""
 
 from __future__ import annotations
 
@@ -58,10 +60,13 @@ def run_study(
     long_steps.refuse_long_steps(single)
     study = study_of(single, duration, finest)
     refusals.refuse_variants_that_cannot_fit(study.scene, finest, workers, out or refusals.OUTPUTS)
-    contact_of_scene.rolling_contact(study.scene)  # a missing surface is refused before anything is written
+    # a missing surface is refused before anything is written
+    contact_of_scene.rolling_contact(study.scene)
     given = scene_path.read_bytes()
     inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]
-    target = new_folder.aim(Path("outputs") / f"{scene.name}-accuracy", out, force, ["accuracy"], inputs)
+    target = new_folder.aim(
+        Path("outputs") / f"{scene.name}-accuracy", out, force, ["accuracy"], inputs
+    )
 
     def fill(folder: Path) -> None:
         files.write_bytes(folder / "scene.yaml", given)
@@ -90,7 +95,10 @@ def _ended(held: Claim, results: Findings, interrupted: bool) -> int:
     else:
         held.mark(held.folder, "done")
         if stays := new_folder.drop_previous(held):
-            print(f"{stays} stays: it holds files that this program did not write, or is in use", file=sys.stderr)
+            print(
+                f"{stays} stays: it holds files that this program did not write, or is in use",
+                file=sys.stderr,
+            )
         return 0
     print(reason, file=sys.stderr)
     if held.record.replaces:
@@ -112,29 +120,47 @@ def _march(study: Study, folder: Path, workers: int) -> tuple[Findings, bool]:
         if len(pieces[number]) == missing[number]:
             measurement = errors.measure(study, variants[number], pieces.pop(number))
             done[measurement.variant] = measurement
-            files.write_json(folder / "variants" / f"{measurement.variant.name}.json", _row(measurement))
+            files.write_json(
+                folder / "variants" / f"{measurement.variant.name}.json", _row(measurement)
+            )
 
     total = sum(task.cost for task in todo)
     layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
     with tqdm(
-        total=total, disable=None, desc=f"{study.scene.name}: {len(variants)} variants", bar_format=layout
+        total=total,
+        disable=None,
+        desc=f"{study.scene.name}: {len(variants)} variants",
+        bar_format=layout,
     ) as bar:
         outcome = pool.work(todo, workers, finished, bar.update)
     failures = {variants[number]: reason for number, reason in outcome.failures.items()}
-    return errors.judge(study, {v: done[v] for v in sorted(done, key=_in_table)}, failures), outcome.interrupted
+    return errors.judge(
+        study, {v: done[v] for v in sorted(done, key=_in_table)}, failures
+    ), outcome.interrupted
 
 
 def _in_table(variant: Variant) -> tuple[Any, ...]:
     """Return the sorting key of a variant in the tables."""
-    return variant.times, variant.edges != "sharp", variant.step_nodes, variant.precision, -variant.tolerance
+    return (
+        variant.times,
+        variant.edges != "sharp",
+        variant.step_nodes,
+        variant.precision,
+        -variant.tolerance,
+    )
 
 
-# ---- numbers ---------------------------------------------------------------------------------------------------------
+# ---- numbers
+# ---------------------------------------------------------------------------------------------------------
 
 
 def _row(measurement: Measurement) -> dict[str, Any]:
     """Return the numbers of a variant for JSON."""
-    facts = {name: value for name, value in vars(measurement).items() if name not in ("variant", "intensity")}
+    facts = {
+        name: value
+        for name, value in vars(measurement).items()
+        if name not in ("variant", "intensity")
+    }
     return {"name": measurement.variant.name, **asdict(measurement.variant), **errors.plain(facts)}
 
 
@@ -143,16 +169,25 @@ def _numbers(label: str, results: Findings) -> dict[str, Any]:
     study, plain = results.study, errors.plain
     rows = []
     for variant, measurement in results.measurements.items():
-        row = _row(measurement) | {"keys": text.keys(study, variant), "highest_hz": study.highest(variant)}
+        row = _row(measurement) | {
+            "keys": text.keys(study, variant),
+            "highest_hz": study.highest(variant),
+        }
         row["errors"] = plain(results.errors[variant]) if variant in results.errors else None
-        row["solver_errors"] = plain(results.solver_errors[variant]) if variant in results.solver_errors else None
+        row["solver_errors"] = (
+            plain(results.solver_errors[variant]) if variant in results.solver_errors else None
+        )
         rows.append(row)
     advice = results.recommendation
     return {
         "name": study.scene.name,
         "run": label,
         "scene": study.scene.to_dict(),
-        "track": {"nodes": study.nodes, "closed": study.closed, "length_m": study.nodes * study.scene.spacing},
+        "track": {
+            "nodes": study.nodes,
+            "closed": study.closed,
+            "length_m": study.nodes * study.scene.spacing,
+        },
         "own": study.own.name,
         "reference": results.reference.name if results.reference else None,
         "solver_reference": study.solver_reference.name,
@@ -178,5 +213,6 @@ def _write(folder: Path, label: str, results: Findings) -> None:
     """Write accuracy.json, accuracy.md and the picture."""
     files.write_json(folder / "accuracy.json", _numbers(label, results))
     files.write_bytes(folder / "accuracy.md", text.text(label, results).encode())
-    if any(e["signal"] > 0 for e in results.errors.values()):  # neither silent nor the reference alone
+    # neither silent nor the reference alone
+    if any(e["signal"] > 0 for e in results.errors.values()):
         plot.write(folder, label, results)

@@ -45,7 +45,9 @@ def _shown(value: float, uncertainty: float, digits: int) -> str:
 
 
 def _signal(value: float, uncertainty: float) -> str:
-    """Write the signal's error in dB, in brackets where it is within the reference's own uncertainty."""
+    """Write the signal's error in dB, in brackets where it is within the reference's own
+    uncertainty.
+    """
     text = "-" if not value or not math.isfinite(value) else f"{decibel(value):.1f}"
     return f"({text})" if value and value <= uncertainty else text
 
@@ -53,7 +55,10 @@ def _signal(value: float, uncertainty: float) -> str:
 def _errors(e: Errors, uncertainty: Errors, names: Sequence[str]) -> list[str]:
     """Return the cells with the errors of a variant."""
     band, _ = errors.worst_band(e)
-    cells = [_signal(e["signal"], uncertainty["signal"]), _shown(e["laeq_db"], uncertainty["laeq_db"], 3)]
+    cells = [
+        _signal(e["signal"], uncertainty["signal"]),
+        _shown(e["laeq_db"], uncertainty["laeq_db"], 3),
+    ]
     cells.append(f"{_shown(e[band], uncertainty[band], 2)} at {band}" if band else "-")
     return cells + [_shown(e[name], uncertainty[name], 3) for name in names]
 
@@ -85,7 +90,9 @@ def _main_table(findings: Findings, names: Sequence[str], cost: Sequence[str]) -
 
 def compact(findings: Findings) -> str:
     """Write the terminal's text: costs, errors against the reference, recommendation."""
-    return "\n".join([_main_table(findings, [], ["s per s"]), "", *_advice(findings), *_notes(findings)])
+    return "\n".join(
+        [_main_table(findings, [], ["s per s"]), "", *_advice(findings), *_notes(findings)]
+    )
 
 
 def text(label: str, findings: Findings) -> str:
@@ -125,10 +132,14 @@ def _solver_table(findings: Findings) -> str:
     zero = dict.fromkeys((*ERRORS, *BANDS), 0.0)
     rows = [["tolerance", "precision", "ms/step", "signal dB", "LAeq dB", "worst third octave dB"]]
     rows[0] += [f"{WORDS[name]} %" for name in ERRORS[2:]]
-    for v, e in sorted(findings.solver_errors.items(), key=lambda item: (-item[0].tolerance, item[0].precision)):
+    for v, e in sorted(
+        findings.solver_errors.items(), key=lambda item: (-item[0].tolerance, item[0].precision)
+    ):
         if v != findings.study.solver_reference:
             cost = f"{findings.measurements[v].step_ms:.2f}"
-            rows.append([tolerance_text(v.tolerance), v.precision, cost, *_errors(e, zero, ERRORS[2:])])
+            rows.append(
+                [tolerance_text(v.tolerance), v.precision, cost, *_errors(e, zero, ERRORS[2:])]
+            )
     return tables.markdown(rows[0], rows[1:], padded=True)
 
 
@@ -140,7 +151,11 @@ def _uncertainty_table(findings: Findings) -> str:
             return _signal(e[name], 0.0)
         return f"{abs(e[name]):.3f}" if math.isfinite(e[name]) else "-"
 
-    kinds = {"by edges": findings.by_edges, "by refining": findings.by_refining, "larger": findings.uncertainty}
+    kinds = {
+        "by edges": findings.by_edges,
+        "by refining": findings.by_refining,
+        "larger": findings.uncertainty,
+    }
     rows = [["of", *kinds]]
     for name in (*ERRORS, *BANDS):
         word = WORDS.get(name, f"{name} Hz")
@@ -188,7 +203,9 @@ def _advice(findings: Findings) -> list[str]:
     if findings.reference is None:
         return ["no reference, no recommendation"]
     if findings.silent:
-        return ["the reference is silent: release, areas and pressure can be compared, levels cannot"]
+        return [
+            "the reference is silent: release, areas and pressure can be compared, levels cannot"
+        ]
     advice, lines = findings.recommendation, []
     limits = f"LAeq within {errors.LAEQ_LIMIT} dB and third octaves within {errors.BAND_LIMIT} dB"
     if advice.both:
@@ -196,14 +213,18 @@ def _advice(findings: Findings) -> list[str]:
     else:
         nearest = f"; nearest: {_offer(findings, advice.nearest)}" if advice.nearest else ""
         lines.append(f"none keeps {limits}, the reference's own uncertainty counted in{nearest}")
-    band, off = errors.worst_band({name: u for name, u in findings.uncertainty.items() if math.isfinite(u)})
+    band, off = errors.worst_band(
+        {name: u for name, u in findings.uncertainty.items() if math.isfinite(u)}
+    )
     if off > errors.BAND_LIMIT:
         finer = 2 * findings.study.finest
         lines.append(
             f"the reference itself may be off by {off:.2f} dB at {band} Hz; --finest {finer} makes a finer one"
         )
     if advice.laeq_only:
-        lines.append(f"cheapest with LAeq within {errors.LAEQ_LIMIT} dB: {_offer(findings, advice.laeq_only)}")
+        lines.append(
+            f"cheapest with LAeq within {errors.LAEQ_LIMIT} dB: {_offer(findings, advice.laeq_only)}"
+        )
     return [*lines, _tolerance_advice(findings)]
 
 
@@ -235,7 +256,9 @@ def _offer(findings: Findings, candidate: Candidate) -> str:
 
 def _notes(findings: Findings) -> list[str]:
     """Return the notes on brackets and stars in the tables."""
-    notes = ["(in brackets): no larger than the reference's own uncertainty"] if findings.errors else []
+    notes = (
+        ["(in brackets): no larger than the reference's own uncertainty"] if findings.errors else []
+    )
     if any(findings.study.highest(v) < errors.LEAST_NYQUIST for v in findings.measurements):
         notes.append(
             "*: the step is too long for hearing, its Nyquist frequency is below 20 kHz; third octaves above are lost"

@@ -1,4 +1,5 @@
-"""The variants of one scene for `rolling accuracy`: finer grids, other edges, tolerances, steps and precision.
+"""The variants of one scene for `rolling accuracy`: finer grids, other edges, tolerances, steps and
+precision.
 
 All variants roll over the same stretch of the same surface.
 """
@@ -77,7 +78,9 @@ class Study:
     def own(self) -> Variant:
         """The variant of the scene as it stands."""
         n = self.scene.numerics
-        return Variant(1, n.step_nodes, n.tolerance, n.edges if self.yields else "sharp", n.precision)
+        return Variant(
+            1, n.step_nodes, n.tolerance, n.edges if self.yields else "sharp", n.precision
+        )
 
     @property
     def yields(self) -> bool:
@@ -104,19 +107,27 @@ class Study:
         return replace(self.own, tolerance=SOLVER_REFERENCE_TOLERANCE, precision="double")
 
     def on_grid(self, times: int, edges: str) -> Variant:
-        """Return the variant on a finer grid; tolerance and spacing shrink together, or one would hide the other."""
+        """Return the variant on a finer grid; tolerance and spacing shrink together, or one would
+        hide the other.
+        """
         return replace(self.own, times=times, edges=edges, tolerance=self.own.tolerance / times)
 
     def families(self) -> dict[str, list[Variant]]:
-        """Return families of variants that differ in one setting, by its name; the references come first."""
+        """Return families of variants that differ in one setting, by its name; the references come
+        first.
+        """
         own, finer = self.own, self.ladder[1:2]
         families = {"references": [self.reference(e) for e in self.all_edges[::-1]]}
         for edges in self.all_edges:
             grids = [self.on_grid(t, edges) for t in self.ladder]
             families[f"spacing, {edges} edges"] = [*grids, self.reference(edges)]
-        families["tolerance"] = [replace(own, tolerance=t) for t in sorted({*TOLERANCES, own.tolerance}, reverse=True)]
+        families["tolerance"] = [
+            replace(own, tolerance=t) for t in sorted({*TOLERANCES, own.tolerance}, reverse=True)
+        ]
         for times in finer:
-            families["tolerance, half the spacing"] = [replace(own, times=times, tolerance=t) for t in FINE_TOLERANCES]
+            families["tolerance, half the spacing"] = [
+                replace(own, times=times, tolerance=t) for t in FINE_TOLERANCES
+            ]
         steps = sorted({*STEP_NODES, own.step_nodes}, reverse=True)
         families["step"] = [replace(own, step_nodes=s) for s in steps]
         families["precision"] = [replace(own, precision=p) for p in ("single", "double")]
@@ -126,7 +137,12 @@ class Study:
             for e in self.all_edges
             for loose in FINE_TOLERANCES
         ]
-        rest += [replace(self.on_grid(t, own.edges), step_nodes=s) for t in finer for s in steps if s < own.step_nodes]
+        rest += [
+            replace(self.on_grid(t, own.edges), step_nodes=s)
+            for t in finer
+            for s in steps
+            if s < own.step_nodes
+        ]
         rest += [replace(own, tolerance=1e-6, precision=p) for p in ("single", "double")]
         named = {variant for variants in families.values() for variant in variants}
         families["others"] = [variant for variant in dict.fromkeys(rest) if variant not in named]
@@ -134,7 +150,10 @@ class Study:
 
     def variants(self) -> list[Variant]:
         """Return all variants, finest grids first, since every error waits for them."""
-        every = [*(v for variants in self.families().values() for v in variants), self.solver_reference]
+        every = [
+            *(v for variants in self.families().values() for v in variants),
+            self.solver_reference,
+        ]
         return sorted(dict.fromkeys(every), key=lambda v: (-v.times, v != self.solver_reference))
 
     def spacing_um(self, variant: Variant) -> float:
@@ -152,18 +171,23 @@ class Study:
         return motion.fastest(duration) / (2 * variant.step_nodes * self.scene.spacing)
 
     def as_solved(self, variant: Variant) -> Scene:
-        """Return the scene with the numerics of a variant, which decide how far its release is resolved."""
+        """Return the scene with the numerics of a variant, which decide how far its release is
+        resolved.
+        """
         changed = {
             "tolerance": variant.tolerance,
             "edges": variant.edges,
             "precision": variant.precision,
             "step_nodes": variant.step_nodes * variant.times,
         }
-        return self.scene.model_copy(update={"numerics": self.scene.numerics.model_copy(update=changed)})
+        return self.scene.model_copy(
+            update={"numerics": self.scene.numerics.model_copy(update=changed)}
+        )
 
 
 def study_of(scene: Scene, duration: float, finest: int) -> Study:
-    """Cut a scene to a stretch of whole numbers of every step that is tried, a closed lap where possible.
+    """Cut a scene to a stretch of whole numbers of every step that is tried, a closed lap where
+    possible.
 
     A height file is used as it is: where it is longer, or not a whole number of the longest step,
     the record does not close.
@@ -186,7 +210,8 @@ def study_of(scene: Scene, duration: float, finest: int) -> Study:
     return Study(cut, nodes, nodes == cut.track.n_along, finest)
 
 
-# ---- marching --------------------------------------------------------------------------------------------------------
+# ---- marching
+# --------------------------------------------------------------------------------------------------------
 
 
 def refined(heights: Array, times: int) -> Array:
@@ -204,7 +229,8 @@ def _padded_lines(values: Array, times: int, shift: float) -> Array:
     n = len(values)
     lines = np.fft.rfft(values, axis=0) * times
     if n % 2 == 0 and times > 1:
-        lines[-1] /= 2  # this line holds +Nyquist and -Nyquist, which are two lines on the finer grid
+        # this line holds +Nyquist and -Nyquist, which are two lines on the finer grid
+        lines[-1] /= 2
     frequency = np.arange(len(lines)) / (n * times)
     return np.fft.irfft(lines * np.exp(-2j * np.pi * frequency * shift)[:, None], n * times, axis=0)
 
@@ -250,7 +276,9 @@ def march_piece(
         simulate.simulate_piece(scene, first, first + 1, stopped, contact=contact)
         _warm.add(kind)
     cost = _step_cost(variant)
-    return simulate.simulate_piece(scene, first, last, stopped, lambda steps: progress(steps * cost), contact)
+    return simulate.simulate_piece(
+        scene, first, last, stopped, lambda steps: progress(steps * cost), contact
+    )
 
 
 def _step_cost(variant: Variant) -> float:

@@ -1,4 +1,5 @@
-"""The check of a scene before it is run: its cost, whether its result can be believed, and refusals.
+"""The check of a scene before it is run: its cost, whether its result can be believed, and
+refusals.
 
 findings
     `check_scene` judges all runs of a scene, `findings` a single one

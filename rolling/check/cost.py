@@ -11,8 +11,9 @@ from rolling.scene.sections import Gaussian
 from rolling.surface import heights
 from rolling.surface.scene_surface import scene_surface
 
-# Overlap of a rough surface beyond that of a smooth one, in rms roughnesses. Fitted to solved contacts
-# at Ra 0.01 to 5 um and 1 to 100 N, where it lay between 0.2 (elastic, light) and 2.4 (plastic, heavy).
+# Overlap of a rough surface beyond that of a smooth one, in rms roughnesses. Fitted to solved
+# contacts at Ra 0.01 to 5 um and 1 to 100 N, where it lay between 0.2 (elastic, light) and 2.4
+# (plastic, heavy).
 RISE = 1.5
 
 
@@ -36,7 +37,10 @@ def roughness(scene: Scene) -> tuple[float, float]:
         rq = s.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
         decay, exponent = heights.AUTOCORRELATIONS[s.autocorrelation]
         # Mean square of a difference over one spacing: 2 (rq^2 - C(spacing)).
-        drops = [-math.expm1(-decay * (s.spacing_um / length) ** exponent) for length in correlation_lengths(s)]
+        drops = [
+            -math.expm1(-decay * (s.spacing_um / length) ** exponent)
+            for length in correlation_lengths(s)
+        ]
         return rq, rq * math.sqrt(2 * sum(drops)) / spacing
     if scene.height_path is None:
         return 0.0, 0.0
@@ -57,15 +61,19 @@ def overlap_radius(scene: Scene, rq: float) -> float:
 
 
 def window_nodes(scene: Scene, rq: float) -> float:
-    """Return the number of nodes along a side of the window, which holds the overlap at both ends of a step."""
+    """Return the number of nodes along a side of the window, which holds the overlap at both ends
+    of a step.
+    """
     return 2 * overlap_radius(scene, rq) / scene.spacing + max(1.0, scene.numerics.step_nodes)
 
 
 def expected_step_ms(window_nodes: float) -> float:
-    """Estimate the time of a step [ms] on one core, on a square window of n nodes a side: 1.1 (n/70)^1.95.
+    """Estimate the time of a step [ms] on one core, on a square window of n nodes a side: 1.1
+    (n/70)^1.95.
 
-    Measured at tolerance 1e-4, the whole step: 1.1 ms at 70 x 70 nodes, 2.4 ms at 106 x 106, 6.9 ms at 180 x 180. Rough
-    surfaces need fewer iterations: at Ra 1 um 9 ms at 230 x 230 (the law says 11).
+    Measured at tolerance 1e-4, the whole step: 1.1 ms at 70 x 70 nodes, 2.4 ms at 106 x 106, 6.9 ms
+    at 180 x 180. Rough surfaces need fewer iterations: at Ra 1 um 9 ms at 230 x 230 (the law says
+    11).
     """
     return 1.1 * (window_nodes / 70) ** 1.95
 
@@ -78,9 +86,14 @@ def expected_seconds(scene: Scene) -> float:
     SceneError
         The height file cannot be used.
     """
-    return scene.track.solved_steps * expected_step_ms(window_nodes(scene, roughness(scene)[0])) * 1e-3
+    return (
+        scene.track.solved_steps * expected_step_ms(window_nodes(scene, roughness(scene)[0])) * 1e-3
+    )
 
 
 def correlation_lengths(surface: Gaussian) -> tuple[float, float]:
     """Return the correlation lengths along and across the track [um]."""
-    return surface.correlation_length_um, surface.correlation_length_across_um or surface.correlation_length_um
+    return (
+        surface.correlation_length_um,
+        surface.correlation_length_across_um or surface.correlation_length_um,
+    )

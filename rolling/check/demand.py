@@ -1,7 +1,8 @@
 """Memory and disk that runs will take, estimated from their scenes alone.
 
-The constants are bytes, measured on whole runs: the peak of the resident memory of all processes, and the size of the
-folder. They are on the safe side: an estimate lies between the measured size and twice that size.
+The constants are bytes, measured on whole runs: the peak of the resident memory of all processes,
+and the size of the folder. They are on the safe side: an estimate lies between the measured size
+and twice that size.
 """
 
 from __future__ import annotations
@@ -23,23 +24,30 @@ HEARING_SHARE = 20_000 / SAMPLE_RATE  # spectral lines on a picture per sample
 
 # Of a process: the program with its libraries, compiled code and transforms, pictures and page.
 PROGRAM, SOLVER, PICTURES, WORKER, TRACKER = 210e6, 100e6, 110e6, 230e6, 15e6
-# Per node of the surface: while it is made or read, as long as it is kept, while its statistics are taken.
+# Per node of the surface: while it is made or read, as long as it is kept, while its statistics are
+# taken.
 MADE = {"gaussian": 44.0, "file": 50.0, "smooth": 0.0}
 KEPT = {"gaussian": 8.0, "file": 8.0, "smooth": 0.0}
 STATISTICS = {"gaussian": 26.0, "file": 46.0, "smooth": 17.0}
-WINDOW = 720.0  # per node of the window: contact, and transforms of all padded sizes that its windows meet (310 to 660)
-RESULT, RESULT_FILE = 112.0, 270.0  # per solved step, as long as it is kept; per step, while result.h5 is written
+# per node of the window: contact, and transforms of all padded sizes that its windows meet (310 to
+# 660)
+WINDOW = 720.0
+# per solved step, as long as it is kept; per step, while result.h5 is written
+RESULT, RESULT_FILE = 112.0, 270.0
 TABLE = 180.0  # per number of a CSV, while it is written
 STEP_SOUND, STEP_DENSE = 60.0, 210.0  # per step, for its sound at constant and at varying speed
-SAMPLE_SOUND, FINE_SOUND = 262.0, 64.0  # per sample, and of a varying speed; loudness takes less, and afterwards
+# per sample, and of a varying speed; loudness takes less, and afterwards
+SAMPLE_SOUND, FINE_SOUND = 262.0, 64.0
 AWKWARD = 150.0  # per value of a transform whose length has a large prime factor
-STEP_HEARD, SAMPLE_HEARD, RUN_HEARD = 60.0, 16.0, 4e6  # per step and sample of each run, kept to compare; a run's page
+# per step and sample of each run, kept to compare; a run's page
+STEP_HEARD, SAMPLE_HEARD, RUN_HEARD = 60.0, 16.0, 4e6
 PAGE_COPIES, LAP_MAP = 5.0, 60.0  # of the page while it is put together; per map in each lap
 EVENTS_PER_NODE = 0.6  # recovery events of a node that the contact passes over, about
 EVENT = 260.0  # per recovery event, while they are joined
 
 # On disk.
-STEP_FILE, EVENT_FILE, SNAPSHOT_FILE = 153.0, 41.0, 16.0  # result.h5: per step, event, node of the window
+# result.h5: per step, event, node of the window
+STEP_FILE, EVENT_FILE, SNAPSHOT_FILE = 153.0, 41.0, 16.0
 ROW_FILE = 25.0  # of a table of two columns
 SAMPLE_FILE, SAMPLE_PAGE, LAP_MAP_PAGE = 15.0, 2.7, 13.5  # WAVs; on the page
 MAP_FILE = 1.0  # per cell of the pressure maps, compressed
@@ -148,12 +156,17 @@ def size(scene: Scene, rq: float) -> Size:
     samples = max(2, round(duration * SAMPLE_RATE))
     dense = max(1, math.ceil(scene.motion.fastest(duration) / track.step / SAMPLE_RATE))
     across = 2 * cost.overlap_radius(scene, rq) / scene.spacing
-    # The window holds the overlap and what its transforms are padded to; it never exceeds the surface by much.
+    # The window holds the overlap and what its transforms are padded to; it never exceeds the
+    # surface by much.
     side = min(cost.window_nodes(scene, rq), 2.0 * max(track.n_along, track.n_across))
     seen = min(across, track.n_along, track.n_across)
     cells = math.ceil(seen / max(1, math.ceil(seen / MAP_CELLS))) ** 2
     maps = min(MAPS, track.solved_steps)
-    events = EVENTS_PER_NODE * seen * track.solved_steps * scene.numerics.step_nodes if scene.recovery.events else 0.0
+    events = (
+        EVENTS_PER_NODE * seen * track.solved_steps * scene.numerics.step_nodes
+        if scene.recovery.events
+        else 0.0
+    )
     return Size(
         kind=scene.surface.kind,
         nodes=track.n_along * track.n_across,
@@ -190,13 +203,17 @@ def demand(sizes: Sequence[Size], workers: int) -> Demand:
             main = _parts([("program", PROGRAM + TRACKER), *results, *_keeping(each)])
             worker = [("program", WORKER), *_in_solver(each)]
             processes.append(_parts(worker))
-            moments.append(_parts([*main.parts, *((name, workers * bytes_) for name, bytes_ in worker)]))
+            moments.append(
+                _parts([*main.parts, *((name, workers * bytes_) for name, bytes_ in worker)])
+            )
     largest = max(processes, key=lambda amount: amount.total)
     return Demand(max(moments, key=lambda amount: amount.total), largest, _disk(sizes))
 
 
 def of_variants(scene: Scene, rq: float, finest: int, workers: int) -> Demand:
-    """Estimate the demand of `rolling accuracy`, whose processes hold the surface on the finest grid and its window."""
+    """Estimate the demand of `rolling accuracy`, whose processes hold the surface on the finest
+    grid and its window.
+    """
     track, fine = scene.track, finest**2
     worker = [
         ("program", WORKER + SOLVER),
@@ -204,13 +221,17 @@ def of_variants(scene: Scene, rq: float, finest: int, workers: int) -> Demand:
         ("window", WINDOW * cost.window_nodes(scene, rq) ** 2 * fine),
     ]
     process = _parts(worker)
-    every = _parts([("program", PROGRAM + PICTURES), *((name, workers * bytes_) for name, bytes_ in worker)])
+    every = _parts(
+        [("program", PROGRAM + PICTURES), *((name, workers * bytes_) for name, bytes_ in worker)]
+    )
     return Demand(every, process, _parts([("program", 10e6)]))
 
 
 def reading(track: Track) -> Demand:
     """Estimate the demand of reading a height file."""
-    amount = _parts([("program", PROGRAM), ("height file", MADE["file"] * track.n_along * track.n_across)])
+    amount = _parts(
+        [("program", PROGRAM), ("height file", MADE["file"] * track.n_along * track.n_across)]
+    )
     return Demand(amount, amount, _parts([("program", 0.0)]))
 
 
@@ -236,21 +257,39 @@ def _keeping(each: Size) -> list[tuple[str, float]]:
 def _solving(each: Size, workers: int, results: list[tuple[str, float]]) -> list[Amount]:
     """List the moments of the main process until all is solved; without workers it solves as well."""
     made = _parts([("program", PROGRAM), *results, (each.surface, MADE[each.kind] * each.nodes)])
-    own = [("program", PROGRAM + SOLVER), *_in_solver(each)] if workers == 1 else [("program", PROGRAM)]
+    own = (
+        [("program", PROGRAM + SOLVER), *_in_solver(each)]
+        if workers == 1
+        else [("program", PROGRAM)]
+    )
     return [made, _parts([*own, *results, *_keeping(each)])]
 
 
-def _finishing(each: Size, sizes: Sequence[Size], workers: int, results: list[tuple[str, float]]) -> list[Amount]:
-    """List the moments of the main process while it makes sound, numbers, files and page of a run, and keeps the others."""
+def _finishing(
+    each: Size, sizes: Sequence[Size], workers: int, results: list[tuple[str, float]]
+) -> list[Amount]:
+    """List the moments of the main process while it makes sound, numbers, files and page of a run,
+    and keeps the others.
+    """
     before = [("program", PROGRAM + (SOLVER if workers == 1 else 0.0)), *results]
-    before += [("window", each.solver if workers == 1 else 0.0), (each.surface, KEPT[each.kind] * each.nodes)]
+    before += [
+        ("window", each.solver if workers == 1 else 0.0),
+        (each.surface, KEPT[each.kind] * each.nodes),
+    ]
     others = len(sizes) - 1
     heard = [
-        ("runs of the sweep", others * (STEP_HEARD * each.steps + SAMPLE_HEARD * each.samples + RUN_HEARD)),
+        (
+            "runs of the sweep",
+            others * (STEP_HEARD * each.steps + SAMPLE_HEARD * each.samples + RUN_HEARD),
+        ),
         ("steps", STEP_HEARD * each.steps),
         ("sound samples", SAMPLE_HEARD * each.samples),
     ]
-    statistics = [*before, *heard, (each.surface, (STATISTICS[each.kind] - KEPT[each.kind]) * each.nodes)]
+    statistics = [
+        *before,
+        *heard,
+        (each.surface, (STATISTICS[each.kind] - KEPT[each.kind]) * each.nodes),
+    ]
     sounding = [*before, *heard[:1], *_sounding(each), ("recovery events", EVENT * each.events)]
     before[0] = ("program", before[0][1] + PICTURES)
     tables = [*before, *heard, ("recovery events", EVENT * each.events)]
@@ -266,7 +305,9 @@ def _finishing(each: Size, sizes: Sequence[Size], workers: int, results: list[tu
         moments.append(_parts([*tables, ("runs of the sweep", TABLE * compared)]))
     if len(sizes) <= PAGE_RUNS:
         page = [(name, PAGE_COPIES * bytes_) for name, bytes_ in _page(sizes)]
-        moments.append(_parts([*tables, *page, ("steps", LAP_MAP * sum(size.lap_maps for size in sizes))]))
+        moments.append(
+            _parts([*tables, *page, ("steps", LAP_MAP * sum(size.lap_maps for size in sizes))])
+        )
     return moments
 
 
@@ -294,7 +335,9 @@ def _page(sizes: Sequence[Size]) -> list[tuple[str, float]]:
 
 
 def _disk(sizes: Sequence[Size]) -> Amount:
-    """Estimate all files and the largest result.h5 once more: a new one is whole before it replaces the old one."""
+    """Estimate all files and the largest result.h5 once more: a new one is whole before it replaces
+    the old one.
+    """
     stored = [
         [
             ("steps", STEP_FILE * each.steps),
@@ -318,13 +361,17 @@ def _disk(sizes: Sequence[Size]) -> Amount:
 
 
 def _transform(length: int) -> float:
-    """Return the bytes that a Fourier transform takes in addition for a length with a large prime factor."""
+    """Return the bytes that a Fourier transform takes in addition for a length with a large prime
+    factor.
+    """
     return AWKWARD * length if length > 100_000 and _awkward(length) else 0.0
 
 
 @lru_cache(maxsize=1024)
 def _awkward(length: int) -> bool:
-    """Tell whether the largest prime factor is above the square root: the transform is then of twice the length or more."""
+    """Tell whether the largest prime factor is above the square root: the transform is then of
+    twice the length or more.
+    """
     rest, factor = length, 2
     while factor * factor <= rest:
         if rest % factor:
@@ -335,5 +382,7 @@ def _awkward(length: int) -> bool:
 
 
 def of_scenes(scenes: Sequence[tuple[Scene, float]], workers: int) -> Demand:
-    """Estimate the demand of runs, each a scene without sweep and the rms roughness [m] of its surface."""
+    """Estimate the demand of runs, each a scene without sweep and the rms roughness [m] of its
+    surface.
+    """
     return demand([size(scene, rq) for scene, rq in scenes], workers)

@@ -34,8 +34,18 @@ class Finding:
 
 def si(value: float, unit: str) -> str:
     """Write three digits and a prefix: 6.87e-5, "m" gives "68.7 um"."""
-    for prefix, size in (("G", 1e9), ("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9)):
-        if (unit, prefix) not in (("m", "G"), ("m", "M"), ("m", "k")) and abs(value) >= 0.9995 * size:
+    for prefix, size in (
+        ("G", 1e9),
+        ("M", 1e6),
+        ("k", 1e3),
+        ("", 1.0),
+        ("m", 1e-3),
+        ("u", 1e-6),
+        ("n", 1e-9),
+    ):
+        if (unit, prefix) not in (("m", "G"), ("m", "M"), ("m", "k")) and abs(
+            value
+        ) >= 0.9995 * size:
             digits = f"{value / size:.3g}"
             return f"{float(digits):g} {prefix}{unit}"
     return f"{value:.3g} {unit}"

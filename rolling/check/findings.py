@@ -40,7 +40,8 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     Raises
     ------
     SceneError
-        A height file cannot be used, a package that the scene asks for is missing, or its steps are too long.
+        A height file cannot be used, a package that the scene asks for is missing, or its steps are
+        too long.
     """
     refusals.refuse_unavailable(scene)
     long_steps.refuse_long_steps(scene)
@@ -103,7 +104,9 @@ def _solved(scenes: Sequence[Scene], solve: bool) -> Sequence[Probe | None]:
 
 
 def _replaced(findings: Sequence[Finding], better: Sequence[Finding]) -> list[Finding]:
-    """Replace findings by better ones with the same key, whose warnings stay, and append the others."""
+    """Replace findings by better ones with the same key, whose warnings stay, and append the
+    others.
+    """
     by_key = {finding.key: finding for finding in better}
     result: list[Finding] = []
     for finding in findings:

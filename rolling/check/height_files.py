@@ -12,7 +12,8 @@ from rolling.scene.sections import HeightFile
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
-# Of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of it; noise of 4 % doubles that.
+# Of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of it; noise
+# of 4 % doubles that.
 MAX_NOISE = 0.05
 MAX_FORM = 0.5  # of the variance that a plane and a parabola may make up
 
@@ -38,7 +39,9 @@ def findings(scene: Scene) -> list[Finding]:
 
 
 def tilt_text(levelling: Levelling) -> str:
-    """Write the slopes that were taken off with the roughness before and after, or the slopes that the heights keep."""
+    """Write the slopes that were taken off with the roughness before and after, or the slopes that
+    the heights keep.
+    """
     taken = any(levelling.taken)
     slopes, directions = (levelling.taken if taken else levelling.plane), ("along", "across")
     each = ", ".join(
@@ -73,7 +76,14 @@ def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
             f"{100 * noise:.2g} % of the variance of the heights changes from each node to the next: noise of the"
             " measurement, which must be filtered out, or detail that needs a finer measurement"
         )
-    return [Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}", "; ".join(warnings) or None)]
+    return [
+        Finding(
+            "correlation_nodes",
+            "nodes per correlation length",
+            f"{nodes:.3g}",
+            "; ".join(warnings) or None,
+        )
+    ]
 
 
 def _seam(scene: Scene, levelling: Levelling) -> Finding:

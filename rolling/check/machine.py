@@ -1,7 +1,7 @@
 """Memory and disk of this machine that a run may take.
 
-Memory is the minimum of the built-in memory and the limits of the control groups of Linux. Quotas of users on a disk
-cannot be seen.
+Memory is the minimum of the built-in memory and the limits of the control groups of Linux. Quotas
+of users on a disk cannot be seen.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ import os
 import shutil
 from pathlib import Path
 
-SHARE = 0.8  # of memory or free disk that a run may take: the rest belongs to the system and to others
+# of memory or free disk that a run may take: the rest belongs to the system and to others
+SHARE = 0.8
 _GROUPS_OF_PROCESS = Path("/proc/self/cgroup")
 _GROUPS = Path("/sys/fs/cgroup")
 
@@ -33,7 +34,9 @@ def address_space() -> float:
 
 def free_disk(folder: Path) -> float:
     """Return the free bytes where a folder is or will be, infinite where they are unknown."""
-    there = next((place for place in (folder, *folder.absolute().parents) if place.exists()), Path())
+    there = next(
+        (place for place in (folder, *folder.absolute().parents) if place.exists()), Path()
+    )
     try:
         return float(shutil.disk_usage(there).free)
     except OSError:
@@ -49,7 +52,8 @@ def _built_in() -> float:
 
 
 def group_limit(of_process: Path, groups: Path) -> float:
-    """Return the minimum memory limit [bytes] of the control groups of a process and all above; infinite without any.
+    """Return the minimum memory limit [bytes] of the control groups of a process and all above;
+    infinite without any.
 
     Parameters
     ----------
@@ -73,8 +77,13 @@ def group_limit(of_process: Path, groups: Path) -> float:
         else:
             continue
         parts = [part for part in path.split("/") if part not in ("", "..")]
-        # In a container the path may be the one on the host; the top is then the container's own group.
-        limits += [_limit(top.joinpath(*parts[:depth], file)) for top in tops for depth in range(len(parts), -1, -1)]
+        # In a container the path may be the one on the host; the top is then the container's own
+        # group.
+        limits += [
+            _limit(top.joinpath(*parts[:depth], file))
+            for top in tops
+            for depth in range(len(parts), -1, -1)
+        ]
     return min(limits)
 
 

@@ -1,7 +1,7 @@
 """A few solved positions of a scene: contact areas, pressure and time of a step before it is run.
 
-The closed forms of a smooth sphere cannot tell whether asperities yield. Eight cold starts along the track can, for less
-than a hundredth of the cost of a run.
+The closed forms of a smooth sphere cannot tell whether asperities yield. Eight cold starts along
+the track can, for less than a hundredth of the cost of a run.
 """
 
 from __future__ import annotations
@@ -78,7 +78,9 @@ class Probe:
         return cls(0, nothing, nothing, nothing, np.empty((0, 2), np.int64), nothing, (), reason)
 
     def findings(self, scene: Scene) -> list[Finding]:
-        """State the numbers of the solved positions, which replace those of closed forms and cost model."""
+        """State the numbers of the solved positions, which replace those of closed forms and cost
+        model.
+        """
         count = len(self.contact_area)
         if self.left_out:
             return [Finding("positions", "positions solved", f"none: {self.left_out}")]
@@ -93,8 +95,17 @@ class Probe:
         return [
             *result,
             Finding("window", "window", self._window),
-            Finding("step_time", "time of a step", _ranged(self.step_ms, lambda ms: f"{ms:.2g} ms") + " on 1 core"),
-            Finding("expected_time", "expected time", f"about {clock(seconds)} on {on_cores()}", seconds=seconds),
+            Finding(
+                "step_time",
+                "time of a step",
+                _ranged(self.step_ms, lambda ms: f"{ms:.2g} ms") + " on 1 core",
+            ),
+            Finding(
+                "expected_time",
+                "expected time",
+                f"about {clock(seconds)} on {on_cores()}",
+                seconds=seconds,
+            ),
             Finding("contact_area", "contact area", _ranged(self.contact_area, _area)),
             *self._yielding(scene),
             Finding("max_pressure", "maximum pressure", _ranged(self.max_pressure, _pressure)),
@@ -119,7 +130,11 @@ class Probe:
         share = self.plastic_area / self.contact_area
         whole = self.plastic_area.sum() / self.contact_area.sum()
         range_ = f"{100 * share.min():.2g} to {100 * share.max():.2g} %"
-        says = f"yields on {100 * whole:.2g} % of the contact ({range_})" if whole else "stays elastic where solved"
+        says = (
+            f"yields on {100 * whole:.2g} % of the contact ({range_})"
+            if whole
+            else "stays elastic where solved"
+        )
         return [
             Finding("hardness", "hardness", f"{hardness}, {says}"),
             Finding("plastic_area", "plastic area", _ranged(self.plastic_area, _area)),
@@ -140,17 +155,22 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
     chosen = [k for k, reason in enumerate(reasons) if not reason]
     chosen.sort(key=lambda k: str(scene_surface.identity(scenes[k])))
     result = [Probe.without(reason) for reason in reasons]
-    with tqdm(total=POSITIONS * len(chosen), disable=None, desc="solving positions", delay=1, leave=False) as bar:
+    with tqdm(
+        total=POSITIONS * len(chosen), disable=None, desc="solving positions", delay=1, leave=False
+    ) as bar:
         for k in chosen:
             result[k] = probe(rolling_contact(scenes[k]), scenes[k].track.solved_steps, bar.update)
     return result
 
 
-def probe(contact: RollingContact, steps: int, progress: Callable[[int], object] = lambda count: None) -> Probe:
-    """Solve positions evenly along a track of so many steps, each from a cold start, and time the next steps.
+def probe(
+    contact: RollingContact, steps: int, progress: Callable[[int], object] = lambda count: None
+) -> Probe:
+    """Solve positions evenly along a track of so many steps, each from a cold start, and time the
+    next steps.
 
-    The first position is solved once before, so that the times are without compilation. The cold start at each position
-    prepares the transforms of its window.
+    The first position is solved once before, so that the times are without compilation. The cold
+    start at each position prepares the transforms of its window.
 
     Parameters
     ----------
@@ -176,14 +196,18 @@ def probe(contact: RollingContact, steps: int, progress: Callable[[int], object]
         np.array([state.contact_area for state in states]),
         np.array([state.plastic_area for state in states]),
         np.array([state.max_pressure for state in states]),
-        np.array([(state.window.rows, state.window.columns) for state in states], np.int64).reshape(-1, 2),
+        np.array([(state.window.rows, state.window.columns) for state in states], np.int64).reshape(
+            -1, 2
+        ),
         np.array([ms for _, ms in solved.values()]),
         tuple(failures.values()),
     )
 
 
 def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[ContactState, float]:
-    """Return the cold state at position k, and the median time [ms] of the warm steps after it with their release."""
+    """Return the cold state at position k, and the median time [ms] of the warm steps after it with
+    their release.
+    """
     states: list[ContactState] = []
     times: list[float] = []
     began = time.perf_counter()
@@ -201,9 +225,18 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
     seconds: list[float] = []
     seen = set()
     for scene in scenes:
-        nodes = 0 if isinstance(scene.surface, HeightFile) else scene.track.n_along * scene.track.n_across
+        nodes = (
+            0
+            if isinstance(scene.surface, HeightFile)
+            else scene.track.n_along * scene.track.n_across
+        )
         key = scene_surface.identity(scene)
-        solving = POSITIONS * (COLD_STEPS + WARM_STEPS) * cost.expected_seconds(scene) / scene.track.solved_steps
+        solving = (
+            POSITIONS
+            * (COLD_STEPS + WARM_STEPS)
+            * cost.expected_seconds(scene)
+            / scene.track.solved_steps
+        )
         reason = ""
         if nodes > MAX_NODES:
             reason = f"making {nodes:.3g} nodes would take long, the limit is {MAX_NODES:.3g}"
@@ -216,7 +249,9 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
     if len(scenes) <= MAX_RUNS and sum(seconds) <= MAX_SECONDS:
         return reasons
     only = f"first and last of {len(scenes)} runs only"
-    return [reason or ("" if k in (0, len(scenes) - 1) else only) for k, reason in enumerate(reasons)]
+    return [
+        reason or ("" if k in (0, len(scenes) - 1) else only) for k, reason in enumerate(reasons)
+    ]
 
 
 def _ranged(values: Array, text: Callable[[float], str]) -> str:

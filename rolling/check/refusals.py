@@ -1,4 +1,6 @@
-"""Refusals before anything large is computed or written: missing packages, memory and disk that do not suffice."""
+"""Refusals before anything large is computed or written: missing packages, memory and disk that do
+not suffice.
+"""
 
 from __future__ import annotations
 
@@ -53,13 +55,17 @@ def refuse_what_cannot_fit(scene: Scene, workers: int = 0, folder: Path = OUTPUT
     scenes = [single for _, single in scene.runs()]
 
     def needed(roughness: Callable[[Scene], float]) -> demand.Demand:
-        return demand.of_scenes([(single, roughness(single)) for single in scenes], workers or cost.cores())
+        return demand.of_scenes(
+            [(single, roughness(single)) for single in scenes], workers or cost.cores()
+        )
 
     written = _written(folder) if (folder / "resolved.yaml").is_file() else 0.0
     _refuse_excess(scenes, needed, folder, written)
 
 
-def refuse_variants_that_cannot_fit(scene: Scene, finest: int, workers: int = 0, folder: Path = OUTPUTS) -> None:
+def refuse_variants_that_cannot_fit(
+    scene: Scene, finest: int, workers: int = 0, folder: Path = OUTPUTS
+) -> None:
     """Refuse the variants of a scene without sweep whose memory or disk does not suffice.
 
     Parameters
@@ -106,7 +112,9 @@ def _refuse_excess(
 
 
 def roughness_read_once() -> Callable[[Scene], float]:
-    """Return a function for the rms roughness [m] of a scene that reads a height file of many runs once."""
+    """Return a function for the rms roughness [m] of a scene that reads a height file of many runs
+    once.
+    """
     known: dict[str, float] = {}
 
     def roughness(scene: Scene) -> float:
@@ -125,7 +133,8 @@ def amount_text(amount: demand.Amount) -> str:
 
 
 def excess(needed: demand.Demand, folder: Path, written: float = 0.0) -> dict[str, str]:
-    """Write by "memory" and "disk" why a demand does not fit: need, limit, the largest part and what to change.
+    """Write by "memory" and "disk" why a demand does not fit: need, limit, the largest part and
+    what to change.
 
     Parameters
     ----------
@@ -136,7 +145,11 @@ def excess(needed: demand.Demand, folder: Path, written: float = 0.0) -> dict[st
     written : float, bytes
         Files of the run that are there already. Default 0.
     """
-    memory, address_space, disk = machine.memory(), machine.address_space(), machine.free_disk(folder)
+    memory, address_space, disk = (
+        machine.memory(),
+        machine.address_space(),
+        machine.free_disk(folder),
+    )
     place = f"free where {folder} is" if folder.exists() else f"free where {folder} will be"
     limits = [
         ("memory", needed.memory, memory, "this machine allows"),

@@ -1,4 +1,6 @@
-"""Findings of all runs of a scene as a sequence and as a table: text for the terminal, HTML for a notebook."""
+"""Findings of all runs of a scene as a sequence and as a table: text for the terminal, HTML for a
+notebook.
+"""
 
 from __future__ import annotations
 
@@ -71,8 +73,13 @@ def text(findings: Findings) -> str:
     blocks = [tables.columns(shared)]
     if len(by_run) > 1:
         columns = range(1, len(findings.runs) + 1, RUNS_ABREAST)
-        blocks += [tables.columns([[row[0], *row[k : k + RUNS_ABREAST]] for row in by_run]) for k in columns]
-    return "\n\n".join(filter(None, [*blocks, "\n".join(f"warning: {line}" for line in findings.warnings)]))
+        blocks += [
+            tables.columns([[row[0], *row[k : k + RUNS_ABREAST]] for row in by_run])
+            for k in columns
+        ]
+    return "\n\n".join(
+        filter(None, [*blocks, "\n".join(f"warning: {line}" for line in findings.warnings)])
+    )
 
 
 def html(findings: Findings) -> str:
@@ -84,7 +91,9 @@ def html(findings: Findings) -> str:
         lines = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
         parts.append("<table>" + "".join(f"<tr>{line}</tr>" for line in lines) + "</table>")
     if findings.warnings:
-        parts.append("<ul>" + "".join(f"<li>{escape(line)}</li>" for line in findings.warnings) + "</ul>")
+        parts.append(
+            "<ul>" + "".join(f"<li>{escape(line)}</li>" for line in findings.warnings) + "</ul>"
+        )
     return "".join(parts)
 
 
@@ -98,16 +107,27 @@ def warnings(findings: Findings) -> list[str]:
                     names_of.setdefault(f"{quantity}: {finding.warning}", []).append(name)
     lines = []
     for warning, names in names_of.items():
-        some = names if len(names) <= RUNS_ABREAST else [*names[:RUNS_ABREAST], f"{len(names)} runs in all"]
-        lines.append(warning + ("" if len(names) == len(findings.runs) else f" ({', '.join(some)})"))
+        some = (
+            names
+            if len(names) <= RUNS_ABREAST
+            else [*names[:RUNS_ABREAST], f"{len(names)} runs in all"]
+        )
+        lines.append(
+            warning + ("" if len(names) == len(findings.runs) else f" ({', '.join(some)})")
+        )
     return lines
 
 
 def _rows(findings: Findings) -> tuple[list[list[str]], list[list[str]]]:
-    """Return the rows that all runs share, and those with a column per run under a row of their names."""
+    """Return the rows that all runs share, and those with a column per run under a row of their
+    names.
+    """
     quantities = _quantities(findings)
     cells = {
-        quantity: [next((_cell(f) for f in of_run if f.quantity == quantity), "") for _, of_run in findings.runs]
+        quantity: [
+            next((_cell(f) for f in of_run if f.quantity == quantity), "")
+            for _, of_run in findings.runs
+        ]
         for quantity in quantities
     }
     shared = [quantity for quantity in quantities if len(set(cells[quantity])) == 1]
@@ -118,7 +138,9 @@ def _rows(findings: Findings) -> tuple[list[list[str]], list[list[str]]]:
 
 
 def _quantities(findings: Findings) -> list[str]:
-    return list(dict.fromkeys(finding.quantity for _, of_run in findings.runs for finding in of_run))
+    return list(
+        dict.fromkeys(finding.quantity for _, of_run in findings.runs for finding in of_run)
+    )
 
 
 def _cell(finding: Finding) -> str:

@@ -1,4 +1,6 @@
-"""Sampling of the contact, the surface and the sound: Nyquist frequency, step length, nodes, length of the record."""
+"""Sampling of the contact, the surface and the sound: Nyquist frequency, step length, nodes, length
+of the record.
+"""
 
 from __future__ import annotations
 
@@ -35,11 +37,21 @@ def _correlation(scene: Scene) -> list[Finding]:
 
 
 def _nyquist(scene: Scene) -> Finding:
-    """Say up to where the steps carry sound, and for how much of the record that is below the end of hearing."""
+    """Say up to where the steps carry sound, and for how much of the record that is below the end
+    of hearing.
+    """
     motion, duration = scene.motion, scene.duration
-    low, high = (speed / (2 * scene.track.step) for speed in (motion.slowest(duration), motion.fastest(duration)))
+    low, high = (
+        speed / (2 * scene.track.step)
+        for speed in (motion.slowest(duration), motion.fastest(duration))
+    )
     if motion.is_constant(duration):
-        return Finding("nyquist", "simulated Nyquist", si(high, "Hz"), _short_band(scene, motion.fastest(duration)))
+        return Finding(
+            "nyquist",
+            "simulated Nyquist",
+            si(high, "Hz"),
+            _short_band(scene, motion.fastest(duration)),
+        )
     wanted = 2 * HEARING[1] * scene.track.step
     seconds = motion.time_below(wanted, duration)
     warning = None
@@ -78,7 +90,9 @@ def _usual_speed(scene: Scene, duration: float) -> float:
 def _grid_tone(scene: Scene) -> Finding:
     """Name the tone that steps below a node sound."""
     motion, duration = scene.motion, scene.duration
-    low, high = (speed / scene.spacing for speed in (motion.slowest(duration), motion.fastest(duration)))
+    low, high = (
+        speed / scene.spacing for speed in (motion.slowest(duration), motion.fastest(duration))
+    )
     tone = si(low, "Hz") if motion.is_constant(duration) else f"{si(low, 'Hz')} to {si(high, 'Hz')}"
     audible = None
     if motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration:
@@ -116,4 +130,6 @@ def record(scene: Scene) -> Finding:
             f" {bands.LEAST_BT:g} and are uncertain by 2 dB or more: for all of them choose a rolling.duration_s of at"
             f" least {rounded_up(bands.LEAST_BT / float(bands.BANDWIDTH_HZ[0]))}"
         )
-    return Finding("third_octaves", "certain third octaves", f"{certain.sum()} of {len(certain)}", warning)
+    return Finding(
+        "third_octaves", "certain third octaves", f"{certain.sum()} of {len(certain)}", warning
+    )

@@ -21,12 +21,12 @@ def findings(scene: Scene, rq: float) -> list[Finding]:
 
 def _track(scene: Scene) -> list[Finding]:
     duration = scene.duration
-    size = (
-        f"{si(scene.track.n_along * scene.track.spacing, 'm')} x {si(scene.track.n_across * scene.track.spacing, 'm')}"
-    )
+    size = f"{si(scene.track.n_along * scene.track.spacing, 'm')} x {si(scene.track.n_across * scene.track.spacing, 'm')}"
     return [
         Finding("steps", "steps", f"{scene.track.steps} of {si(scene.track.step, 'm')}"),
-        Finding("surface", "surface", f"{size}, {scene.track.n_along} x {scene.track.n_across} nodes"),
+        Finding(
+            "surface", "surface", f"{size}, {scene.track.n_along} x {scene.track.n_across} nodes"
+        ),
         Finding(
             "distance",
             "distance rolled",
@@ -55,7 +55,12 @@ def _window(scene: Scene, rq: float) -> list[Finding]:
     return [
         Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", warning),
         Finding("step_time", "time of a step", f"about {step_ms:.2g} ms on 1 core"),
-        Finding("expected_time", "expected time", f"about {clock(seconds)} on {on_cores()}", seconds=seconds),
+        Finding(
+            "expected_time",
+            "expected time",
+            f"about {clock(seconds)} on {on_cores()}",
+            seconds=seconds,
+        ),
     ]
 
 
@@ -64,7 +69,10 @@ def _demand(scene: Scene, rq: float) -> list[Finding]:
     excess = refusals.excess(needed, refusals.OUTPUTS)
     return [
         Finding(
-            key, key, refusals.amount_text(amount), f"{excess[key]}; the run will be refused" if key in excess else None
+            key,
+            key,
+            refusals.amount_text(amount),
+            f"{excess[key]}; the run will be refused" if key in excess else None,
         )
         for key, amount in (("memory", needed.memory), ("disk", needed.disk))
     ]

@@ -1,4 +1,6 @@
-"""The contact of a smooth sphere by closed forms: radius, pressure, hardness, and the load that the surface can bear."""
+"""The contact of a smooth sphere by closed forms: radius, pressure, hardness, and the load that the
+surface can bear.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ MIN_HERTZ_NODES = 10  # across the Hertz radius
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """State the smooth elastic contact, how it compares with the hardness, and how many nodes resolve it."""
+    """State the smooth elastic contact, how it compares with the hardness, and how many nodes
+    resolve it.
+    """
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     pressure = closed_forms.hertz_pressure(scene.load, scene.radius, scene.contact_modulus)
     return [
@@ -24,11 +28,15 @@ def findings(scene: Scene) -> list[Finding]:
 
 
 def _hardness(scene: Scene, pressure: float) -> list[Finding]:
-    """Compare the hardness with the Hertz pressure [Pa], and the load with the plastic capacity of the surface."""
+    """Compare the hardness with the Hertz pressure [Pa], and the load with the plastic capacity of
+    the surface.
+    """
     if not math.isfinite(scene.hardness):
         return [Finding("hardness", "hardness", "none, purely elastic")]
     says = (
-        "yields" if pressure > scene.hardness else "above the Hertz pressure of a smooth sphere; asperities may yield"
+        "yields"
+        if pressure > scene.hardness
+        else "above the Hertz pressure of a smooth sphere; asperities may yield"
     )
     capacity = scene.hardness * scene.track.n_along * scene.track.n_across * scene.track.spacing**2
     warning = None

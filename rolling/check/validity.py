@@ -27,7 +27,11 @@ def _half_space(scene: Scene, slope: float) -> list[Finding]:
     """Compare slope and contact radius with the limits of a half-space."""
     steep = wide = None
     if slope > MAX_SLOPE:
-        advice = "filter the shortest wavelengths out of the heights" if isinstance(scene.surface, HeightFile) else ""
+        advice = (
+            "filter the shortest wavelengths out of the heights"
+            if isinstance(scene.surface, HeightFile)
+            else ""
+        )
         advice = advice or "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
         steep = f"the rms slope is {slope:.2g}, a half-space holds up to {MAX_SLOPE:g}: {advice}"
     share = long_steps.contact_radius(scene) / scene.radius
@@ -43,14 +47,20 @@ def _half_space(scene: Scene, slope: float) -> list[Finding]:
 
 
 def _resonance(scene: Scene) -> Finding:
-    """Name the frequency at which the ball bounces, and weigh its part by the maximum speed, where the record holds it."""
+    """Name the frequency at which the ball bounces, and weigh its part by the maximum speed, where
+    the record holds it.
+    """
     frequency = resonance.frequency(scene)
     speed = scene.motion.fastest(scene.duration)
     highest = min(HEARING[1], speed / (2 * scene.track.step))
     if not HEARING[0] < frequency < highest:
         return Finding("resonance", "contact resonance", si(frequency, "Hz"))
     density = scene.sphere.density_kg_m3
-    ball = "as if of steel, 7850 kg/m3 (sphere.density_kg_m3)" if density is None else f"of {density:g} kg/m3"
+    ball = (
+        "as if of steel, 7850 kg/m3 (sphere.density_kg_m3)"
+        if density is None
+        else f"of {density:g} kg/m3"
+    )
     wave = resonance.relative_wave(scene, speed)
     if wave < resonance.FELT:
         part = "its part is some 30 dB or more below the release, and the levels hold"

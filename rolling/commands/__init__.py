@@ -1,7 +1,8 @@
 """The commands run, resume, resound and report: from a scene to a run folder.
 
-A run is solved and written as it grows. Its sound, levels, figures and report page follow, and last the state `done` in its
-run.json. The runs of a sweep share a folder, figures that compare them, a table and the page.
+A run is solved and written as it grows. Its sound, levels, figures and report page follow, and last
+the state `done` in its run.json. The runs of a sweep share a folder, figures that compare them, a
+table and the page.
 """
 
 from __future__ import annotations
@@ -108,7 +109,9 @@ def run(
     scene = file.read_scene(scene_path, overrides)
     refuse(scene, workers, out or refusals.OUTPUTS)
     plan = Plan(scene, scene_path.read_bytes())
-    target = new_folder.aim(Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files])
+    target = new_folder.aim(
+        Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files]
+    )
     with new_folder.make(target, plan.record(), plan.write) as held:
         runs = plan.runs(held.folder)
         results = [Result.empty(each.scene.track, each.scene.start) for each in runs]
@@ -120,7 +123,8 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
 
     Parameters
     ----------
-    take_over : Go on even if the process that works on the folder cannot be seen from here. Default: false.
+    take_over : Go on even if the process that works on the folder cannot be seen from here.
+        Default: false.
 
     Raises
     ------
@@ -138,13 +142,19 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
     before = records_of([folder])[0]
     names = [each.folder.name for each in runs] if runs[0].values else []
     with claim.take(folder, "sweep" if names else "run", names, take_over) as held:
-        results = [batch.stored(each) or Result.empty(each.scene.track, each.scene.start) for each in runs]
+        results = [
+            batch.stored(each) or Result.empty(each.scene.track, each.scene.start) for each in runs
+        ]
         warn_of_other_program(folder, before, results)
         return _solve(_Work(held, runs, results, page), workers)
 
 
 def resound(
-    folder: Path, overrides: Sequence[str], out: Path | None = None, force: bool = False, page: bool = True
+    folder: Path,
+    overrides: Sequence[str],
+    out: Path | None = None,
+    force: bool = False,
+    page: bool = True,
 ) -> Report:
     """Make new sound from stored runs without solving: other speed, distance, q or gain.
 
@@ -161,11 +171,17 @@ def resound(
     given = folder / "scene.yaml"
     plan = Plan(scene, given.read_bytes() if given.is_file() else None)
     if [values for values, _ in plan.singles] != [each.values for each in stored]:
-        raise FolderError(f"{folder}: its sweep varies a key of --set; resound the runs in it one by one")
+        raise FolderError(
+            f"{folder}: its sweep varies a key of --set; resound the runs in it one by one"
+        )
     results = [result for each in stored if (result := batch.stored(each))]
     if len(results) < len(stored):
-        raise FolderError(f"{folder}: nothing is solved in some of its runs; `rolling resume` goes on with it")
-    target = new_folder.aim(Path("outputs") / scene.name, out, force, KINDS, [folder, *plan.height_files])
+        raise FolderError(
+            f"{folder}: nothing is solved in some of its runs; `rolling resume` goes on with it"
+        )
+    target = new_folder.aim(
+        Path("outputs") / scene.name, out, force, KINDS, [folder, *plan.height_files]
+    )
     records_of([folder])
     with new_folder.make(target, plan.record(), plan.write) as held:
         work = _Work(held, plan.runs(held.folder), results, page)
@@ -193,8 +209,14 @@ def save_run(finished: RunResult, folder: Path, force: bool = False, report: boo
     with new_folder.make(target, plan.record(), plan.write) as held:
         (alone,) = plan.runs(held.folder)
         work = _Work(held, [alone], [finished.result], report)
-        with _told_on_error(lambda: f"the run is still in memory; save it to another folder than {held.folder}"):
-            _finish(work, [replace(finished, folder=alone.folder, label=alone.label, values={})], Outcome())
+        with _told_on_error(
+            lambda: f"the run is still in memory; save it to another folder than {held.folder}"
+        ):
+            _finish(
+                work,
+                [replace(finished, folder=alone.folder, label=alone.label, values={})],
+                Outcome(),
+            )
     return held.folder
 
 
@@ -203,27 +225,37 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
 
     Parameters
     ----------
-    out : File to write; an existing page of this program is replaced with `force` only. Default: report.html in the run
-        folder, which replaces an older one; for several folders a page in a new folder.
+    out : File to write; an existing page of this program is replaced with `force` only. Default:
+        report.html in the run folder, which replaces an older one; for several folders a page in a
+        new folder.
 
     Raises
     ------
-    FolderError, SceneError : no run folder, nothing solved in it, or `out` exists; nothing is written.
+    FolderError, SceneError : no run folder, nothing solved in it, or `out` exists; nothing is
+        written.
     """
     from rolling.report import page as pages
 
     if out is not None:
         own_files.refuse_file(out, force, pages.is_page)
-    runs = list({each.folder.resolve(): each for folder in folders for each in read_runs(folder)}.values())
+    runs = list(
+        {each.folder.resolve(): each for folder in folders for each in read_runs(folder)}.values()
+    )
     if len(runs) > pages.MOST_RUNS:
-        raise FolderError(f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare")
+        raise FolderError(
+            f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare"
+        )
     finished, unsolved = _stored_sounds(runs)
     if not finished:
-        raise FolderError(f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report")
+        raise FolderError(
+            f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report"
+        )
     content = pages.page(finished, pages.exhibits(finished), unsolved)
     records_of(folders)
     if out is None:
-        out = (folders[0] if len(folders) == 1 else new_folder.stamped(Path("outputs") / "report")) / PAGE
+        out = (
+            folders[0] if len(folders) == 1 else new_folder.stamped(Path("outputs") / "report")
+        ) / PAGE
     else:
         own_files.refuse_file(out, force, pages.is_page)  # the page took a while to make
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -232,7 +264,9 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
 
 
 def _stored_sounds(runs: Sequence[Run]) -> tuple[list[RunResult], list[str]]:
-    """Make the sound of stored runs; return them, and the titles of runs of which too little is solved."""
+    """Make the sound of stored runs; return them, and the titles of runs of which too little is
+    solved.
+    """
     finished: list[RunResult] = []
     unsolved: list[str] = []
     for each, label in zip(runs, labels.labels(runs), strict=True):
@@ -271,7 +305,11 @@ def _told_on_error(way_on: Callable[[], str]) -> Iterator[None]:
 def _way_on(work: _Work) -> str:
     """Say what is kept of work that the system stopped, and how to go on."""
     folder = work.folder
-    kept = f"what was solved before is kept in {folder}" if any(map(is_kept, work.runs)) else "nothing was solved"
+    kept = (
+        f"what was solved before is kept in {folder}"
+        if any(map(is_kept, work.runs))
+        else "nothing was solved"
+    )
     text = f"{kept}; `rolling resume {folder}` goes on when the cause is mended"
     if not work.held.record.replaces:
         return text
@@ -283,13 +321,16 @@ def _sounds(work: _Work) -> list[RunResult | None]:
     names = labels.labels(work.runs)
     return [
         # Numbers of another surface would not be the run's.
-        None if batch.other_surface(each, result) else hear(label, each.values, each.folder, each.scene, result)
+        None
+        if batch.other_surface(each, result)
+        else hear(label, each.values, each.folder, each.scene, result)
         for each, label, result in zip(work.runs, names, work.results, strict=True)
     ]
 
 
 def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -> Report:
-    """Write sound, numbers and figures of every run, those of all runs together, the page, and the states last.
+    """Write sound, numbers and figures of every run, those of all runs together, the page, and the
+    states last.
 
     Parameters
     ----------
@@ -330,7 +371,9 @@ def _write_run(finished: RunResult, result: Result) -> None:
     files.write_json(folder / "provenance.json", summary.provenance(scene))
 
 
-def _write_sweep(work: _Work, names: Sequence[str], summaries: Sequence[dict[str, Any] | None]) -> None:
+def _write_sweep(
+    work: _Work, names: Sequence[str], summaries: Sequence[dict[str, Any] | None]
+) -> None:
     """Write the table of the runs of a sweep."""
     table = [
         {"values": each.values, "folder": each.folder.name, "label": label, "summary": numbers}
@@ -360,7 +403,11 @@ def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
         held.mark(held.folder, "waiting", claim.INTERRUPTED)
     elif failures:
         first, runs = next(iter(failures.values())), len(work.runs)
-        held.mark(held.folder, "failed", first if runs == 1 else f"{len(failures)} of {runs} runs: {first}")
+        held.mark(
+            held.folder,
+            "failed",
+            first if runs == 1 else f"{len(failures)} of {runs} runs: {first}",
+        )
     elif all(result.complete for result in work.results):
         held.mark(held.folder, "done")
         return new_folder.drop_previous(held)
@@ -369,14 +416,18 @@ def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
     return new_folder.previous(held.folder) if held.record.replaces else None
 
 
-def _write_pictures(folder: Path, runs: list[RunResult], page: bool) -> list[tuple[RunResult | None, Exhibit]]:
+def _write_pictures(
+    folder: Path, runs: list[RunResult], page: bool
+) -> list[tuple[RunResult | None, Exhibit]]:
     """Write the figures of each run into its folder and those of all runs into theirs.
 
     Returns
     -------
     exhibits : The figures for the page; none where it is not wanted or would be too long.
     """
-    from rolling.figures import run_figures  # matplotlib is slow to import, and a run that fails needs none
+    from rolling.figures import (
+        run_figures,  # matplotlib is slow to import, and a run that fails needs none
+    )
     from rolling.report import page as pages
 
     page = page and len(runs) <= pages.MOST_RUNS

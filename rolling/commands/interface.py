@@ -52,7 +52,8 @@ def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> Ru
     Raises
     ------
     SceneError : the scene sweeps, does not fit into memory, or its surface cannot be read.
-    ContactError : a contact has no solution, for instance because the load is more than the surface can carry.
+    ContactError : a contact has no solution, for instance because the load is more than the surface
+        can carry.
     KeyboardInterrupt : Ctrl-C, after the step at hand.
 
     Examples
@@ -71,12 +72,16 @@ def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> Ru
     ((101,), (100,))
     """
     if scene.sweep:
-        raise SceneError([f"sweep: the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them"])
+        raise SceneError(
+            [f"sweep: the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them"]
+        )
     (run,) = _simulated(scene, [_Single({}, scene)], workers, progress).values()
     return run
 
 
-def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None) -> dict[Values, RunResult]:
+def simulate_sweep(
+    scene: Scene, workers: int = 0, progress: bool | None = None
+) -> dict[Values, RunResult]:
     """Simulate every run of a scene that sweeps, in memory.
 
     Parameters
@@ -96,7 +101,9 @@ def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None)
     """
     if not scene.sweep:
         raise SceneError(["sweep: the scene has no sweep; simulate runs it"])
-    return _simulated(scene, [_Single(values, single) for values, single in scene.runs()], workers, progress)
+    return _simulated(
+        scene, [_Single(values, single) for values, single in scene.runs()], workers, progress
+    )
 
 
 def open_run(folder: Path | str) -> RunResult:
@@ -118,11 +125,19 @@ def open_run(folder: Path | str) -> RunResult:
     runs = read_runs(Path(folder))
     if len(runs) > 1:
         names = ", ".join(run.folder.name for run in runs[:3])
-        raise FolderError(f"{folder}: holds {len(runs)} runs; open one of the folders in it ({names}, ...)")
+        raise FolderError(
+            f"{folder}: holds {len(runs)} runs; open one of the folders in it ({names}, ...)"
+        )
     result = batch.stored(runs[0])
-    run = hear(runs[0].label, runs[0].values, runs[0].folder, runs[0].scene, result) if result else None
+    run = (
+        hear(runs[0].label, runs[0].values, runs[0].folder, runs[0].scene, result)
+        if result
+        else None
+    )
     if run is None:
-        raise FolderError(f"{folder}: too little is solved for a sound; `rolling resume {folder}` goes on with it")
+        raise FolderError(
+            f"{folder}: too little is solved for a sound; `rolling resume {folder}` goes on with it"
+        )
     return _with_stored_time(replace(run, writer=save_run))
 
 
@@ -160,10 +175,14 @@ def _simulated(
     return runs
 
 
-def _raise_failures(outcome: Outcome, names: Sequence[str], runs: dict[Values, RunResult], swept: bool) -> None:
+def _raise_failures(
+    outcome: Outcome, names: Sequence[str], runs: dict[Values, RunResult], swept: bool
+) -> None:
     """Raise ContactError if a run failed."""
     if outcome.failures and swept:
-        raise SweepError({names[number]: reason for number, reason in outcome.failures.items()}, runs)
+        raise SweepError(
+            {names[number]: reason for number, reason in outcome.failures.items()}, runs
+        )
     if outcome.failures:
         raise ContactError(next(iter(outcome.failures.values())))
 
@@ -174,7 +193,9 @@ def _key(values: Mapping[str, float]) -> Values:
 
 
 def _with_stored_time(run: RunResult) -> RunResult:
-    """Take the seconds that the sound took from summary.json, so that the numbers are the stored ones."""
+    """Take the seconds that the sound took from summary.json, so that the numbers are the stored
+    ones.
+    """
     path = run.folder / "summary.json"
     if not path.is_file():
         return run

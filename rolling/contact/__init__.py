@@ -1,4 +1,5 @@
-"""The contact: a sphere on a rough plate, elastic up to the hardness, solved at one position and marched along the track.
+"""The contact: a sphere on a rough plate, elastic up to the hardness, solved at one position and
+marched along the track.
 
 Public:
 

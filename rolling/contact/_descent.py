@@ -1,4 +1,6 @@
-"""One descent: conjugate gradients on the candidate nodes of a window, and the work that a solve has done."""
+"""One descent: conjugate gradients on the candidate nodes of a window, and the work that a solve
+has done.
+"""
 
 from __future__ import annotations
 
@@ -9,18 +11,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling.contact import _projection, _solver_kernels
-from rolling.contact._system import Direction, Limits, Nodes, Stencil, Step, System, Transform, Work, pack
+from rolling.contact._system import (
+    Direction,
+    Limits,
+    Nodes,
+    Stencil,
+    Step,
+    System,
+    Transform,
+    Work,
+    pack,
+)
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace, love
 
 Array = NDArray[np.float64]
 
 MAX_ITERATIONS = 1000
-AIM = 0.98  # of the tolerance: the rest is for the difference between the deflection carried along and one computed afresh
+# of the tolerance: the rest is for the difference between the deflection carried along and one
+# computed afresh
+AIM = 0.98
 
 
 @lru_cache(maxsize=1)
 def _inverse_stencil() -> Array:
-    """Return the 3 x 3 middle of the inverse of Love's coefficients on a large periodic grid, for unit spacing and pi E* = 1."""
+    """Return the 3 x 3 middle of the inverse of Love's coefficients on a large periodic grid, for
+    unit spacing and pi E* = 1.
+    """
     distance = np.minimum(np.arange(256), 256 - np.arange(256))
     inverse = np.fft.irfft2(1.0 / np.fft.rfft2(love(distance, distance)).real)
     return np.ascontiguousarray(np.roll(inverse, (1, 1), axis=(0, 1))[:3, :3])
@@ -45,7 +61,9 @@ class Effort:
 
 @dataclass(frozen=True)
 class Candidates:
-    """The nodes of a window that may be in contact, as flat indices, and the block of rows and columns that holds them."""
+    """The nodes of a window that may be in contact, as flat indices, and the block of rows and
+    columns that holds them.
+    """
 
     node: NDArray[np.int64]
     first_row: int
@@ -55,23 +73,34 @@ class Candidates:
 
     @classmethod
     def below(cls, pressure: Array, gap: Array, deflection: Array, highest: float) -> Candidates:
-        """Find the nodes that are loaded or lie lower than `highest` [m] before the approach is taken off."""
+        """Find the nodes that are loaded or lie lower than `highest` [m] before the approach is
+        taken off.
+        """
         listed = np.empty(pressure.size, dtype=np.int64)
         count, first_row, last_row, first_column, last_column = _solver_kernels.candidates(
             pressure, gap, deflection, highest, listed
         )
-        return cls(listed[:count], first_row, first_column, last_row - first_row + 1, last_column - first_column + 1)
+        return cls(
+            listed[:count],
+            first_row,
+            first_column,
+            last_row - first_row + 1,
+            last_column - first_column + 1,
+        )
 
 
 class Descent:
-    """Conjugate gradients on the candidates for contact, until these hold the conditions to `allowed`.
+    """Conjugate gradients on the candidates for contact, until these hold the conditions to
+    `allowed`.
 
     Parameters
     ----------
     half_space : HalfSpace. Pressure to deflection.
     candidates : Candidates. Nodes that may be in contact.
-    pressure, gap : (m, n) arrays on the window, Pa and m. Start, and its gaps before the approach is taken off.
-    compliance : (m, n) array, m/Pa, or None. Closing of a node's gap by its own pressure beside the deflection.
+    pressure, gap : (m, n) arrays on the window, Pa and m. Start, and its gaps before the approach
+        is taken off.
+    compliance : (m, n) array, m/Pa, or None. Closing of a node's gap by its own pressure beside the
+        deflection.
     limits : Limits. Hardness and sum of pressures.
     allowed : float, m. Largest violation of the contact conditions.
     single : bool. Whether transforms are of single precision.
@@ -98,7 +127,9 @@ class Descent:
         self.half_space, self.node, self.limits = half_space, node, limits
         self.allowed, self.goal = allowed, AIM * allowed
         self.rows = candidates.rows
-        self.transforms = half_space.convolution(candidates.rows - 1, candidates.columns - 1, single=single)
+        self.transforms = half_space.convolution(
+            candidates.rows - 1, candidates.columns - 1, single=single
+        )
         row_length = candidates.columns + 2
         in_image, in_grid = np.empty(node.size, np.uint32), np.empty(node.size, np.uint32)
         corner = candidates.first_row, candidates.first_column
@@ -110,7 +141,9 @@ class Descent:
         trial, d, r, r_before = (np.zeros(node.size) for _ in range(4))
         grid = np.zeros((candidates.rows + 2) * row_length)
         self.system = System(
-            Nodes(pressure.ravel()[node], gap.ravel()[node], soft, 1 / np.sqrt(1 + soft * stiffness)),
+            Nodes(
+                pressure.ravel()[node], gap.ravel()[node], soft, 1 / np.sqrt(1 + soft * stiffness)
+            ),
             Transform(self.transforms.head(self.rows).ravel(), in_image, half_space.unit),
             Stencil(_inverse_stencil() * unit, grid, in_grid, row_length, stiffness),
             Work(trial, d, r, r_before, np.empty(node.size, np.uint32)),
@@ -126,7 +159,9 @@ class Descent:
         return self.system.nodes.p
 
     def lead(self, pressure_trend: Array, deflection_trend: Array) -> None:
-        """Take the first direction from the extrapolation of the last solutions by their trends on the window."""
+        """Take the first direction from the extrapolation of the last solutions by their trends on
+        the window.
+        """
         ahead = pressure_trend.ravel()[self.node], deflection_trend.ravel()[self.node]
         self.direction = Direction(*_solver_kernels.lead(self.packed, *ahead))
 
@@ -134,7 +169,8 @@ class Descent:
         """Step until converged, stuck or out of iterations, at one convolution per step."""
         effort.rounds += 1
         snap = 0.01 * self.allowed * self.system.stencil.stiffness if effort.snapping else 0.0
-        share = self.node.size  # of the snap that a node may take, so that the sum of them makes no difference
+        # of the snap that a node may take, so that the sum of them makes no difference
+        share = self.node.size
         if self.direction.slope < 0:  # the direction of `lead`
             self._convolve(effort)
         while True:
@@ -155,17 +191,21 @@ class Descent:
             self._convolve(effort)
 
     def settle(self, effort: Effort) -> None:
-        """Make the pressures carry the load exactly, or, where no step descends, replace them by a feasible restart."""
+        """Make the pressures carry the load exactly, or, where no step descends, replace them by a
+        feasible restart.
+        """
         (p, g, *_), work, step = self.system.nodes, self.system.work, self.step
         if not step.worst > self.goal:
-            # A node put on a bound took its share of the load along: the free nodes have it, or those nearest to moving.
+            # A node put on a bound took its share of the load along: the free nodes have it, or
+            # those nearest to moving.
             if step.free:
                 _solver_kernels.carry_load(self.packed, step.approach, step.free)
             elif abs(p.sum() / self.limits.total - 1) > 1e-13:
                 effort.snapping = False
                 _projection.settle_load(p, g, self.limits, 0.0)
         elif not self.direction.slope < 0:
-            # Pressures of the order of rounding can pass for free nodes and set the approach: take the projection for the state.
+            # Pressures of the order of rounding can pass for free nodes and set the approach: take
+            # the projection for the state.
             effort.stuck += 1
             p += work.d
             _projection.settle_load(p, g, self.limits, 1e-9 * p.max())

@@ -1,4 +1,5 @@
-"""Compiled passes of the march: gap, overlap, edges within cells, trends, and the measures of a solved window.
+"""Compiled passes of the march: gap, overlap, edges within cells, trends, and the measures of a
+solved window.
 
 Rows and columns are those of the unrolled plate; heights repeat with their period.
 """
@@ -12,7 +13,9 @@ from numba import njit
 
 @njit(cache=True)
 def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
-    """Set out to ((x_i - x)^2 + (y_j - y)^2) / (2 R) - z on the window that begins at node (row, column)."""
+    """Set out to ((x_i - x)^2 + (y_j - y)^2) / (2 R) - z on the window that begins at node (row,
+    column).
+    """
     along, across = heights.shape
     curvature = 0.5 / radius
     for i in range(out.shape[0]):
@@ -32,10 +35,11 @@ def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
 
 @njit(cache=True)
 def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach):
-    """Find the bounding block (first row, last row, first column, last column) of the nodes whose gap is below the approach.
+    """Find the bounding block (first row, last row, first column, last column) of the nodes whose
+    gap is below the approach.
 
-    The search covers the whole disc that the highest node allows, at most one period to each side: an island may lie outside
-    any earlier window. An empty block has its last row before its first.
+    The search covers the whole disc that the highest node allows, at most one period to each side:
+    an island may lie outside any earlier window. An empty block has its last row before its first.
     """
     along, across = heights.shape
     first_row, last_row, first_column, last_column = 1, 0, 1, 0
@@ -43,7 +47,8 @@ def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach
     if reach2 <= 0.0:
         return first_row, last_row, first_column, last_column
     reach = np.sqrt(reach2)
-    # The reach is half a node more than a period, so that rounding does not hide the image of a node right below the sphere.
+    # The reach is half a node more than a period, so that rounding does not hide the image of a
+    # node right below the sphere.
     reach = min(reach, (along + 0.5) * spacing)
     low = int(np.ceil((x - reach) / spacing))
     high = int(np.floor((x + reach) / spacing))
@@ -75,9 +80,11 @@ def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach
 
 @njit(cache=True)
 def towards_the_sphere(p, u, gap, row_offset, column_offset, nodes):
-    """Return slope and curvature of the energy from pressures that stay with the plate towards the same ones `nodes` rows on.
+    """Return slope and curvature of the energy from pressures that stay with the plate towards the
+    same ones `nodes` rows on.
 
-    `gap` is the new undeformed gap on its window; the window of the pressures p and deflections u begins at the offsets in it.
+    `gap` is the new undeformed gap on its window; the window of the pressures p and deflections u
+    begins at the offsets in it.
     """
     slope = 0.0
     curvature = 0.0
@@ -95,9 +102,11 @@ def towards_the_sphere(p, u, gap, row_offset, column_offset, nodes):
 
 @njit(cache=True)
 def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend):
-    """Compute the changes of p and u since the position before, whose window begins at the offsets in the window of p and u.
+    """Compute the changes of p and u since the position before, whose window begins at the offsets
+    in the window of p and u.
 
-    Outside the window before, all nodes were unloaded; their deflections are unknown, and their changes are set to zero.
+    Outside the window before, all nodes were unloaded; their deflections are unknown, and their
+    changes are set to zero.
     """
     p_trend[:] = p
     u_trend[:] = 0.0
@@ -110,7 +119,8 @@ def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend
 
 @njit(cache=True)
 def cell_ranges(gap, u, u_trend, p, share, most, out):
-    """Set out to a share of half the range [m] of the deflected gap over the cells of loaded nodes and their neighbours.
+    """Set out to a share of half the range [m] of the deflected gap over the cells of loaded nodes
+    and their neighbours.
 
     `u_trend` is the expected change of the deflection, empty for none; no range exceeds `most` [m].
     """
@@ -121,7 +131,13 @@ def cell_ranges(gap, u, u_trend, p, share, most, out):
         out[i, 0] = out[i, columns - 1] = 0.0
         for j in range(1, columns - 1):
             out[i, j] = 0.0
-            if p[i, j] > 0.0 or p[i - 1, j] > 0.0 or p[i + 1, j] > 0.0 or p[i, j - 1] > 0.0 or p[i, j + 1] > 0.0:
+            if (
+                p[i, j] > 0.0
+                or p[i - 1, j] > 0.0
+                or p[i + 1, j] > 0.0
+                or p[i, j - 1] > 0.0
+                or p[i, j + 1] > 0.0
+            ):
                 along = gap[i + 1, j] + u[i + 1, j] - gap[i - 1, j] - u[i - 1, j]
                 across = gap[i, j + 1] + u[i, j + 1] - gap[i, j - 1] - u[i, j - 1]
                 if u_trend.size:
@@ -136,7 +152,12 @@ def beside_open(pressure, i, j):
     rows, columns = pressure.shape
     if i == 0 or j == 0 or i == rows - 1 or j == columns - 1:
         return True
-    return not (pressure[i - 1, j] > 0 and pressure[i + 1, j] > 0 and pressure[i, j - 1] > 0 and pressure[i, j + 1] > 0)
+    return not (
+        pressure[i - 1, j] > 0
+        and pressure[i + 1, j] > 0
+        and pressure[i, j - 1] > 0
+        and pressure[i, j + 1] > 0
+    )
 
 
 @njit(cache=True)
@@ -151,10 +172,12 @@ def beside_bound(pressure, i, j, hardness):
 
 @njit(cache=True)
 def loaded(pressure, deflection, hardness, blended):
-    """Return the numbers of nodes in contact and at the hardness, maximum pressure, sum of p u, block of the loaded nodes.
+    """Return the numbers of nodes in contact and at the hardness, maximum pressure, sum of p u,
+    block of the loaded nodes.
 
-    Where edges are blended, a node between open nodes and one at the hardness is a partial cell: it counts with the share of
-    its cell that bears the hardness. An edge beside no node at the hardness is elastic.
+    Where edges are blended, a node between open nodes and one at the hardness is a partial cell: it
+    counts with the share of its cell that bears the hardness. An edge beside no node at the
+    hardness is elastic.
     """
     count = 0.0
     capped = 0.0
@@ -168,7 +191,11 @@ def loaded(pressure, deflection, hardness, blended):
                 if p >= hardness:
                     count += 1.0
                     capped += 1.0
-                elif blended and beside_open(pressure, i, j) and beside_bound(pressure, i, j, hardness):
+                elif (
+                    blended
+                    and beside_open(pressure, i, j)
+                    and beside_bound(pressure, i, j, hardness)
+                ):
                     count += p / hardness
                     capped += p / hardness
                 else:
@@ -184,8 +211,12 @@ def loaded(pressure, deflection, hardness, blended):
 
 @njit(cache=True)
 def copy_block(source, target, row_offset, column_offset):
-    """Set target[i + row_offset, j + column_offset] to source[i, j] where both exist, and to 0 elsewhere."""
+    """Set target[i + row_offset, j + column_offset] to source[i, j] where both exist, and to 0
+    elsewhere.
+    """
     target[:] = 0.0
     for i in range(max(0, -row_offset), min(source.shape[0], target.shape[0] - row_offset)):
-        for j in range(max(0, -column_offset), min(source.shape[1], target.shape[1] - column_offset)):
+        for j in range(
+            max(0, -column_offset), min(source.shape[1], target.shape[1] - column_offset)
+        ):
             target[i + row_offset, j + column_offset] = source[i, j]

@@ -1,6 +1,8 @@
-"""Compiled projection of pressures onto the bounds and the load: shift, restoration of the load, slope and longest step.
+"""Compiled projection of pressures onto the bounds and the load: shift, restoration of the load,
+slope and longest step.
 
-Numba's cache of `_solver_kernels` does not see changes here or in `_system`: delete `__pycache__` after an edit.
+Numba's cache of `_solver_kernels` does not see changes here or in `_system`: delete `__pycache__`
+after an edit.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -16,11 +18,12 @@ from rolling.contact._system import Sets
 def project(p, g, approach, trial, sets, limits, d):
     """Set d to the direction from p to the feasible pressures nearest to `trial`.
 
-    Free nodes are shifted and clipped, bound nodes go to their bound, all others stay. One shift of the free nodes restores
-    the load exactly. `trial` [Pa] holds unbounded pressures of the free nodes before and feasible ones after.
+    Free nodes are shifted and clipped, bound nodes go to their bound, all others stay. One shift of
+    the free nodes restores the load exactly. `trial` [Pa] holds unbounded pressures of the free
+    nodes before and feasible ones after.
 
-    Returns slope of the energy along d [Pa m] and longest step length within the bounds, or (inf, 0) where the free nodes
-    cannot take up the load.
+    Returns slope of the energy along d [Pa m] and longest step length within the bounds, or (inf,
+    0) where the free nodes cannot take up the load.
     """
     active, hardness, total = sets.active, limits.hardness, limits.total
     target = total
@@ -53,7 +56,8 @@ def project(p, g, approach, trial, sets, limits, d):
 def find_shift(trial, sets, target, limits):
     """Find the shift [Pa] of the free trial pressures whose sum within the bounds is `target` [Pa].
 
-    The sum is a monotone, piecewise linear function of the shift: Newton's method, kept within a shrinking bracket.
+    The sum is a monotone, piecewise linear function of the shift: Newton's method, kept within a
+    shrinking bracket.
     """
     active, hardness = sets.active, limits.hardness
     top = min(hardness, target)
@@ -92,10 +96,12 @@ def find_shift(trial, sets, target, limits):
 
 @njit(cache=True)
 def restore_load(trial, g, sets, target, limits):
-    """Spread the part of the load that rounding of the shift has lost over the free nodes between the bounds.
+    """Spread the part of the load that rounding of the shift has lost over the free nodes between
+    the bounds.
 
-    The shift is rounded coarsely where the direction is much larger than the pressures. Where no node lies between the bounds,
-    the lowest open node takes the missing part, or the highest loaded one gives it up.
+    The shift is rounded coarsely where the direction is much larger than the pressures. Where no
+    node lies between the bounds, the lowest open node takes the missing part, or the highest loaded
+    one gives it up.
     """
     active, hardness = sets.active, limits.hardness
     for turn in range(64):
@@ -121,7 +127,9 @@ def restore_load(trial, g, sets, target, limits):
 
 @njit(cache=True)
 def slope_and_longest_step(p, g, approach, sets, hardness, d):
-    """Return the slope of the energy along d [Pa m] and the longest step length, at least 1, within the bounds."""
+    """Return the slope of the energy along d [Pa m] and the longest step length, at least 1, within
+    the bounds.
+    """
     slope = 0.0
     longest = np.inf
     for a in range(sets.free + sets.bound):
@@ -136,7 +144,8 @@ def slope_and_longest_step(p, g, approach, sets, hardness, d):
 
 @njit(cache=True)
 def settle_load(p, g, limits, trace):
-    """Give the missing load to the lowest open nodes, or take the excess from the highest loaded ones.
+    """Give the missing load to the lowest open nodes, or take the excess from the highest loaded
+    ones.
 
     Nodes within `trace` [Pa] of a bound are put on it first: they may be loaded by mistake.
     """
@@ -165,7 +174,8 @@ def settle_load(p, g, limits, trace):
 
 @njit(cache=True)
 def extrapolate(p, trend, g, limits, work, q):
-    """Set q to p + trend within the bounds, its free nodes shifted to carry the load; return whether they can.
+    """Set q to p + trend within the bounds, its free nodes shifted to carry the load; return
+    whether they can.
 
     The trial, direction and active nodes of `work` are overwritten.
     """

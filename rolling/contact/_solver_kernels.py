@@ -1,8 +1,9 @@
 """Compiled passes of the contact solve: conjugate gradients in the notation of the textbooks.
 
-r is the residual, the gap left open or overlapped on a free node [m]; z the preconditioned residual, d the direction, both [Pa];
-alpha and beta are the step length and the factor of the last direction. `violation` and `candidates` look at a whole window; all
-others at its candidates, the nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead` and `carry_load`.
+r is the residual, the gap left open or overlapped on a free node [m]; z the preconditioned
+residual, d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
+direction. `violation` and `candidates` look at a whole window; all others at its candidates, the
+nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead` and `carry_load`.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -15,7 +16,9 @@ from rolling.contact._projection import extrapolate, project, step_by_way_of
 from rolling.contact._system import Direction, Nodes, Sets, unpack
 
 LEAST_STEP = (
-    1e-3  # after a step length alpha below it the direction is dropped: nodes put on a bound point the wrong way
+    # after a step length alpha below it the direction is dropped: nodes put on a bound point the
+    # wrong way
+    1e-3
 )
 
 
@@ -34,7 +37,9 @@ def find_approach(inside, gap_sum, lowest_open, highest_capped):
 
 @njit(cache=True)
 def state_of(p, e, u, hardness):
-    """Return approach [m] and maximum deflection [m] of pressures p and deflections u over undeformed gaps e, flat arrays."""
+    """Return approach [m] and maximum deflection [m] of pressures p and deflections u over
+    undeformed gaps e, flat arrays.
+    """
     inside, gap_sum, lowest_open, highest_capped, u_max = 0, 0.0, np.inf, -np.inf, 0.0
     for k in range(p.size):
         g = e[k] + u[k]
@@ -51,7 +56,9 @@ def state_of(p, e, u, hardness):
 
 @njit(cache=True)
 def violation(p, e, u, hardness, approach):
-    """Return the maximum violation of the contact conditions [m]; it is infinite where numbers are not finite."""
+    """Return the maximum violation of the contact conditions [m]; it is infinite where numbers are
+    not finite.
+    """
     worst = 0.0
     for k in range(p.size):
         g = e[k] + u[k] - approach
@@ -65,10 +72,11 @@ def violation(p, e, u, hardness, approach):
 
 @njit(cache=True)
 def candidates(p, e, u, highest, node):
-    """List the nodes of a window that are loaded or lie lower than `highest` [m]; their flat indices go into `node`.
+    """List the nodes of a window that are loaded or lie lower than `highest` [m]; their flat
+    indices go into `node`.
 
-    Heights are those before the approach is taken off. Returns the number of candidates and their block (first row, last row,
-    first column, last column).
+    Heights are those before the approach is taken off. Returns the number of candidates and their
+    block (first row, last row, first column, last column).
     """
     rows, columns = p.shape
     count = 0
@@ -89,10 +97,11 @@ def candidates(p, e, u, highest, node):
 
 @njit(cache=True)
 def places(node, columns, corner, row_lengths, in_image, in_grid):
-    """Find the index of each candidate in the array of the transforms and in the residual's grid, which has a border of one.
+    """Find the index of each candidate in the array of the transforms and in the residual's grid,
+    which has a border of one.
 
-    `corner` is the first row and column of the candidates' block in a window of `columns` columns; `row_lengths` are the numbers
-    of nodes in a row of the two arrays.
+    `corner` is the first row and column of the candidates' block in a window of `columns` columns;
+    `row_lengths` are the numbers of nodes in a row of the two arrays.
     """
     for a in range(node.size):
         i, j = divmod(node[a], columns)
@@ -104,8 +113,15 @@ def places(node, columns, corner, row_lengths, in_image, in_grid):
 
 @njit(cache=True)
 def line_search(system, direction):
-    """Return the step length alpha at which the energy along d is least; 1 where its curvature is not positive."""
-    d, image, node, compliance = system.work.d, system.transform.image, system.transform.node, system.nodes.compliance
+    """Return the step length alpha at which the energy along d is least; 1 where its curvature is
+    not positive.
+    """
+    d, image, node, compliance = (
+        system.work.d,
+        system.transform.image,
+        system.transform.node,
+        system.nodes.compliance,
+    )
     curvature = 0.0
     for k in range(d.size):
         curvature += d[k] * image[node[k]]
@@ -116,7 +132,9 @@ def line_search(system, direction):
 
 @njit(cache=True)
 def take_step(system, length):
-    """Add `length` times the direction to the pressures, within the bounds, and its deflection to the gaps."""
+    """Add `length` times the direction to the pressures, within the bounds, and its deflection to
+    the gaps.
+    """
     p, g, compliance, d = system.nodes.p, system.nodes.g, system.nodes.compliance, system.work.d
     image, node, hardness = system.transform.image, system.transform.node, system.limits.hardness
     nearly = hardness * (1.0 - 4e-16)  # a whole step to the hardness may miss it by rounding
@@ -146,12 +164,13 @@ def approach_of(p, g, hardness):
 
 @njit(cache=True)
 def find_residual(nodes, stencil, work, hardness, approach, snap):
-    """Find the residual r and the nodes that may move; return maximum violation [m], numbers of free and of bound nodes.
+    """Find the residual r and the nodes that may move; return maximum violation [m], numbers of
+    free and of bound nodes.
 
-    A loaded node that closing its own gap would carry past a bound goes straight there (two-metric projection, Bertsekas, SIAM
-    J. Control Optim. 20(2), 1982): mixed into the conjugate direction it would hold all other nodes back. Partial steps leave
-    such nodes ever closer to their bound but never on it; within `snap` [Pa], too little to change a deflection, they are put
-    there.
+    A loaded node that closing its own gap would carry past a bound goes straight there (two-metric
+    projection, Bertsekas, SIAM J. Control Optim. 20(2), 1982): mixed into the conjugate direction
+    it would hold all other nodes back. Partial steps leave such nodes ever closer to their bound
+    but never on it; within `snap` [Pa], too little to change a deflection, they are put there.
     """
     p, g, softening = nodes.p, nodes.g, nodes.softening
     grid, place, stiffness = stencil.grid, stencil.node, stencil.stiffness
@@ -183,7 +202,8 @@ def find_residual(nodes, stencil, work, hardness, approach, snap):
             active[free] = k
             free += 1
     for i in range(bound):
-        active[free + i] = active[p.size - bound + i]  # in this order nothing is overwritten before it is read
+        # in this order nothing is overwritten before it is read
+        active[free + i] = active[p.size - bound + i]
     return worst, free, bound
 
 
@@ -198,16 +218,22 @@ def precondition(stencil, softening, work, free):
         total = 0.0
         for x in range(3):
             row = at + (x - 1) * row_length
-            total += values[x, 0] * grid[row - 1] + values[x, 1] * grid[row] + values[x, 2] * grid[row + 1]
+            total += (
+                values[x, 0] * grid[row - 1]
+                + values[x, 1] * grid[row]
+                + values[x, 2] * grid[row + 1]
+            )
         z[k] = total * softening[k] if softening.size else total
 
 
 @njit(cache=True)
 def find_direction(nodes, stencil, work, limits, approach, free, bound, direction, plain):
-    """Find the next feasible direction d: preconditioned conjugate gradient (Polak-Ribiere), projected.
+    """Find the next feasible direction d: preconditioned conjugate gradient (Polak-Ribiere),
+    projected.
 
-    Where it does not descend, d is the projected preconditioned gradient (a restart), and where that does not descend or if
-    `plain`, the projected gradient of all nodes. r and d hold the residual and, before, the direction of the last iteration.
+    Where it does not descend, d is the projected preconditioned gradient (a restart), and where
+    that does not descend or if `plain`, the projected gradient of all nodes. r and d hold the
+    residual and, before, the direction of the last iteration.
 
     Returns the Direction and the numbers of restarts and of plain gradient steps (0 or 1 each).
     """
@@ -255,7 +281,9 @@ def find_direction(nodes, stencil, work, limits, approach, free, bound, directio
 
 @njit(cache=True)
 def scatter(transform, d):
-    """Write the direction into the array of the transforms, in units that make its image a deflection."""
+    """Write the direction into the array of the transforms, in units that make its image a
+    deflection.
+    """
     transform.image[:] = 0.0
     for k in range(d.size):
         transform.image[transform.node[k]] = transform.unit * d[k]
@@ -263,11 +291,14 @@ def scatter(transform, d):
 
 @njit(cache=True)
 def iterate(packed, direction, snap, allowed):
-    """Step along the direction and, unless the violation is within `allowed` [m], find the next direction.
+    """Step along the direction and, unless the violation is within `allowed` [m], find the next
+    direction.
 
-    The deflection by the direction must be known. Nodes within `snap` [Pa] of a bound that they move to are put there.
+    The deflection by the direction must be known. Nodes within `snap` [Pa] of a bound that they
+    move to are put there.
 
-    Returns the fields of the Step taken and of the Direction to convolve, which after a converged step is the one given.
+    Returns the fields of the Step taken and of the Direction to convolve, which after a converged
+    step is the one given.
     """
     system, direction = unpack(packed), Direction(*direction)
     nodes, limits = system.nodes, system.limits
@@ -277,7 +308,9 @@ def iterate(packed, direction, snap, allowed):
         # A long step multiplies the rounding of the load.
         take_step(system, min(alpha, direction.longest, 100.0))
     approach = approach_of(nodes.p, nodes.g, limits.hardness)
-    worst, free, bound = find_residual(nodes, system.stencil, system.work, limits.hardness, approach, snap)
+    worst, free, bound = find_residual(
+        nodes, system.stencil, system.work, limits.hardness, approach, snap
+    )
     restarts = 0
     plain_steps = 0
     if worst > allowed:
@@ -294,10 +327,11 @@ def iterate(packed, direction, snap, allowed):
 
 @njit(cache=True)
 def lead(packed, p_trend, u_trend):
-    """Find a first direction by way of the extrapolation q of the last solutions and of the gradient at q.
+    """Find a first direction by way of the extrapolation q of the last solutions and of the
+    gradient at q.
 
-    The deflection at q is known but for the part that the bounds cut off. The step starts from the exact pressures, with an
-    exact line search, so that this does no harm.
+    The deflection at q is known but for the part that the bounds cut off. The step starts from the
+    exact pressures, with an exact line search, so that this does no harm.
 
     Returns the fields of the Direction; its slope is 0 where none descends.
     """
@@ -312,7 +346,9 @@ def lead(packed, p_trend, u_trend):
         approach = approach_of(q, h, limits.hardness)
         _, free, bound = find_residual(at_q, system.stencil, work, limits.hardness, approach, 0.0)
         first = Direction(0.0, 0.0, 0.0, 1.0)
-        direction, _, _ = find_direction(at_q, system.stencil, work, limits, approach, free, bound, first, False)
+        direction, _, _ = find_direction(
+            at_q, system.stencil, work, limits, approach, free, bound, first, False
+        )
         if direction.slope < 0.0:
             slope, longest = step_by_way_of(q, nodes.p, nodes.g, limits.hardness, work.d)
             if slope < 0.0:

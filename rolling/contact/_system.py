@@ -1,7 +1,8 @@
-"""Named tuples that compiled passes of the contact solve take: the system of one descent, its direction and its steps.
+"""Named tuples that compiled passes of the contact solve take: the system of one descent, its
+direction and its steps.
 
-They stay inside compiled code. Numba unpickles the class of each named tuple that crosses the boundary, which takes 1 us or more;
-plain tuples cross as fast as arguments do (`pack`, `unpack`).
+They stay inside compiled code. Numba unpickles the class of each named tuple that crosses the
+boundary, which takes 1 us or more; plain tuples cross as fast as arguments do (`pack`, `unpack`).
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -46,7 +47,8 @@ class Sets(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """The candidates of a descent, flat arrays of equal length; the last two are empty where no node is compliant by itself.
+    """The candidates of a descent, flat arrays of equal length; the last two are empty where no
+    node is compliant by itself.
 
     Parameters
     ----------
@@ -133,7 +135,9 @@ def pack(system: System) -> tuple[tuple[Any, ...], ...]:
 def unpack(packed):
     """Make the System again from its plain tuples."""
     nodes, transform, stencil, work, limits = packed
-    return System(Nodes(*nodes), Transform(*transform), Stencil(*stencil), Work(*work), Limits(*limits))
+    return System(
+        Nodes(*nodes), Transform(*transform), Stencil(*stencil), Work(*work), Limits(*limits)
+    )
 
 
 class Direction(NamedTuple):
@@ -160,8 +164,10 @@ class Step(NamedTuple):
     ----------
     approach : float, m.
     worst : float, m. Maximum violation of the contact conditions.
-    free, bound : int. Numbers of candidates that may move freely and that are about to be put on a bound.
-    restarts, plain_steps : int. Whether the next direction is a restart or a plain gradient, 0 or 1.
+    free, bound : int. Numbers of candidates that may move freely and that are about to be put on a
+        bound.
+    restarts, plain_steps : int. Whether the next direction is a restart or a plain gradient, 0 or
+        1.
     """
 
     approach: float

@@ -68,9 +68,11 @@ def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
 
 
 def smooth_release_power(load: float, speed: float, radius: float, contact_modulus: float) -> float:
-    """Return the release power of a smooth elastic rolling sphere, constant in time: 3 W v a / (16 R).
+    """Return the release power of a smooth elastic rolling sphere, constant in time: 3 W v a / (16
+    R).
 
-    It is the Hertz pressure over the trailing half of the contact times the rate v x / R at which the deflection falls there.
+    It is the Hertz pressure over the trailing half of the contact times the rate v x / R at which
+    the deflection falls there.
 
     Parameters
     ----------
@@ -92,7 +94,8 @@ def smooth_release_power(load: float, speed: float, radius: float, contact_modul
 
 
 def left_end_excess(step: float, contact_radius: float) -> float:
-    """Return the relative excess of the left-end release rule over the mean rule, first order: 4 step / (3 a).
+    """Return the relative excess of the left-end release rule over the mean rule, first order: 4
+    step / (3 a).
 
     It holds on a smooth sphere.
 

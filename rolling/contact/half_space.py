@@ -1,4 +1,6 @@
-"""Deflection of an elastic half-space by pressure: Love's influence coefficients and a zero-padded FFT convolution (pyfftw)."""
+"""Deflection of an elastic half-space by pressure: Love's influence coefficients and a zero-padded
+FFT convolution (pyfftw).
+"""
 
 from __future__ import annotations
 
@@ -11,19 +13,56 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Padded lengths that are quick for their size, by a trial of the products of 2, 3, 5 and 7: any length between costs more than the
-# next one here.
+# Padded lengths that are quick for their size, by a trial of the products of 2, 3, 5 and 7: any
+# length between costs more than the next one here.
 _SHORT = (16, 20, 24, 32, 40, 48, 64, 80, 100, 128)
 _LONG = (1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
-_SINGLE_LENGTHS = (*_SHORT, 144, 160, 192, 240, 256, 320, 384, 400, 512, 640, 768, 800, 864, 896, 1024, 1280, *_LONG)
-_DOUBLE_LENGTHS = (*_SHORT, 160, 200, 256, 320, 384, 400, 512, 640, 768, 800, 896, 1024, 1152, 1280, *_LONG)
+_SINGLE_LENGTHS = (
+    *_SHORT,
+    144,
+    160,
+    192,
+    240,
+    256,
+    320,
+    384,
+    400,
+    512,
+    640,
+    768,
+    800,
+    864,
+    896,
+    1024,
+    1280,
+    *_LONG,
+)
+_DOUBLE_LENGTHS = (
+    *_SHORT,
+    160,
+    200,
+    256,
+    320,
+    384,
+    400,
+    512,
+    640,
+    768,
+    800,
+    896,
+    1024,
+    1152,
+    1280,
+    *_LONG,
+)
 MOST_NODES = _LONG[-1] // 2  # across a window
 
 OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # of a unit square at its own centre
 
 
 def padded_length(reach: int, single: bool = False) -> int:
-    """Return the smallest quick length of a transform for nodes up to `reach` spacings from one another.
+    """Return the smallest quick length of a transform for nodes up to `reach` spacings from one
+    another.
 
     The coefficients are even, so that a distance of half the length is still right.
 
@@ -39,7 +78,9 @@ def padded_length(reach: int, single: bool = False) -> int:
     for length in _SINGLE_LENGTHS if single else _DOUBLE_LENGTHS:
         if length >= 2 * reach:
             return length
-    raise ValueError(f"a window of {reach + 1} nodes is more than the {MOST_NODES} there is room for")
+    raise ValueError(
+        f"a window of {reach + 1} nodes is more than the {MOST_NODES} there is room for"
+    )
 
 
 def love(rows: Array, columns: Array) -> Array:
@@ -49,7 +90,8 @@ def love(rows: Array, columns: Array) -> Array:
 
     Parameters
     ----------
-    rows, columns : (m,) and (n,) arrays. Distances of nodes from the centre of the loaded square, whole numbers of spacings.
+    rows, columns : (m,) and (n,) arrays. Distances of nodes from the centre of the loaded square,
+        whole numbers of spacings.
 
     Returns
     -------
@@ -57,7 +99,8 @@ def love(rows: Array, columns: Array) -> Array:
     """
 
     def corner(s: Array, t: Array) -> Array:
-        # Corners lie half a spacing off the nodes, so neither is ever zero; arcsinh does not cancel where log(y + r) would.
+        # Corners lie half a spacing off the nodes, so neither is ever zero; arcsinh does not cancel
+        # where log(y + r) would.
         return s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))
 
     x, y = rows[:, None].astype(float), columns[None, :].astype(float)
@@ -67,18 +110,22 @@ def love(rows: Array, columns: Array) -> Array:
 
 @lru_cache(maxsize=32)
 def _love_spectrum(m: int, n: int) -> Array:
-    """Compute the transform (m, n // 2 + 1) of the wrapped coefficients; it is real, because they are even in both directions."""
+    """Compute the transform (m, n // 2 + 1) of the wrapped coefficients; it is real, because they
+    are even in both directions.
+    """
     distances = [np.minimum(np.arange(k), k - np.arange(k)) for k in (m, n)]
     return np.ascontiguousarray(np.fft.rfft2(love(*distances)).real)
 
 
 class HalfSpace:
-    """An elastic half-space under pressure on windows of square cells; it keeps the transforms of each padded size met.
+    """An elastic half-space under pressure on windows of square cells; it keeps the transforms of
+    each padded size met.
 
     Parameters
     ----------
     spacing : float, m. Node spacing.
-    contact_modulus : float, Pa. E* of both bodies; where both are elastic, the deflection is the sum of theirs.
+    contact_modulus : float, Pa. E* of both bodies; where both are elastic, the deflection is the
+        sum of theirs.
 
     Attributes
     ----------
@@ -106,9 +153,11 @@ class HalfSpace:
         self.count = 0
 
     def deflection(self, pressure: Array) -> Array:
-        """Compute the deflection of the nodes of a window by the pressure on them; all outside is unloaded.
+        """Compute the deflection of the nodes of a window by the pressure on them; all outside is
+        unloaded.
 
-        The padding is only as wide as the distance between a loaded node and the farthest node of the window.
+        The padding is only as wide as the distance between a loaded node and the farthest node of
+        the window.
 
         Parameters
         ----------
@@ -131,7 +180,9 @@ class HalfSpace:
         return convolution.real[:m, :n] * self.unit
 
     def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
-        """Return the transforms for nodes at most so many rows and columns apart; the caller that applies them adds to `count`."""
+        """Return the transforms for nodes at most so many rows and columns apart; the caller that
+        applies them adds to `count`.
+        """
         key = (padded_length(row_reach, single), padded_length(column_reach, single), single)
         if key not in self._convolutions:
             self._convolutions[key] = Convolution(*key)
@@ -140,7 +191,9 @@ class HalfSpace:
 
 @njit(cache=True)
 def _reach(pressure: Array) -> tuple[int, int]:
-    """Return the maximum distance of a row from a loaded one, at least half the window, which must fit; and so for columns."""
+    """Return the maximum distance of a row from a loaded one, at least half the window, which must
+    fit; and so for columns.
+    """
     rows, columns = pressure.shape
     first_row, last_row, first_column, last_column = rows, 0, columns, 0
     for i in range(rows):
@@ -167,16 +220,19 @@ def _multiply(lines: Array, coefficients: Array) -> None:
 
 
 class Convolution:
-    """The transforms of one padded size and their work arrays: write the pressure, `apply`, read the deflection.
+    """The transforms of one padded size and their work arrays: write the pressure, `apply`, read
+    the deflection.
 
     Parameters
     ----------
     m, n : int. Padded lengths along and across.
-    single : bool. Whether transforms are of single precision, about 1e-7 of the maximum deflection off and up to twice as fast.
+    single : bool. Whether transforms are of single precision, about 1e-7 of the maximum deflection
+        off and up to twice as fast.
 
     Attributes
     ----------
-    real : (m, n) array. Pressure in its first rows and columns before, deflection in units of spacing / (pi E*) after.
+    real : (m, n) array. Pressure in its first rows and columns before, deflection in units of
+        spacing / (pi E*) after.
     """
 
     def __init__(self, m: int, n: int, single: bool) -> None:
@@ -185,13 +241,19 @@ class Convolution:
         self.real = pyfftw.zeros_aligned((m, n), real)
         self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
         self._as_pairs = self._lines.view(real)
-        # Each coefficient stands twice, for the real and the imaginary part of its line. Coefficients are even along the columns:
-        # half of the rows is enough and leaves the cache to the lines.
-        self._coefficients = np.repeat(_love_spectrum(m, n)[: m // 2 + 1] / (m * n), 2, axis=1).astype(real)
-        # FFTW_ESTIMATE, because plans chosen by timing differ from run to run, and with them the last digits.
+        # Each coefficient stands twice, for the real and the imaginary part of its line.
+        # Coefficients are even along the columns: half of the rows is enough and leaves the cache
+        # to the lines.
+        self._coefficients = np.repeat(
+            _love_spectrum(m, n)[: m // 2 + 1] / (m * n), 2, axis=1
+        ).astype(real)
+        # FFTW_ESTIMATE, because plans chosen by timing differ from run to run, and with them the
+        # last digits.
         flags = ("FFTW_ESTIMATE",)
         self._column_forward = pyfftw.FFTW(self._lines, self._lines, axes=(0,), flags=flags)
-        self._column_backward = pyfftw.FFTW(self._lines, self._lines, axes=(0,), direction="FFTW_BACKWARD", flags=flags)
+        self._column_backward = pyfftw.FFTW(
+            self._lines, self._lines, axes=(0,), direction="FFTW_BACKWARD", flags=flags
+        )
         self._row_plans: dict[int, tuple[pyfftw.FFTW, pyfftw.FFTW]] = {}
 
     def clear(self, rows: int) -> None:
@@ -203,11 +265,16 @@ class Convolution:
         return self.real[: rows + 8]
 
     def apply(self, rows: int) -> None:
-        """Replace the pressure on the first `rows` rows by their deflection; the rows below are of no use afterwards."""
+        """Replace the pressure on the first `rows` rows by their deflection; the rows below are of
+        no use afterwards.
+        """
         rows = min(-8 * (-rows // 8), self.real.shape[0])
         if rows not in self._row_plans:
             head, lines = self.real[:rows], self._lines[:rows]
-            backward = {"direction": "FFTW_BACKWARD", "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
+            backward = {
+                "direction": "FFTW_BACKWARD",
+                "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"),
+            }
             self._row_plans[rows] = (
                 pyfftw.FFTW(head, lines, axes=(1,), flags=("FFTW_ESTIMATE",)),
                 pyfftw.FFTW(lines, head, axes=(1,), **backward),

@@ -1,4 +1,5 @@
-"""March of the sphere along the track: one contact solve per position, warm-started, on a window that contact cannot leave.
+"""March of the sphere along the track: one contact solve per position, warm-started, on a window
+that contact cannot leave.
 
 The march is in distance: a quasi-static contact knows its position, not its speed.
 """
@@ -19,26 +20,35 @@ from rolling.contact.window import Window
 
 Array = NDArray[np.float64]
 
-# Nodes. Up to such a step a window reaches over the next position as well, whose deflection is then known in advance.
+# Nodes. Up to such a step a window reaches over the next position as well, whose deflection is then
+# known in advance.
 LOOK_AHEAD = 4
-# The smallest useful weight of the sphere-fixed start. Below it the plate-fixed start converges as fast and needs no mixing.
+# The smallest useful weight of the sphere-fixed start. Below it the plate-fixed start converges as
+# fast and needs no mixing.
 LEAST_SHARE = 0.2
-# Share of half the range of gaps over a cell. By trial on the quickstart at 5 N (Ra 0.1 um, Gaussian law, 2.1 GPa), 2 um against
-# 0.5 um: -20.1, -20.9, -19.8 dB at 0.5, 0.7, 0.9. Other scenes were not tried.
+# Share of half the range of gaps over a cell. By trial on the quickstart at 5 N (Ra 0.1 um,
+# Gaussian law, 2.1 GPa), 2 um against 0.5 um: -20.1, -20.9, -19.8 dB at 0.5, 0.7, 0.9. Other scenes
+# were not tried.
 EDGE_SHARE = 0.7
-# Share of the maximum deflection, so that cliffs do not make a contact soft; the edges of ground surfaces do not reach it.
+# Share of the maximum deflection, so that cliffs do not make a contact soft; the edges of ground
+# surfaces do not reach it.
 MOST_EDGE = 0.2
-# Positions before the first, in which blended edges forget most of the cold start. The remainder depends on the scene: over 100
-# steps -66, -53, -57 dB of the release signal in the quickstart at 5, 20, 100 N, -97 dB at Ra 1 um, -46 dB and more on pits.
+# Positions before the first, in which blended edges forget most of the cold start. The remainder
+# depends on the scene: over 100 steps -66, -53, -57 dB of the release signal in the quickstart at
+# 5, 20, 100 N, -97 dB at Ra 1 um, -46 dB and more on pits.
 RUN_IN = 3
-COLD_TIGHTENING = 0.1  # a cold start is solved this much tighter, so that its error does not stand out among warm ones
+# a cold start is solved this much tighter, so that its error does not stand out among warm ones
+COLD_TIGHTENING = 0.1
 
 
-def march(contact: RollingContact, first: int, last: int, half_space: HalfSpace) -> Iterator[ContactState]:
+def march(
+    contact: RollingContact, first: int, last: int, half_space: HalfSpace
+) -> Iterator[ContactState]:
     """Solve the contact at the positions first, first + 1, ..., last.
 
-    The march begins with a cold start at the first position, or a few positions earlier where edges are blended. The states
-    depend on `first`, not on positions marched before: pieces of a track may be marched anywhere.
+    The march begins with a cold start at the first position, or a few positions earlier where edges
+    are blended. The states depend on `first`, not on positions marched before: pieces of a track
+    may be marched anywhere.
 
     Parameters
     ----------
@@ -52,11 +62,13 @@ def march(contact: RollingContact, first: int, last: int, half_space: HalfSpace)
 
     Raises
     ------
-    ContactError : load above capacity, contact wider than the surface, or a solve that did not converge (with its position).
+    ContactError : load above capacity, contact wider than the surface, or a solve that did not
+        converge (with its position).
 
     Examples
     --------
-    A steel sphere of 5 mm radius rolls over a smooth plate under 5 N; Hertz gives a contact area of 5906 um2:
+    A steel sphere of 5 mm radius rolls over a smooth plate under 5 N; Hertz gives a contact area of
+    5906 um2:
 
     >>> import numpy as np
     >>> from rolling.contact.half_space import HalfSpace
@@ -76,11 +88,15 @@ def march(contact: RollingContact, first: int, last: int, half_space: HalfSpace)
     for k in range(first - (RUN_IN if contact.has_blended_edges else 0), last + 1):
         try:
             following = (
-                _start(contact, k, half_space) if state is None else _follow(contact, k, half_space, state, before)
+                _start(contact, k, half_space)
+                if state is None
+                else _follow(contact, k, half_space, state, before)
             )
         except ContactError as error:
             place = f"step {k}" if k >= first else f"on the way to step {first}"
-            raise ContactError(f"{place} (sphere at {contact.position(k) * 1e3:.4f} mm): {error}") from error
+            raise ContactError(
+                f"{place} (sphere at {contact.position(k) * 1e3:.4f} mm): {error}"
+            ) from error
         state, before = following, state
         if k >= first:
             yield state
@@ -94,7 +110,8 @@ class _Problem:
     ----------
     gap : (rows, columns) array on the window, m. Undeformed gap.
     approach : float, m. The window holds the overlap up to this approach.
-    edge : (rows, columns) array, m, or None. Half of the range of gaps over cells (see `solve_contact`).
+    edge : (rows, columns) array, m, or None. Half of the range of gaps over cells (see
+        `solve_contact`).
     """
 
     contact: RollingContact
@@ -113,7 +130,9 @@ class _Problem:
         )
 
     def wider(self, approach: float) -> _Problem | None:
-        """Return the problem on a window that holds the overlap at a larger approach; None if this one does."""
+        """Return the problem on a window that holds the overlap at a larger approach; None if this
+        one does.
+        """
         overlap = self.contact.overlap(self.k, approach) if approach > self.approach else None
         if overlap is None or self.window.covers(overlap):
             return None
@@ -123,7 +142,9 @@ class _Problem:
 
 
 def _solve(problem: _Problem, start: WarmStart, tolerance: float) -> ContactState:
-    """Solve the problem, and again on a larger window where the overlap at the approach found leaves the window."""
+    """Solve the problem, and again on a larger window where the overlap at the approach found
+    leaves the window.
+    """
     iterations, convolutions = 0, problem.half_space.count
     while True:
         solved = problem.solve(start, tolerance)
@@ -134,7 +155,9 @@ def _solve(problem: _Problem, start: WarmStart, tolerance: float) -> ContactStat
         start = WarmStart(problem.window.moved(solved.pressure, wider.window), close=True)
         problem = wider
     state = _state(problem, solved)
-    return replace(state, iterations=iterations, convolutions=problem.half_space.count - convolutions)
+    return replace(
+        state, iterations=iterations, convolutions=problem.half_space.count - convolutions
+    )
 
 
 def _state(problem: _Problem, solved: Contact) -> ContactState:
@@ -144,7 +167,12 @@ def _state(problem: _Problem, solved: Contact) -> ContactState:
         solved.pressure, solved.deflection, contact.hardness, problem.edge is not None
     )
     cell = contact.spacing**2
-    loaded = Window(window.row + block[0], window.column + block[2], block[1] - block[0] + 1, block[3] - block[2] + 1)
+    loaded = Window(
+        window.row + block[0],
+        window.column + block[2],
+        block[1] - block[0] + 1,
+        block[3] - block[2] + 1,
+    )
     _refuse_wide(contact, loaded.rows * contact.spacing, loaded.columns * contact.spacing)
     return ContactState(
         position=problem.k,
@@ -166,12 +194,17 @@ def _state(problem: _Problem, solved: Contact) -> ContactState:
 
 
 def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactState:
-    """Solve from a Winkler foundation that fits Hertz, on a window grown until contact cannot leave it."""
+    """Solve from a Winkler foundation that fits Hertz, on a window grown until contact cannot leave
+    it.
+    """
     hertz = closed_forms.hertz_radius(contact.load, contact.radius, contact.contact_modulus)
     stiffness = 4 * contact.contact_modulus / (np.pi * hertz)
     reach = max(hertz, np.sqrt(contact.load / (np.pi * contact.hardness))) * 1.5
     nodes = int(np.ceil(reach / contact.spacing)) + 2
-    centre, middle = round(contact.position(k) / contact.spacing), round(contact.mid_width / contact.spacing)
+    centre, middle = (
+        round(contact.position(k) / contact.spacing),
+        round(contact.mid_width / contact.spacing),
+    )
     around = Window(centre - nodes, middle - nodes, 2 * nodes + 1, 2 * nodes + 1)
     window = _room([around, *_overlaps(contact, k, hertz**2 / contact.radius)])
     gap = contact.gap(k, window)
@@ -186,11 +219,15 @@ def _blend(contact: RollingContact, half_space: HalfSpace, state: ContactState) 
     gap = contact.gap(state.position, state.window)
     edge = _edges(gap, state.pressure, state.deflection)
     problem = _Problem(contact, state.position, half_space, state.window, gap, state.approach, edge)
-    return _solve(problem, WarmStart(state.pressure, close=True), COLD_TIGHTENING * contact.tolerance)
+    return _solve(
+        problem, WarmStart(state.pressure, close=True), COLD_TIGHTENING * contact.tolerance
+    )
 
 
 def _edges(gap: Array, pressure: Array, deflection: Array, trend: Trend | None = None) -> Array:
-    """Compute half of the range of gaps [m] over cells that the edge of a patch at the hardness may cross."""
+    """Compute half of the range of gaps [m] over cells that the edge of a patch at the hardness may
+    cross.
+    """
     out = np.empty_like(gap)
     most = MOST_EDGE * float(deflection.max())
     change = np.empty((0, 0)) if trend is None else trend.deflection
@@ -199,17 +236,25 @@ def _edges(gap: Array, pressure: Array, deflection: Array, trend: Trend | None =
 
 
 def _follow(
-    contact: RollingContact, k: int, half_space: HalfSpace, state: ContactState, before: ContactState | None
+    contact: RollingContact,
+    k: int,
+    half_space: HalfSpace,
+    state: ContactState,
+    before: ContactState | None,
 ) -> ContactState:
-    """Solve the next position from pressures that stayed with the plate, on a window of all nodes that were or can be loaded.
+    """Solve the next position from pressures that stayed with the plate, on a window of all nodes
+    that were or can be loaded.
 
-    On a smooth plate pressures move with the sphere instead: the start is the mixture of both of least energy, as long as that is
-    worth its while. Both deflections are known, so finding it takes no convolution.
+    On a smooth plate pressures move with the sphere instead: the start is the mixture of both of
+    least energy, as long as that is worth its while. Both deflections are known, so finding it
+    takes no convolution.
     """
     change = abs(state.approach - before.approach) if before else np.inf
     approach = state.approach + min(4 * change, 0.1 * float(state.deflection.max()))
     needed = Window.around([state.loaded, *_overlaps(contact, k, approach)])
-    ahead = _overlaps(contact, k + 1, approach) if contact.step <= LOOK_AHEAD * contact.spacing else []
+    ahead = (
+        _overlaps(contact, k + 1, approach) if contact.step <= LOOK_AHEAD * contact.spacing else []
+    )
     window = _room([needed, *ahead])
     gap = contact.gap(k, window)
     pressure = state.window.moved(state.pressure, window)
@@ -227,7 +272,9 @@ def _follow(
         deflection = half_space.deflection(pressure) if deflection is None else deflection
         edge = _edges(gap, pressure, deflection, trend)
     problem = _Problem(contact, k, half_space, window, gap, approach, edge)
-    following = _solve(problem, WarmStart(pressure, deflection, trend, close=True), contact.tolerance)
+    following = _solve(
+        problem, WarmStart(pressure, deflection, trend, close=True), contact.tolerance
+    )
     return replace(following, sphere_share=sphere_share)
 
 
@@ -236,7 +283,13 @@ def _trend(pressure: Array, deflection: Array, window: Window, before: ContactSt
     trend = Trend(np.empty_like(pressure), np.empty_like(pressure))
     offset = before.window.row - window.row, before.window.column - window.column
     _march_kernels.trends(
-        pressure, deflection, before.pressure, before.deflection, *offset, trend.pressure, trend.deflection
+        pressure,
+        deflection,
+        before.pressure,
+        before.deflection,
+        *offset,
+        trend.pressure,
+        trend.deflection,
     )
     return trend
 
@@ -244,7 +297,9 @@ def _trend(pressure: Array, deflection: Array, window: Window, before: ContactSt
 def _towards_the_sphere(
     contact: RollingContact, state: ContactState, window: Window, gap: Array, start: Array
 ) -> tuple[float, Array]:
-    """Find the share of the pressures that best goes with the sphere, and mix them with those that stay with the plate."""
+    """Find the share of the pressures that best goes with the sphere, and mix them with those that
+    stay with the plate.
+    """
     nodes = round(contact.step / contact.spacing)
     moved_on = replace(state.window, row=state.window.row + nodes)
     if nodes * contact.spacing != contact.step or not window.covers(
@@ -252,7 +307,9 @@ def _towards_the_sphere(
     ):
         return 0.0, start
     offset = state.window.row - window.row, state.window.column - window.column
-    slope, curvature = _march_kernels.towards_the_sphere(state.pressure, state.deflection, gap, *offset, nodes)
+    slope, curvature = _march_kernels.towards_the_sphere(
+        state.pressure, state.deflection, gap, *offset, nodes
+    )
     share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0
     if share < LEAST_SHARE:
         return 0.0, start
@@ -278,7 +335,9 @@ def _room(windows: list[Window]) -> Window:
 
 
 def _refuse_the_impossible(contact: RollingContact) -> None:
-    """Raise ContactError for a load above capacity or a contact wider than one period of the surface."""
+    """Raise ContactError for a load above capacity or a contact wider than one period of the
+    surface.
+    """
     area = contact.heights.size * contact.spacing**2
     if contact.load >= contact.hardness * area:
         raise ContactError(

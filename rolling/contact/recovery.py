@@ -1,7 +1,9 @@
-"""Recovery in the frame of the plate: release, loading and stored energy per step, recovery events and their statistics.
+"""Recovery in the frame of the plate: release, loading and stored energy per step, recovery events
+and their statistics.
 
-A node whose deflection falls by du under pressure p releases p du dA (Lee, Kim & Kim, Inventions 10(1), 17 (2025), Eq. 8-9). p is
-the mean over the step, which is of second order in it, or its left end as in the article.
+A node whose deflection falls by du under pressure p releases p du dA (Lee, Kim & Kim, Inventions
+10(1), 17 (2025), Eq. 8-9). p is the mean over the step, which is of second order in it, or its left
+end as in the article.
 """
 
 from __future__ import annotations
@@ -29,9 +31,11 @@ class StepEnergy:
     Parameters
     ----------
     release, loading : float, J. Sums of the energies that nodes gave up and took up.
-    defect : float, J. Loading - release - change of the stored energy, zero but for the error of the step.
+    defect : float, J. Loading - release - change of the stored energy, zero but for the error of
+        the step.
     window : Window. Nodes of `node_work`.
-    node_work : (rows, columns) array, J. Energy that each node released (positive) or took up (negative).
+    node_work : (rows, columns) array, J. Energy that each node released (positive) or took up
+        (negative).
     """
 
     release: float
@@ -41,17 +45,21 @@ class StepEnergy:
     node_work: Array
 
 
-def step_energy(old: ContactState, new: ContactState, half_space: HalfSpace, left_end: bool = False) -> StepEnergy:
+def step_energy(
+    old: ContactState, new: ContactState, half_space: HalfSpace, left_end: bool = False
+) -> StepEnergy:
     """Compute release and loading between two successive positions.
 
-    Each node loaded at either position counts, so that both deflections must be known on all of them. The new window reaches
-    over the nodes that were loaded; where the old one does not reach over the new ones, its deflection is computed there.
+    Each node loaded at either position counts, so that both deflections must be known on all of
+    them. The new window reaches over the nodes that were loaded; where the old one does not reach
+    over the new ones, its deflection is computed there.
 
     Parameters
     ----------
     old, new : ContactState. States at successive positions.
     half_space : HalfSpace. Pressure to deflection.
-    left_end : bool. Whether the pressure is that at the old position instead of the mean. Default: False.
+    left_end : bool. Whether the pressure is that at the old position instead of the mean. Default:
+        False.
 
     Returns
     -------
@@ -101,7 +109,9 @@ class EventTable:
         origin = work.window.row, work.window.column
         while True:
             table = self.node, self.first, self.last, self.energy, self.peak
-            count = _recovery_kernels.extend_events(work.node_work, origin, step, self._open, table, self.count)
+            count = _recovery_kernels.extend_events(
+                work.node_work, origin, step, self._open, table, self.count
+            )
             if count >= 0:
                 self.count = int(count)
                 return
@@ -119,7 +129,8 @@ class EventTable:
 
 
 def join_events(pieces: Iterable[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
-    """Join the tables of successive pieces of a track; an event cut by a border between pieces is made whole.
+    """Join the tables of successive pieces of a track; an event cut by a border between pieces is
+    made whole.
 
     Parameters
     ----------
@@ -134,7 +145,8 @@ def join_events(pieces: Iterable[dict[str, NDArray[Any]]]) -> dict[str, NDArray[
     if not tables:
         return copies[0] if copies else {}
     kept = [np.ones(table["energy"].size, dtype=bool) for table in tables]
-    # Table and row of each event that reaches the last position of its piece: a long one may run through whole pieces.
+    # Table and row of each event that reaches the last position of its piece: a long one may run
+    # through whole pieces.
     open_events: dict[tuple[int, ...], tuple[dict[str, NDArray[Any]], int]] = {}
     for table, keep in zip(tables, kept, strict=True):
         border = table["first"].min()
@@ -167,10 +179,12 @@ class EventStatistics:
     ----------
     count : int. Number of events.
     per_metre : float, 1/m. Events per length of track.
-    energy_mean, energy_median, energy_p90 : float, J. Energy of an event; nine in ten release less than the last.
+    energy_mean, energy_median, energy_p90 : float, J. Energy of an event; nine in ten release less
+        than the last.
     duration_mean : float. Steps that an event lasts.
     peak : float, J. Maximum release of one node in a step.
-    top_tenth_share : float. Share of the release by the tenth of the events (rounded up) with the most energy.
+    top_tenth_share : float. Share of the release by the tenth of the events (rounded up) with the
+        most energy.
     """
 
     count: int
@@ -188,7 +202,8 @@ def event_statistics(events: Mapping[str, NDArray[Any]], length: float) -> Event
 
     Parameters
     ----------
-    events : mapping of the columns first, last, energy [J] and peak [J per step], each (n,) (see EventTable).
+    events : mapping of the columns first, last, energy [J] and peak [J per step], each (n,) (see
+        EventTable).
     length : float, m. Length of the track that they were released on.
 
     Returns

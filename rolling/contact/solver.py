@@ -1,12 +1,14 @@
 """Contact solve: pressures between 0 and the hardness on a window of nodes, under a given load.
 
-min over p of  1/2 p.Cp + e.p   subject to 0 <= p <= H, sum(p) dA = W, by conjugate gradients projected on both bounds, after
-Polonsky & Keer, Wear 231 (1999). Three things differ from the paper: a short stencil of the inverse half-space operator
-preconditions, nodes about to reach a bound are put there at once, and each trial pressure is made feasible before its one
-convolution, after which the step along it is exact. The energy therefore falls in every iteration, at one convolution each.
+min over p of  1/2 p.Cp + e.p   subject to 0 <= p <= H, sum(p) dA = W, by conjugate gradients
+projected on both bounds, after Polonsky & Keer, Wear 231 (1999). Three things differ from the
+paper: a short stencil of the inverse half-space operator preconditions, nodes about to reach a
+bound are put there at once, and each trial pressure is made feasible before its one convolution,
+after which the step along it is exact. The energy therefore falls in every iteration, at one
+convolution each.
 
-The iteration runs in single precision on candidate nodes only. A solution is accepted after a double-precision check on the full
-window.
+The iteration runs in single precision on candidate nodes only. A solution is accepted after a
+double-precision check on the full window.
 """
 
 from __future__ import annotations
@@ -23,12 +25,16 @@ from rolling.contact.half_space import HalfSpace
 
 Array = NDArray[np.float64]
 
-NEAR = 0.01  # candidates for contact have a gap below this share of the largest deflection; 0.001 to 0.1 take the same iterations
+# candidates for contact have a gap below this share of the largest deflection; 0.001 to 0.1 take
+# the same iterations
+NEAR = 0.01
 SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the largest deflection, serves no tighter one
 
 
 class ContactError(RuntimeError):
-    """A contact that cannot be solved: the limit in numbers, or the methods tried and the residual they reached."""
+    """A contact that cannot be solved: the limit in numbers, or the methods tried and the residual
+    they reached.
+    """
 
 
 @dataclass(frozen=True)
@@ -40,8 +46,8 @@ class Contact:
     pressure : (m, n) array, Pa.
     deflection : (m, n) array, m.
     approach : float, m.
-    residual : float. KKT residual: maximum violation of the contact conditions over the maximum deflection, from a deflection
-        computed afresh.
+    residual : float. KKT residual: maximum violation of the contact conditions over the maximum
+        deflection, from a deflection computed afresh.
     iterations : int. Iterations that the solve took.
     """
 
@@ -75,8 +81,8 @@ class WarmStart:
     pressure : (m, n) array, Pa. Between 0 and the hardness, carrying the load to rounding.
     deflection : (m, n) array, m, or None. Deflection by `pressure`. Default: it is computed.
     trend : Trend or None. Expected changes, used where `deflection` is given. Default: none.
-    close : bool. Whether to iterate only on nodes in or near contact, and check the others after convergence. Use it when the
-        start is close to the solution. Default: False.
+    close : bool. Whether to iterate only on nodes in or near contact, and check the others after
+        convergence. Use it when the start is close to the solution. Default: False.
     """
 
     pressure: Array
@@ -91,16 +97,19 @@ class SolverOptions:
 
     Parameters
     ----------
-    tolerance : float. Largest KKT residual: violation of the contact conditions over the maximum deflection. Default: 1e-5.
-    single : bool. Whether to iterate on deflections of single precision while the tolerance is far above their error. A solution
-        is accepted in double precision all the same. Default: True.
+    tolerance : float. Largest KKT residual: violation of the contact conditions over the maximum
+        deflection. Default: 1e-5.
+    single : bool. Whether to iterate on deflections of single precision while the tolerance is far
+        above their error. A solution is accepted in double precision all the same. Default: True.
     """
 
     tolerance: float = 1e-5
     single: bool = True
 
 
-def foundation(gap: Array, load: float, spacing: float, stiffness: float, hardness: float = np.inf) -> Array:
+def foundation(
+    gap: Array, load: float, spacing: float, stiffness: float, hardness: float = np.inf
+) -> Array:
     """Solve the same contact on a Winkler foundation, for a cold start.
 
     Parameters
@@ -113,7 +122,8 @@ def foundation(gap: Array, load: float, spacing: float, stiffness: float, hardne
 
     Returns
     -------
-    (m, n) array, Pa. The smaller of hardness and stiffness times overlap, at the approach that carries the load.
+    (m, n) array, Pa. The smaller of hardness and stiffness times overlap, at the approach that
+    carries the load.
 
     Raises
     ------
@@ -126,10 +136,14 @@ def foundation(gap: Array, load: float, spacing: float, stiffness: float, hardne
             f" {gap.size * spacing**2:.4g} m2 is {hardness * gap.size * spacing**2:.4g} N"
         )
     e = np.ascontiguousarray(gap, dtype=float).ravel()
-    limits, free = Limits(float(hardness), float(total)), Sets(np.arange(e.size, dtype=np.uint32), e.size, 0)
+    limits, free = (
+        Limits(float(hardness), float(total)),
+        Sets(np.arange(e.size, dtype=np.uint32), e.size, 0),
+    )
     pressure = np.empty_like(e)
     slope, _ = _projection.project(np.zeros_like(e), e, 0.0, -stiffness * e, free, limits, pressure)
-    if slope == np.inf:  # heights so large that springs round the load away: the lowest nodes carry it
+    # heights so large that springs round the load away: the lowest nodes carry it
+    if slope == np.inf:
         pressure[:] = 0.0
         _projection.settle_load(pressure, e, limits, 0.0)
     return pressure.reshape(gap.shape)
@@ -162,9 +176,10 @@ def solve_contact(
     load : float, N. Normal load.
     start : WarmStart or None. Default: a Winkler foundation.
     hardness : float, Pa. Largest pressure. Default: infinite, purely elastic.
-    edge : (m, n) array, m, or None. Half of the range of gaps over the cell of a node, where a patch at the hardness may end
-        within the cell: a node with the share s of its cell in contact bears s * hardness at a gap of edge * (1 - 2 s).
-        Default: a cell is in contact as a whole or not at all.
+    edge : (m, n) array, m, or None. Half of the range of gaps over the cell of a node, where a
+        patch at the hardness may end within the cell: a node with the share s of its cell in
+        contact bears s * hardness at a gap of edge * (1 - 2 s). Default: a cell is in contact as a
+        whole or not at all.
     options : SolverOptions or None. Default: SolverOptions().
 
     Returns
@@ -173,8 +188,8 @@ def solve_contact(
 
     Raises
     ------
-    ContactError : the window cannot carry the load, or the solve did not converge; the message has residual, iterations and the
-        methods tried.
+    ContactError : the window cannot carry the load, or the solve did not converge; the message has
+        residual, iterations and the methods tried.
     ValueError : the start has another shape than the gap.
 
     Examples
@@ -196,11 +211,14 @@ def solve_contact(
     limits = Limits(float(hardness), float(load / half_space.spacing**2))
     gap, p = np.ascontiguousarray(gap, dtype=float), np.array(start.pressure, dtype=float)
     if p.shape != gap.shape:
-        raise ValueError(f"the start has pressures of shape {p.shape}, the gap has shape {gap.shape}")
+        raise ValueError(
+            f"the start has pressures of shape {p.shape}, the gap has shape {gap.shape}"
+        )
     u = half_space.deflection(p) if start.deflection is None else start.deflection
     compliance = None
     if edge is not None:
-        # A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives 2 edge / H by itself.
+        # A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives 2
+        # edge / H by itself.
         gap, compliance = gap - edge, 2 * edge / hardness
     near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
     effort = Effort()
@@ -214,7 +232,11 @@ def solve_contact(
             raise ContactError(
                 "the contact solve met numbers that are not finite: check units of load, modulus and heights"
             )
-        if fresh and worst <= options.tolerance * u_max and abs(p.sum() / limits.total - 1) <= 1e-12:
+        if (
+            fresh
+            and worst <= options.tolerance * u_max
+            and abs(p.sum() / limits.total - 1) <= 1e-12
+        ):
             return Contact(p, u, float(approach), float(worst / u_max), effort.iterations)
         if effort.is_spent:
             raise ContactError(
@@ -224,9 +246,20 @@ def solve_contact(
             )
         candidates = Candidates.below(p, gap, v, approach + near * u_max)
         # Not converged though no new node came into sight: single precision is not enough.
-        precise = not options.single or options.tolerance < SINGLE_TOLERANCE or (fresh and candidates.node.size <= seen)
+        precise = (
+            not options.single
+            or options.tolerance < SINGLE_TOLERANCE
+            or (fresh and candidates.node.size <= seen)
+        )
         descent = Descent(
-            half_space, candidates, p, gap + v, compliance, limits, options.tolerance * u_max, not precise
+            half_space,
+            candidates,
+            p,
+            gap + v,
+            compliance,
+            limits,
+            options.tolerance * u_max,
+            not precise,
         )
         if start.trend is not None and not fresh:
             descent.lead(start.trend.pressure, start.trend.deflection)

@@ -30,7 +30,8 @@ class RollingContact:
     start : float, m. Place of position 0 along the track.
     tolerance : float. Largest KKT residual of a solve.
     single : bool. Whether to iterate on deflections of single precision. Default: True.
-    blended : bool. Whether nodes at the edge of yielding patches bear the share of their cell in contact. Default: False.
+    blended : bool. Whether nodes at the edge of yielding patches bear the share of their cell in
+        contact. Default: False.
     """
 
     heights: Array
@@ -57,7 +58,9 @@ class RollingContact:
 
     @property
     def has_blended_edges(self) -> bool:
-        """Whether edges are blended: an elastic contact has no patch at the hardness whose edge could be."""
+        """Whether edges are blended: an elastic contact has no patch at the hardness whose edge
+        could be.
+        """
         return self.blended and bool(np.isfinite(self.hardness))
 
     @property
@@ -70,7 +73,8 @@ class RollingContact:
         return self.start + k * self.step
 
     def overlap(self, k: int, approach: float) -> Window | None:
-        """Find the window where the undeformed gap is below the approach [m] at position k, or None.
+        """Find the window where the undeformed gap is below the approach [m] at position k, or
+        None.
 
         Contact at this approach or a smaller one lies inside.
         """
@@ -90,7 +94,14 @@ class RollingContact:
         """Compute the undeformed gap on a window at position k, a (rows, columns) array [m]."""
         out = np.empty((window.rows, window.columns))
         _march_kernels.undeformed_gap(
-            self.heights, self.spacing, self.radius, self.position(k), self.mid_width, window.row, window.column, out
+            self.heights,
+            self.spacing,
+            self.radius,
+            self.position(k),
+            self.mid_width,
+            window.row,
+            window.column,
+            out,
         )
         return out
 
@@ -107,14 +118,17 @@ class ContactState:
     pressure : (rows, columns) array on the window, Pa.
     deflection : (rows, columns) array on the window, m.
     approach : float, m.
-    contact_area, plastic_area : float, m2. Area of the nodes in contact, and of those at the hardness.
+    contact_area, plastic_area : float, m2. Area of the nodes in contact, and of those at the
+        hardness.
     max_pressure : float, Pa.
     max_deflection : float, m.
     stored_energy : float, J. Elastic energy.
     residual : float. KKT residual.
     iterations, convolutions : int. Cost of the solve.
-    edge : (rows, columns) array, m, or None. Half of the range of gaps over the cells where a patch may end, of a blended march.
-    sphere_share : float. Share of the initial pressures that moved with the sphere; all others stayed with the plate.
+    edge : (rows, columns) array, m, or None. Half of the range of gaps over the cells where a patch
+        may end, of a blended march.
+    sphere_share : float. Share of the initial pressures that moved with the sphere; all others
+        stayed with the plate.
     """
 
     position: int

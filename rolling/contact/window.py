@@ -30,7 +30,9 @@ class Window:
 
     @classmethod
     def spanning(cls, blocks: list[tuple[int, int, int, int]]) -> Window:
-        """Return the smallest window over blocks given as (first row, last row, first column, last column)."""
+        """Return the smallest window over blocks given as (first row, last row, first column, last
+        column).
+        """
         row, last_row = min(b[0] for b in blocks), max(b[1] for b in blocks)
         column, last_column = min(b[2] for b in blocks), max(b[3] for b in blocks)
         return cls(row, column, last_row - row + 1, last_column - column + 1)
@@ -38,7 +40,9 @@ class Window:
     @classmethod
     def around(cls, windows: Iterable[Window]) -> Window:
         """Return the smallest window that covers all the given ones."""
-        return cls.spanning([(w.row, w.row + w.rows - 1, w.column, w.column + w.columns - 1) for w in windows])
+        return cls.spanning(
+            [(w.row, w.row + w.rows - 1, w.column, w.column + w.columns - 1) for w in windows]
+        )
 
     def covers(self, other: Window) -> bool:
         """Tell whether all nodes of the other window lie in this one."""
@@ -54,7 +58,9 @@ class Window:
         return Window(self.row - 1, self.column - 1, self.rows + 2, self.columns + 2)
 
     def moved(self, values: Array, target: Window) -> Array:
-        """Copy values (rows, columns) of this window into the target window; they are zero where this one does not reach."""
+        """Copy values (rows, columns) of this window into the target window; they are zero where
+        this one does not reach.
+        """
         out = np.empty((target.rows, target.columns))
         _march_kernels.copy_block(values, out, self.row - target.row, self.column - target.column)
         return out

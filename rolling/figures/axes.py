@@ -36,8 +36,11 @@ def surface(ax: Axes, bar: Axes | None, heights: Array, spacing: float) -> Axes:
     """
     every = map_stride(heights, spacing)
     shown = heights[: shown_nodes(heights, spacing) : every, ::every]
-    span = max(float(np.abs(heights).max()) * 1e6, 1e-3)  # the rounding of a smooth surface stays invisible
-    along, across = (np.array([0, nodes]) * every * spacing * 1e6 - spacing / 2 * 1e6 for nodes in shown.shape)
+    # the rounding of a smooth surface stays invisible
+    span = max(float(np.abs(heights).max()) * 1e6, 1e-3)
+    along, across = (
+        np.array([0, nodes]) * every * spacing * 1e6 - spacing / 2 * 1e6 for nodes in shown.shape
+    )
     colours = matplotlib.colormaps["cividis"].resampled(_SHADES)
     return _map(ax, bar, shown * 1e6, (*along, *across), colours, (-span, span), "height [µm]")
 
@@ -97,7 +100,8 @@ def shares(ax: Axes, edges: Array, events: Array, release: Array, xlabel: str) -
     ----------
     ax : axes to draw on.
     edges : array (n + 1,). Edges of the bins.
-    events, release : arrays (n,). Shares of the events and of the released energy in each bin, 0 to 1.
+    events, release : arrays (n,). Shares of the events and of the released energy in each bin, 0 to
+        1.
     xlabel : str. Quantity and unit of the edges.
     """
     for values, label, colour, style in (
@@ -123,7 +127,15 @@ def _map(
     label: str,
 ) -> Axes:
     low, high = limits
-    image = ax.imshow(values.T, origin="lower", extent=extent, cmap=colours, vmin=low, vmax=high, interpolation="none")
+    image = ax.imshow(
+        values.T,
+        origin="lower",
+        extent=extent,
+        cmap=colours,
+        vmin=low,
+        vmax=high,
+        interpolation="none",
+    )
     ax.figure.colorbar(image, cax=bar, ax=None if bar else ax, label=label)
     ax.set_xlabel("along the track [µm]")
     ax.set_ylabel("across [µm]")

@@ -38,7 +38,8 @@ _SMALLEST_SHARE = 1e-6  # of the maximum energy: the axis begins there
 _MOST_DURATIONS = 50  # columns of a distribution of durations
 
 
-# ---- surface ---------------------------------------------------------------------------------------------------------
+# ---- surface
+# ---------------------------------------------------------------------------------------------------------
 
 
 def surface(run: RunResult) -> Picture:
@@ -90,7 +91,8 @@ def _surface_boxes(ratio: float) -> tuple[Box, Box, Box]:
     )
 
 
-# ---- contact ---------------------------------------------------------------------------------------------------------
+# ---- contact
+# ---------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,9 @@ class ContactScales:
 
 
 def contact(run: RunResult, among: Sequence[RunResult]) -> Picture | None:
-    """Draw pressure and deflection of a run's snapshot on the scales of all runs; None without a snapshot."""
+    """Draw pressure and deflection of a run's snapshot on the scales of all runs; None without a
+    snapshot.
+    """
     snapshot = run.result.snapshot
     if snapshot is None:
         return None
@@ -137,7 +141,9 @@ def contact(run: RunResult, among: Sequence[RunResult]) -> Picture | None:
     return Picture("contact", f"Pressure and deflection. {title}: {note}", figure, {})
 
 
-def _draw_contact(figure: Figure, run: RunResult, snapshot: Snapshot, scales: ContactScales) -> dict[Axes, Box]:
+def _draw_contact(
+    figure: Figure, run: RunResult, snapshot: Snapshot, scales: ContactScales
+) -> dict[Axes, Box]:
     """Draw the maps of pressure and deflection; return the boxes of all axes."""
     along, across = _sphere_position(run, snapshot)
     places: dict[Axes, Box] = {}
@@ -169,11 +175,14 @@ def _sphere_position(run: RunResult, snapshot: Snapshot) -> tuple[float, float]:
 def _reach(run: RunResult, snapshot: Snapshot) -> float:
     """Return the distance from the sphere to the farthest edge of the snapshot's window [m]."""
     spacing = run.scene.spacing
-    low = np.array([snapshot.along, snapshot.across]) - spacing / 2 - _sphere_position(run, snapshot)
+    low = (
+        np.array([snapshot.along, snapshot.across]) - spacing / 2 - _sphere_position(run, snapshot)
+    )
     return float(np.abs([low, low + np.array(snapshot.pressure.shape) * spacing]).max())
 
 
-# ---- recovery events -------------------------------------------------------------------------------------------------
+# ---- recovery events
+# -------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -195,9 +204,13 @@ class EventDistribution:
     release: Array
 
     @classmethod
-    def over(cls, quantity: tuple[str, str], values: Array, edges: Array, energy: Array) -> EventDistribution:
+    def over(
+        cls, quantity: tuple[str, str], values: Array, edges: Array, energy: Array
+    ) -> EventDistribution:
         """Sort events into bins of a quantity (name, unit)."""
-        counts, released = (np.histogram(values, edges, weights=weights)[0] for weights in (None, energy))
+        counts, released = (
+            np.histogram(values, edges, weights=weights)[0] for weights in (None, energy)
+        )
         return cls(*quantity, edges, counts / counts.sum(), released / released.sum())
 
     @property
@@ -218,11 +231,17 @@ def event_distributions(run: RunResult) -> tuple[EventDistribution, EventDistrib
         return None
     energy, steps = table["energy"], table["last"] - table["first"]
     low, high = np.log10(energy.min()), np.log10(energy.max())
-    bins = np.arange(np.floor(low * _ENERGIES_PER_DECADE), np.floor(high * _ENERGIES_PER_DECADE) + 2)
+    bins = np.arange(
+        np.floor(low * _ENERGIES_PER_DECADE), np.floor(high * _ENERGIES_PER_DECADE) + 2
+    )
     width = -(-int(steps.max()) // _MOST_DURATIONS)
     return (
-        EventDistribution.over(("energy", "J"), energy, 10.0 ** (bins / _ENERGIES_PER_DECADE), energy),
-        EventDistribution.over(("duration", "steps"), steps, np.arange(0.5, steps.max() + width + 0.5, width), energy),
+        EventDistribution.over(
+            ("energy", "J"), energy, 10.0 ** (bins / _ENERGIES_PER_DECADE), energy
+        ),
+        EventDistribution.over(
+            ("duration", "steps"), steps, np.arange(0.5, steps.max() + width + 0.5, width), energy
+        ),
     )
 
 
@@ -239,7 +258,9 @@ def recovery_events(run: RunResult) -> Picture | None:
     width = (WIDTH_IN - LEFT_IN - RIGHT_IN - gap) / 2
     for index, each in enumerate(distributions):
         ax = figure.add_subplot()
-        axes.shares(ax, each.edges, each.events, each.release, f"{each.name} of an event [{each.unit}]")
+        axes.shares(
+            ax, each.edges, each.events, each.release, f"{each.name} of an event [{each.unit}]"
+        )
         places[ax] = (LEFT_IN + index * (width + gap), BOTTOM_IN, width, 3.0)
     energies = distributions[0].edges
     figure.axes[0].set_xscale("log")

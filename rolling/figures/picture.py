@@ -31,7 +31,8 @@ Array = NDArray[np.float64]
 DPI = 110
 WIDTH_IN = 8.5
 SIDE_IN = 0.12  # of white on either side of titles and legends
-LEFT_IN, RIGHT_IN, BOTTOM_IN, TOP_IN = 0.85, 0.2, 0.6, 0.68  # about the axes: tick labels, axis label, titles
+# about the axes: tick labels, axis label, titles
+LEFT_IN, RIGHT_IN, BOTTOM_IN, TOP_IN = 0.85, 0.2, 0.6, 0.68
 BAR_IN = 0.16  # width of a colour bar
 BAR_ROOM_IN = 1.0  # from the end of its axes to the edge: gap, bar, tick labels, label
 Box = tuple[float, float, float, float]  # left, bottom, width and height of axes [inches]
@@ -48,8 +49,10 @@ class Picture:
     name : str. Stem of its files.
     alt : str. Description for readers who do not see it.
     figure : matplotlib figure.
-    columns : mapping of arrays. Every plotted curve by its name with unit; lengths may differ. Maps have none.
-    remarks : tuple of str. First lines of its CSV, each behind a `#`. Pictures without levels have none.
+    columns : mapping of arrays. Every plotted curve by its name with unit; lengths may differ. Maps
+        have none.
+    remarks : tuple of str. First lines of its CSV, each behind a `#`. Pictures without levels have
+        none.
     """
 
     name: str
@@ -86,11 +89,16 @@ class Picture:
     @cached_property
     def _csv(self) -> bytes:
         columns = [
-            ["" if gap else f"{value:.9g}" for value, gap in zip(values.tolist(), ~np.isfinite(values), strict=True)]
+            [
+                "" if gap else f"{value:.9g}"
+                for value, gap in zip(values.tolist(), ~np.isfinite(values), strict=True)
+            ]
             for values in self.columns.values()
         ]
         rows = [[quoted(name, ",") for name in self.columns], *zip_longest(*columns, fillvalue="")]
-        return "".join(f"{line}\n" for line in [*map(comment, self.remarks), *map(",".join, rows)]).encode()
+        return "".join(
+            f"{line}\n" for line in [*map(comment, self.remarks), *map(",".join, rows)]
+        ).encode()
 
     def plot_area(self) -> tuple[float, float, float, float]:
         """Return left, bottom, right and top of the first axes, as shares of the figure."""
@@ -115,15 +123,16 @@ def blank() -> Figure:
 def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, Box]) -> None:
     """Place axes, title, note and legend, and set the height of the figure.
 
-    Title, note and legend are set smaller where they are too long for the width. The legend shows the
-    curves of the first axes. Text is drawn as it stands: a dollar begins no formula.
+    Title, note and legend are set smaller where they are too long for the width. The legend shows
+    the curves of the first axes. Text is drawn as it stands: a dollar begins no formula.
 
     Parameters
     ----------
     figure : figure to lay out.
     title : str. First line.
     note : str. Second line, with the assumptions.
-    places : mapping of boxes, inches. Box of each pair of axes, above the legend and below the titles.
+    places : mapping of boxes, inches. Box of each pair of axes, above the legend and below the
+        titles.
     """
     handles, labels = next(iter(places)).get_legend_handles_labels()
     labels = [drawable(label) for label in labels]
@@ -133,7 +142,9 @@ def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, Box]) -
     height = max(bottom + tall for _, bottom, _, tall in places.values()) + TOP_IN + below
     figure.set_size_inches(WIDTH_IN, height)
     for ax, (left, bottom, wide, tall) in places.items():
-        ax.set_position((left / WIDTH_IN, (bottom + below) / height, wide / WIDTH_IN, tall / height))
+        ax.set_position(
+            (left / WIDTH_IN, (bottom + below) / height, wide / WIDTH_IN, tall / height)
+        )
     if labels:
         legend = figure.legend(
             handles,
@@ -168,7 +179,9 @@ def _fit(drawn: Artist, texts: Sequence[Text], room: float) -> None:
 def drawable(text: str) -> str:
     """Escape letters that the font of the pictures lacks, so that different texts look different."""
     known = _letters()
-    return "".join(x if ord(x) in known else x.encode("unicode_escape").decode("ascii") for x in text)
+    return "".join(
+        x if ord(x) in known else x.encode("unicode_escape").decode("ascii") for x in text
+    )
 
 
 @cache
@@ -195,11 +208,14 @@ def single(
     figure = blank()
     ax = figure.add_subplot()
     draw(ax)
-    lay_out(figure, title, note, {ax: (LEFT_IN, BOTTOM_IN, WIDTH_IN - LEFT_IN - RIGHT_IN, _TALL_IN)})
+    lay_out(
+        figure, title, note, {ax: (LEFT_IN, BOTTOM_IN, WIDTH_IN - LEFT_IN - RIGHT_IN, _TALL_IN)}
+    )
     return Picture(name, f"{title}: {note}", figure, columns, tuple(remarks))
 
 
-# ---- tables as text --------------------------------------------------------------------------------------------------
+# ---- tables as text
+# --------------------------------------------------------------------------------------------------
 
 
 def comment(remark: str) -> str:
@@ -209,4 +225,8 @@ def comment(remark: str) -> str:
 
 def quoted(cell: str, separator: str) -> str:
     """Write a text cell of a table, quoted if it holds a separator, a quotation mark or a `#`."""
-    return '"' + cell.replace('"', '""') + '"' if any(sign in cell for sign in (separator, '"', "#")) else cell
+    return (
+        '"' + cell.replace('"', '""') + '"'
+        if any(sign in cell for sign in (separator, '"', "#"))
+        else cell
+    )

@@ -42,7 +42,9 @@ def of_run(run: RunResult, among: Sequence[RunResult] = ()) -> Iterator[Picture]
 
 
 def of_runs(runs: Sequence[RunResult]) -> Iterator[Picture]:
-    """Draw the pictures that compare runs, with levels against the first quantity that a sweep varies."""
+    """Draw the pictures that compare runs, with levels against the first quantity that a sweep
+    varies.
+    """
     yield from sound_figures.spectra(runs, runs)
     yield from sound_figures.third_octaves(runs, runs)
     key = sound_figures.swept_key(runs)

@@ -37,7 +37,8 @@ from rolling.simulation import labels
 from rolling.simulation.run_result import RunResult
 
 Array = NDArray[np.float64]
-LevelCurve = tuple[str, list[float | None], list[float | None]]  # label, levels [dB], standard uncertainty [dB]
+# label, levels [dB], standard uncertainty [dB]
+LevelCurve = tuple[str, list[float | None], list[float | None]]
 
 _TALL_IN = 3.5  # height of axes
 _UNCERTAINTY = "bars: standard uncertainty of Gaussian noise of that duration"
@@ -84,12 +85,15 @@ class SoundViews:
 
     @cached_property
     def density_extremes(self) -> list[float]:
-        """Minimum and maximum level of the spectrogram, dB, without the lowest fiftieth: gaps between peaks."""
+        """Minimum and maximum level of the spectrogram, dB, without the lowest fiftieth: gaps
+        between peaks.
+        """
         shown = self.spectrogram.level_db[np.isfinite(self.spectrogram.level_db)]
         return [float(np.quantile(shown, 0.02)), float(shown.max())] if len(shown) else []
 
 
-# The curves of each run set the axes of all the others: they are computed once and kept as long as the run.
+# The curves of each run set the axes of all the others: they are computed once and kept as long as
+# the run.
 _views_by_run: WeakKeyDictionary[RunResult, SoundViews] = WeakKeyDictionary()
 
 
@@ -100,7 +104,8 @@ def views(run: RunResult) -> SoundViews:
     return _views_by_run[run]
 
 
-# ---- spectra ---------------------------------------------------------------------------------------------------------
+# ---- spectra
+# ---------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -114,7 +119,10 @@ class SpectrumKind:
 
 
 A_WEIGHTED = SpectrumKind(
-    "spectrum", "A-weighted spectrum", "A-weighted line level [dB re 20 µPa]", lambda run: views(run).a_weighted
+    "spectrum",
+    "A-weighted spectrum",
+    "A-weighted line level [dB re 20 µPa]",
+    lambda run: views(run).a_weighted,
 )
 ARTICLE = SpectrumKind(
     "article_spectrum",
@@ -122,7 +130,12 @@ ARTICLE = SpectrumKind(
     "A-weighted line level [dB re 1 pW/m²]",
     lambda run: views(run).article,
 )
-PSD = SpectrumKind("psd", "Power spectral density", "density level [dB re (20 µPa)²/Hz]", lambda run: views(run).psd)
+PSD = SpectrumKind(
+    "psd",
+    "Power spectral density",
+    "density level [dB re (20 µPa)²/Hz]",
+    lambda run: views(run).psd,
+)
 
 
 def spectra(shown: Sequence[RunResult], among: Sequence[RunResult]) -> Iterator[Picture]:
@@ -134,7 +147,9 @@ def spectra(shown: Sequence[RunResult], among: Sequence[RunResult]) -> Iterator[
     if steady:
         q = captions.common("q =", [run.scene.sound.q for run in steady])
         facts = [distance, q, duration, lines, "lines of noise fall as T grows"]
-        yield _spectrum(ARTICLE, facts, steady, [run for run in among if run.sound.constant_speed], shown)
+        yield _spectrum(
+            ARTICLE, facts, steady, [run for run in among if run.sound.constant_speed], shown
+        )
     densities = [views(run).welch for run in shown]
     facts = [
         distance,
@@ -169,15 +184,23 @@ def _spectrum(
     return single(kind.name, title, captions.note(facts), columns, draw, captions.remarks(shown))
 
 
-def _spectrum_columns(curves: Sequence[tuple[str, Lines]], ylabel: str, mean: str) -> dict[str, Array]:
+def _spectrum_columns(
+    curves: Sequence[tuple[str, Lines]], ylabel: str, mean: str
+) -> dict[str, Array]:
     """Return lines, and the means where they are drawn, as columns of a table."""
-    columns = _line_columns([(label, lines.frequency_hz, lines.level_db) for label, lines in curves], "", ylabel)
+    columns = _line_columns(
+        [(label, lines.frequency_hz, lines.level_db) for label, lines in curves], "", ylabel
+    )
     means = [(label, *lines.mean) for label, lines in sound_plots.drawn_as_means(curves)]
     return columns | _line_columns(means, f"{mean}: ", ylabel)
 
 
-def _line_columns(curves: Iterable[tuple[str, Array, Array]], kind: str, ylabel: str) -> dict[str, Array]:
-    """Return frequencies and levels as columns; levels at equal frequencies share one column of them."""
+def _line_columns(
+    curves: Iterable[tuple[str, Array, Array]], kind: str, ylabel: str
+) -> dict[str, Array]:
+    """Return frequencies and levels as columns; levels at equal frequencies share one column of
+    them.
+    """
     columns: dict[str, Array] = {}
     previous: Array | None = None
     for label, frequency, level in curves:
@@ -188,13 +211,20 @@ def _line_columns(curves: Iterable[tuple[str, Array, Array]], kind: str, ylabel:
     return columns
 
 
-# ---- third octaves ---------------------------------------------------------------------------------------------------
+# ---- third octaves
+# ---------------------------------------------------------------------------------------------------
 
 
 def third_octaves(shown: Sequence[RunResult], among: Sequence[RunResult]) -> Iterator[Picture]:
-    """Draw unweighted and A-weighted third octaves of runs, one curve each, on the axes of all the runs `among`."""
-    yield _third_octaves("third_octaves", "Z", lambda run: run.sound.levels.third_octave_db, shown, among)
-    yield _third_octaves("third_octaves_a", "A", lambda run: run.sound.levels.third_octave_a_db, shown, among)
+    """Draw unweighted and A-weighted third octaves of runs, one curve each, on the axes of all the
+    runs `among`.
+    """
+    yield _third_octaves(
+        "third_octaves", "Z", lambda run: run.sound.levels.third_octave_db, shown, among
+    )
+    yield _third_octaves(
+        "third_octaves_a", "A", lambda run: run.sound.levels.third_octave_a_db, shown, among
+    )
 
 
 def _third_octaves(
@@ -209,11 +239,15 @@ def _third_octaves(
     columns: dict[str, Array] = {"mid frequency [Hz]": MID_HZ}
     for label, by_name, uncertainty in curves:
         columns[f"{label} [dB re 20 µPa]"] = captions.gaps(by_name[band] for band in BAND_NAMES)
-        columns[f"{label}: standard uncertainty [dB]"] = captions.gaps(uncertainty[band] for band in BAND_NAMES)
+        columns[f"{label}: standard uncertainty [dB]"] = captions.gaps(
+            uncertainty[band] for band in BAND_NAMES
+        )
     # A band that is too short to be read in one run is grey in all of them.
     shortest = min(unrepeated_seconds(run) for run in among)
     facts = [captions.distance(shown), captions.duration(shown)]
-    if len(curves) <= sound_plots.FEW and any(run.sound.levels.level_db is not None for run in shown):
+    if len(curves) <= sound_plots.FEW and any(
+        run.sound.levels.level_db is not None for run in shown
+    ):
         facts.append(_UNCERTAINTY)
     return single(
         name,
@@ -230,13 +264,16 @@ def unrepeated_seconds(run: RunResult) -> float:
     return run.sound.duration * min(1.0, run.result.solved_steps / run.result.done_steps)
 
 
-# ---- pictures over time ----------------------------------------------------------------------------------------------
+# ---- pictures over time
+# ----------------------------------------------------------------------------------------------
 
 
 def spectrogram_of(run: RunResult, among: Sequence[RunResult]) -> Picture:
     """Draw the spectrogram of a run with the colours of all the runs `among`."""
     shown = views(run).spectrogram
-    limits = sound_plots.level_limits(level for other in among for level in views(other).density_extremes)
+    limits = sound_plots.level_limits(
+        level for other in among for level in views(other).density_extremes
+    )
     title = f"Spectrogram: {captions.subject([run])}"
     frames = f"frames of {shown.frame_s * 1e3:.3g} ms every {shown.hop_s * 1e3:.3g} ms"
     note = captions.note(
@@ -263,11 +300,15 @@ def spectrogram_of(run: RunResult, among: Sequence[RunResult]) -> Picture:
 def release_power(run: RunResult, among: Sequence[RunResult]) -> Picture:
     """Draw the release power of a run, with one share of the mean for all the runs `among`."""
     sound = run.sound
-    shares = np.array([sound_plots.power_share(other.sound.power, other.sound.mean_power) for other in among])
+    shares = np.array(
+        [sound_plots.power_share(other.sound.power, other.sound.mean_power) for other in among]
+    )
     share = float(shares[:, 0].min()), float(shares[:, 1].max())
     facts = [captions.duration([run]), "q and distance are not in it"]
     if len(among) > 1:
-        facts.append(f"axis from {share[0]:.3g} to {share[1]:.3g} of the mean, as for all runs compared")
+        facts.append(
+            f"axis from {share[0]:.3g} to {share[1]:.3g} of the mean, as for all runs compared"
+        )
     if sound_plots.is_thinned(sound.time):
         facts.append("drawn: minimum and maximum in each of 1,500 columns")
     return single(
@@ -275,16 +316,21 @@ def release_power(run: RunResult, among: Sequence[RunResult]) -> Picture:
         f"Release power: {captions.subject([run])}",
         captions.note(facts),
         {"time [s]": sound.time, "release power [W]": sound.power},
-        lambda ax: sound_plots.power(ax, sound.time, sound.power, sound.mean_power, sound.duration, share),
+        lambda ax: sound_plots.power(
+            ax, sound.time, sound.power, sound.mean_power, sound.duration, share
+        ),
     )
 
 
-# ---- levels against a swept quantity ---------------------------------------------------------------------------------
+# ---- levels against a swept quantity
+# ---------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class LevelPanel:
-    """Curves of one level against a swept quantity, one for each combination of the other quantities."""
+    """Curves of one level against a swept quantity, one for each combination of the other
+    quantities.
+    """
 
     name: str
     curves: list[LevelCurve]
@@ -301,7 +347,9 @@ class LevelPanel:
 
 
 def swept_key(runs: Sequence[RunResult]) -> str | None:
-    """Return the first key whose value differs between runs, or None if the sweep does not tell them apart."""
+    """Return the first key whose value differs between runs, or None if the sweep does not tell
+    them apart.
+    """
     for key in runs[0].values:
         if all(key in run.values for run in runs) and len({run.values[key] for run in runs}) > 1:
             distinct = {(run.scene.name, *run.values.items()) for run in runs}
@@ -314,15 +362,22 @@ def level_panels(key: str, runs: Sequence[RunResult], x: Array) -> list[LevelPan
     several = len({run.scene.name for run in runs}) > 1
 
     def others(run: RunResult) -> tuple[str, tuple[tuple[str, float], ...]]:
-        return run.scene.name, tuple((name, value) for name, value in run.values.items() if name != key)
+        return run.scene.name, tuple(
+            (name, value) for name, value in run.values.items() if name != key
+        )
 
     laeq, lzeq = LevelPanel("LAeq", []), LevelPanel("LZeq", [])
     for (scene, values), group in groupby(sorted(runs, key=others), key=others):
         label = ", ".join([scene] * several + [labels.worded(*value) for value in values])
         sounds = {run.values[key]: run.sound for run in group}
         for panel, level in ((laeq, "laeq_db"), (lzeq, "level_db")):
-            level_db = [getattr(sounds[value].levels, level) if value in sounds else None for value in x]
-            spread_db = [getattr(sounds[value].uncertainty, level) if value in sounds else None for value in x]
+            level_db = [
+                getattr(sounds[value].levels, level) if value in sounds else None for value in x
+            ]
+            spread_db = [
+                getattr(sounds[value].uncertainty, level) if value in sounds else None
+                for value in x
+            ]
             panel.curves.append((label, level_db, spread_db))
     return [laeq, lzeq]
 

@@ -1,6 +1,7 @@
 """Claims: one process at a time works on a folder. The claim is the state `running` in run.json.
 
-A sweep and the runs in it respect each other's claims. The claim of a process that has ended does not count.
+A sweep and the runs in it respect each other's claims. The claim of a process that has ended does
+not count.
 """
 
 from __future__ import annotations
@@ -32,7 +33,10 @@ _held: set[str] = set()  # ids of the records that this process has claimed and 
 
 
 class Claim:
-    """A folder that this process works on. Leaving the context gives the folder back with the state of the work."""
+    """A folder that this process works on.
+
+    Leaving the context gives the folder back with the state of the work.
+    """
 
     def __init__(self, folder: Path, record: RunRecord, before: RunRecord) -> None:
         self.folder, self.record = folder, record
@@ -43,18 +47,27 @@ class Claim:
     def __enter__(self) -> Claim:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
+    ) -> None:
         try:
-            with suppress(OSError, FolderError):  # a full disk; the claim ends with the process then
+            # a full disk; the claim ends with the process then
+            with suppress(OSError, FolderError):
                 state, reason = self._left(error)
                 for run in [*self._running]:
                     self.mark(run, state, reason)
-                if self.record.state == "running" and _is_refusal(error) and self._before.state != "running":
+                if (
+                    self.record.state == "running"
+                    and _is_refusal(error)
+                    and self._before.state != "running"
+                ):
                     run_record.write(self.folder, self._before)  # to the byte: nothing was done
                 elif self.record.state == "running":
                     self.mark(self.folder, state, reason)
         finally:
-            _held.difference_update({self.record.id, *(record.id for record in self._running.values())})
+            _held.difference_update(
+                {self.record.id, *(record.id for record in self._running.values())}
+            )
 
     def mark(self, folder: Path, state: State, reason: str | None = None) -> None:
         """Write the state of the claimed folder, or of a run in it.
@@ -69,7 +82,9 @@ class Claim:
                 run_record.write(folder, self.record)
             return
         before = run_record.read(folder) or run_record.new("run", adopted=self.record.adopted)
-        if (before.state, before.reason) == (state, reason) and (state != "running" or folder in self._running):
+        if (before.state, before.reason) == (state, reason) and (
+            state != "running" or folder in self._running
+        ):
             return
         record = before.with_state(state, reason)
         run_record.write(folder, record)
@@ -89,7 +104,11 @@ class Claim:
         """Return state and reason of work that ended with an error."""
         if error is None or _is_refusal(error):  # nothing was done
             before = self._before
-            return ("waiting", "the process was killed") if before.state == "running" else (before.state, before.reason)
+            return (
+                ("waiting", "the process was killed")
+                if before.state == "running"
+                else (before.state, before.reason)
+            )
         if isinstance(error, KeyboardInterrupt | SystemExit):
             return "waiting", INTERRUPTED
         return "failed", (str(error).strip().splitlines() or [type(error).__name__])[0]
@@ -106,7 +125,8 @@ def take(folder: Path, kind: Kind, runs: Sequence[str] = (), take_over: bool = F
     ----------
     kind : Kind. The kind that a folder of version 0.1.0, which has no run.json, is given.
     runs : Names of the folders of its runs; a study adds them to the runs that it has.
-    take_over : bool. Claim the folder even from a process that cannot be seen from here. Default: false.
+    take_over : bool. Claim the folder even from a process that cannot be seen from here. Default:
+        false.
 
     Raises
     ------
@@ -122,7 +142,9 @@ def take(folder: Path, kind: Kind, runs: Sequence[str] = (), take_over: bool = F
         for place, other in ((owner, around), *_with_runs(folder, record)):
             if other is not None and place is not None:
                 refuse_in_use(place, other, take_over)
-        claimed = replace(record, runs=tuple(dict.fromkeys([*record.runs, *runs]))).with_state("running")
+        claimed = replace(record, runs=tuple(dict.fromkeys([*record.runs, *runs]))).with_state(
+            "running"
+        )
         run_record.write(folder, claimed)
         return Claim(folder, claimed, record)
 
@@ -142,7 +164,9 @@ def refuse_folder_in_use(folder: Path, record: RunRecord) -> None:
 
 
 def refuse_in_use(folder: Path, record: RunRecord, take_over: bool) -> None:
-    """Raise FolderError if the record is claimed; `take_over` ignores claims that cannot be judged from here."""
+    """Raise FolderError if the record is claimed; `take_over` ignores claims that cannot be judged
+    from here.
+    """
     process = record.process
     if process is None:
         return
@@ -152,7 +176,9 @@ def refuse_in_use(folder: Path, record: RunRecord, take_over: bool) -> None:
     message = f"{folder}: in use by {process} since {record.changed}"
     if alive:
         raise FolderError(f"{message}; wait for it to end, or stop it")
-    raise FolderError(f"{message}, which cannot be seen from here; {_way_out(folder, record, process)}")
+    raise FolderError(
+        f"{message}, which cannot be seen from here; {_way_out(folder, record, process)}"
+    )
 
 
 def owner_of(folder: Path) -> Path | None:
@@ -169,14 +195,21 @@ def owner_of(folder: Path) -> Path | None:
 
 
 def _unmarked_sweep(folder: Path) -> Path | None:
-    """Return the sweep of version 0.1.0 that a run belongs to; it has no record until it is resumed."""
+    """Return the sweep of version 0.1.0 that a run belongs to; it has no record until it is
+    resumed.
+    """
     above = folder.resolve().parent
-    return above if (above / "resolved.yaml").is_file() and not (above / run_record.FILE).exists() else None
+    return (
+        above
+        if (above / "resolved.yaml").is_file() and not (above / run_record.FILE).exists()
+        else None
+    )
 
 
 @contextmanager
 def guard(folder: Path) -> Iterator[None]:
-    """Keep other processes from looking at the claims of a folder and its runs, or from changing them.
+    """Keep other processes from looking at the claims of a folder and its runs, or from changing
+    them.
 
     Raises
     ------
@@ -185,7 +218,9 @@ def guard(folder: Path) -> Iterator[None]:
     deadline = time.monotonic() + PATIENCE
     while (lock := _locked(folder / LOCK)) == -1:
         if time.monotonic() > deadline:
-            raise FolderError(f"{folder / LOCK}: held by another process for {PATIENCE:g} s; try again")
+            raise FolderError(
+                f"{folder / LOCK}: held by another process for {PATIENCE:g} s; try again"
+            )
         time.sleep(0.005)
     try:
         yield
@@ -195,7 +230,9 @@ def guard(folder: Path) -> Iterator[None]:
 
 
 def _locked(path: Path) -> int | None:
-    """Lock a file; return its descriptor, -1 to try again, or None where the file system has no locks."""
+    """Lock a file; return its descriptor, -1 to try again, or None where the file system has no
+    locks.
+    """
     if fcntl is None:
         return None
     try:

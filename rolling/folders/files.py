@@ -14,7 +14,9 @@ class FolderError(Exception):
 
 
 class Stopped(OSError):
-    """An error of the system that stopped work on a run folder, such as a full disk, and the way on."""
+    """An error of the system that stopped work on a run folder, such as a full disk, and the way
+    on.
+    """
 
     def __init__(self, cause: OSError, way_on: str) -> None:
         super().__init__(f"{cause}\n{way_on}")
@@ -40,7 +42,9 @@ def write_json(path: Path, content: Any) -> None:
 
 
 class Keeper:
-    """A clock for writing results while a run goes on: often, but for at most a twentieth of the time."""
+    """A clock for writing results while a run goes on: often, but for at most a twentieth of the
+    time.
+    """
 
     def __init__(self) -> None:
         self._next = time.monotonic()

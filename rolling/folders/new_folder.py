@@ -1,7 +1,8 @@
 """New folders of this program, and folders that replace older ones.
 
-All refusals come before anything is touched. A folder that replaces another is made under a temporary name beside it. The
-older folder stays as OUT.previous until the work in the new folder is done.
+All refusals come before anything is touched. A folder that replaces another is made under a
+temporary name beside it. The older folder stays as OUT.previous until the work in the new folder is
+done.
 """
 
 from __future__ import annotations
@@ -44,14 +45,17 @@ class Target:
     inputs: tuple[Path, ...]
 
 
-def aim(base: Path, out: Path | None, force: bool, kinds: Sequence[Kind], inputs: Sequence[Path] = ()) -> Target:
+def aim(
+    base: Path, out: Path | None, force: bool, kinds: Sequence[Kind], inputs: Sequence[Path] = ()
+) -> Target:
     """Check where a new folder may be made, without touching anything.
 
     Parameters
     ----------
     base : Path. Parent of a folder named after the time, which is made where `out` is None.
     out : Path. The folder to make.
-    force : bool. Allow a folder of these kinds at `out` to be replaced, if nothing foreign is in it.
+    force : bool. Allow a folder of these kinds at `out` to be replaced, if nothing foreign is in
+        it.
     kinds : The kinds of folders that the command makes.
     inputs : The files and folders that the command reads; none may be replaced.
 
@@ -64,7 +68,9 @@ def aim(base: Path, out: Path | None, force: bool, kinds: Sequence[Kind], inputs
     try:
         return _aim(out.resolve() if out.name in ("", "..") else out, force, kinds, inputs)
     except OSError as error:
-        raise FolderError(f"{out}: cannot be used ({error.strerror or error}); take another --out") from error
+        raise FolderError(
+            f"{out}: cannot be used ({error.strerror or error}); take another --out"
+        ) from error
 
 
 def _aim(out: Path, force: bool, kinds: Sequence[Kind], inputs: Sequence[Path]) -> Target:
@@ -76,14 +82,18 @@ def _aim(out: Path, force: bool, kinds: Sequence[Kind], inputs: Sequence[Path]) 
     if not out.is_dir():
         raise FolderError(f"{out}: is a file, --out is a folder; take another --out")
     if _contains(out, Path.cwd()):
-        raise FolderError(f"{out}: is the working directory or holds it; give --out a folder of its own")
+        raise FolderError(
+            f"{out}: is the working directory or holds it; give --out a folder of its own"
+        )
     if is_empty(out):
         return target
     record = _marked(out, kinds)
     if not force:
         claim.refuse_folder_in_use(out, record)
         way = ", or --force to replace it" if record.kind in own_files.FILES else ""
-        raise FolderError(f"{out}: holds a {_named([record.kind])} already; take another --out{way}")
+        raise FolderError(
+            f"{out}: holds a {_named([record.kind])} already; take another --out{way}"
+        )
     _refuse_losses(target, record)
     return replace(target, replaces=True)
 
@@ -144,12 +154,18 @@ def drop_previous(held: Claim) -> Path | None:
 
 
 def is_empty(folder: Path) -> bool:
-    """Return whether a folder is empty, apart from traces of a command that was killed before its first file."""
+    """Return whether a folder is empty, apart from traces of a command that was killed before its
+    first file.
+    """
     traces = {claim.LOCK, f".{run_record.FILE}.partial"}
-    return all(entry.name in traces and entry.is_file() and not entry.is_symlink() for entry in folder.iterdir())
+    return all(
+        entry.name in traces and entry.is_file() and not entry.is_symlink()
+        for entry in folder.iterdir()
+    )
 
 
-# ---- what may be replaced --------------------------------------------------------------------------------------------
+# ---- what may be replaced
+# --------------------------------------------------------------------------------------------
 
 
 def _marked(folder: Path, kinds: Sequence[Kind]) -> RunRecord:
@@ -166,24 +182,34 @@ def _marked(folder: Path, kinds: Sequence[Kind]) -> RunRecord:
                 f"{folder}: holds a run of version 0.1.0 (no run.json), which is never replaced;"
                 " take another --out, or remove it yourself"
             )
-        raise FolderError(f"{folder}: holds something that is no {_named(kinds)} of this program; take another --out")
+        raise FolderError(
+            f"{folder}: holds something that is no {_named(kinds)} of this program; take another --out"
+        )
     if record.kind not in kinds:
-        raise FolderError(f"{folder}: is the folder of another command ({record.kind}); take another --out")
+        raise FolderError(
+            f"{folder}: is the folder of another command ({record.kind}); take another --out"
+        )
     return record
 
 
 def _named(kinds: Sequence[Kind]) -> str:
     """Return the word for a folder of the first of these kinds."""
-    return {"accuracy": "study of accuracy", "hard-cases": "table of hard cases"}.get(kinds[0], kinds[0])
+    return {"accuracy": "study of accuracy", "hard-cases": "table of hard cases"}.get(
+        kinds[0], kinds[0]
+    )
 
 
 def _refuse_losses(target: Target, record: RunRecord) -> None:
     """Raise FolderError if replacing the folder would lose data, or is in the way of other work."""
     out = target.folder
     if out.is_symlink():
-        raise FolderError(f"{out}: a symbolic link, which is not replaced; give --out the folder {out.resolve()}")
+        raise FolderError(
+            f"{out}: a symbolic link, which is not replaced; give --out the folder {out.resolve()}"
+        )
     if owner := claim.owner_of(out):
-        raise FolderError(f"{out}: a run of the sweep in {owner}, which would hold two scenes; take another --out")
+        raise FolderError(
+            f"{out}: a run of the sweep in {owner}, which would hold two scenes; take another --out"
+        )
     _refuse_loss(out, record, target.inputs)
     old = previous(out)
     if os.path.lexists(old):
@@ -200,7 +226,9 @@ def _refuse_loss(folder: Path, record: RunRecord, inputs: Sequence[Path]) -> Non
         )
     for path in inputs:
         if _contains(folder, path):
-            raise FolderError(f"{folder}: {path}, which this command reads, lies in it; take another --out")
+            raise FolderError(
+                f"{folder}: {path}, which this command reads, lies in it; take another --out"
+            )
     if _contains(folder, Path.cwd()):
         raise FolderError(f"{folder}: holds the working directory; take another --out")
     claim.refuse_folder_in_use(folder, record)
@@ -223,7 +251,8 @@ def _contains(folder: Path, path: Path) -> bool:
     return False
 
 
-# ---- making ----------------------------------------------------------------------------------------------------------
+# ---- making
+# ----------------------------------------------------------------------------------------------------------
 
 
 def _mkdir(folder: Path, exist_ok: bool = False) -> None:
@@ -249,7 +278,9 @@ def _make_in_place(folder: Path, record: RunRecord, fill: Fill) -> Claim:
     return _fill(folder, record, fill, new, held)
 
 
-def _fill(folder: Path, record: RunRecord, fill: Fill, new: bool, held: Claim | None = None) -> Claim:
+def _fill(
+    folder: Path, record: RunRecord, fill: Fill, new: bool, held: Claim | None = None
+) -> Claim:
     """Write run.json and inputs into a new folder; leave nothing when that fails."""
     try:
         held = held or claim.begin(folder, record)
@@ -292,8 +323,8 @@ def _both_guarded(out: Path) -> Iterator[None]:
 def _exchange(target: Target, new: Claim) -> None:
     """Give the new folder the name OUT, and the older folder the name OUT.previous.
 
-    An OUT.previous that was done once stays if OUT was never done: the last finished run is kept, whatever happened after
-    it. The folder that is not kept is renamed, too; `_left_over` finds it.
+    An OUT.previous that was done once stays if OUT was never done: the last finished run is kept,
+    whatever happened after it. The folder that is not kept is renamed, too; `_left_over` finds it.
     """
     out, old = target.folder, previous(target.folder)
     there = _marked(out, target.kinds)
@@ -325,7 +356,9 @@ def _rename(moves: Sequence[tuple[Path, Path]]) -> None:
                 name.rename(source)
         if isinstance(error, OSError):
             out = moves[-1][1]
-            raise FolderError(f"{out}: could not be replaced, and is as it was ({error.strerror or error})") from error
+            raise FolderError(
+                f"{out}: could not be replaced, and is as it was ({error.strerror or error})"
+            ) from error
         raise
 
 
@@ -345,7 +378,8 @@ def _left_over(out: Path) -> Iterator[tuple[Path, RunRecord]]:
                         claim.refuse_folder_in_use(path, record)
                         yield path, record
                     elif time.time() - path.stat().st_mtime > MOMENT:
-                        yield path, run_record.new("run")  # the first of a folder, or the last of a removal
+                        # the first of a folder, or the last of a removal
+                        yield path, run_record.new("run")
 
 
 def _interrupted_swap(out: Path) -> str | None:

@@ -1,4 +1,6 @@
-"""The names of the files that this program writes; any other file in its folders is foreign and never removed."""
+"""The names of the files that this program writes; any other file in its folders is foreign and
+never removed.
+"""
 
 from __future__ import annotations
 
@@ -28,14 +30,28 @@ _PICTURES = [
     "recovery_events",
 ]
 _INPUTS = [run_record.FILE, "scene.yaml", "resolved.yaml"]
-_OF_ALL = [*_INPUTS, "report.html", *(f"{name}.{ending}" for name in _PICTURES for ending in ("png", "svg", "csv"))]
-_OF_A_RUN = ["result.h5", "summary.json", "provenance.json", "signal.wav", "signal.json", "listen.wav", "listen.json"]
+_OF_ALL = [
+    *_INPUTS,
+    "report.html",
+    *(f"{name}.{ending}" for name in _PICTURES for ending in ("png", "svg", "csv")),
+]
+_OF_A_RUN = [
+    "result.h5",
+    "summary.json",
+    "provenance.json",
+    "signal.wav",
+    "signal.json",
+    "listen.wav",
+    "listen.json",
+]
 
 # By kind of folder. Folders of other kinds are never replaced.
 FILES: dict[str, frozenset[str]] = {
     "run": frozenset([*_OF_ALL, *_OF_A_RUN]),
     "sweep": frozenset([*_OF_ALL, "sweep.json"]),
-    "accuracy": frozenset([*_INPUTS, *(f"accuracy.{ending}" for ending in ("json", "md", "png", "svg"))]),
+    "accuracy": frozenset(
+        [*_INPUTS, *(f"accuracy.{ending}" for ending in ("json", "md", "png", "svg"))]
+    ),
 }
 VARIANTS = "variants"  # folder of an accuracy study
 _VARIANT = re.compile(r"spacing-over-\d+_step-[\d.e+-]+_[\d.]+e-?\d+_[a-z]+_[a-z]+\.json")
@@ -44,7 +60,9 @@ _PARTIAL = re.compile(r"\.(.+)\.partial")
 
 @dataclass(frozen=True)
 class Contents:
-    """The contents of a folder of this program: its own files and folders, inner ones first, and foreign entries."""
+    """The contents of a folder of this program: its own files and folders, inner ones first, and
+    foreign entries.
+    """
 
     files: list[Path]
     folders: list[Path]
@@ -52,7 +70,8 @@ class Contents:
 
 
 def contents(folder: Path, record: RunRecord) -> Contents:
-    """Tell the files of this program in one of its folders, and in the runs in it, from foreign ones.
+    """Tell the files of this program in one of its folders, and in the runs in it, from foreign
+    ones.
 
     Raises
     ------
@@ -74,7 +93,10 @@ def foreign(folder: Path, record: RunRecord) -> list[Path]:
 
 
 def remove(folder: Path, record: RunRecord) -> bool:
-    """Remove a folder of this program unless foreign files are in it; return whether it is gone. Its run.json goes last."""
+    """Remove a folder of this program unless foreign files are in it; return whether it is gone.
+
+    Its run.json goes last.
+    """
     with suppress(FolderError, OSError):
         inside = contents(folder, record)
         if inside.foreign:
@@ -104,13 +126,19 @@ def refuse_file(out: Path, force: bool, is_page: Callable[[Path], bool]) -> None
     if out.is_symlink():
         raise FolderError(f"{out}: a symbolic link, which is not replaced; take another --out")
     if not out.is_file():
-        raise FolderError(f"{out}: {'is a folder' if out.is_dir() else 'is no file'}, --out is the file to write")
+        raise FolderError(
+            f"{out}: {'is a folder' if out.is_dir() else 'is no file'}, --out is the file to write"
+        )
     if not force:
-        raise FolderError(f"{out}: exists; take another --out, or --force to replace a page of this program")
+        raise FolderError(
+            f"{out}: exists; take another --out, or --force to replace a page of this program"
+        )
     try:
         replaceable = is_page(out)
     except OSError as error:
-        raise FolderError(f"{out}: not readable ({error.strerror or error}), so it is not replaced") from error
+        raise FolderError(
+            f"{out}: not readable ({error.strerror or error}), so it is not replaced"
+        ) from error
     if not replaceable:
         raise FolderError(
             f"{out}: not replaced, because it is not a page that this version can tell as its own; take another --out"
@@ -148,7 +176,8 @@ def _sort_inner(folder: Path, into: Contents) -> None:
 
 
 def _is_own(entry: os.DirEntry[str], names: frozenset[str] | None) -> bool:
-    """Return whether an entry is a file with one of the names; None stands for the names of variants.
+    """Return whether an entry is a file with one of the names; None stands for the names of
+    variants.
 
     Temporary files of killed writes count as well.
     """

@@ -1,4 +1,6 @@
-"""Processes told apart by host, number and birth: a number is used again after its process has ended."""
+"""Processes told apart by host, number and birth: a number is used again after its process has
+ended.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,8 @@ class Process:
     """A process in a form that other processes can recognise.
 
     started : when it was started, for people.
-    birth : for programs; no two processes of a host and number share it. Empty where the system does not tell it.
+    birth : for programs; no two processes of a host and number share it. Empty where the system
+        does not tell it.
     """
 
     host: str
@@ -79,10 +82,13 @@ def _is_hidden(pid: int) -> bool:
 
 
 def _birth(pid: int) -> str | None:
-    """Return boot, number space and start of a process on Linux, its start elsewhere; None for no such process."""
+    """Return boot, number space and start of a process on Linux, its start elsewhere; None for no
+    such process.
+    """
     if (PROC / "self" / "stat").exists():
         with suppress(OSError, ValueError, IndexError):
-            # The second field is the command's name in brackets, which may hold brackets and spaces itself.
+            # The second field is the command's name in brackets, which may hold brackets and spaces
+            # itself.
             fields = (PROC / str(pid) / "stat").read_bytes().rpartition(b")")[2].split()
             if fields[0] not in (b"Z", b"X"):  # neither killed and not yet waited for
                 boot = (PROC / "sys/kernel/random/boot_id").read_text().strip()
@@ -90,7 +96,9 @@ def _birth(pid: int) -> str | None:
         return None
     with suppress(OSError, subprocess.SubprocessError):
         command = ["ps", "-o", "lstart=", "-p", str(pid)]
-        text = subprocess.run(command, capture_output=True, text=True, check=False, timeout=10).stdout
+        text = subprocess.run(
+            command, capture_output=True, text=True, check=False, timeout=10
+        ).stdout
         return "-".join(text.split()) or None
     return None
 

@@ -1,4 +1,6 @@
-"""The identity of this program: its version, the digest of its sources, and the commit of a checkout."""
+"""The identity of this program: its version, the digest of its sources, and the commit of a
+checkout.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +55,10 @@ def sources_digest() -> str:
 def _sources() -> Iterator[tuple[str, Path]]:
     for package in PACKAGES:
         folder = Path(str(package.__file__)).parent
-        files = [*folder.rglob("*.py"), *(file for file in (folder / ASSETS).rglob("*") if file.is_file())]
+        files = [
+            *folder.rglob("*.py"),
+            *(file for file in (folder / ASSETS).rglob("*") if file.is_file()),
+        ]
         names = {f"{folder.name}/{file.relative_to(folder).as_posix()}": file for file in files}
         yield from ((name, names[name]) for name in sorted(names) if "__pycache__" not in name)
 
@@ -66,7 +71,9 @@ def _checkout() -> tuple[str | None, bool | None]:
     # A hook's variables would point git at another repository.
     environment = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
     try:
-        text = subprocess.run(git, capture_output=True, text=True, check=True, timeout=10, env=environment).stdout
+        text = subprocess.run(
+            git, capture_output=True, text=True, check=True, timeout=10, env=environment
+        ).stdout
     except (OSError, subprocess.SubprocessError):
         return None, None
     commit = text.strip()

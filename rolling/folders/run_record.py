@@ -1,4 +1,5 @@
-"""The file `run.json`, which marks a folder of this program: its kind, its state, the process that works on it, its maker.
+"""The file `run.json`, which marks a folder of this program: its kind, its state, the process that
+works on it, its maker.
 
 A process changes the file only while it holds the folder (see `claim`).
 """
@@ -14,7 +15,14 @@ from datetime import UTC, datetime
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+    model_validator,
+)
 from pydantic.dataclasses import dataclass
 
 from rolling.folders import files, program
@@ -32,7 +40,13 @@ State = Literal["waiting", "running", "done", "failed"]
 def _inner(path: str) -> str:
     """Check that a path stays below the folder that it starts from."""
     parts = PurePosixPath(path).parts
-    if not parts or path != "/".join(parts) or {"..", "/"} & {*parts} or "\\" in path or "\0" in path:
+    if (
+        not parts
+        or path != "/".join(parts)
+        or {"..", "/"} & {*parts}
+        or "\\" in path
+        or "\0" in path
+    ):
         raise ValueError("not a path below the folder")
     return path
 
@@ -46,7 +60,8 @@ class RunRecord:
     process : The process that works on the folder while its state is running.
     version, sources, commit, dirty : The program that worked on it last (see `program.Identity`).
     completed : The time when it was done first; later work on it does not change this.
-    runs : The folders of its runs, in the order of the scene's sweep; each has a run.json of its own.
+    runs : The folders of its runs, in the order of the scene's sweep; each has a run.json of its
+        own.
     replaces : The id of OUT.previous beside it, which is removed when the work is done.
     adopted : Whether version 0.1.0 made the folder; it is never replaced.
     """
@@ -76,12 +91,22 @@ class RunRecord:
         return self
 
     def with_state(self, state: State, reason: str | None = None) -> RunRecord:
-        """Return the record with another state from now on, with this process if the state is running."""
+        """Return the record with another state from now on, with this process if the state is
+        running.
+        """
         process = this_process() if state == "running" else None
         made_by = asdict(program.identity()) if state == "running" else {}
         now = _now()
         completed = self.completed or (now if state == "done" else None)
-        return replace(self, state=state, reason=reason, process=process, changed=now, completed=completed, **made_by)
+        return replace(
+            self,
+            state=state,
+            reason=reason,
+            process=process,
+            changed=now,
+            completed=completed,
+            **made_by,
+        )
 
 
 def new(kind: Kind, runs: Sequence[str] = (), adopted: bool = False) -> RunRecord:
@@ -124,19 +149,25 @@ def read(folder: Path) -> RunRecord | None:
         if not stat.S_ISREG(status.st_mode):
             raise FolderError(f"{path}: not a file")
         if status.st_size > LARGEST:
-            raise FolderError(f"{path}: {status.st_size} bytes, too large for a run.json of this program")
+            raise FolderError(
+                f"{path}: {status.st_size} bytes, too large for a run.json of this program"
+            )
         content = json.loads(path.read_bytes())
     except (FileNotFoundError, NotADirectoryError):
         return None
     except OSError as error:
         raise FolderError(f"{path}: not readable ({error.strerror or error})") from error
     except (ValueError, RecursionError) as error:
-        raise FolderError(f"{path}: damaged, not JSON; the state of this folder is not known") from error
+        raise FolderError(
+            f"{path}: damaged, not JSON; the state of this folder is not known"
+        ) from error
     if not isinstance(content, dict) or content.pop("program", None) != program.NAME:
         raise FolderError(f"{path}: not a run.json of this program; it belongs to something else")
     form = content.pop("format", None)
     if form != FORMAT or isinstance(form, bool):
-        raise FolderError(f"{path}: format {_short(form)}, this version of the program reads format {FORMAT}")
+        raise FolderError(
+            f"{path}: format {_short(form)}, this version of the program reads format {FORMAT}"
+        )
     try:
         return _ADAPTER.validate_json(json.dumps(content))
     except (ValidationError, ValueError, RecursionError) as error:

@@ -12,17 +12,33 @@ from itertools import pairwise
 import numpy as np
 
 from rolling.lee2025.checks import NOT_RUN, RECORD, Check, Finding, concluded, doubt
-from rolling.lee2025.measures import PLASTIC_RATIO, PRESSURE, Cases, Measure, change, newton, ra, series
+from rolling.lee2025.measures import (
+    PLASTIC_RATIO,
+    PRESSURE,
+    Cases,
+    Measure,
+    change,
+    newton,
+    ra,
+    series,
+)
 
-LENGTHS = 10.0  # a verdict that stays the same in records up to so many times longer and shorter does not depend on it
+# a verdict that stays the same in records up to so many times longer and shorter does not depend on
+# it
+LENGTHS = 10.0
 LG_LENGTH_DB = 5.0  # fall of a line of noise in a record ten times as long (10 lg of an amplitude)
 NO_AREA = 0.005  # of the Hertz area: less than a mark in a figure from 0 to 1
 LARGE_GAP_DB = 6.0
-LARGEST_STEP = 1.5  # 20 to 50 N is 2.5 times the load, the other steps twice: 1.3 steps come without any jump
+# 20 to 50 N is 2.5 times the load, the other steps twice: 1.3 steps come without any jump
+LARGEST_STEP = 1.5
 
 
-def ratio_at_each_load(study: Cases, measure: Measure, over: float, under: float, low: float, high: float) -> Finding:
-    """Judge whether the ratio of the means on two roughnesses lies between two bounds; each load is a part."""
+def ratio_at_each_load(
+    study: Cases, measure: Measure, over: float, under: float, low: float, high: float
+) -> Finding:
+    """Judge whether the ratio of the means on two roughnesses lies between two bounds; each load is
+    a part.
+    """
     checks = []
     for load in study.loads:
         above, below = (measure.mean(study.at(each, load), study.factor) for each in (over, under))
@@ -34,7 +50,9 @@ def ratio_at_each_load(study: Cases, measure: Measure, over: float, under: float
             continue
         ratio = above / below
         factor_low, factor_high = study.grid.ratio(measure.grid, over, under, load)
-        errors = [measure.relative_error(study.at(each, load), study.factor) for each in (over, under)]
+        errors = [
+            measure.relative_error(study.at(each, load), study.factor) for each in (over, under)
+        ]
         unsure = doubt(
             ratio,
             lambda x: low <= x <= high,
@@ -49,7 +67,9 @@ def ratio_at_each_load(study: Cases, measure: Measure, over: float, under: float
 
 
 def below_limit(study: Cases, roughness: float, limit: float) -> Finding:
-    """Judge whether the maximum pressure of all surfaces stays below a limit [Pa]; each load is a part."""
+    """Judge whether the maximum pressure of all surfaces stays below a limit [Pa]; each load is a
+    part.
+    """
     checks = []
     for load in study.loads:
         reached = PRESSURE.by_seed(study.at(roughness, load), study.factor).values()
@@ -64,7 +84,14 @@ def no_plastic_area(study: Cases, roughness: float) -> Finding:
     checks = []
     for load in study.loads:
         mean = PLASTIC_RATIO.mean(study.at(roughness, load), study.factor)
-        checks.append(Check(newton(load), None if mean is None else mean < NO_AREA, PLASTIC_RATIO.text(mean), mean))
+        checks.append(
+            Check(
+                newton(load),
+                None if mean is None else mean < NO_AREA,
+                PLASTIC_RATIO.text(mean),
+                mean,
+            )
+        )
     return concluded(checks)
 
 
@@ -76,11 +103,20 @@ def hardness_reached(study: Cases, roughnesses: Sequence[float]) -> Finding:
             ratios = PLASTIC_RATIO.by_seed(study.at(roughness, load), study.factor).values()
             minimum = min(ratios, default=None)
             place = f"{ra(roughness)}, {newton(load)}"
-            checks.append(Check(place, None if minimum is None else minimum > 0, PLASTIC_RATIO.text(minimum), minimum))
+            checks.append(
+                Check(
+                    place,
+                    None if minimum is None else minimum > 0,
+                    PLASTIC_RATIO.text(minimum),
+                    minimum,
+                )
+            )
     return concluded(checks)
 
 
-def exceeds(study: Cases, measure: Measure, roughnesses: Sequence[float], least_db: float) -> Finding:
+def exceeds(
+    study: Cases, measure: Measure, roughnesses: Sequence[float], least_db: float
+) -> Finding:
     """Judge whether a level exceeds a bound at some load; each roughness is a part.
 
     The text names the length of the record at which the verdict would turn.
@@ -105,7 +141,12 @@ def exceeds(study: Cases, measure: Measure, roughnesses: Sequence[float], least_
 
 
 def gap_over(
-    study: Cases, measure: Measure, smooth: float, roughnesses: Sequence[float], low_db: float, high_db: float
+    study: Cases,
+    measure: Measure,
+    smooth: float,
+    roughnesses: Sequence[float],
+    low_db: float,
+    high_db: float,
 ) -> Finding:
     """Judge whether each rougher surface lies above the smooth one by an amount between two bounds.
 
@@ -123,11 +164,15 @@ def gap_over(
             checks.append(Check(ra(roughness), None))
             continue
         mean = float(np.mean([step.mean for step in gaps.values()]))
-        error = float(np.mean([step.error for step in gaps.values()]))  # the same surfaces under all loads
+        # the same surfaces under all loads
+        error = float(np.mean([step.error for step in gaps.values()]))
         each = ", ".join(measure.text(step.mean, "+") for step in gaps.values())
         text = f"{measure.text(mean, '+')} dB ({each} at {', '.join(gaps)})"
         grid = _mean_range(
-            [study.grid.shift_db(measure.grid, (roughness, load), (smooth, load), study.factor) for load in loads]
+            [
+                study.grid.shift_db(measure.grid, (roughness, load), (smooth, load), study.factor)
+                for load in loads
+            ]
         )
         unsure = doubt(mean, lambda x: low_db <= x <= high_db, grid, error)
         numbers = {"mean": mean} | {name: step.mean for name, step in gaps.items()}
@@ -143,13 +188,16 @@ def _mean_range(ranges: Sequence[tuple[float, float]]) -> tuple[float, float]:
 def rise_over_loads(
     study: Cases, measure: Measure, lowest: float, highest: float, low_db: float, high_db: float
 ) -> Finding:
-    """Judge whether the rise from one load to another lies between two bounds, averaged over the roughnesses.
+    """Judge whether the rise from one load to another lies between two bounds, averaged over the
+    roughnesses.
 
     It is near if the rise on one roughness lies between them.
     """
     steps = {}
     for roughness in study.roughnesses:
-        step = change(measure, study.at(roughness, lowest), study.at(roughness, highest), study.factor)
+        step = change(
+            measure, study.at(roughness, lowest), study.at(roughness, highest), study.factor
+        )
         if step:
             steps[roughness] = step
     place = f"{newton(lowest)} to {newton(highest)}"
@@ -159,13 +207,17 @@ def rise_over_loads(
     error = math.hypot(*(step.error for step in steps.values())) / len(steps)
     grid = _mean_range(
         [
-            study.grid.shift_db(measure.grid, (roughness, highest), (roughness, lowest), study.factor)
+            study.grid.shift_db(
+                measure.grid, (roughness, highest), (roughness, lowest), study.factor
+            )
             for roughness in steps
         ]
     )
     unsure = doubt(mean, lambda x: low_db <= x <= high_db, grid, error)
     inside = [low_db <= step.mean <= high_db for step in steps.values()]
-    each = ", ".join(f"{measure.text(step.mean, '+')} {ra(roughness)}" for roughness, step in steps.items())
+    each = ", ".join(
+        f"{measure.text(step.mean, '+')} {ra(roughness)}" for roughness, step in steps.items()
+    )
     text = f"{measure.text(mean, '+')} dB ({each})"
     numbers = {"mean": mean} | {ra(roughness): step.mean for roughness, step in steps.items()}
     return concluded(
@@ -173,27 +225,40 @@ def rise_over_loads(
     )
 
 
-def flattens(study: Cases, measure: Measure, lowest: float, knee: float, highest: float, most: float) -> Finding:
-    """Judge whether a level rises much less per doubling of the load beyond the knee than before it.
+def flattens(
+    study: Cases, measure: Measure, lowest: float, knee: float, highest: float, most: float
+) -> Finding:
+    """Judge whether a level rises much less per doubling of the load beyond the knee than before
+    it.
 
     The rise beyond may be at most a given share of the rise before. Each roughness is a part.
     """
     checks = []
     for roughness in study.roughnesses:
-        before = change(measure, study.at(roughness, lowest), study.at(roughness, knee), study.factor)
-        after = change(measure, study.at(roughness, knee), study.at(roughness, highest), study.factor)
+        before = change(
+            measure, study.at(roughness, lowest), study.at(roughness, knee), study.factor
+        )
+        after = change(
+            measure, study.at(roughness, knee), study.at(roughness, highest), study.factor
+        )
         if before is None or after is None:
             checks.append(Check(f"{ra(roughness)} at {newton(knee)}", None))
             continue
         slope = before.mean / math.log2(knee / lowest), after.mean / math.log2(highest / knee)
         text = f"{slope[1]:+.1f} dB per doubling after {slope[0]:+.1f} dB"
         numbers = {"before": slope[0], "beyond": slope[1]}
-        checks.append(Check(ra(roughness), slope[0] > 0 and slope[1] <= most * slope[0], text, numbers))
+        checks.append(
+            Check(ra(roughness), slope[0] > 0 and slope[1] <= most * slope[0], text, numbers)
+        )
     return concluded(checks)
 
 
-def stands_apart(study: Cases, measure: Measure, roughness: float, low: float, high: float) -> Finding:
-    """Judge whether the gap between two neighbouring loads is large in itself and larger than any other step."""
+def stands_apart(
+    study: Cases, measure: Measure, roughness: float, low: float, high: float
+) -> Finding:
+    """Judge whether the gap between two neighbouring loads is large in itself and larger than any
+    other step.
+    """
     means = {load: measure.mean(study.at(roughness, load), study.factor) for load in study.loads}
     known = {load: mean for load, mean in means.items() if mean is not None}
     if low not in known or high not in known:
@@ -201,9 +266,15 @@ def stands_apart(study: Cases, measure: Measure, roughness: float, low: float, h
     gap = min(mean for load, mean in known.items() if load >= high) - max(
         mean for load, mean in known.items() if load <= low
     )
-    others = {f"{newton(a)} to {newton(b)}": known[b] - known[a] for a, b in pairwise(known) if a != low}
+    others = {
+        f"{newton(a)} to {newton(b)}": known[b] - known[a] for a, b in pairwise(known) if a != low
+    }
     text = ", ".join(f"{measure.text(value, '+')} dB {name}" for name, value in others.items())
-    larger = gap > 0 and all(gap >= LARGEST_STEP * value for value in others.values()) if others else None
+    larger = (
+        gap > 0 and all(gap >= LARGEST_STEP * value for value in others.values())
+        if others
+        else None
+    )
     return concluded(
         [
             Check(
@@ -214,7 +285,9 @@ def stands_apart(study: Cases, measure: Measure, roughness: float, low: float, h
                 unsure=doubt(
                     gap,
                     lambda x: x >= LARGE_GAP_DB,
-                    study.grid.shift_db(measure.grid, (roughness, high), (roughness, low), study.factor),
+                    study.grid.shift_db(
+                        measure.grid, (roughness, high), (roughness, low), study.factor
+                    ),
                     0.0,
                 ),
             ),
@@ -224,7 +297,9 @@ def stands_apart(study: Cases, measure: Measure, roughness: float, low: float, h
 
 
 def within(study: Cases, measure: Measure, roughnesses: Sequence[float], most_db: float) -> Finding:
-    """Judge whether the highest and the lowest mean of the roughnesses lie close together; each load is a part."""
+    """Judge whether the highest and the lowest mean of the roughnesses lie close together; each
+    load is a part.
+    """
     checks = []
     for load in study.loads:
         means = {each: measure.mean(study.at(each, load), study.factor) for each in roughnesses}
@@ -232,10 +307,15 @@ def within(study: Cases, measure: Measure, roughnesses: Sequence[float], most_db
         if len(known) < 2:
             checks.append(Check(newton(load), None))
             continue
-        top, bottom = max(known, key=lambda each: known[each]), min(known, key=lambda each: known[each])
+        top, bottom = (
+            max(known, key=lambda each: known[each]),
+            min(known, key=lambda each: known[each]),
+        )
         span = known[top] - known[bottom]
         step = change(measure, study.at(bottom, load), study.at(top, load), study.factor)
         grid = study.grid.shift_db(measure.grid, (top, load), (bottom, load), study.factor)
         unsure = doubt(span, lambda x: x <= most_db, grid, step.error if step else 0.0)
-        checks.append(Check(newton(load), span <= most_db, f"{measure.text(span)} dB", span, unsure=unsure))
+        checks.append(
+            Check(newton(load), span <= most_db, f"{measure.text(span)} dB", span, unsure=unsure)
+        )
     return concluded(checks)

@@ -1,4 +1,5 @@
-"""Verdicts on statements: a statement has parts that hold or fail, and its verdict follows from them.
+"""Verdicts on statements: a statement has parts that hold or fail, and its verdict follows from
+them.
 
 A part may be unsure, where the grid, the number of surfaces or the length of the record could turn
 it. Then the verdict may be unsure, too.
@@ -13,7 +14,8 @@ from typing import Any
 import numpy as np
 
 REPRODUCED, PARTLY, NOT, NOT_RUN = "reproduced", "partly", "not", "not run"
-# The grid's error, the number of surfaces or the length of the record may turn this verdict into another one.
+# The grid's error, the number of surfaces or the length of the record may turn this verdict into
+# another one.
 UNDECIDED = "undecided"
 GRID, SURFACES, RECORD = "the grid", "the number of surfaces", "the length of the record"
 
@@ -100,7 +102,9 @@ def concluded(checks: Sequence[Check]) -> Finding:
         return Finding(verdict, ". ".join(words), numbers)
     causes = " and ".join(dict.fromkeys(check.unsure for check in unsure))
     places = ", ".join(check.place for check in unsure)
-    words.append(f"As measured: {verdict}; {causes} may turn it ({places}): between {least} and {most}")
+    words.append(
+        f"As measured: {verdict}; {causes} may turn it ({places}): between {least} and {most}"
+    )
     return Finding(UNDECIDED, ". ".join(words), numbers, [least, most], causes)
 
 
@@ -111,7 +115,9 @@ def _verdict(known: Sequence[Check]) -> str:
     return PARTLY if any(check.holds or check.near for check in known) else NOT
 
 
-def doubt(value: float, holds: Callable[[float], bool], grid: tuple[float, float], error: float) -> str:
+def doubt(
+    value: float, holds: Callable[[float], bool], grid: tuple[float, float], error: float
+) -> str:
     """Return the cause for which a value may fail a test that it passes, or pass one that it fails.
 
     Parameters
@@ -125,7 +131,10 @@ def doubt(value: float, holds: Callable[[float], bool], grid: tuple[float, float
     -------
     GRID, SURFACES, or an empty string without a cause.
     """
-    for cause, (low, high) in ((GRID, grid), (SURFACES, (grid[0] - 2 * error, grid[1] + 2 * error))):
+    for cause, (low, high) in (
+        (GRID, grid),
+        (SURFACES, (grid[0] - 2 * error, grid[1] + 2 * error)),
+    ):
         if any(holds(float(value + more)) != holds(value) for more in np.linspace(low, high, 41)):
             return cause
     return ""

@@ -7,7 +7,16 @@ from collections.abc import Mapping, Sequence
 from rolling.lee2025 import grid_error, standing
 from rolling.lee2025.checks import NOT_RUN, Finding
 from rolling.lee2025.measures import Cases, newton, ra
-from rolling.lee2025.results import READING, SWEEP, VARIATION, Extent, JudgedClaim, Judgement, Score, Table
+from rolling.lee2025.results import (
+    READING,
+    SWEEP,
+    VARIATION,
+    Extent,
+    JudgedClaim,
+    Judgement,
+    Score,
+    Table,
+)
 from rolling.lee2025.statements import CLAIMS, LOADS, OUTLOOK, ROUGHNESSES, SCALES, Claim
 from rolling.lee2025.study import Case
 
@@ -21,13 +30,19 @@ def table(
 
     Parameters
     ----------
-    cases : sequence of Case. The cases of all readings. A reading whose cases have no hardness holds twins.
-    assumptions : mapping from str to str. The choices that each reading takes for granted, in words. Default: none.
-    departures : mapping from str to sequence of str. Differences of each reading from the article's statements; a
-        reading with any is a variation. Default: none.
+    cases : sequence of Case. The cases of all readings. A reading whose cases have no hardness
+        holds twins.
+    assumptions : mapping from str to str. The choices that each reading takes for granted, in
+        words. Default: none.
+    departures : mapping from str to sequence of str. Differences of each reading from the article's
+        statements; a reading with any is a variation. Default: none.
     """
     groups = {name: tuple(case for case in cases if case.reading == name) for name in _names(cases)}
-    elastic = {name: group for name, group in groups.items() if all(case.hardness_gpa is None for case in group)}
+    elastic = {
+        name: group
+        for name, group in groups.items()
+        if all(case.hardness_gpa is None for case in group)
+    }
     without = tuple(case for group in elastic.values() for case in group)
     judged = {name: group for name, group in groups.items() if name not in elastic}
     claims = tuple(
@@ -35,14 +50,22 @@ def table(
         for claim in (*CLAIMS, *OUTLOOK)
     )
     readings = {
-        name: _extent(Cases(group), (assumptions or {}).get(name, ""), tuple((departures or {}).get(name, ())))
+        name: _extent(
+            Cases(group), (assumptions or {}).get(name, ""), tuple((departures or {}).get(name, ()))
+        )
         for name, group in judged.items()
     }
     made = Table(readings, tuple(elastic), claims)
     scores: list[Score] = []
     for kind in (READING, VARIATION):
         scores += standing.scores(claims, made.of_kind(kind), SCALES)
-    return Table(readings, tuple(elastic), claims, standing.standing(claims, made.of_kind(READING)), tuple(scores))
+    return Table(
+        readings,
+        tuple(elastic),
+        claims,
+        standing.standing(claims, made.of_kind(READING)),
+        tuple(scores),
+    )
 
 
 def _names(cases: Sequence[Case]) -> list[str]:
@@ -50,13 +73,17 @@ def _names(cases: Sequence[Case]) -> list[str]:
     return list(dict.fromkeys(case.reading for case in cases))
 
 
-def _judgements(claim: Claim, judged: Mapping[str, tuple[Case, ...]], twins: tuple[Case, ...]) -> list[Judgement]:
+def _judgements(
+    claim: Claim, judged: Mapping[str, tuple[Case, ...]], twins: tuple[Case, ...]
+) -> list[Judgement]:
     """Judge one claim under all readings, once for each scale of levels where it concerns levels."""
     return [
         Judgement(
             name,
             scale if claim.level else None,
-            _finding(claim, Cases(group, scale, twins, grid_error.MEASURED.get(name, grid_error.NONE))),
+            _finding(
+                claim, Cases(group, scale, twins, grid_error.MEASURED.get(name, grid_error.NONE))
+            ),
         )
         for name, group in judged.items()
         for scale in (SCALES if claim.level else SCALES[:1])
@@ -64,14 +91,21 @@ def _judgements(claim: Claim, judged: Mapping[str, tuple[Case, ...]], twins: tup
 
 
 def _finding(claim: Claim, study: Cases) -> Finding:
-    """Judge one claim by the cases of one reading; a sweep judges only the claims about its own variable."""
+    """Judge one claim by the cases of one reading; a sweep judges only the claims about its own
+    variable.
+    """
     if claim.varied == _swept(study):
         return claim.judge(study)
-    return Finding(NOT_RUN, "this reading does not vary it" if claim.varied else "this reading varies something else")
+    return Finding(
+        NOT_RUN,
+        "this reading does not vary it" if claim.varied else "this reading varies something else",
+    )
 
 
 def _swept(study: Cases) -> str | None:
-    """Return the field that a reading varies besides roughness and load; the reading is about that alone."""
+    """Return the field that a reading varies besides roughness and load; the reading is about that
+    alone.
+    """
     fields = (claim.varied for claim in OUTLOOK if claim.varied)
     return next((name for name in fields if len(study.values(name)) > 1), None)
 
@@ -84,8 +118,14 @@ def _extent(study: Cases, assumptions: str, departs: tuple[str, ...]) -> Extent:
         lacks = [ra(roughness) for roughness in ROUGHNESSES if roughness not in study.roughnesses]
         lacks += [newton(load) for load in LOADS if load not in study.loads]
         roughnesses = [roughness for roughness in ROUGHNESSES if roughness in study.roughnesses]
-        pairs = [(roughness, load) for roughness in roughnesses for load in LOADS if load in study.loads]
-        lacks += [f"{ra(roughness)} at {newton(load)}" for roughness, load in pairs if not study.at(roughness, load)]
+        pairs = [
+            (roughness, load) for roughness in roughnesses for load in LOADS if load in study.loads
+        ]
+        lacks += [
+            f"{ra(roughness)} at {newton(load)}"
+            for roughness, load in pairs
+            if not study.at(roughness, load)
+        ]
     return Extent(
         kind=SWEEP if swept else VARIATION if departs else READING,
         assumptions=assumptions,

@@ -6,10 +6,21 @@ from collections.abc import Sequence
 
 from rolling.lee2025 import standing
 from rolling.lee2025.checks import UNDECIDED, Finding
-from rolling.lee2025.results import READING, SWEEP, VARIATION, Extent, JudgedClaim, Score, Standing, Table
+from rolling.lee2025.results import (
+    READING,
+    SWEEP,
+    VARIATION,
+    Extent,
+    JudgedClaim,
+    Score,
+    Standing,
+    Table,
+)
 from rolling.tables import markdown as markdown_table
 
-DOCS_MARK = "<!-- From here on: tables.md, as `rolling reproduce lee2025` writes it into its folder. -->"
+DOCS_MARK = (
+    "<!-- From here on: tables.md, as `rolling reproduce lee2025` writes it into its folder. -->"
+)
 
 _KINDS = {
     READING: ("Readings", "Each keeps to the statements of the article."),
@@ -17,7 +28,10 @@ _KINDS = {
         "Variations",
         "Each changes a statement of the article, to show the effect. It counts for nothing above.",
     ),
-    SWEEP: ("The outlook", "These are further expectations of the article, in a study of their own."),
+    SWEEP: (
+        "The outlook",
+        "These are further expectations of the article, in a study of their own.",
+    ),
 }
 
 
@@ -37,13 +51,20 @@ def markdown(table: Table) -> str:
 
 
 def tables(table: Table) -> str:
-    """Write tables.md, the part of docs/lee2025.md that follows from the study, from its mark to the end."""
+    """Write tables.md, the part of docs/lee2025.md that follows from the study, from its mark to
+    the end.
+    """
     return f"{DOCS_MARK}\n\n{_tables(table)}\n"
 
 
 def _tables(table: Table) -> str:
     """Write all tables: standing, verdicts, cautions and scores."""
-    parts = ["## Statements that hold", f"**{headline(table)}**", *_standing(table.standing), "## Verdicts"]
+    parts = [
+        "## Statements that hold",
+        f"**{headline(table)}**",
+        *_standing(table.standing),
+        "## Verdicts",
+    ]
     parts.append(
         "Levels are judged with 10 lg of the release power, as in the article's equation, and with"
         " 20 lg. The verdicts read as one word where both agree, else the verdict with 10 lg stands"
@@ -93,17 +114,24 @@ def _standing(state: Standing | None) -> list[str]:
 
 
 def _verdicts(table: Table, kind: str, heading: str, words: str) -> list[str]:
-    """Write a table of the verdicts of all readings of a kind on the statements that concern such readings."""
+    """Write a table of the verdicts of all readings of a kind on the statements that concern such
+    readings.
+    """
     names = table.of_kind(kind)
     if not names:
         return []
     rows = [
-        [f"*{judged.claim.key}*: {judged.claim.statement}", *(_cell(judged, name) for name in names)]
+        [
+            f"*{judged.claim.key}*: {judged.claim.statement}",
+            *(_cell(judged, name) for name in names),
+        ]
         for judged in table.claims
         if bool(judged.claim.varied) == (kind == SWEEP)
     ]
     departures = {name: table.readings[name].departs for name in names if kind == VARIATION}
-    changes = [f"- {name} has {' and '.join(departs)}." for name, departs in departures.items() if departs]
+    changes = [
+        f"- {name} has {' and '.join(departs)}." for name, departs in departures.items() if departs
+    ]
     parts = [f"### {heading}", words, "\n".join(changes), markdown_table(["claim", *names], rows)]
     return [part for part in parts if part]
 
@@ -111,13 +139,18 @@ def _verdicts(table: Table, kind: str, heading: str, words: str) -> list[str]:
 def _cell(judged: JudgedClaim, reading: str) -> str:
     """Write the verdicts of a reading on a claim, with a star where cases are missing."""
     findings = [judgement.finding for judgement in judged.of(reading)]
-    words = [_word(finding) + ("\\*" if finding.numbers and finding.numbers.missing else "") for finding in findings]
+    words = [
+        _word(finding) + ("\\*" if finding.numbers and finding.numbers.missing else "")
+        for finding in findings
+    ]
     return " / ".join(dict.fromkeys(words))
 
 
 def _word(finding: Finding) -> str:
     """Return the verdict, with its cause where it is undecided."""
-    return f"{UNDECIDED} ({finding.decided_by})" if finding.verdict == UNDECIDED else finding.verdict
+    return (
+        f"{UNDECIDED} ({finding.decided_by})" if finding.verdict == UNDECIDED else finding.verdict
+    )
 
 
 def _cautions(table: Table) -> list[str]:
@@ -159,22 +192,37 @@ def _scores(table: Table) -> list[str]:
         words += f"**No reading leads by {standing.LEAD:g} statements or more: none explains the article best.**"
     parts = ["### Statements that each explains", words, _score_table(readings)]
     rest = [score for score in table.scores if score not in readings]
-    return [*parts, "Variations, which take part in no comparison:", _score_table(rest)] if rest else parts
+    return (
+        [*parts, "Variations, which take part in no comparison:", _score_table(rest)]
+        if rest
+        else parts
+    )
 
 
 def _score_table(scores: Sequence[Score]) -> str:
     """Write a table of scores."""
     rows = [
-        [score.reading, f"{score.scale} lg", score.range, *(f"{count}" for count in score.counts.values())]
+        [
+            score.reading,
+            f"{score.scale} lg",
+            score.range,
+            *(f"{count}" for count in score.counts.values()),
+        ]
         for score in scores
     ]
     return markdown_table(["folder", "levels", "score", *standing.WORDS], rows)
 
 
 def _paragraph(judged: JudgedClaim) -> str:
-    """Write a claim in full: the statement, its place, the tolerance, a caution, and all measured numbers."""
+    """Write a claim in full: the statement, its place, the tolerance, a caution, and all measured
+    numbers.
+    """
     claim = judged.claim
-    head = [f"### {claim.key}", f"{claim.statement} ({claim.where})", f"Tolerance: {claim.tolerance}"]
+    head = [
+        f"### {claim.key}",
+        f"{claim.statement} ({claim.where})",
+        f"Tolerance: {claim.tolerance}",
+    ]
     if claim.caution:
         head.append(f"Caution: {claim.caution}")
     scales: dict[tuple[str, str, str], list[str]] = {}

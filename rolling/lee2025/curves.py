@@ -1,4 +1,5 @@
-"""Figures of curves: plastic ratio (Fig. 7), spectra (Fig. 8), maximum levels (Fig. 9), and correlation length.
+"""Figures of curves: plastic ratio (Fig. 7), spectra (Fig. 8), maximum levels (Fig. 9), and
+correlation length.
 
 All readings are drawn on the same axes.
 """
@@ -24,15 +25,20 @@ from rolling.lee2025.study import Case
 
 Array = NDArray[np.float64]
 
-SCALE_REFERENCE = (1.0, 20.0)  # Ra [um] and load [N] whose maximum line level is the reference of 20 lg levels
+# Ra [um] and load [N] whose maximum line level is the reference of 20 lg levels
+SCALE_REFERENCE = (1.0, 20.0)
 _SCALE_ROOM_IN = 0.75  # room for the axis on the right
 
 
 def plastic_ratio(reading: Reading, on: Scales) -> Picture:
-    """Draw Fig. 7: plastic area over the Hertz area against load, mean and standard deviation over surfaces."""
+    """Draw Fig. 7: plastic area over the Hertz area against load, mean and standard deviation over
+    surfaces.
+    """
     figure = blank()
     ax = figure.add_subplot()
-    columns = _against_load(ax, reading, on, lambda case: case.plastic_ratio, "plastic area / Hertz area", "1")
+    columns = _against_load(
+        ax, reading, on, lambda case: case.plastic_ratio, "plastic area / Hertz area", "1"
+    )
     ax.set_ylim(-0.03 * on.plastic_ratio, on.plastic_ratio)
     shown = shown_roughnesses(reading, on)
     places: dict[Axes, Place] = {ax: (LEFT_IN, BOTTOM_IN, WIDTH_IN - LEFT_IN - RIGHT_IN, 3.5)}
@@ -41,7 +47,9 @@ def plastic_ratio(reading: Reading, on: Scales) -> Picture:
 
 
 def spectra(reading: Reading, on: Scales) -> Picture:
-    """Draw Fig. 8: the article's A-weighted line spectra, a panel for each roughness, a curve for each load."""
+    """Draw Fig. 8: the article's A-weighted line spectra, a panel for each roughness, a curve for
+    each load.
+    """
     figure = blank()
     shown = shown_roughnesses(reading, on)
     reference = _reference_db(reading)
@@ -53,7 +61,8 @@ def spectra(reading: Reading, on: Scales) -> Picture:
         curves = []
         for load in on.loads:
             frequency, level = _mean_spectrum(reading.at(roughness_um=ra, load_n=load))
-            # The first panel's legend serves all panels: it names the loads of any panel, but no label "_".
+            # The first panel's legend serves all panels: it names the loads of any panel, but no
+            # label "_".
             curves.append((f"{load:g} N" if reading.at(load_n=load) else "_", frequency, level))
             if len(frequency):
                 _add(columns, f"Ra {ra:g} µm, {load:g} N", frequency, level)
@@ -72,7 +81,9 @@ def spectra(reading: Reading, on: Scales) -> Picture:
 
 
 def maximum_level(reading: Reading, on: Scales) -> Picture:
-    """Draw Fig. 9: maximum A-weighted line level against load, mean and standard deviation over surfaces."""
+    """Draw Fig. 9: maximum A-weighted line level against load, mean and standard deviation over
+    surfaces.
+    """
     figure = blank()
     ax = figure.add_subplot()
     label = "maximum A-weighted line level"
@@ -89,8 +100,12 @@ def maximum_level(reading: Reading, on: Scales) -> Picture:
     _twice(ax, reference)
     shown = shown_roughnesses(reading, on)
     places: dict[Axes, Place] = {ax: (LEFT_IN, BOTTOM_IN, WIDTH_IN - LEFT_IN - _SCALE_ROOM_IN, 3.5)}
-    note = "; ".join([_surfaces_of(reading.cases), _duration(reading.cases), _scale_note(reference)])
-    return finish("fig9_maximum_level", "Maximum A-weighted level", note, reading, shown, places, columns)
+    note = "; ".join(
+        [_surfaces_of(reading.cases), _duration(reading.cases), _scale_note(reference)]
+    )
+    return finish(
+        "fig9_maximum_level", "Maximum A-weighted level", note, reading, shown, places, columns
+    )
 
 
 def correlation_length(reading: Reading) -> Picture:
@@ -113,7 +128,9 @@ def correlation_length(reading: Reading) -> Picture:
     )
     seen: list[float] = []
     for number, (name, unit, quantity) in enumerate(levels):
-        mean, spread = _statistics([reading.at(correlation_um=length) for length in reading.lengths], quantity)
+        mean, spread = _statistics(
+            [reading.at(correlation_um=length) for length in reading.lengths], quantity
+        )
         _points(right, lengths, mean, spread, number, f"{name} [{unit}]")
         columns |= {f"{name} [{unit}]": mean, f"{name}: standard deviation [dB]": spread}
         seen += [*mean]
@@ -130,14 +147,25 @@ def correlation_length(reading: Reading) -> Picture:
     shown = sorted({case.roughness_um for case in reading.cases})
     loads = sorted({case.load_n for case in reading.cases})
     conditions = f"Ra {', '.join(f'{ra:g}' for ra in shown)} µm; {', '.join(f'{load:g}' for load in loads)} N"
-    note = "; ".join([conditions, _duration(reading.cases), f"spectra: {_mean_over(reading.cases)}"])
+    note = "; ".join(
+        [conditions, _duration(reading.cases), f"spectra: {_mean_over(reading.cases)}"]
+    )
     return finish("correlation_length", "Correlation length", note, reading, shown, places, columns)
 
 
 def _heading(ax: Axes, text: str, warned: bool) -> None:
     """Write the title of a panel, in colour as a warning."""
     colour = WARNING if warned else "black"
-    ax.text(0.03, 0.96, text, transform=ax.transAxes, va="top", fontsize=9, fontweight="bold", color=colour)
+    ax.text(
+        0.03,
+        0.96,
+        text,
+        transform=ax.transAxes,
+        va="top",
+        fontsize=9,
+        fontweight="bold",
+        color=colour,
+    )
 
 
 def shown_roughnesses(reading: Reading, on: Scales) -> list[float]:
@@ -147,7 +175,12 @@ def shown_roughnesses(reading: Reading, on: Scales) -> list[float]:
 
 
 def _against_load(
-    ax: Axes, reading: Reading, on: Scales, quantity: Callable[[Case], float | None], label: str, unit: str
+    ax: Axes,
+    reading: Reading,
+    on: Scales,
+    quantity: Callable[[Case], float | None],
+    label: str,
+    unit: str,
 ) -> dict[str, Array]:
     """Plot mean and standard deviation of a quantity against load, a curve for each roughness.
 
@@ -170,7 +203,9 @@ def _against_load(
     return columns
 
 
-def _statistics(groups: Sequence[Sequence[Case]], quantity: Callable[[Case], float | None]) -> tuple[Array, Array]:
+def _statistics(
+    groups: Sequence[Sequence[Case]], quantity: Callable[[Case], float | None]
+) -> tuple[Array, Array]:
     """Compute mean and standard deviation of each group.
 
     The mean of an empty group is NaN, as is the deviation of a single value.
@@ -189,7 +224,9 @@ def _statistics(groups: Sequence[Sequence[Case]], quantity: Callable[[Case], flo
 def _points(ax: Axes, x: Array, mean: Array, spread: Array, number: int, label: str) -> None:
     """Plot mean values with error bars, joined across missing values."""
     there = np.isfinite(mean)
-    ax.errorbar(x[there], mean[there], spread[there], label=label, capsize=3, markersize=5, **_look(number))
+    ax.errorbar(
+        x[there], mean[there], spread[there], label=label, capsize=3, markersize=5, **_look(number)
+    )
 
 
 def _look(number: int) -> dict[str, Any]:
@@ -271,18 +308,26 @@ def _duration(cases: Sequence[Case]) -> str:
 def _surfaces_of(cases: Sequence[Case]) -> str:
     """Write the number of surfaces behind a point."""
     count = _surface_count(cases)
-    return "one surface: no error bars" if count == "1" else f"mean and standard deviation of {count} surfaces"
+    return (
+        "one surface: no error bars"
+        if count == "1"
+        else f"mean and standard deviation of {count} surfaces"
+    )
 
 
 def _mean_over(cases: Sequence[Case]) -> str:
     """Write the number of surfaces and of lines behind a point of a spectrum."""
     count = _surface_count(cases)
-    return "1/12-octave means of " + ("one surface" if count == "1" else f"the power of {count} surfaces")
+    return "1/12-octave means of " + (
+        "one surface" if count == "1" else f"the power of {count} surfaces"
+    )
 
 
 def _surface_count(cases: Sequence[Case]) -> str:
     """Write the number of surfaces per case, or its range."""
-    groups = Counter((case.roughness_um, case.load_n, case.correlation_um) for case in cases).values()
+    groups = Counter(
+        (case.roughness_um, case.load_n, case.correlation_um) for case in cases
+    ).values()
     return " to ".join(dict.fromkeys(str(end) for end in (min(groups), max(groups))))
 
 
@@ -302,7 +347,9 @@ def _scale_note(reference_db: float | None) -> str:
 
 
 def _twice(ax: Axes, reference_db: float | None) -> None:
-    """Add a dashed axis on the right: 20 lg of the power, whose differences are twice those with 10 lg."""
+    """Add a dashed axis on the right: 20 lg of the power, whose differences are twice those with 10
+    lg.
+    """
     if reference_db is None:
         return
     ra, load = SCALE_REFERENCE

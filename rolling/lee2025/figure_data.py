@@ -89,7 +89,11 @@ class Reading:
 
     def at(self, **values: float) -> list[Case]:
         """Return the cases with these values, such as load_n=5."""
-        return [case for case in self.cases if all(getattr(case, name) == value for name, value in values.items())]
+        return [
+            case
+            for case in self.cases
+            if all(getattr(case, name) == value for name, value in values.items())
+        ]
 
 
 @dataclass(frozen=True)
@@ -123,8 +127,11 @@ class Scales:
         return sorted({self.loads[0], self.loads[-1]}) if self.loads else []
 
 
-def gather(name: str, runs: Sequence[Run], results: Sequence[Result], cases: Sequence[Case]) -> Reading:
-    """Gather the data of a reading's figures: slopes of all its surfaces, surface and contacts of the first seed.
+def gather(
+    name: str, runs: Sequence[Run], results: Sequence[Result], cases: Sequence[Case]
+) -> Reading:
+    """Gather the data of a reading's figures: slopes of all its surfaces, surface and contacts of
+    the first seed.
 
     Parameters
     ----------
@@ -163,16 +170,24 @@ def scales(readings: Sequence[Reading]) -> Scales:
     cases = [case for reading in readings for case in reading.cases]
     contacts = [contact for reading in readings for contact in reading.contacts.values()]
     heights = [patch.heights for reading in readings for patch in reading.patches.values()]
-    roughnesses = sorted({case.roughness_um for case in cases} | {ra for reading in readings for ra in reading.patches})
-    loads = sorted({case.load_n for case in cases} | {load for reading in readings for _, load in reading.contacts})
+    roughnesses = sorted(
+        {case.roughness_um for case in cases}
+        | {ra for reading in readings for ra in reading.patches}
+    )
+    loads = sorted(
+        {case.load_n for case in cases}
+        | {load for reading in readings for _, load in reading.contacts}
+    )
     maxima = [case.maximum_db for case in cases if case.maximum_db > NOTHING_DB]
     return Scales(
         roughnesses,
         loads,
         height_um=1e6 * max((float(np.abs(patch).max()) for patch in heights), default=1e-6),
         reach_um=1e6 * max((contact.reach for contact in contacts), default=1e-4),
-        pressure_gpa=1e-9 * max((float(contact.pressure.max()) for contact in contacts), default=1e9),
-        deflection_um=1e6 * max((float(contact.deflection.max()) for contact in contacts), default=1e-6),
+        pressure_gpa=1e-9
+        * max((float(contact.pressure.max()) for contact in contacts), default=1e9),
+        deflection_um=1e6
+        * max((float(contact.deflection.max()) for contact in contacts), default=1e-6),
         plastic_ratio=1.05 * max((case.plastic_ratio for case in cases), default=1.0) or 1.0,
         spectrum_db=sound_plots.level_limits(level for case in cases for level in case.line_db),
         maximum_db=sound_plots.level_limits(maxima),

@@ -49,7 +49,15 @@ def finish(
     if too_steep:
         strip = figure.add_subplot()
         strip.set_axis_off()
-        strip.text(0.0, 0.5, "\n".join(too_steep), color=WARNING, fontsize=8.5, va="center", fontweight="bold")
+        strip.text(
+            0.0,
+            0.5,
+            "\n".join(too_steep),
+            color=WARNING,
+            fontsize=8.5,
+            va="center",
+            fontweight="bold",
+        )
         lifted[strip] = (SIDE_IN, 0.0, WIDTH_IN - 2 * SIDE_IN, room)
     full = f"{title}: {reading.name}"
     lay_out(figure, full, note, lifted)
@@ -57,11 +65,15 @@ def finish(
 
 
 def warnings(reading: Reading, roughness_um: float) -> list[str]:
-    """Return the warnings of surfaces of this Ra that are too steep, one line for each correlation length."""
+    """Return the warnings of surfaces of this Ra that are too steep, one line for each correlation
+    length.
+    """
     lines = []
     for (ra, length), norm in sorted(reading.slopes.items()):
         if ra == roughness_um and norm > MAX_SLOPE:
-            surface = f"Ra {ra:g} µm" + (f", length {length:g} µm" if len(reading.lengths) > 1 else "")
+            surface = f"Ra {ra:g} µm" + (
+                f", length {length:g} µm" if len(reading.lengths) > 1 else ""
+            )
             each = norm / np.sqrt(2)  # isotropic
             lines.append(
                 f"{surface}: rms slope {each:.2g} along each direction, norm {norm:.2g} > {MAX_SLOPE:g}: half-space"
@@ -77,4 +89,6 @@ def steep(reading: Reading, roughness_um: float) -> bool:
 
 def panel_title(reading: Reading, roughness_um: float) -> str:
     """Return the title of a panel, with a mark where the surface is too steep."""
-    return f"Ra {roughness_um:g} µm" + (" (not valid: too steep)" if steep(reading, roughness_um) else "")
+    return f"Ra {roughness_um:g} µm" + (
+        " (not valid: too steep)" if steep(reading, roughness_um) else ""
+    )

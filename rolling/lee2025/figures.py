@@ -13,7 +13,9 @@ from rolling.lee2025.figure_data import Reading, Scales
 
 
 def gallery(reading: Reading, on: Scales) -> Iterator[Picture]:
-    """Draw all pictures of a reading that it has data for: Fig. 1, 5 to 9, or the correlation length."""
+    """Draw all pictures of a reading that it has data for: Fig. 1, 5 to 9, or the correlation
+    length.
+    """
     if len(reading.lengths) > 1:
         yield curves.correlation_length(reading)
         return

@@ -39,7 +39,9 @@ class GridError:
         return self._at(name, roughness_um, load_n) or (1.0, 1.0)
 
     def ratio(self, name: str, over: float, under: float, load_n: float) -> Range:
-        """Return the range of factors on the ratio of a number on two roughnesses [um]; it contains 1."""
+        """Return the range of factors on the ratio of a number on two roughnesses [um]; it contains
+        1.
+        """
         a, b = self.factor(name, over, load_n), self.factor(name, under, load_n)
         return min(1.0, a[0] / b[1]), max(1.0, a[1] / b[0])
 
@@ -47,8 +49,11 @@ class GridError:
         """Return the range of changes of a level [dB, 10 lg]; (0, 0) if not measured."""
         return self._at(name, roughness_um, load_n) or (0.0, 0.0)
 
-    def shift_db(self, name: str, over: tuple[float, float], under: tuple[float, float], factor: int) -> Range:
-        """Return the range of changes [dB] of a difference of levels between two pairs of Ra [um] and load [N].
+    def shift_db(
+        self, name: str, over: tuple[float, float], under: tuple[float, float], factor: int
+    ) -> Range:
+        """Return the range of changes [dB] of a difference of levels between two pairs of Ra [um]
+        and load [N].
 
         The range contains 0.
         """
@@ -56,7 +61,9 @@ class GridError:
         return min(0.0, a[0] - b[1]) * factor / 10, max(0.0, a[1] - b[0]) * factor / 10
 
     def _at(self, name: str, roughness_um: float, load_n: float) -> Range | None:
-        """Return the range over both neighbouring loads, or of the nearest one beyond the measured loads."""
+        """Return the range over both neighbouring loads, or of the nearest one beyond the measured
+        loads.
+        """
         ranges: Ranges = getattr(self, name) if name else {}
         loads = ranges.get(roughness_um, {})
         if not loads:
@@ -70,9 +77,9 @@ class GridError:
 
 NONE = GridError()
 
-# Ranges reach from the finest grid, with sharp and blended edges, to the extrapolation of the last two grids with order 1.4.
-# The finest grid is 0.5 um in hardness-3y-exponential at Ra 0.1 and 1 um, else 1 um. Levels: blended edges only. Third
-# octaves: 1.6 times the change from 2 to 1 um.
+# Ranges reach from the finest grid, with sharp and blended edges, to the extrapolation of the last
+# two grids with order 1.4. The finest grid is 0.5 um in hardness-3y-exponential at Ra 0.1 and 1 um,
+# else 1 um. Levels: blended edges only. Third octaves: 1.6 times the change from 2 to 1 um.
 MEASURED = {
     "as-stated": GridError(
         plastic={

@@ -48,7 +48,14 @@ class Cases:
         """Find the same scene without hardness: same bodies, surface, load and record."""
 
         def key(scene: Case) -> tuple[object, ...]:
-            return scene.bodies, scene.roughness_um, scene.correlation_um, scene.load_n, scene.seed, scene.duration_s
+            return (
+                scene.bodies,
+                scene.roughness_um,
+                scene.correlation_um,
+                scene.load_n,
+                scene.seed,
+                scene.duration_s,
+            )
 
         return next((twin for twin in self.twins if key(twin) == key(case)), None)
 
@@ -100,10 +107,16 @@ class Measure:
         return float(np.std(list(values.values()), ddof=1)) if len(values) > 1 else None
 
     def relative_error(self, group: Sequence[Case], factor: int) -> float:
-        """Compute the standard error of the mean over surfaces divided by that mean; 0 with one surface."""
+        """Compute the standard error of the mean over surfaces divided by that mean; 0 with one
+        surface.
+        """
         values = list(self.by_seed(group, factor).values())
         mean = float(np.mean(values)) if values else 0.0
-        return float(np.std(values, ddof=1)) / math.sqrt(len(values)) / mean if len(values) > 1 and mean else 0.0
+        return (
+            float(np.std(values, ddof=1)) / math.sqrt(len(values)) / mean
+            if len(values) > 1 and mean
+            else 0.0
+        )
 
     def text(self, value: float | None, sign: str = "") -> str:
         """Write a value without its unit, a dash for None."""
@@ -142,7 +155,9 @@ class Change:
         return self.mean < -2 * self.error
 
 
-def change(measure: Measure, first: Sequence[Case], then: Sequence[Case], factor: int) -> Change | None:
+def change(
+    measure: Measure, first: Sequence[Case], then: Sequence[Case], factor: int
+) -> Change | None:
     """Compute the change between two groups of cases, None if they share no seed.
 
     A change is certain when it exceeds twice its standard error, with one seed when it exceeds 0.
@@ -154,7 +169,8 @@ def change(measure: Measure, first: Sequence[Case], then: Sequence[Case], factor
     if not len(changes):
         return None
     return Change(
-        float(changes.mean()), float(changes.std(ddof=1)) / math.sqrt(len(changes)) if len(changes) > 1 else 0.0
+        float(changes.mean()),
+        float(changes.std(ddof=1)) / math.sqrt(len(changes)) if len(changes) > 1 else 0.0,
     )
 
 
@@ -193,12 +209,19 @@ def _centroid_hz(case: Case, factor: int) -> float:
 
 
 PRESSURE = Measure(lambda case, factor: case.max_pressure * 1e-9, "GPa", ".3f")
-PLASTIC_RATIO = Measure(lambda case, factor: case.plastic_ratio, "of the Hertz area", ".3f", grid="plastic")
-# The Hertz area grows with load^(2/3) (Johnson, Contact Mechanics 1985, 4.2), and is the same for all roughnesses.
-PLASTIC_AREA = Measure(
-    lambda case, factor: case.plastic_ratio * case.load_n ** (2 / 3), "Hertz areas of 1 N", grid="plastic"
+PLASTIC_RATIO = Measure(
+    lambda case, factor: case.plastic_ratio, "of the Hertz area", ".3f", grid="plastic"
 )
-CONTACT_AREA = Measure(lambda case, factor: case.contact_ratio * case.load_n ** (2 / 3), "Hertz areas of 1 N")
+# The Hertz area grows with load^(2/3) (Johnson, Contact Mechanics 1985, 4.2), and is the same for
+# all roughnesses.
+PLASTIC_AREA = Measure(
+    lambda case, factor: case.plastic_ratio * case.load_n ** (2 / 3),
+    "Hertz areas of 1 N",
+    grid="plastic",
+)
+CONTACT_AREA = Measure(
+    lambda case, factor: case.contact_ratio * case.load_n ** (2 / 3), "Hertz areas of 1 N"
+)
 DEFLECTION = Measure(lambda case, factor: case.deflection * 1e6, "µm", ".3f", grid="deflection")
 MAXIMUM = Measure(_maximum_db, "dB", ".1f", level=True, grid="line_db")
 AUDIBLE = Measure(_audible_db, "dB", ".1f", level=True, grid="level_db")
@@ -224,13 +247,15 @@ def series(
     Levels without an absolute value are relative to the first group.
     """
     statistics = [
-        (name, measure.mean(group, study.factor), measure.deviation(group, study.factor)) for name, group in groups
+        (name, measure.mean(group, study.factor), measure.deviation(group, study.factor))
+        for name, group in groups
     ]
     known = [(name, mean, deviation) for name, mean, deviation in statistics if mean is not None]
     relative = measure.level and study.factor != 10
     base, sign = (known[0][1], "+") if known and relative else (0.0, "")
     words = [
-        measure.text(mean - base, sign) + ("" if deviation is None else f" ± {measure.text(deviation)}")
+        measure.text(mean - base, sign)
+        + ("" if deviation is None else f" ± {measure.text(deviation)}")
         for _, mean, deviation in known
     ]
     numbers = {name: Statistic(mean - base, deviation) for name, mean, deviation in known}

@@ -100,8 +100,8 @@ def page(readings: Sequence[str], table: Table, pictures: Mapping[str, Sequence[
     ----------
     readings : sequence of str. Names in the order of the columns.
     table : Table. The judged claims. Empty parts are left out of the page.
-    pictures : mapping from str to sequence of Picture. The figures of each reading, as `figures.gallery` gives them. A
-        reading without figures has no column among them.
+    pictures : mapping from str to sequence of Picture. The figures of each reading, as
+        `figures.gallery` gives them. A reading without figures has no column among them.
     """
     extents = {name: table.readings[name] for name in readings if name in table.readings}
     html = (
@@ -114,9 +114,17 @@ def page(readings: Sequence[str], table: Table, pictures: Mapping[str, Sequence[
             scores=[_score(score, table) for score in table.scores],
             headline=claims_text.headline(table) if table.standing else "",
             kinds={name: table.kind(name) for name in readings},
-            departs={name: ", ".join(extent.departs) for name, extent in extents.items() if extent.departs},
-            assumptions=[(name, extent.assumptions) for name, extent in extents.items() if extent.assumptions],
-            lacks=[(name, ", ".join(extent.lacks)) for name, extent in extents.items() if extent.lacks],
+            departs={
+                name: ", ".join(extent.departs)
+                for name, extent in extents.items()
+                if extent.departs
+            },
+            assumptions=[
+                (name, extent.assumptions) for name, extent in extents.items() if extent.assumptions
+            ],
+            lacks=[
+                (name, ", ".join(extent.lacks)) for name, extent in extents.items() if extent.lacks
+            ],
             shelves=_shelves(readings, pictures),
             citation=citation,
             css=report.own_text("report.css"),
@@ -142,7 +150,9 @@ def _verdict(judgement: Judgement) -> Verdict:
 def _score(score: Score, table: Table) -> ScoreRow:
     """Return the row of a score."""
     counts = {word: score.counts.get(word, 0) for word in SIGNS} if score.counts else {}
-    return ScoreRow(score.reading, table.kind(score.reading), f"{score.scale} lg", score.range, counts)
+    return ScoreRow(
+        score.reading, table.kind(score.reading), f"{score.scale} lg", score.range, counts
+    )
 
 
 def _shelves(readings: Sequence[str], pictures: Mapping[str, Sequence[Picture]]) -> list[Shelf]:
@@ -151,7 +161,9 @@ def _shelves(readings: Sequence[str], pictures: Mapping[str, Sequence[Picture]])
     order = [*_HEADINGS, *(picture.name for _, picture in named)]
     shelves = []
     for kind in dict.fromkeys(order):
-        exhibits = [(name, report.exhibit(picture)) for name, picture in named if picture.name == kind]
+        exhibits = [
+            (name, report.exhibit(picture)) for name, picture in named if picture.name == kind
+        ]
         if exhibits:
             shelves.append(Shelf(_HEADINGS.get(kind, kind), exhibits))
     return shelves

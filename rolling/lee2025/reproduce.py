@@ -94,12 +94,16 @@ def reproduce(
     scenes = {folder.name: study.scenes(folder, part) for folder in folders}
     if quick and not chosen:  # the outlook's fine surfaces would add a third to the time
         scenes = {
-            name: swept for name, swept in scenes.items() if len({study.varied(scene)[3] for scene in swept}) == 1
+            name: swept
+            for name, swept in scenes.items()
+            if len({study.varied(scene)[3] for scene in swept}) == 1
         }
     folder = out or Path("outputs") / (f"{name}-quick" if quick else name)
     runs = {reading: study.runs(folder / reading, swept) for reading, swept in scenes.items()}
     flat = [run for each in runs.values() for run in each]
-    with _claimed(folder, [run.folder.relative_to(folder).as_posix() for run in flat], take_over) as held:
+    with _claimed(
+        folder, [run.folder.relative_to(folder).as_posix() for run in flat], take_over
+    ) as held:
         done = _reproduced(held, name, folders, runs, workers)
         _mark_all(held, flat, done)
     return done
@@ -118,7 +122,9 @@ def _claimed(folder: Path, runs: Sequence[str], take_over: bool) -> Claim:
     if record is None and (folder / CASES).is_file():
         records_of([folder])
         return claim.take(folder, "study", runs, take_over)
-    return new_folder.make(new_folder.aim(folder, folder, False, ["study"]), run_record.new("study", runs))
+    return new_folder.make(
+        new_folder.aim(folder, folder, False, ["study"]), run_record.new("study", runs)
+    )
 
 
 def _mark_all(held: Claim, runs: Sequence[Run], done: Reproduction) -> None:
@@ -154,24 +160,39 @@ def _reproduced(
         if results[run.folder].complete
     ]
     files.write_json(folder / CASES, [_plain(asdict(case)) for case in cases])
-    departures = {reading: study.departures([run.scene for run in each]) for reading, each in runs.items()}
-    table = claims.table(cases, {reading.name: study.description(reading) for reading in folders}, departures)
+    departures = {
+        reading: study.departures([run.scene for run in each]) for reading, each in runs.items()
+    }
+    table = claims.table(
+        cases, {reading.name: study.description(reading) for reading in folders}, departures
+    )
     files.write_json(folder / "claims.json", table.to_dict())
     files.write_bytes(folder / CLAIMS, claims_text.markdown(table).encode())
     files.write_bytes(folder / TABLES, claims_text.tables(table).encode())
     if not outcome.interrupted:
         _write_pictures(folder, runs, results, cases, table)
     flat = [run for each in runs.values() for run in each]
-    failures = {flat[k].folder.relative_to(folder).as_posix(): reason for k, reason in outcome.failures.items()}
-    solved = frozenset(run.folder.relative_to(folder).as_posix() for run in flat if results[run.folder].complete)
-    return Reproduction(folder, claims_text.headline(table), cases, failures, outcome.interrupted, solved)
+    failures = {
+        flat[k].folder.relative_to(folder).as_posix(): reason
+        for k, reason in outcome.failures.items()
+    }
+    solved = frozenset(
+        run.folder.relative_to(folder).as_posix() for run in flat if results[run.folder].complete
+    )
+    return Reproduction(
+        folder, claims_text.headline(table), cases, failures, outcome.interrupted, solved
+    )
 
 
 def _readings(name: str, chosen: Sequence[str]) -> list[Path]:
     """Return the folders of a study's readings, all or the chosen ones."""
-    available = {folder.name: folder for folder in sorted((SCENES / name).glob("*")) if folder.is_dir()}
+    available = {
+        folder.name: folder for folder in sorted((SCENES / name).glob("*")) if folder.is_dir()
+    }
     if not available:
-        raise FolderError(f"{SCENES / name}: no scene files of this study here; they come with the repository")
+        raise FolderError(
+            f"{SCENES / name}: no scene files of this study here; they come with the repository"
+        )
     for reading in chosen:
         if reading not in available:
             raise FolderError(
@@ -180,23 +201,35 @@ def _readings(name: str, chosen: Sequence[str]) -> list[Path]:
     return [available[reading] for reading in chosen or available]
 
 
-def _solve(held: Claim, runs: Sequence[Run], workers: int, name: str) -> tuple[Outcome, dict[Path, Result]]:
+def _solve(
+    held: Claim, runs: Sequence[Run], workers: int, name: str
+) -> tuple[Outcome, dict[Path, Result]]:
     """Solve the missing runs and return the outcome with all results by folder."""
     results = study.open_results(runs)
-    outcome = study.solve_all(runs, results, workers, name, lambda run: held.mark(run.folder, "running"))
+    outcome = study.solve_all(
+        runs, results, workers, name, lambda run: held.mark(run.folder, "running")
+    )
     return outcome, {run.folder: result for run, result in zip(runs, results, strict=True)}
 
 
 def _write_pictures(
-    folder: Path, runs: dict[str, list[Run]], results: dict[Path, Result], cases: Sequence[Case], table: Table
+    folder: Path,
+    runs: dict[str, list[Run]],
+    results: dict[Path, Result],
+    cases: Sequence[Case],
+    table: Table,
 ) -> None:
-    """Draw the figures of each reading into its folder, and write the page with all readings side by side."""
+    """Draw the figures of each reading into its folder, and write the page with all readings side
+    by side.
+    """
     readings = []
     for name, each in tqdm(runs.items(), disable=None, desc="surfaces", bar_format=batch.BAR):
         solved = [run for run in each if results[run.folder].complete]
         if solved and name not in table.twins:
             own = [case for case in cases if case.reading == name]
-            readings.append(figure_data.gather(name, solved, [results[run.folder] for run in solved], own))
+            readings.append(
+                figure_data.gather(name, solved, [results[run.folder] for run in solved], own)
+            )
     if not readings:
         return
     scales = figure_data.scales(readings)

@@ -1,4 +1,5 @@
-"""The judged claims of a study as data: verdicts by claim and reading, the readings' extent, standing and scores.
+"""The judged claims of a study as data: verdicts by claim and reading, the readings' extent,
+standing and scores.
 
 `Table.to_dict` is the only place where they become plain data for JSON.
 """
@@ -98,7 +99,10 @@ class Extent:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON, where the assumptions have the key `what`."""
-        plain = {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
+        plain = {
+            name: list(value) if isinstance(value, tuple) else value
+            for name, value in asdict(self).items()
+        }
         return {"kind": plain.pop("kind"), "what": plain.pop("assumptions"), **plain}
 
 
@@ -108,8 +112,10 @@ class Standing:
 
     Parameters
     ----------
-    every, part, none : list of str. Reproduced, partly reproduced or not reproduced in each reading.
-    undecided : list of str. Undecided in at least one reading, while the others would let it be any of these.
+    every, part, none : list of str. Reproduced, partly reproduced or not reproduced in each
+        reading.
+    undecided : list of str. Undecided in at least one reading, while the others would let it be any
+        of these.
     differs : list of str. The verdict depends on the reading or on the scale of levels.
     not_run : list of str. No reading can tell.
     """
@@ -124,16 +130,21 @@ class Standing:
     @property
     def judged(self) -> int:
         """The number of claims with a verdict in at least one reading."""
-        return sum(len(keys) for keys in (self.every, self.part, self.none, self.undecided, self.differs))
+        return sum(
+            len(keys) for keys in (self.every, self.part, self.none, self.undecided, self.differs)
+        )
 
     def to_dict(self) -> dict[str, list[str]]:
         """Return plain data for JSON."""
-        return {"not run" if name == "not_run" else name: keys for name, keys in asdict(self).items()}
+        return {
+            "not run" if name == "not_run" else name: keys for name, keys in asdict(self).items()
+        }
 
 
 @dataclass(frozen=True)
 class Score:
-    """The number of claims that a reading reproduces with one scale of levels, half a claim for "partly".
+    """The number of claims that a reading reproduces with one scale of levels, half a claim for
+    "partly".
 
     Parameters
     ----------

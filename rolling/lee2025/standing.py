@@ -13,7 +13,8 @@ from rolling.lee2025.results import JudgedClaim, Score, Standing
 
 WORTH = {REPRODUCED: 1.0, PARTLY: 0.5, NOT: 0.0}
 WORDS = (REPRODUCED, PARTLY, NOT, UNDECIDED, NOT_RUN)
-LEAD = 2.0  # statements by which a reading must lead all others, however the undecided verdicts turn out
+# statements by which a reading must lead all others, however the undecided verdicts turn out
+LEAD = 2.0
 
 
 def standing(claims: Sequence[JudgedClaim], readings: Sequence[str]) -> Standing:
@@ -21,9 +22,11 @@ def standing(claims: Sequence[JudgedClaim], readings: Sequence[str]) -> Standing
     sorted_keys = Standing()
     agreed = {REPRODUCED: sorted_keys.every, PARTLY: sorted_keys.part, NOT: sorted_keys.none}
     for judged in claims:
-        verdicts = {judgement.finding.verdict for judgement in judged.judgements if judgement.reading in readings} - {
-            NOT_RUN
-        }
+        verdicts = {
+            judgement.finding.verdict
+            for judgement in judged.judgements
+            if judgement.reading in readings
+        } - {NOT_RUN}
         firm = verdicts - {UNDECIDED}
         if not verdicts:
             keys = sorted_keys.not_run
@@ -37,7 +40,9 @@ def standing(claims: Sequence[JudgedClaim], readings: Sequence[str]) -> Standing
     return sorted_keys
 
 
-def scores(claims: Sequence[JudgedClaim], readings: Sequence[str], scales: Sequence[int]) -> list[Score]:
+def scores(
+    claims: Sequence[JudgedClaim], readings: Sequence[str], scales: Sequence[int]
+) -> list[Score]:
     """Score each reading with each scale of levels, highest first; the outlook does not count.
 
     A reproduced statement counts 1, a partly reproduced one 0.5. An undecided verdict counts with
@@ -67,7 +72,9 @@ def scores(claims: Sequence[JudgedClaim], readings: Sequence[str], scales: Seque
 
 
 def leader(table: Sequence[Score]) -> Score | None:
-    """Return the score that leads all other readings by `LEAD` statements or more, None without one."""
+    """Return the score that leads all other readings by `LEAD` statements or more, None without
+    one.
+    """
     for score in table:
         others = [other for other in table if other.reading != score.reading]
         if others and all(score.least - other.most >= LEAD for other in others):

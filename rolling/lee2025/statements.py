@@ -38,7 +38,8 @@ SQUEAL_DB = 70.0
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the article in our words, with its place there, its tolerance and its criterion.
+    """A statement of the article in our words, with its place there, its tolerance and its
+    criterion.
 
     Parameters
     ----------
@@ -48,8 +49,8 @@ class Claim:
     tolerance : str. The condition for "reproduced" and for "partly", in words.
     judge : function from the cases of a reading to a finding.
     level : bool. True if it is judged with 10 lg and with 20 lg. Default: False.
-    varied : str or None. The field of Case that a sweep must vary for it. Default: None, for the study of roughness
-        and load.
+    varied : str or None. The field of Case that a sweep must vary for it. Default: None, for the
+        study of roughness and load.
     caution : str. A reader should know this beside the verdict, with numbers. Default: empty.
     """
 
@@ -153,7 +154,14 @@ CLAIMS = (
         "section 3, Fig. 7; conclusions",
         "At any load the plastic area at Ra 1 µm is about one and a half times the area at Ra 0.1 µm.",
         "Ratio of the means 1.3 to 1.7 at each load; partly: at some loads. Undecided where a fine grid may turn it.",
-        partial(bounds.ratio_at_each_load, measure=PLASTIC_RATIO, over=ROUGH, under=MIDDLE, low=1.3, high=1.7),
+        partial(
+            bounds.ratio_at_each_load,
+            measure=PLASTIC_RATIO,
+            over=ROUGH,
+            under=MIDDLE,
+            low=1.3,
+            high=1.7,
+        ),
         caution=PLASTIC_CAUTION,
     ),
     Claim(
@@ -161,7 +169,14 @@ CLAIMS = (
         "section 3, Fig. 7; conclusions",
         "The plastic area at Ra 5 µm is about as large as at Ra 1 µm.",
         "Ratio of the means 0.85 to 1.15 at each load; partly: at some loads.",
-        partial(bounds.ratio_at_each_load, measure=PLASTIC_RATIO, over=ROUGHEST, under=ROUGH, low=0.85, high=1.15),
+        partial(
+            bounds.ratio_at_each_load,
+            measure=PLASTIC_RATIO,
+            over=ROUGHEST,
+            under=ROUGH,
+            low=0.85,
+            high=1.15,
+        ),
     ),
     Claim(
         "deflection-roughest",
@@ -242,7 +257,14 @@ CLAIMS = (
         "abstract; section 3, Fig. 9; conclusions",
         "From Ra 0.1 µm on, the maximum line level lies some 10 to 15 dB above the one at Ra 0.01 µm.",
         "Mean over the loads 8 to 17 dB on each roughness; partly: some roughnesses.",
-        partial(bounds.gap_over, measure=MAXIMUM, smooth=SMOOTH, roughnesses=YIELDING, low_db=8.0, high_db=17.0),
+        partial(
+            bounds.gap_over,
+            measure=MAXIMUM,
+            smooth=SMOOTH,
+            roughnesses=YIELDING,
+            low_db=8.0,
+            high_db=17.0,
+        ),
         level=True,
         caution=LEVEL_CAUTION,
     ),
@@ -251,7 +273,14 @@ CLAIMS = (
         "section 3, Fig. 9",
         "From 5 to 100 N the maximum line level rises by some 14 dB, averaged over the four surfaces.",
         "Average 12 to 16 dB; partly: not the average, but some roughness.",
-        partial(bounds.rise_over_loads, measure=MAXIMUM, lowest=LOADS[0], highest=LOADS[-1], low_db=12.0, high_db=16.0),
+        partial(
+            bounds.rise_over_loads,
+            measure=MAXIMUM,
+            lowest=LOADS[0],
+            highest=LOADS[-1],
+            low_db=12.0,
+            high_db=16.0,
+        ),
         level=True,
     ),
     Claim(
@@ -260,7 +289,14 @@ CLAIMS = (
         "Beyond 50 N the maximum line level rises little.",
         "Per doubling of the load at most half of the gain per doubling from 5 to 50 N, on each"
         " roughness; partly: some roughnesses.",
-        partial(bounds.flattens, measure=MAXIMUM, lowest=LOADS[0], knee=50.0, highest=LOADS[-1], most=0.5),
+        partial(
+            bounds.flattens,
+            measure=MAXIMUM,
+            lowest=LOADS[0],
+            knee=50.0,
+            highest=LOADS[-1],
+            most=0.5,
+        ),
         level=True,
     ),
     Claim(

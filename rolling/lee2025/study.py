@@ -1,4 +1,5 @@
-"""The study of an article: readings as folders of scene files, solved case by case and put into numbers.
+"""The study of an article: readings as folders of scene files, solved case by case and put into
+numbers.
 
 A reading settles the article's open points in one way. A variation changes one of its statements. A
 twin is the scene of a reading without hardness.
@@ -40,7 +41,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Part:
-    """The part of a study to be solved: all of it, or fewer cases on a shorter track with longer steps.
+    """The part of a study to be solved: all of it, or fewer cases on a shorter track with longer
+    steps.
 
     Parameters
     ----------
@@ -57,7 +59,8 @@ class Part:
 
 
 WHOLE = Part()
-# The widest contact is 1.29 mm long, with two bodies at Ra 5 um and 100 N. The track must be longer.
+# The widest contact is 1.29 mm long, with two bodies at Ra 5 um and 100 N. The track must be
+# longer.
 QUICK = Part(seeds=1, loads=(5, 20, 100), duration_s=0.015, strides=3)
 
 # The bodies of the article (section 3): a rigid sphere of 10 mm diameter on steel.
@@ -129,18 +132,23 @@ def scenes(folder: Path, part: Part = WHOLE) -> list[Scene]:
     if part.loads is not None and len(loads) > 1:
         loads &= {*part.loads}
     seeds = part.seeds or math.inf
-    return sorted((scene for scene in swept if scene.load in loads and varied(scene)[2] <= seeds), key=varied)
+    return sorted(
+        (scene for scene in swept if scene.load in loads and varied(scene)[2] <= seeds), key=varied
+    )
 
 
 def description(folder: Path) -> str:
-    """Return the assumptions of a reading: the first line of its first scene file if it is a comment."""
+    """Return the assumptions of a reading: the first line of its first scene file if it is a
+    comment.
+    """
     with sorted(folder.glob("*.yaml"))[0].open(encoding="utf-8") as file:
         line = file.readline()
     return line.strip("# \n") if line.startswith("#") else ""
 
 
 def departures(scenes: Sequence[Scene]) -> list[str]:
-    """List the differences of some scenes from the bodies that the article states; empty for a reading.
+    """List the differences of some scenes from the bodies that the article states; empty for a
+    reading.
 
     A twin, which has no hardness, differs by that.
     """
@@ -154,14 +162,18 @@ def departures(scenes: Sequence[Scene]) -> list[str]:
         if sphere.youngs_modulus_gpa is not None:
             differences.append("an elastic sphere (stated: a rigid one)")
         if (plate.youngs_modulus_gpa, plate.poissons_ratio) != (STATED_MODULUS_GPA, STATED_POISSON):
-            differences.append(f"a plate of {plate.youngs_modulus_gpa:g} GPa (stated: {STATED_MODULUS_GPA:g} GPa)")
+            differences.append(
+                f"a plate of {plate.youngs_modulus_gpa:g} GPa (stated: {STATED_MODULUS_GPA:g} GPa)"
+            )
         if plate.hardness_gpa is None:
             differences.append("no hardness (stated: 2.1 GPa)")
     return list(dict.fromkeys(differences))
 
 
 def _bodies(scene: Scene) -> str:
-    """Name all settings that a case shares with its twin without hardness, except those that a study varies."""
+    """Name all settings that a case shares with its twin without hardness, except those that a
+    study varies.
+    """
     surface, numerics = scene.surface, scene.numerics
     assert isinstance(surface, Gaussian)
     return (
@@ -191,11 +203,18 @@ def runs(folder: Path, scenes: Sequence[Scene]) -> list[Run]:
     swept = []
     for scene in scenes:
         roughness, load, seed, length = varied(scene)
-        values = {"surface.roughness_ra_um": roughness, "rolling.load_n": load, "surface.seed": seed}
+        values = {
+            "surface.roughness_ra_um": roughness,
+            "rolling.load_n": load,
+            "surface.seed": seed,
+        }
         values["surface.correlation_length_um"] = length
         swept.append((values, scene))
     names = run_names([values for values, _ in swept])
-    return [Run(values, scene, folder / name) for (values, scene), name in zip(swept, names, strict=True)]
+    return [
+        Run(values, scene, folder / name)
+        for (values, scene), name in zip(swept, names, strict=True)
+    ]
 
 
 def open_results(runs: Sequence[Run]) -> list[Result]:
@@ -208,7 +227,11 @@ def open_results(runs: Sequence[Run]) -> list[Result]:
     texts = [scene_file.dump(run.scene) for run in runs]
     for run, text in zip(runs, texts, strict=True):
         resolved = run.folder / "resolved.yaml"
-        if resolved.is_file() and resolved.read_text(encoding="utf-8") != text and not _same(resolved, run.scene):
+        if (
+            resolved.is_file()
+            and resolved.read_text(encoding="utf-8") != text
+            and not _same(resolved, run.scene)
+        ):
             raise run_folder.FolderError(
                 f"{run.folder}: holds a case that was made with other settings; take another --out"
             )
@@ -216,7 +239,9 @@ def open_results(runs: Sequence[Run]) -> list[Result]:
     for run, text in zip(runs, texts, strict=True):
         run.folder.mkdir(parents=True, exist_ok=True)
         if run_record.read(run.folder) is None:
-            run_record.write(run.folder, run_record.new("run", adopted=(run.folder / batch.RESULT).is_file()))
+            run_record.write(
+                run.folder, run_record.new("run", adopted=(run.folder / batch.RESULT).is_file())
+            )
         run_folder.write_bytes(run.folder / "resolved.yaml", text.encode())
         results.append(batch.stored(run) or Result.empty(run.scene.track, run.scene.start))
     return results
@@ -233,7 +258,11 @@ def _same(resolved: Path, scene: Scene) -> bool:
         return False
 
     def physics(scene: Scene) -> dict[str, Any]:
-        return {key: value for key, value in scene.to_dict().items() if key not in ("name", "title", "description")}
+        return {
+            key: value
+            for key, value in scene.to_dict().items()
+            if key not in ("name", "title", "description")
+        }
 
     return physics(before) == physics(scene)
 
@@ -255,15 +284,23 @@ def case(reading: str, run: Run, result: Result) -> Case:
     roughness, load, seed, length = varied(scene)
     energy = result.whole("release_energy")
     sound = contact_sound(scene, energy, result.step, rolled.closed, result.solved_steps)
-    hertz = math.pi * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
+    hertz = (
+        math.pi * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
+    )
     rate = len(sound.power) / sound.duration
-    line_hz, line_db = article_line_level_db(sound.power, rate, scene.sound.distance_m, scene.sound.q)
+    line_hz, line_db = article_line_level_db(
+        sound.power, rate, scene.sound.distance_m, scene.sound.q
+    )
     lines = sound_plots.Lines.audible(line_hz, line_db)
     mean_hz, mean_db = lines.mean
     weighting = a_weighting_db(lines.frequency_hz)
     band_w, a_weighted_w = _fluctuation(scene, sound)
     unfactored = uncertainty.level_uncertainty(
-        sound.pressure, sound.sample_rate, sound.levels, own_factor=False, laps=result.steps / result.solved_steps
+        sound.pressure,
+        sound.sample_rate,
+        sound.levels,
+        own_factor=False,
+        laps=result.steps / result.solved_steps,
     )
     return Case(
         reading=reading,
@@ -292,7 +329,8 @@ def case(reading: str, run: Run, result: Result) -> Case:
 
 
 def _fluctuation(scene: Scene, sound: ContactSound) -> tuple[Array, float]:
-    """Compute the rms [W] of the release power's fluctuation in each third octave (31,), and A-weighted.
+    """Compute the rms [W] of the release power's fluctuation in each third octave (31,), and
+    A-weighted.
 
     Sound pressure is linear in the fluctuation of the intensity, and so in the fluctuation of the
     power. Both results are NaN where the sound has no level.
@@ -300,7 +338,9 @@ def _fluctuation(scene: Scene, sound: ContactSound) -> tuple[Array, float]:
     levels = sound.levels
     if not sound.factor or levels.laeq_db is None:
         return np.full(len(levels.third_octave_db), np.nan), math.nan
-    watts = sound.pressure / sound.factor * (4 * math.pi * scene.sound.distance_m**2 / scene.sound.q)
+    watts = (
+        sound.pressure / sound.factor * (4 * math.pi * scene.sound.distance_m**2 / scene.sound.q)
+    )
     band_rms = np.sqrt(third_octave_mean_square(*line_spectrum(watts, sound.sample_rate)))
     known = [level_db is not None for level_db in levels.third_octave_db.values()]
     return np.where(known, band_rms, np.nan), level.a_weighted_rms(watts, sound.sample_rate)

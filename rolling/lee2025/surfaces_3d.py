@@ -1,4 +1,5 @@
-"""Figures in three dimensions: surfaces (Fig. 1), contact pressure (Fig. 5) and deflection (Fig. 6).
+"""Figures in three dimensions: surfaces (Fig. 1), contact pressure (Fig. 5) and deflection (Fig.
+6).
 
 All readings are drawn on the same axes.
 """
@@ -21,7 +22,8 @@ from rolling.lee2025.figure_data import PATCH_M, Contact, Reading, Scales, posit
 from rolling.lee2025.figure_layout import Place, finish, panel_title
 
 Array = NDArray[np.float64]
-Sheet = tuple[Array, Array, Array]  # positions along (m,) and across (n,) and values (m, n), as drawn
+# positions along (m,) and across (n,) and values (m, n), as drawn
+Sheet = tuple[Array, Array, Array]
 
 _CELLS = 100  # along a side, at most: more can hardly be distinguished
 
@@ -38,7 +40,11 @@ def surfaces(reading: Reading, on: Scales) -> Picture:
         sheets.append((panel_title(reading, ra), _thinned(along, across, patch.heights * 1e6)))
     side = 1e6 * PATCH_M
     look = _Look(
-        "height [µm]", (-on.height_um, on.height_um), "cividis", (0.0, side), along_label="along the track [µm]"
+        "height [µm]",
+        (-on.height_um, on.height_um),
+        "cividis",
+        (0.0, side),
+        along_label="along the track [µm]",
     )
     note = f"512 µm x 512 µm; one scale of height; {_drawn(nodes, 'every', 'nodes')}"
     return _sheets("fig1_surfaces", "Surfaces", note, reading, shown, sheets, look, 3.0)
@@ -158,8 +164,15 @@ def _sheets(
         ax = cast(Axes3D, figure.add_subplot(projection="3d"))
         row, column = divmod(number, 2)
         # Labels of three-dimensional axes stand outside of their place.
-        places[ax] = (SIDE_IN + column * wide, 0.22 + (rows - 1 - row) * (tall + 0.3), wide - 0.3, tall - 0.1)
-        ax.text2D(0.5, 0.99, heading, transform=ax.transAxes, ha="center", va="bottom", fontsize=8.5)
+        places[ax] = (
+            SIDE_IN + column * wide,
+            0.22 + (rows - 1 - row) * (tall + 0.3),
+            wide - 0.3,
+            tall - 0.1,
+        )
+        ax.text2D(
+            0.5, 0.99, heading, transform=ax.transAxes, ha="center", va="bottom", fontsize=8.5
+        )
         if sheet is None:
             ax.set_axis_off()
             continue
@@ -203,7 +216,12 @@ def _within(contact: Contact, reach: float) -> Contact:
     """Return the part of a contact within `reach` [m] of the sphere."""
     rows, columns = np.abs(contact.along) <= reach, np.abs(contact.across) <= reach
     part = np.ix_(rows, columns)
-    return Contact(contact.along[rows], contact.across[columns], contact.pressure[part], contact.deflection[part])
+    return Contact(
+        contact.along[rows],
+        contact.across[columns],
+        contact.pressure[part],
+        contact.deflection[part],
+    )
 
 
 def _stride(values: Array) -> int:
@@ -227,4 +245,8 @@ def _blocks(values: Array, every: int) -> Array:
 
 def _drawn(nodes: set[int], every: str, noun: str) -> str:
     """Write how many of the nodes are drawn."""
-    return f"drawn: {every} {' or '.join(map(str, sorted(nodes)))} {noun}" if nodes != {1} else "drawn: all nodes"
+    return (
+        f"drawn: {every} {' or '.join(map(str, sorted(nodes)))} {noun}"
+        if nodes != {1}
+        else "drawn: all nodes"
+    )

@@ -93,12 +93,18 @@ def rises_with_load(study: Cases, measure: Measure, roughnesses: Sequence[float]
                 checks.append(Check(f"{a} to {b}", _rises(step), text, step.mean if step else None))
             continue
         words, numbers = series(study, measure, groups) if steps else ("", {})
-        checks.append(Check(ra(roughness), _all([_rises(step) for *_, step in steps]), words, numbers))
+        checks.append(
+            Check(ra(roughness), _all([_rises(step) for *_, step in steps]), words, numbers)
+        )
     return concluded(checks)
 
 
-def along_roughness(study: Cases, measure: Measure, roughnesses: Sequence[float], rises: bool = True) -> Finding:
-    """Judge whether every step of roughness raises (or lowers) a measure at every load; each step is a part."""
+def along_roughness(
+    study: Cases, measure: Measure, roughnesses: Sequence[float], rises: bool = True
+) -> Finding:
+    """Judge whether every step of roughness raises (or lowers) a measure at every load; each step
+    is a part.
+    """
     checks = []
     for a, b in pairwise(roughnesses):
         steps = [step for load in study.loads if (step := _step(study, measure, a, b, load))]
@@ -110,7 +116,9 @@ def along_roughness(study: Cases, measure: Measure, roughnesses: Sequence[float]
         loads = [newton(step.load) for step in steps]
         means = [step.change.mean for step in steps]
         text = f"{', '.join(measure.text(mean, '+') for mean in means)} {measure.unit} ({', '.join(loads)})"
-        checks.append(Check(place, holds, text, dict(zip(loads, means, strict=True)), unsure=unsure))
+        checks.append(
+            Check(place, holds, text, dict(zip(loads, means, strict=True)), unsure=unsure)
+        )
     return concluded(checks)
 
 
@@ -119,7 +127,9 @@ def lowest_of_all(study: Cases, measure: Measure, roughness: float) -> Finding:
     checks = []
     for load in study.loads:
         others = [other for other in study.roughnesses if other != roughness]
-        steps = [step for other in others if (step := _step(study, measure, other, roughness, load))]
+        steps = [
+            step for other in others if (step := _step(study, measure, other, roughness, load))
+        ]
         if not steps:
             checks.append(Check(newton(load), None))
             continue
@@ -139,20 +149,28 @@ def loudest(study: Cases, measure: Measure, roughness: float, loads: Sequence[fl
     for load in loads:
         groups = {each: study.at(each, load) for each in study.roughnesses}
         means = {
-            each: mean for each, group in groups.items() if (mean := measure.mean(group, study.factor)) is not None
+            each: mean
+            for each, group in groups.items()
+            if (mean := measure.mean(group, study.factor)) is not None
         }
         if roughness not in means or len(means) < 2:
             checks.append(Check(newton(load), None))
             continue
         first, second = sorted(means, key=lambda each: -means[each])[:2]
-        words, numbers = series(study, measure, [(ra(each), group) for each, group in groups.items()])
+        words, numbers = series(
+            study, measure, [(ra(each), group) for each, group in groups.items()]
+        )
         step = change(measure, groups[roughness], groups[first], study.factor)
         near = first != roughness and step is not None and not step.rises
         over, under = (roughness, second) if first == roughness else (first, roughness)
         lead = means[over] - means[under]
         least, _ = study.grid.shift_db(measure.grid, (over, load), (under, load), study.factor)
         unsure = GRID if least < 0 and lead <= -least else ""
-        checks.append(Check(newton(load), first == roughness, f"{ra(first)} of {words}", numbers, near, unsure))
+        checks.append(
+            Check(
+                newton(load), first == roughness, f"{ra(first)} of {words}", numbers, near, unsure
+            )
+        )
     return concluded(checks)
 
 

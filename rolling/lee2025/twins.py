@@ -1,4 +1,5 @@
-"""Criteria for the effect of yielding: a case is compared with its twin, the same scene without hardness.
+"""Criteria for the effect of yielding: a case is compared with its twin, the same scene without
+hardness.
 
 Both roll over the same surface. The uncertainty from the record's length takes them for
 independent, so it is an upper bound.
@@ -17,8 +18,10 @@ from rolling.lee2025.checks import GRID, NOT_RUN, Check, Finding, concluded, dou
 from rolling.lee2025.measures import AUDIBLE, Cases, Measure, newton, ra
 from rolling.lee2025.study import Case
 
-HIGHEST_BAND_HZ = 4500.0  # third octaves up to 4 kHz: a grid of 2 um reads too high above it where the plate yields
-LEAST_SHARE = 1 / 3  # share of the third octaves; by chance one in twenty differs by more than twice its uncertainty
+# third octaves up to 4 kHz: a grid of 2 um reads too high above it where the plate yields
+HIGHEST_BAND_HZ = 4500.0
+# share of the third octaves; by chance one in twenty differs by more than twice its uncertainty
+LEAST_SHARE = 1 / 3
 NO_TWIN = "no twin without hardness was run of it"
 
 Pair = tuple[Case, Case]
@@ -47,7 +50,9 @@ def influences(study: Cases) -> Finding:
             uncertain: Any = uncertain,
         ) -> bool:
             beyond = np.abs(off) > np.maximum(2 * uncertain, band_grid)
-            return abs(step) > max(2 * error, level_grid) or (len(off) > 0 and float(beyond.mean()) >= LEAST_SHARE)
+            return abs(step) > max(2 * error, level_grid) or (
+                len(off) > 0 and float(beyond.mean()) >= LEAST_SHARE
+            )
 
         nominal, strict = differs(0.0, 0.0), differs(grid_db, grid_band_db)
         count = int(np.count_nonzero(np.abs(off) > 2 * uncertain))
@@ -60,7 +65,9 @@ def influences(study: Cases) -> Finding:
             "third octaves": dict(zip(bands, (float(value) for value in off), strict=True)),
         }
         place = f"{ra(roughness)}, {newton(load)}"
-        checks.append(Check(place, nominal, text, numbers, unsure=GRID if nominal != strict else ""))
+        checks.append(
+            Check(place, nominal, text, numbers, unsure=GRID if nominal != strict else "")
+        )
     return concluded(checks) if checks else Finding(NOT_RUN, NO_TWIN)
 
 
@@ -85,7 +92,9 @@ def less(study: Cases, measure: Measure) -> Finding:
     """Judge whether yielding lowers a measure on every surface; each roughness and load is a part."""
     checks = []
     for roughness, load, pairs in _pairs(study):
-        values = [(measure.of(case, study.factor), measure.of(twin, study.factor)) for case, twin in pairs]
+        values = [
+            (measure.of(case, study.factor), measure.of(twin, study.factor)) for case, twin in pairs
+        ]
         known = [(a, b) for a, b in values if math.isfinite(a) and math.isfinite(b)]
         place = f"{ra(roughness)}, {newton(load)}"
         if not known:
@@ -101,24 +110,38 @@ def _pairs(study: Cases) -> Iterator[tuple[float, float, list[Pair]]]:
     """Yield each roughness and load with all its cases that have a twin."""
     for roughness in study.roughnesses:
         for load in study.loads:
-            pairs = [(case, twin) for case in study.at(roughness, load) if (twin := study.twin(case))]
-            if pairs and all(math.isfinite(AUDIBLE.of(case, study.factor)) for pair in pairs for case in pair):
+            pairs = [
+                (case, twin) for case in study.at(roughness, load) if (twin := study.twin(case))
+            ]
+            if pairs and all(
+                math.isfinite(AUDIBLE.of(case, study.factor)) for pair in pairs for case in pair
+            ):
                 yield roughness, load, pairs
 
 
 def _audible_step(study: Cases, pairs: Sequence[Pair]) -> tuple[float, float]:
-    """Return the mean level with yielding minus the level without [dB], and its standard uncertainty."""
+    """Return the mean level with yielding minus the level without [dB], and its standard
+    uncertainty.
+    """
 
     def uncertainty(case: Case) -> float:
-        return case.laeq_uncertainty_db if study.factor == 10 else case.weighted_uncertainty_db * study.factor / 20
+        return (
+            case.laeq_uncertainty_db
+            if study.factor == 10
+            else case.weighted_uncertainty_db * study.factor / 20
+        )
 
-    steps = [AUDIBLE.of(case, study.factor) - AUDIBLE.of(twin, study.factor) for case, twin in pairs]
+    steps = [
+        AUDIBLE.of(case, study.factor) - AUDIBLE.of(twin, study.factor) for case, twin in pairs
+    ]
     square = [uncertainty(case) ** 2 + uncertainty(twin) ** 2 for case, twin in pairs]
     return float(np.mean(steps)), math.sqrt(sum(square)) / len(pairs)
 
 
 def _band_steps(study: Cases, pairs: Sequence[Pair]) -> tuple[list[str], np.ndarray, np.ndarray]:
-    """Return names, mean differences [dB] and uncertainties of the third octaves that all records resolve."""
+    """Return names, mean differences [dB] and uncertainties of the third octaves that all records
+    resolve.
+    """
     duration = min(case.duration_s for case, _ in pairs)
     there = reliable(duration) & (MID_HZ < HIGHEST_BAND_HZ)
     ratios = np.array([case.band_w / twin.band_w for case, twin in pairs])

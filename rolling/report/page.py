@@ -1,7 +1,7 @@
 """The report page of runs to hear, see and read: a single HTML file that needs no network.
 
-This module gathers the content of the page as plain text, numbers and data URIs. Layout and behaviour
-are in `assets/`.
+This module gathers the content of the page as plain text, numbers and data URIs. Layout and
+behaviour are in `assets/`.
 """
 
 from __future__ import annotations
@@ -36,12 +36,15 @@ LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
 GENERATOR = f"{program.NAME} {__version__}"
 MOST_RUNS = 24  # on one page, which grows by half a megabyte and more with each
 TIMELINES = ("release_power", "spectrogram")  # pictures over the time of one run
-OWN = (*TIMELINES, "surface", "contact", "recovery_events")  # pictures of one run, however many are compared
+# pictures of one run, however many are compared
+OWN = (*TIMELINES, "surface", "contact", "recovery_events")
 
 
 @dataclass(frozen=True)
 class TimeAxis:
-    """The plot area of a picture over time [percent of the picture], and the times at its sides [s]."""
+    """The plot area of a picture over time [percent of the picture], and the times at its sides
+    [s].
+    """
 
     left: float
     right: float
@@ -106,13 +109,17 @@ class RunView:
     @property
     def repeats(self) -> list[Caveat]:
         """Caveats of a record that sounds as the tone of its repetition."""
-        return [caveat for caveat in caveats.stored(self.run.summary) if caveat.key in caveats.REPEATS]
+        return [
+            caveat for caveat in caveats.stored(self.run.summary) if caveat.key in caveats.REPEATS
+        ]
 
     @property
     def player(self) -> dict[str, Any]:
         """Numbers of the run for the script of the page, as JSON."""
         sound = self.run.sound
-        maps = asdict(self.maps) | {"sheet": _uri("image/png", self.maps.sheet)} if self.maps else None
+        maps = (
+            asdict(self.maps) | {"sheet": _uri("image/png", self.maps.sheet)} if self.maps else None
+        )
         return {
             "label": self.label,
             "seconds": len(sound.pressure) / sound.sample_rate,
@@ -130,14 +137,18 @@ def is_page(path: Path) -> bool:
 
 
 def belongs(run: RunResult | None, name: str, runs: int) -> bool:
-    """Return whether a picture is on the page; the curves of one run are not if several are compared."""
+    """Return whether a picture is on the page; the curves of one run are not if several are
+    compared.
+    """
     return run is None or runs == 1 or name in OWN
 
 
 def exhibits(runs: Sequence[RunResult]) -> list[tuple[RunResult | None, Exhibit]]:
     """Draw the pictures for the page of runs, each with its run or with None if it shows several."""
     return [
-        (run, exhibit(picture)) for run, picture in run_figures.gallery(runs) if belongs(run, picture.name, len(runs))
+        (run, exhibit(picture))
+        for run, picture in run_figures.gallery(runs)
+        if belongs(run, picture.name, len(runs))
     ]
 
 
@@ -146,11 +157,15 @@ def exhibit(picture: Picture) -> Exhibit:
     csv = picture.csv() if picture.columns else b""
     link = _uri("text/csv", csv) if 0 < len(csv) <= LARGEST_CSV else None
     time = _time_axis(picture) if picture.name in TIMELINES else None
-    return Exhibit(picture.name, picture.alt, _uri("image/svg+xml", picture.svg()), link, bool(csv), time)
+    return Exhibit(
+        picture.name, picture.alt, _uri("image/svg+xml", picture.svg()), link, bool(csv), time
+    )
 
 
 def page(
-    runs: Sequence[RunResult], shelf: Sequence[tuple[RunResult | None, Exhibit]], unheard: Sequence[str] = ()
+    runs: Sequence[RunResult],
+    shelf: Sequence[tuple[RunResult | None, Exhibit]],
+    unheard: Sequence[str] = (),
 ) -> bytes:
     """Write the page of one run or several.
 
@@ -167,14 +182,22 @@ def page(
     """
     scale, maps = maps_of(runs)
     views = _views(runs, shelf, maps)
-    common = [picture for run, picture in shelf if run is None or (len(runs) == 1 and picture.name not in OWN)]
+    common = [
+        picture
+        for run, picture in shelf
+        if run is None or (len(runs) == 1 and picture.name not in OWN)
+    ]
     html = (
         environment()
         .get_template("report.html")
         .render(
             generator=GENERATOR,
             title=", ".join(dict.fromkeys(run.scene.name for run in runs)),
-            descriptions=list(dict.fromkeys(_one_line(run.scene.description) for run in runs if run.scene.description)),
+            descriptions=list(
+                dict.fromkeys(
+                    _one_line(run.scene.description) for run in runs if run.scene.description
+                )
+            ),
             text=report_text,
             citation=citation,
             runs=runs,
@@ -193,7 +216,9 @@ def page(
     return html.encode()
 
 
-def _script_data(runs: Sequence[RunResult], views: Sequence[RunView], scale: MapScale | None) -> dict[str, Any]:
+def _script_data(
+    runs: Sequence[RunResult], views: Sequence[RunView], scale: MapScale | None
+) -> dict[str, Any]:
     """Return the data of the page's script, and whether a record is short."""
     players = [view.player for view in views]
     data = {"runs": players, "view": asdict(scale) if scale else None, "tsv": report_text.tsv(runs)}
@@ -201,7 +226,9 @@ def _script_data(runs: Sequence[RunResult], views: Sequence[RunView], scale: Map
 
 
 def _views(
-    runs: Sequence[RunResult], shelf: Sequence[tuple[RunResult | None, Exhibit]], maps: Sequence[RunMaps | None]
+    runs: Sequence[RunResult],
+    shelf: Sequence[tuple[RunResult | None, Exhibit]],
+    maps: Sequence[RunMaps | None],
 ) -> list[RunView]:
     """Return the runs with players, pictures and maps."""
     peaks = [float(np.abs(run.sound.pressure).max()) for run in runs]
@@ -209,7 +236,9 @@ def _views(
     views = []
     for run, gain, own_maps in zip(runs, gains, maps, strict=True):
         comment = f"full scale = {gain.full_scale_pa:.6g} Pa"
-        record = wav.listening(run.sound.pressure, 1 / gain.full_scale_pa, comment, run.label, bits=16)
+        record = wav.listening(
+            run.sound.pressure, 1 / gain.full_scale_pa, comment, run.label, bits=16
+        )
         pictures = {picture.name: picture for owner, picture in shelf if owner is run}
         views.append(RunView(run.label, run, gain, _uri("audio/wav", record), pictures, own_maps))
     return views
@@ -230,7 +259,9 @@ def _surfaces(views: Sequence[RunView]) -> list[Surface]:
     sharing: dict[str, list[RunView]] = {}
     for view in views:
         scene, grid = view.run.scene, view.run.scene.track
-        key = f"{scene.surface.model_dump_json()} {scene.height_path} {grid.n_along} {grid.n_across}"
+        key = (
+            f"{scene.surface.model_dump_json()} {scene.height_path} {grid.n_along} {grid.n_across}"
+        )
         sharing.setdefault(key, []).append(view)
     return [
         Surface(

@@ -16,10 +16,10 @@ class Playback:
     Parameters
     ----------
     full_scale_pa : float, Pa. Sound pressure of full scale in its file, whose peak lies at -1 dB.
-    calibrated, equal : float. Factors on the samples of the file, for one full scale and for one LAeq
-        of all records.
-    calibrated_pa, equal_pa : float, Pa. Sound pressure of full scale after that; the calibrated one is
-        equal for all records.
+    calibrated, equal : float. Factors on the samples of the file, for one full scale and for one
+        LAeq of all records.
+    calibrated_pa, equal_pa : float, Pa. Sound pressure of full scale after that; the calibrated one
+        is equal for all records.
     equal_db : float, dB. Difference of the equally loud to the calibrated level.
     """
 
@@ -37,14 +37,22 @@ def playbacks(peaks_pa: Sequence[float], laeq_db: Sequence[float | None]) -> lis
     Parameters
     ----------
     peaks_pa : sequence of float, Pa. Maximum |p| of each record.
-    laeq_db : sequence of float or None, dB. Level of each record; None if it is silent or A-weighting
-        leaves nothing.
+    laeq_db : sequence of float or None, dB. Level of each record; None if it is silent or
+        A-weighting leaves nothing.
     """
     scales = [peak / PEAK if peak > 0 else 1.0 for peak in peaks_pa]
-    common = max((scale for scale, peak in zip(scales, peaks_pa, strict=True) if peak > 0), default=1.0)
-    # Each record is loudest with its peak at the limit; the minimum of these levels is one that all can reach.
+    common = max(
+        (scale for scale, peak in zip(scales, peaks_pa, strict=True) if peak > 0), default=1.0
+    )
+    # Each record is loudest with its peak at the limit; the minimum of these levels is one that all
+    # can reach.
     target = min(
-        (level - _db(scale) for scale, level in zip(scales, laeq_db, strict=True) if level is not None), default=0.0
+        (
+            level - _db(scale)
+            for scale, level in zip(scales, laeq_db, strict=True)
+            if level is not None
+        ),
+        default=0.0,
     )
     gains = []
     for scale, peak, level in zip(scales, peaks_pa, laeq_db, strict=True):
@@ -52,7 +60,11 @@ def playbacks(peaks_pa: Sequence[float], laeq_db: Sequence[float | None]) -> lis
             gains.append(Playback(scale))
             continue
         equal_pa = common if level is None else 10.0 ** ((level - target) / 20.0)
-        gains.append(Playback(scale, scale / common, scale / equal_pa, common, equal_pa, _db(common / equal_pa)))
+        gains.append(
+            Playback(
+                scale, scale / common, scale / equal_pa, common, equal_pa, _db(common / equal_pa)
+            )
+        )
     return gains
 
 

@@ -29,7 +29,8 @@ class Sheet:
     ----------
     png : bytes. The picture.
     tiles : list. Left, top, width and height of each map in the PNG [pixels]; a pixel is a cell.
-    boxes : list. Left and top of each map from the sphere's centre, across upwards, and side of a cell [um].
+    boxes : list. Left and top of each map from the sphere's centre, across upwards, and side of a
+        cell [um].
     """
 
     png: bytes
@@ -44,7 +45,9 @@ def palette() -> NDArray[np.uint8]:
 
 
 def shades(pressure: NDArray[np.float32], maximum: float) -> NDArray[np.uint8]:
-    """Return palette entries of pressures [Pa]: 0 without pressure, then 1 to SHADES, linear up to the maximum."""
+    """Return palette entries of pressures [Pa]: 0 without pressure, then 1 to SHADES, linear up to
+    the maximum.
+    """
     share = np.clip(np.asarray(pressure, dtype=float) / maximum, 0, 1)
     return np.where(share > 0, 1 + np.round((SHADES - 1) * share), 0).astype(np.uint8)
 
@@ -75,7 +78,9 @@ def sheet(maps: Sequence[PressureMap], middle: float, maximum: float) -> Sheet:
 
 
 def half_width(sheets: Sequence[Sheet], radii_um: Sequence[float]) -> float:
-    """Return half the side [um] of a square about the sphere's centre that holds all maps and circles."""
+    """Return half the side [um] of a square about the sphere's centre that holds all maps and
+    circles.
+    """
     reach = list(radii_um)
     for sheet in sheets:
         for (left, top, cell), (_, _, along, across) in zip(sheet.boxes, sheet.tiles, strict=True):
@@ -86,11 +91,13 @@ def half_width(sheets: Sequence[Sheet], radii_um: Sequence[float]) -> float:
 def showing(
     distances: Array, lap: float, rolled: float, closes: bool, motion: Motion
 ) -> tuple[Array, NDArray[np.int64]]:
-    """Return the times from which each map is the nearest to the sphere, and the maps in that order.
+    """Return the times from which each map is the nearest to the sphere, and the maps in that
+    order.
 
     Parameters
     ----------
-    distances : array (maps,), m. Distance rolled from the start to each map, increasing, less than a lap.
+    distances : array (maps,), m. Distance rolled from the start to each map, increasing, less than
+        a lap.
     lap : float, m. Distance after which the positions repeat.
     rolled : float, m. Whole distance, several laps or a part of one.
     closes : bool. Whether the end of a lap meets its beginning; several laps always do.
@@ -106,7 +113,8 @@ def showing(
     laps = math.ceil(rolled / lap * (1 - 1e-9))
     places = (distances + lap * np.arange(laps)[:, None]).ravel()
     maps = np.tile(np.arange(len(distances)), laps)
-    if (closes or laps > 1) and laps * lap <= rolled * (1 + 1e-9):  # back at the first map in the end
+    # back at the first map in the end
+    if (closes or laps > 1) and laps * lap <= rolled * (1 + 1e-9):
         places, maps = np.append(places, laps * lap + distances[0]), np.append(maps, 0)
     borders = np.append(0.0, (places[1:] + places[:-1]) / 2)
     inside = borders < rolled

@@ -1,4 +1,6 @@
-"""Pressure maps of runs for the page: pictures, times and contact numbers on scales that all runs share."""
+"""Pressure maps of runs for the page: pictures, times and contact numbers on scales that all runs
+share.
+"""
 
 from __future__ import annotations
 
@@ -75,9 +77,14 @@ def maps_of(runs: Sequence[RunResult]) -> tuple[MapScale | None, list[RunMaps | 
     if not mapped:
         return None, [None] * len(runs)
     hardness = max(run.scene.hardness for run in mapped.values())
-    computed = max(float(each.pressure.max()) for run in mapped.values() for each in run.result.maps.values())
+    computed = max(
+        float(each.pressure.max()) for run in mapped.values() for each in run.result.maps.values()
+    )
     maximum = hardness if np.isfinite(hardness) else computed
-    sheets = {k: pressure_maps.sheet(sounding_maps(run), _mid_width(run), maximum) for k, run in mapped.items()}
+    sheets = {
+        k: pressure_maps.sheet(sounding_maps(run), _mid_width(run), maximum)
+        for k, run in mapped.items()
+    }
     radii_um = {k: 1e6 * _hertz_radius(run) for k, run in mapped.items()}
     scale = MapScale(
         half_um=pressure_maps.half_width(list(sheets.values()), list(radii_um.values())),
@@ -85,7 +92,10 @@ def maps_of(runs: Sequence[RunResult]) -> tuple[MapScale | None, list[RunMaps | 
         hardness=bool(np.isfinite(hardness)),
         colours=[f"rgb({r},{g},{b})" for r, g, b in pressure_maps.palette()[1::2]],
     )
-    return scale, [_run_maps(run, sheets[k], radii_um[k]) if k in mapped else None for k, run in enumerate(runs)]
+    return scale, [
+        _run_maps(run, sheets[k], radii_um[k]) if k in mapped else None
+        for k, run in enumerate(runs)
+    ]
 
 
 def sounding_maps(run: RunResult) -> list[PressureMap]:
@@ -109,7 +119,9 @@ def _run_maps(run: RunResult, sheet: Sheet, hertz_um: float) -> RunMaps:
     positions = np.array([each.position for each in maps])
     lap, rolled = result.solved_steps * result.step, result.done_steps * result.step
     closes = result.complete and run.scene.track.closed
-    begins, order = pressure_maps.showing(positions * result.step, lap, rolled, closes, run.scene.motion)
+    begins, order = pressure_maps.showing(
+        positions * result.step, lap, rolled, closes, run.scene.motion
+    )
 
     def series(name: str, factor: float) -> list[float | None]:
         values = result.series[name][positions] * factor

@@ -142,7 +142,11 @@ def levels(runs: Sequence[RunResult]) -> Table:
             return "silent" if column.key.endswith("_db") else NOTHING
         if column.uncertainty:
             return uncertain(value, _uncertainty(run, column))
-        return f"{value * column.factor:{column.digits}}" if column.digits else significant(value * column.factor)
+        return (
+            f"{value * column.factor:{column.digits}}"
+            if column.digits
+            else significant(value * column.factor)
+        )
 
     heads = [column.head + (f" [{column.unit}]" if column.unit else "") for column in columns]
     return Table(heads, [(run.label, [cell(run, column) for column in columns]) for run in runs])
@@ -151,10 +155,13 @@ def levels(runs: Sequence[RunResult]) -> Table:
 def tsv(runs: Sequence[RunResult]) -> str:
     """Write the numbers of `levels` for a spreadsheet, with the caveats above them.
 
-    Tabs separate the cells, uncertainties have columns of their own, and silence leaves a cell empty.
+    Tabs separate the cells, uncertainties have columns of their own, and silence leaves a cell
+    empty.
     """
     columns = _columns(runs)
-    uncertain = [column for column in columns if any(_uncertainty(run, column) is not None for run in runs)]
+    uncertain = [
+        column for column in columns if any(_uncertainty(run, column) is not None for run in runs)
+    ]
     lines = [["run"]]
     for column in columns:
         name = column.head + (f" [{column.unit}]" if column.unit else "")
@@ -179,7 +186,9 @@ def significant(value: float) -> str:
 
 def _columns(runs: Sequence[RunResult]) -> list[Column]:
     return [
-        column for column in COLUMNS if column.key not in ASKED_FOR or any(column.key in run.summary for run in runs)
+        column
+        for column in COLUMNS
+        if column.key not in ASKED_FOR or any(column.key in run.summary for run in runs)
     ]
 
 
@@ -194,7 +203,8 @@ def bands(runs: Sequence[RunResult]) -> list[tuple[str, bool, list[str]]]:
     Returns
     -------
     list of rows
-        Nominal mid frequency, whether every record is long enough to read the band, Z level of each run.
+        Nominal mid frequency, whether every record is long enough to read the band, Z level of each
+        run.
     """
     certain = reliable(min(run.sound.duration for run in runs))
 
@@ -205,7 +215,8 @@ def bands(runs: Sequence[RunResult]) -> list[tuple[str, bool, list[str]]]:
         return uncertain(level, run.summary["third_octave_uncertainty_db"][band])
 
     return [
-        (band, bool(sure), [cell(run, band) for run in runs]) for band, sure in zip(BAND_NAMES, certain, strict=True)
+        (band, bool(sure), [cell(run, band) for run in runs])
+        for band, sure in zip(BAND_NAMES, certain, strict=True)
     ]
 
 
@@ -225,7 +236,8 @@ def assumptions(runs: Sequence[RunResult]) -> list[Fact]:
     """List the assumptions behind the numbers, each once if all runs share it."""
     facts = [_assumed_sound(run) | _assumed_contact(run) for run in runs]
     return [
-        _grouped(name, [(run.label, fact[name]) for run, fact in zip(runs, facts, strict=True)]) for name in facts[0]
+        _grouped(name, [(run.label, fact[name]) for run, fact in zip(runs, facts, strict=True)])
+        for name in facts[0]
     ]
 
 
@@ -237,11 +249,14 @@ def _assumed_sound(run: RunResult) -> dict[str, str]:
         "radiated share q": f"{scene.sound.q:g}",
         "distance": f"{scene.sound.distance_m:g} m, spherical spreading",
         "impedance of air": f"{RHO_C:g} Pa s/m (20 °C)",
-        "sound pressure per intensity": f"{significant(sound.factor)} Pa per W/m²" if sound.factor else "none: silent",
+        "sound pressure per intensity": f"{significant(sound.factor)} Pa per W/m²"
+        if sound.factor
+        else "none: silent",
         "rule of that factor": "fixed by the scene"
         if fixed
         else "mean p² over the impedance is the rms of the intensity's fluctuation",
-        "record": f"{sound.duration:.4g} s" + f", {'closes on itself' if sound.loops else sound.ends}",
+        "record": f"{sound.duration:.4g} s"
+        + f", {'closes on itself' if sound.loops else sound.ends}",
         "resolved up to": f"{min(sound.highest, sound.sample_rate / 2) / 1e3:.4g} kHz"
         + ("" if sound.constant_speed else " at the maximum speed, less while it is slower"),
     }
@@ -256,9 +271,14 @@ def _assumed_contact(run: RunResult) -> dict[str, str]:
         if sphere.youngs_modulus_gpa
         else ""
     )
-    hardness = f"hardness {plate.hardness_gpa:g} GPa" if plate.hardness_gpa else "no hardness: purely elastic"
+    hardness = (
+        f"hardness {plate.hardness_gpa:g} GPa"
+        if plate.hardness_gpa
+        else "no hardness: purely elastic"
+    )
     slowest, fastest = (
-        f"{v:.4g}" for v in (scene.motion.slowest(sound.duration), scene.motion.fastest(sound.duration))
+        f"{v:.4g}"
+        for v in (scene.motion.slowest(sound.duration), scene.motion.fastest(sound.duration))
     )
     speed = f"{fastest} m/s" if sound.constant_speed else f"{slowest} to {fastest} m/s"
     return {
@@ -291,7 +311,9 @@ def surface_words(scene: Scene) -> str:
     s = scene.surface
     if isinstance(s, Gaussian):
         across = s.correlation_length_across_um
-        length = f"{s.correlation_length_um:g} µm" + (f" along, {across:g} µm across" if across else "")
+        length = f"{s.correlation_length_um:g} µm" + (
+            f" along, {across:g} µm across" if across else ""
+        )
         law = s.autocorrelation.replace("_", " ")
         return f"random, Ra {s.roughness_ra_um:g} µm, correlation length {length} ({law}), seed {s.seed}"
     if not isinstance(s, HeightFile):
@@ -319,7 +341,11 @@ def partial(runs: Sequence[RunResult]) -> list[Remark]:
 def standing(runs: Sequence[RunResult]) -> list[Remark]:
     """List the caveats that hold for any such run and do not stand at the top."""
     top = (*caveats.HEADLINE, "partial")
-    return [remark for remark in remarks(runs) if remark.key in caveats.STANDING and remark.key not in top]
+    return [
+        remark
+        for remark in remarks(runs)
+        if remark.key in caveats.STANDING and remark.key not in top
+    ]
 
 
 def warnings(runs: Sequence[RunResult]) -> list[Remark]:
@@ -374,7 +400,10 @@ def provenance(runs: Sequence[RunResult]) -> list[Fact]:
     """List program, packages and machine that made the numbers, from the run folders."""
     records = [(run.label, _provenance(run)) for run in runs]
     names = list(dict.fromkeys(name for _, record in records for name in record))
-    return [_grouped(name, [(label, record.get(name, NOTHING)) for label, record in records]) for name in names]
+    return [
+        _grouped(name, [(label, record.get(name, NOTHING)) for label, record in records])
+        for name in names
+    ]
 
 
 def _provenance(run: RunResult) -> dict[str, str]:

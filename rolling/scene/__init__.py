@@ -1,7 +1,8 @@
 """The scene: its sections, its quantities in SI, its file, and its messages.
 
 sections
-    sphere, plate, surface, rolling, numerics, recovery and sound, with units in the names of their keys
+    sphere, plate, surface, rolling, numerics, recovery and sound, with units in the names of their
+    keys
 scene
     `Scene`: the sections together, the runs of its sweep, the track
 sweep, run_names

@@ -21,7 +21,8 @@ from rolling.scene.yaml_text import TextError
 _LONG_TEXT = 100_000  # letters; the resolved form of a shorter one keeps the limits
 
 
-# ---- reading, writing, overriding ------------------------------------------------------------------------------------
+# ---- reading, writing, overriding
+# ------------------------------------------------------------------------------------
 
 
 def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
@@ -31,9 +32,9 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     ----------
     path : Path or str
         File of YAML 1.2 in UTF-8.
-    overrides : sequence of str
-        Values such as "rolling.load_n=50", written in YAML. No value (or null) removes an optional key or section. A
-        key that the scene sweeps leaves the sweep when it is set; "sweep.rolling.load_n=[5, 20]" sweeps it.
+    overrides : sequence of str Values such as "rolling.load_n=50", written in YAML. No value (or
+        null) removes an optional key or section. A key that the scene sweeps leaves the sweep when
+        it is set; "sweep.rolling.load_n=[5, 20]" sweeps it.
 
     Raises
     ------
@@ -52,7 +53,9 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     return loads(text, overrides, str(path), path.parent)
 
 
-def loads(text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()) -> Scene:
+def loads(
+    text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()
+) -> Scene:
     """Read a scene from text.
 
     Parameters
@@ -72,9 +75,15 @@ def loads(text: str, overrides: Sequence[str] = (), where: str = "scene", folder
     except TextError as error:
         raise SceneError([str(error)]) from error
     if data is None:
-        raise SceneError([f"{where}: empty, a scene needs at least {', '.join(['name', *required(Scene)])}"])
+        raise SceneError(
+            [f"{where}: empty, a scene needs at least {', '.join(['name', *required(Scene)])}"]
+        )
     if not isinstance(data, dict):
-        raise SceneError([f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first being name"])
+        raise SceneError(
+            [
+                f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first being name"
+            ]
+        )
     places = {key: f"{where}:{line}" for key, line in lines.items()}
     scene = Scene.from_dict(data, folder, places, _override(data, places, overrides))
     if len(text) > _LONG_TEXT or any(len(override) > _LONG_TEXT for override in overrides):
@@ -114,18 +123,28 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
         name = name.strip()
         known = all_keys(Scene)
         if not equals or not name:
-            faults.append(f"--set: got {shown(override)}, allowed: key=value, as in rolling.load_n=50")
+            faults.append(
+                f"--set: got {shown(override)}, allowed: key=value, as in rolling.load_n=50"
+            )
             continue
         if name not in known:
             section = name.rpartition(".")[0] + "."
-            siblings = [other for other in known if other.startswith(section) and section != "sweep."]
-            allowed = f", allowed: {', '.join(other.removeprefix(section) for other in siblings)}" if siblings else ""
+            siblings = [
+                other for other in known if other.startswith(section) and section != "sweep."
+            ]
+            allowed = (
+                f", allowed: {', '.join(other.removeprefix(section) for other in siblings)}"
+                if siblings
+                else ""
+            )
             faults.append(f"--set: {name}: unknown key{nearest(name, siblings or known)}{allowed}")
             continue
         try:
             value, _ = yaml_text.parse(text, "--set")
         except TextError as error:
-            faults.append(f"--set: {name}: {str(error).removeprefix('--set:').lstrip('1234567890: ')}")
+            faults.append(
+                f"--set: {name}: {str(error).removeprefix('--set:').lstrip('1234567890: ')}"
+            )
             continue
         key = _split(name)
         inside = data
@@ -135,7 +154,8 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
                 places[key[: depth + 1]] = "--set"
             inside = inside[part]
             if not isinstance(inside, dict):
-                break  # the file has something else where a section must be, which is a fault of its own
+                # the file has something else where a section must be, which is a fault of its own
+                break
         else:
             inside[key[-1]] = value
             for old in [old for old in places if old[: len(key)] == key]:
@@ -153,7 +173,8 @@ def _split(name: str) -> tuple[str, ...]:
     return (first, rest) if dot else (first,)
 
 
-# ---- new sound from a stored run -------------------------------------------------------------------------------------
+# ---- new sound from a stored run
+# -------------------------------------------------------------------------------------
 
 
 RESOUND_KEYS = ("rolling.speed_m_s", *(f"sound.{name}" for name in Sound.model_fields))
@@ -167,20 +188,29 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
     Raises
     ------
     SceneError
-        A key needs a new solution, a value is not allowed, or the sphere comes to rest before the track ends.
+        A key needs a new solution, a value is not allowed, or the sphere comes to rest before the
+        track ends.
     """
     known = {override: override.partition("=")[0].strip() for override in overrides}
-    solved = [override for override in overrides if known[override] in set(all_keys(Scene)) - {*RESOUND_KEYS, "sound"}]
+    solved = [
+        override
+        for override in overrides
+        if known[override] in set(all_keys(Scene)) - {*RESOUND_KEYS, "sound"}
+    ]
     faults = [
         f"--set: {known[override]}: needs a new run; without solving again allowed: {', '.join(RESOUND_KEYS)}"
         for override in solved
     ]
     data = scene.to_dict()
     places: dict[Key, str] = {(): "stored scene"}
-    faults += _override(data, places, [override for override in overrides if override not in solved])
+    faults += _override(
+        data, places, [override for override in overrides if override not in solved]
+    )
     if not faults and scene.rolling.duration_s is not None:
         made = not isinstance(scene.surface, HeightFile)
-        distance = scene.track.distance if made else float(scene.motion.distance(scene.rolling.duration_s))
+        distance = (
+            scene.track.distance if made else float(scene.motion.distance(scene.rolling.duration_s))
+        )
         try:
             motion = Motion.of(Rolling.model_validate(data["rolling"]).speed_m_s)
             data["rolling"]["duration_s"] = float(f"{motion.duration(distance):.12g}")
@@ -191,14 +221,20 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
     return Scene.from_dict(data, scene.folder, places, faults)
 
 
-# ---- schema ----------------------------------------------------------------------------------------------------------
+# ---- schema
+# ----------------------------------------------------------------------------------------------------------
 
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a scene file, for editors."""
-    result = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
+    result = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **Scene.model_json_schema(),
+    }
     result["title"] = "Scene of rolling contact noise"
-    result["description"] = "A sphere that rolls on a rough surface, how its contact is solved, and where it is heard."
+    result["description"] = (
+        "A sphere that rolls on a rough surface, how its contact is solved, and where it is heard."
+    )
     numbers = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "number"}}
     sweep = result["properties"]["sweep"]
     sweep["properties"] = {

@@ -1,4 +1,6 @@
-"""Shape and type of the heights in a .npy file, from its header alone, whatever the size of the file."""
+"""Shape and type of the heights in a .npy file, from its header alone, whatever the size of the
+file.
+"""
 
 from __future__ import annotations
 
@@ -37,13 +39,27 @@ def header(path: Path) -> tuple[tuple[int, ...], np.dtype]:
             version = np.lib.format.read_magic(stream)
             if version not in ((1, 0), (2, 0)):
                 raise HeaderError("no readable .npy file (of names that no heights need)")
-            read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+            read = (
+                np.lib.format.read_array_header_1_0
+                if version == (1, 0)
+                else np.lib.format.read_array_header_2_0
+            )
             shape, _, dtype = read(stream)
             there = status.st_size - stream.tell()
-    except (OSError, ValueError, EOFError, OverflowError, RecursionError, MemoryError, SyntaxError) as error:
+    except (
+        OSError,
+        ValueError,
+        EOFError,
+        OverflowError,
+        RecursionError,
+        MemoryError,
+        SyntaxError,
+    ) as error:
         with open_at_once(path) as stream:
             archive = stream.read(4) == b"PK\x03\x04"
-        raise HeaderError("got an archive" if archive else f"no readable .npy file ({first_line(error)})") from error
+        raise HeaderError(
+            "got an archive" if archive else f"no readable .npy file ({first_line(error)})"
+        ) from error
     if any(count < 0 for count in shape):
         raise HeaderError("no readable .npy file (a negative shape)")
     needed = math.prod(shape) * dtype.itemsize

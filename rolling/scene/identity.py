@@ -1,4 +1,5 @@
-"""The identity of a single run: the physics that the march depends on, and the digest of heights from a file.
+"""The identity of a single run: the physics that the march depends on, and the digest of heights
+from a file.
 
 A result carries its identity, so that it is never taken for that of another scene or surface.
 """
@@ -20,8 +21,9 @@ from pydantic import BaseModel
 from rolling.scene.messages import plain_number, shown
 from rolling.scene.scene import Scene
 
-# The march does not depend on these keys. Speed and duration are what `resound` changes: the number of steps stands for
-# both. The path may change with the folder: the digest of the heights stands for it. The density only shifts a resonance.
+# The march does not depend on these keys. Speed and duration are what `resound` changes: the number
+# of steps stands for both. The path may change with the folder: the digest of the heights stands
+# for it. The density only shifts a resonance.
 NOT_PHYSICS = {
     "name",
     "title",
@@ -42,8 +44,8 @@ class Identity:
 
     Attributes
     ----------
-    physics : dict
-        Values by dotted key, all defaults filled in. A section has the value true, or null where it is absent.
+    physics : dict Values by dotted key, all defaults filled in. A section has the value true, or
+        null where it is absent.
     defaults : dict
         Defaults by dotted key in the version that wrote the physics.
     heights_sha256 : str or None
@@ -57,8 +59,14 @@ class Identity:
     @classmethod
     def of(cls, scene: Scene, heights_sha256: str | None) -> Identity:
         """Take the physics out of a scene without a sweep."""
-        physics = {key: value for key, value in _flat(scene.model_dump(mode="json")).items() if _is_physics(key)}
-        defaults = {key: value for key, value in _flat(_defaults(scene)).items() if _is_physics(key)}
+        physics = {
+            key: value
+            for key, value in _flat(scene.model_dump(mode="json")).items()
+            if _is_physics(key)
+        }
+        defaults = {
+            key: value for key, value in _flat(_defaults(scene)).items() if _is_physics(key)
+        }
         return cls(physics | {STEPS: scene.track.steps}, defaults, heights_sha256)
 
     @cached_property
@@ -78,13 +86,17 @@ def canonical(values: Mapping[str, Any]) -> str:
 
 
 def heights_digest(heights: NDArray[np.float64]) -> str:
-    """Return the SHA-256 of heights: of their shape, then of their values in little-endian double precision."""
+    """Return the SHA-256 of heights: of their shape, then of their values in little-endian double
+    precision.
+    """
     digest = hashlib.sha256(f"{heights.shape[0]} x {heights.shape[1]}\n".encode())
     digest.update(np.ascontiguousarray(heights, dtype="<f8").data)
     return digest.hexdigest()
 
 
-def differences(solved: Identity, own: Identity, result: str, height_path: Path | None) -> list[str]:
+def differences(
+    solved: Identity, own: Identity, result: str, height_path: Path | None
+) -> list[str]:
     """List the differences between the identity of a stored result and that of a scene.
 
     Parameters
@@ -100,7 +112,9 @@ def differences(solved: Identity, own: Identity, result: str, height_path: Path 
     changed = changes(solved, own)
     for key, (old, new) in changed.items():
         if key == STEPS:
-            lines.append(f"rolling.duration_s: {result} has {shown(old)} steps, the scene asks for {shown(new)}")
+            lines.append(
+                f"rolling.duration_s: {result} has {shown(old)} steps, the scene asks for {shown(new)}"
+            )
         else:
             lines.append(f"{key}: {result} was solved with {said(old)}, the scene says {said(new)}")
     surface = other_surface(solved.heights_sha256, own.heights_sha256, height_path)
@@ -108,7 +122,8 @@ def differences(solved: Identity, own: Identity, result: str, height_path: Path 
 
 
 def changes(before: Identity, after: Identity) -> dict[str, tuple[Any, Any]]:
-    """Return both values of each key where the physics differs; for a surface of another kind, the kind alone.
+    """Return both values of each key where the physics differs; for a surface of another kind, the
+    kind alone.
 
     A key that one side lacks has the default of the other side, which knows it.
     """
@@ -120,7 +135,9 @@ def changes(before: Identity, after: Identity) -> dict[str, tuple[Any, Any]]:
 
 
 def other_surface(solved: str | None, own: str | None, height_path: Path | None) -> str | None:
-    """Write a message where the digests of heights differ; None where they agree or the surface is made."""
+    """Write a message where the digests of heights differ; None where they agree or the surface is
+    made.
+    """
     if solved == own:
         return None
     digests = [f"{digest[:16]}..." if digest else "none" for digest in (own, solved)]

@@ -1,7 +1,8 @@
-"""Keys, values and faults in words: known names, allowed values, the nearest name to a misspelt one.
+"""Keys, values and faults in words: known names, allowed values, the nearest name to a misspelt
+one.
 
-`root` is the model of a whole scene or of one section. A scene has sections of plain values and a sweep; the surface
-has several kinds.
+`root` is the model of a whole scene or of one section. A scene has sections of plain values and a
+sweep; the surface has several kinds.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
-Key = tuple[str | int, ...]  # where a value stands: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
+# where a value stands: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
+Key = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,8 @@ class Words:
     allowed: str
 
 
-_LONGEST_SLIP = 100  # letters of a misspelt name; comparing longer ones takes long and finds nothing
+# letters of a misspelt name; comparing longer ones takes long and finds nothing
+_LONGEST_SLIP = 100
 
 
 class SceneError(Exception):
@@ -36,8 +39,8 @@ class SceneError(Exception):
 
     Attributes
     ----------
-    faults : list of str
-        One line for each fault: file and line (or --set, or scene), key, the value and the allowed values.
+    faults : list of str One line for each fault: file and line (or --set, or scene), key, the value
+        and the allowed values.
     """
 
     def __init__(self, faults: Sequence[str]) -> None:
@@ -48,7 +51,8 @@ class SceneError(Exception):
         return SceneError, (self.faults,)
 
 
-# ---- faults ----------------------------------------------------------------------------------------------------------
+# ---- faults
+# ----------------------------------------------------------------------------------------------------------
 
 
 def fault(message: str, *at: str | int) -> PydanticCustomError:
@@ -69,12 +73,19 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
     if kind == "extra_forbidden":
         siblings = _siblings(root, key, data)
         known = [other for other in all_keys(root) if not other.startswith("sweep.")]
-        elsewhere = [] if dotted(key) in known else known  # a key of another kind of the section is no slip
+        elsewhere = (
+            [] if dotted(key) in known else known
+        )  # a key of another kind of the section is no slip
         of = f" of {by} {_value(data, (key[0], str(by)))}" if by else ""
-        return key, f"unknown key{of}{nearest(str(key[-1]), siblings, elsewhere)}, allowed: {', '.join(siblings)}"
+        return (
+            key,
+            f"unknown key{of}{nearest(str(key[-1]), siblings, elsewhere)}, allowed: {', '.join(siblings)}",
+        )
     if kind.startswith("union_tag") and outer:
         key = (*key, str(by))
-        choices = [name for model in _models(outer) for name in _choices(model.model_fields[str(by)])]
+        choices = [
+            name for model in _models(outer) for name in _choices(model.model_fields[str(by)])
+        ]
         words = _either(choices)
     else:
         field = _field(root, key, data)
@@ -82,18 +93,24 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
     value = _value(data, key)
     if kind in ("missing", "union_tag_not_found") and value is None:
         return key, f"missing, allowed: {words}"
-    return key, f"got {shown(value)}, allowed: {words}{nearest(value, choices) if isinstance(value, str) else ''}"
+    return (
+        key,
+        f"got {shown(value)}, allowed: {words}{nearest(value, choices) if isinstance(value, str) else ''}",
+    )
 
 
 def place(key: Key, places: Mapping[Key, str]) -> str:
-    """Return file and line (or --set) of a key, or of the nearest section around it that has a place."""
+    """Return file and line (or --set) of a key, or of the nearest section around it that has a
+    place.
+    """
     return next(places[key[:n]] for n in range(len(key), -1, -1) if key[:n] in places)
 
 
 def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
     """Write ", nearest: name" with the first family's name that is like a misspelt one, or nothing.
 
-    Names are compared by their last part, or as a whole when the section is misspelt as well. The unit may be missing.
+    Names are compared by their last part, or as a whole when the section is misspelt as well. The
+    unit may be missing.
     """
     if len(got) > _LONGEST_SLIP:
         return ""
@@ -103,10 +120,15 @@ def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
 
     def alike(name: str) -> float:
         whole, its_whole = norm(got), norm(name)
-        (section, _, last), (its_section, _, its_last) = whole.rpartition("."), its_whole.rpartition(".")
+        (section, _, last), (its_section, _, its_last) = (
+            whole.rpartition("."),
+            its_whole.rpartition("."),
+        )
         if its_last.startswith(f"{last}_"):
             return 0.95
-        pairs = [(last, its_last)] if section == its_section else [(last, its_last), (whole, its_whole)]
+        pairs = (
+            [(last, its_last)] if section == its_section else [(last, its_last), (whole, its_whole)]
+        )
         return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
 
     for names in families:
@@ -116,7 +138,8 @@ def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
     return ""
 
 
-# ---- values ----------------------------------------------------------------------------------------------------------
+# ---- values
+# ----------------------------------------------------------------------------------------------------------
 
 
 def is_number(value: Any) -> bool:
@@ -135,7 +158,8 @@ def shown(value: Any) -> str:
         return "nothing"
     if isinstance(value, float) and not math.isfinite(value):
         return ".nan" if math.isnan(value) else f"{'-' * (value < 0)}.inf"
-    # Of a long value the beginning is enough: a million of them need not be written to show sixty letters.
+    # Of a long value the beginning is enough: a million of them need not be written to show sixty
+    # letters.
     value = value[:60] if isinstance(value, str | list | tuple) else value
     return cut(json.dumps(value, ensure_ascii=False, default=str))
 
@@ -150,23 +174,30 @@ def first_line(error: BaseException) -> str:
     return (str(error).strip().splitlines() or [type(error).__name__])[0]
 
 
-# ---- keys ------------------------------------------------------------------------------------------------------------
+# ---- keys
+# ------------------------------------------------------------------------------------------------------------
 
 
 def dotted(key: Key) -> str:
     """Write ("rolling", "load_n") as "rolling.load_n", places in a list in brackets."""
-    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in key).removeprefix(".")
+    return "".join(
+        f"[{part}]" if isinstance(part, int) else f".{part}" for part in key
+    ).removeprefix(".")
 
 
 def numeric_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
     """Map every dotted key that holds a number to its field."""
-    return {name: field for name, field in _inner(root) if {int, float} & set(_kinds(field.annotation))}
+    return {
+        name: field for name, field in _inner(root) if {int, float} & set(_kinds(field.annotation))
+    }
 
 
 def all_keys(root: type[BaseModel]) -> list[str]:
     """List every name that an override can set, sections and swept keys included."""
     inner = [name for name, _ in _inner(root)]
-    return list(dict.fromkeys([*root.model_fields, *inner, *(f"sweep.{key}" for key in numeric_keys(root))]))
+    return list(
+        dict.fromkeys([*root.model_fields, *inner, *(f"sweep.{key}" for key in numeric_keys(root))])
+    )
 
 
 def required(model: type[BaseModel]) -> list[str]:
@@ -188,13 +219,22 @@ def allowed(field: FieldInfo) -> str:
     kind = _kinds(field.annotation)[0]
     if kind in (int, float):
         signs = [("gt", ">"), ("ge", ">="), ("lt", "<"), ("le", "<=")]
-        bounds = [f"{sign} {getattr(m, name):g}" for name, sign in signs for m in field.metadata if hasattr(m, name)]
-        return " ".join(["a whole number" if kind is int else "a number", " and ".join(bounds)]).strip()
+        bounds = [
+            f"{sign} {getattr(m, name):g}"
+            for name, sign in signs
+            for m in field.metadata
+            if hasattr(m, name)
+        ]
+        return " ".join(
+            ["a whole number" if kind is int else "a number", " and ".join(bounds)]
+        ).strip()
     return "true or false" if kind is bool else "text"
 
 
 def _inner(root: type[BaseModel]) -> Iterator[tuple[str, FieldInfo]]:
-    """Yield every dotted name with its field; a name that several kinds of a section share comes once per kind."""
+    """Yield every dotted name with its field; a name that several kinds of a section share comes
+    once per kind.
+    """
     for section, outer in root.model_fields.items():
         for model in _models(outer):
             yield from ((f"{section}.{name}", field) for name, field in model.model_fields.items())
@@ -216,15 +256,23 @@ def _siblings(root: type[BaseModel], key: Key, data: Mapping[str, Any]) -> list[
 def _model(field: FieldInfo, section: Any) -> type[BaseModel] | None:
     """Return the model of a section, the first when its kind is unknown; None for a plain value."""
     models = _models(field)
-    for model in models if isinstance(field.discriminator, str) and isinstance(section, Mapping) else []:
-        if section.get(field.discriminator) in _choices(model.model_fields[str(field.discriminator)]):
+    for model in (
+        models if isinstance(field.discriminator, str) and isinstance(section, Mapping) else []
+    ):
+        if section.get(field.discriminator) in _choices(
+            model.model_fields[str(field.discriminator)]
+        ):
             return model
     return next(iter(models), None)
 
 
 def _models(field: FieldInfo) -> list[type[BaseModel]]:
     """List the models of a section, one for each of its kinds; none for a plain value."""
-    return [kind for kind in _kinds(field.annotation) if isinstance(kind, type) and issubclass(kind, BaseModel)]
+    return [
+        kind
+        for kind in _kinds(field.annotation)
+        if isinstance(kind, type) and issubclass(kind, BaseModel)
+    ]
 
 
 def _kinds(annotation: Any) -> tuple[Any, ...]:
@@ -232,13 +280,20 @@ def _kinds(annotation: Any) -> tuple[Any, ...]:
     if get_origin(annotation) is Annotated:
         return _kinds(get_args(annotation)[0])
     if get_origin(annotation) in (Union, types.UnionType):
-        return tuple(kind for part in get_args(annotation) for kind in _kinds(part) if kind is not type(None))
+        return tuple(
+            kind for part in get_args(annotation) for kind in _kinds(part) if kind is not type(None)
+        )
     return (annotation,)
 
 
 def _choices(field: FieldInfo) -> list[str]:
     """List the names that a field chooses from; none when it holds something else."""
-    return [choice for kind in _kinds(field.annotation) if get_origin(kind) is Literal for choice in get_args(kind)]
+    return [
+        choice
+        for kind in _kinds(field.annotation)
+        if get_origin(kind) is Literal
+        for choice in get_args(kind)
+    ]
 
 
 def _either(choices: Sequence[str]) -> str:

@@ -41,7 +41,9 @@ class Motion:
         if times[0] != 0 or not np.all(np.diff(times) > 0):
             raise ValueError("the times of a motion must increase strictly from 0")
         if not np.all(np.isfinite(speeds)) or np.any(speeds < 0) or not np.any(speeds > 0):
-            raise ValueError("the speeds of a motion must be finite, not negative, and not all zero")
+            raise ValueError(
+                "the speeds of a motion must be finite, not negative, and not all zero"
+            )
 
     @classmethod
     def of(cls, speed: float | Sequence[Sequence[float]]) -> Motion:
@@ -64,7 +66,8 @@ class Motion:
         return float(self._speeds_until(duration).max())
 
     def time_below(self, speed: float, duration: float) -> float:
-        """Return the time [s] for which the sphere moves slower than a speed [m/s], from the start to a time [s].
+        """Return the time [s] for which the sphere moves slower than a speed [m/s], from the start
+        to a time [s].
 
         A sphere at rest makes no sound that could be missed, so rests do not count.
         """
@@ -81,7 +84,9 @@ class Motion:
         return self.time_below(np.inf, duration)
 
     def _knots_until(self, duration: float) -> Array:
-        """Return the times [s] between which the speed is a straight line, the last of them `duration`."""
+        """Return the times [s] between which the speed is a straight line, the last of them
+        `duration`.
+        """
         return np.array([*(t for t in self.times if t < duration), duration])
 
     def _speeds_until(self, duration: float) -> Array:
@@ -114,7 +119,8 @@ class Motion:
         return distances[k] + tau * (speeds[k] + accelerations[k] * tau / 2)
 
     def time(self, distance: ArrayLike) -> Array:
-        """Return the time [s] at which each distance >= 0 [m] is reached, the first one where the sphere rests there.
+        """Return the time [s] at which each distance >= 0 [m] is reached, the first one where the
+        sphere rests there.
 
         Raises
         ------
@@ -126,14 +132,17 @@ class Motion:
         if speeds[-1] == 0:
             end = distances[-1]
             if np.any(d > end * (1 + ROUNDING)):
-                raise ValueError(f"the sphere comes to rest after {end:.6g} m and never reaches {np.max(d):.6g} m")
+                raise ValueError(
+                    f"the sphere comes to rest after {end:.6g} m and never reaches {np.max(d):.6g} m"
+                )
             d = np.minimum(d, end)
-        # A stretch owns its end, not its start: so a distance the sphere rests at belongs to its arrival.
+        # A stretch owns its end, not its start: so a distance the sphere rests at belongs to its
+        # arrival.
         k = np.maximum(np.searchsorted(distances, d, side="left") - 1, 0)
         ahead = d - distances[k]
         root = np.sqrt(np.maximum(speeds[k] ** 2 + 2 * accelerations[k] * ahead, 0.0))
-        # This form of the quadratic's root does not cancel when braking, and holds for no acceleration. Both are zero only
-        # where no distance that can be told from zero is left.
+        # This form of the quadratic's root does not cancel when braking, and holds for no
+        # acceleration. Both are zero only where no distance that can be told from zero is left.
         both = speeds[k] + root
         tau = np.divide(2 * ahead, both, out=np.zeros_like(both), where=both > 0)
         lasting = np.append(np.diff(times), np.inf)

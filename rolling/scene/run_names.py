@@ -1,4 +1,6 @@
-"""Names of the runs of a sweep: short where that tells them apart, and always different on every file system."""
+"""Names of the runs of a sweep: short where that tells them apart, and always different on every
+file system.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ Values = Mapping[str, float]
 
 
 def run_name(values: Values, number: Callable[[float], str] = plain_number) -> str:
-    """Return the short name of a run: "load_n=5,radius_mm=2", each key by its last part unless two share it.
+    """Return the short name of a run: "load_n=5,radius_mm=2", each key by its last part unless two
+    share it.
 
     Runs without values have an empty name; values that print alike share one.
     """
@@ -29,7 +32,8 @@ def run_name(values: Values, number: Callable[[float], str] = plain_number) -> s
 def run_names(runs: Sequence[Values]) -> list[str]:
     """Return a name for each run of a sweep, all different; where two print alike, with all digits.
 
-    Names that are too long end in a digest of their values. Upper and lower case make no difference.
+    Names that are too long end in a digest of their values. Upper and lower case make no
+    difference.
     """
     names = [run_name(values) for values in runs]
     shared = Counter(name.casefold() for name in names)

@@ -1,7 +1,7 @@
 """A scene: its sections, its sweep, and its quantities in SI. `file` reads and writes it.
 
-`Scene` is built from sections in Python, or from plain values as a scene file holds them. It is frozen: `with_` gives
-a changed copy.
+`Scene` is built from sections in Python, or from plain values as a scene file holds them. It is
+frozen: `with_` gives a changed copy.
 """
 
 from __future__ import annotations
@@ -59,11 +59,15 @@ from rolling.scene.track import Track, file_track, made_track
 
 STEEL_DENSITY = 7850.0  # [kg/m3]
 DEFAULT_NAME = "scene"  # of a scene that is built in Python
-NAME = Words("1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in quotes)")
+NAME = Words(
+    "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in quotes)"
+)
 
 
 class SweepRun(NamedTuple):
-    """One run of a scene: the swept values by dotted key, and the scene with them, which sweeps nothing."""
+    """One run of a scene: the swept values by dotted key, and the scene with them, which sweeps
+    nothing.
+    """
 
     values: dict[str, float]
     scene: Scene
@@ -115,7 +119,8 @@ class Scene(Section):
         WithJsonSchema({"type": "object"}),  # the keys are filled in by `schema`
     ] = Field(default={}, description="Lists of values by dotted key; their product is run")
 
-    # Judges the scene before it is run. The check stands above the scene, so `rolling/__init__.py` binds it.
+    # Judges the scene before it is run. The check stands above the scene, so `rolling/__init__.py`
+    # binds it.
     check: ClassVar[Callable[..., Any]]
 
     _folder: Path = PrivateAttr(default=Path())
@@ -162,7 +167,8 @@ class Scene(Section):
         places: Mapping[Key, str] = MappingProxyType({(): "scene"}),
         faults: Sequence[str] = (),
     ) -> Self:
-        """Build a scene from plain values as `to_dict` gives them, valid in all combinations of its sweep.
+        """Build a scene from plain values as `to_dict` gives them, valid in all combinations of its
+        sweep.
 
         Parameters
         ----------
@@ -190,16 +196,22 @@ class Scene(Section):
             new_faults.insert(0, (("name",), f"missing, allowed: {NAME.allowed}"))
         if not any(key[:1] == ("sweep",) for key, _ in new_faults):
             new_faults += sweeps.faults_of_runs(data, new_faults, cls)
-        lines = [f"{place(key, places)}: {cut(dotted(key))}: {message}" for key, message in new_faults]
+        lines = [
+            f"{place(key, places)}: {cut(dotted(key))}: {message}" for key, message in new_faults
+        ]
         if len(lines) > MAX_FAULTS:
-            lines[MAX_FAULTS:] = [f"{place((), places)}: more than {MAX_FAULTS} faults, the others are not listed"]
+            lines[MAX_FAULTS:] = [
+                f"{place((), places)}: more than {MAX_FAULTS} faults, the others are not listed"
+            ]
         if faults or lines or scene is None:
             raise SceneError(list(dict.fromkeys([*faults, *lines])))
         scene._folder = folder
         return scene
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values with every default filled in, without the folder and without keys that have no value."""
+        """Return plain values with every default filled in, without the folder and without keys
+        that have no value.
+        """
         data = self.model_dump(exclude_none=True)
         if not self.sweep:
             del data["sweep"]
@@ -215,8 +227,9 @@ class Scene(Section):
         changes : mapping, optional
             Values by key.
         **keys
-            More values by key. A bare key (load_n) stands for the dotted one (rolling.load_n) where it is unique. None
-            removes an optional key. A key that the scene sweeps leaves the sweep.
+            More values by key. A bare key (load_n) stands for the dotted one (rolling.load_n) where
+            it is unique. None removes an optional key. A key that the scene sweeps leaves the
+            sweep.
 
         Raises
         ------
@@ -241,7 +254,8 @@ class Scene(Section):
             given.add(key)
             section, dot, last = key.partition(".")
             inside = data.setdefault(section, {}) if dot else data
-            if isinstance(inside, dict):  # otherwise the section was given no keys, which is a fault
+            # otherwise the section was given no keys, which is a fault
+            if isinstance(inside, dict):
                 inside[last or section] = plain(value)
             if section != "sweep" and isinstance(data.get("sweep"), dict):
                 data["sweep"].pop(key, None)
@@ -250,7 +264,9 @@ class Scene(Section):
         return type(self).from_dict(data, self.folder)
 
     def runs(self) -> list[SweepRun]:
-        """List the runs of the scene, the last swept key fastest; a scene without a sweep is its own only run."""
+        """List the runs of the scene, the last swept key fastest; a scene without a sweep is its
+        own only run.
+        """
         if not self.sweep:
             return [SweepRun({}, self)]
         data = self.to_dict()
@@ -274,21 +290,29 @@ class Scene(Section):
 
     @cached_property
     def track(self) -> Track:
-        """Positions of the sphere: for its duration on a made surface, by default once round a height file.
+        """Positions of the sphere: for its duration on a made surface, by default once round a
+        height file.
 
-        A made track is rounded to whole nodes and whole steps, so that it closes on itself. Only the header of a
-        height file is read.
+        A made track is rounded to whole nodes and whole steps, so that it closes on itself. Only
+        the header of a height file is read.
 
         Raises
         ------
         SceneError
-            The height file is missing or is no 2-D array of numbers, or the sphere never gets round it.
+            The height file is missing or is no 2-D array of numbers, or the sphere never gets round
+            it.
         """
         if isinstance(self.surface, MadeSurface):
             return _made_track(self.surface, self.rolling, self.numerics)
-        path, said, step_nodes = self.folder / self.surface.path, self.surface.path, self.numerics.step_nodes
+        path, said, step_nodes = (
+            self.folder / self.surface.path,
+            self.surface.path,
+            self.numerics.step_nodes,
+        )
         try:
-            return file_track(path, said, self.spacing, step_nodes, self.motion, self.rolling.duration_s)
+            return file_track(
+                path, said, self.spacing, step_nodes, self.motion, self.rolling.duration_s
+            )
         except PydanticCustomError as error:
             context = error.context or {}
             raise SceneError([f"{dotted(context['at'])}: {context['message']}"]) from error
@@ -316,7 +340,9 @@ class Scene(Section):
 
     @property
     def contact_modulus(self) -> float:
-        """Contact modulus E* [Pa]: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, without the first term for a rigid sphere."""
+        """Contact modulus E* [Pa]: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, without the first term
+        for a rigid sphere.
+        """
         compliance = (1 - self.plate.poissons_ratio**2) / self.plate.youngs_modulus_gpa
         if self.sphere.youngs_modulus_gpa is not None and self.sphere.poissons_ratio is not None:
             compliance += (1 - self.sphere.poissons_ratio**2) / self.sphere.youngs_modulus_gpa
@@ -355,18 +381,26 @@ def _made_track(surface: MadeSurface, rolling: Rolling, numerics: Numerics) -> T
 
 
 def _full_key(name: str) -> str:
-    """Return the dotted key that a bare or dotted name stands for; raise SceneError where there is none or several."""
+    """Return the dotted key that a bare or dotted name stands for; raise SceneError where there is
+    none or several.
+    """
     known = all_keys(Scene)
     if name in known:
         return name
-    candidates = [key for key in known if key.rpartition(".")[2] == name and not key.startswith("sweep.")]
+    candidates = [
+        key for key in known if key.rpartition(".")[2] == name and not key.startswith("sweep.")
+    ]
     if len(candidates) == 1:
         return candidates[0]
     if candidates:
-        raise SceneError([f"scene: {name}: stands for {' or '.join(candidates)}, give one of these"])
+        raise SceneError(
+            [f"scene: {name}: stands for {' or '.join(candidates)}, give one of these"]
+        )
     section = name.rpartition(".")[0] + "."
     siblings = [key for key in known if key.startswith(section) and section != "sweep."]
-    names = f", allowed: {', '.join(key.removeprefix(section) for key in siblings)}" if siblings else ""
+    names = (
+        f", allowed: {', '.join(key.removeprefix(section) for key in siblings)}" if siblings else ""
+    )
     raise SceneError([f"scene: {name}: unknown key{nearest(name, siblings or known)}{names}"])
 
 

@@ -1,7 +1,9 @@
-"""The sections of a scene: frozen models, units in the key names, and the checks that one section can make alone.
+"""The sections of a scene: frozen models, units in the key names, and the checks that one section
+can make alone.
 
-Lengths are in mm or um and moduli in GPa here; the properties of `Scene` are SI. Sections are built from Python as
-`Sphere(radius_mm=5)`; a value that is not allowed then raises SceneError in the words that a scene file would get.
+Lengths are in mm or um and moduli in GPa here; the properties of `Scene` are SI. Sections are built
+from Python as `Sphere(radius_mm=5)`; a value that is not allowed then raises SceneError in the
+words that a scene file would get.
 """
 
 from __future__ import annotations
@@ -24,7 +26,17 @@ from pydantic import (
     model_validator,
 )
 
-from rolling.scene.messages import SceneError, Words, cut, dotted, explained, fault, is_number, plain_number, shown
+from rolling.scene.messages import (
+    SceneError,
+    Words,
+    cut,
+    dotted,
+    explained,
+    fault,
+    is_number,
+    plain_number,
+    shown,
+)
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 if TYPE_CHECKING:
@@ -37,11 +49,14 @@ MAX_FAULTS = 100  # that are named
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 
 
-# ---- construction from Python ----------------------------------------------------------------------------------------
+# ---- construction from Python
+# ----------------------------------------------------------------------------------------
 
 
 def plain(value: Any) -> Any:
-    """Turn a value typed in Python into the plain value that a scene file would hold; drop keys without a value."""
+    """Turn a value typed in Python into the plain value that a scene file would hold; drop keys
+    without a value.
+    """
     if isinstance(value, BaseModel):
         value = value.model_dump()
     if isinstance(value, Mapping):
@@ -69,7 +84,9 @@ class _SceneErrors(ModelMetaclass):
 
     def __call__(cls, *positional: Any, **values: Any) -> Any:
         if positional:
-            raise TypeError(f"{cls.__name__} takes keys by name only, as in {cls.__name__}(key=value)")
+            raise TypeError(
+                f"{cls.__name__} takes keys by name only, as in {cls.__name__}(key=value)"
+            )
         return cls.from_values(plain(values))  # type: ignore[attr-defined]
 
 
@@ -86,7 +103,8 @@ class Section(BaseModel, metaclass=_SceneErrors):
         Raises
         ------
         SceneError
-            Some values are missing, unknown or not allowed; each fault names its key within a scene.
+            Some values are missing, unknown or not allowed; each fault names its key within a
+            scene.
         """
         try:
             return cls.model_validate(values)
@@ -104,11 +122,14 @@ class Section(BaseModel, metaclass=_SceneErrors):
         """Refuse sizes whose powers and quotients are no numbers any more."""
         for number in np.ravel(value) if isinstance(value, float | tuple) else ():
             if number and not SMALLEST <= abs(number) <= 1 / SMALLEST:
-                raise fault(f"got {shown(float(number))}, allowed: a size from {SMALLEST:g} to {1 / SMALLEST:g}")
+                raise fault(
+                    f"got {shown(float(number))}, allowed: a size from {SMALLEST:g} to {1 / SMALLEST:g}"
+                )
         return value
 
 
-# ---- sphere and plate ------------------------------------------------------------------------------------------------
+# ---- sphere and plate
+# ------------------------------------------------------------------------------------------------
 
 
 class Sphere(Section):
@@ -131,10 +152,15 @@ class Sphere(Section):
 
     @model_validator(mode="after")
     def _both_or_neither(self) -> Sphere:
-        for missing, given in (("youngs_modulus_gpa", "poissons_ratio"), ("poissons_ratio", "youngs_modulus_gpa")):
+        for missing, given in (
+            ("youngs_modulus_gpa", "poissons_ratio"),
+            ("poissons_ratio", "youngs_modulus_gpa"),
+        ):
             if getattr(self, missing) is None and getattr(self, given) is not None:
                 raise fault(
-                    f"missing beside {given}; an elastic sphere needs both, a rigid one neither", "sphere", missing
+                    f"missing beside {given}; an elastic sphere needs both, a rigid one neither",
+                    "sphere",
+                    missing,
                 )
         return self
 
@@ -153,7 +179,8 @@ class Plate(Section):
     )
 
 
-# ---- surfaces --------------------------------------------------------------------------------------------------------
+# ---- surfaces
+# --------------------------------------------------------------------------------------------------------
 
 
 class MadeSurface(Section):
@@ -163,14 +190,18 @@ class MadeSurface(Section):
 
     kind: str
     spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
-    width_um: float = Field(gt=0, description="Width across the track [um], a whole number of nodes, at least 8")
+    width_um: float = Field(
+        gt=0, description="Width across the track [um], a whole number of nodes, at least 8"
+    )
 
     @model_validator(mode="after")
     def _whole_width(self) -> MadeSurface:
         nodes = self.width_um / self.spacing_um
         if not nodes < MAX_NODES:
             raise fault(
-                f"got {plain_number(self.width_um)}, allowed: less than {MAX_NODES:g} nodes", "surface", "width_um"
+                f"got {plain_number(self.width_um)}, allowed: less than {MAX_NODES:g} nodes",
+                "surface",
+                "width_um",
             )
         if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
             fitting = max(MIN_NODES, round(nodes)) * self.spacing_um
@@ -193,16 +224,24 @@ class Gaussian(MadeSurface):
 
     model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
 
-    kind: Literal["gaussian"] = Field(default="gaussian", description="A random surface with Gaussian heights")
-    autocorrelation: Literal["gaussian", "gaussian_10pct", "exponential", "exponential_10pct"] = Field(
-        default="gaussian",
-        description="Law in the distance r and the correlation length L: gaussian exp(-(r/L)^2), gaussian_10pct"
-        " exp(-2.3 (r/L)^2), exponential exp(-r/L), exponential_10pct exp(-2.3 r/L)",
+    kind: Literal["gaussian"] = Field(
+        default="gaussian", description="A random surface with Gaussian heights"
+    )
+    autocorrelation: Literal["gaussian", "gaussian_10pct", "exponential", "exponential_10pct"] = (
+        Field(
+            default="gaussian",
+            description="Law in the distance r and the correlation length L: gaussian exp(-(r/L)^2), gaussian_10pct"
+            " exp(-2.3 (r/L)^2), exponential exp(-r/L), exponential_10pct exp(-2.3 r/L)",
+        )
     )
     roughness_ra_um: float = Field(gt=0, le=1000, description="Arithmetic mean roughness Ra [um]")
-    correlation_length_um: float = Field(gt=0, description="Correlation length [um], along the track")
+    correlation_length_um: float = Field(
+        gt=0, description="Correlation length [um], along the track"
+    )
     correlation_length_across_um: float | None = Field(
-        default=None, gt=0, description="Correlation length across the track [um]; absent: the same as along"
+        default=None,
+        gt=0,
+        description="Correlation length across the track [um]; absent: the same as along",
     )
     seed: int = Field(ge=0, description="Seed of the random heights")
 
@@ -221,9 +260,12 @@ class HeightFile(Section):
     model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
     SECTION: ClassVar[str] = "surface"
 
-    kind: Literal["file"] = Field(default="file", description="Heights from a file; the track is the file")
+    kind: Literal["file"] = Field(
+        default="file", description="Heights from a file; the track is the file"
+    )
     path: str = Field(
-        min_length=1, description=".npy file of heights [m], shape (along track, across), relative to the scene file"
+        min_length=1,
+        description=".npy file of heights [m], shape (along track, across), relative to the scene file",
     )
     spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
     level: Literal["auto", "plane", "none"] = Field(
@@ -236,7 +278,8 @@ class HeightFile(Section):
 Surface = Annotated[Gaussian | Smooth | HeightFile, Field(discriminator="kind")]
 
 
-# ---- rolling, numerics, recovery, sound -----------------------------------------------------------------------------
+# ---- rolling, numerics, recovery, sound
+# -----------------------------------------------------------------------------
 
 
 SPEED = Words("a number > 0, or at least two [time_s, speed_m_s] pairs")
@@ -250,12 +293,20 @@ def _speed(value: Any) -> Any:
     if not isinstance(value, list | tuple) or len(value) < 2:
         raise fault(f"got {shown(value)}, allowed: {SPEED.allowed}", *at)
     for i, pair in enumerate(value):
-        if not isinstance(pair, list | tuple) or len(pair) != 2 or not all(is_number(x) for x in pair):
+        if (
+            not isinstance(pair, list | tuple)
+            or len(pair) != 2
+            or not all(is_number(x) for x in pair)
+        ):
             raise fault(f"got {shown(pair)}, allowed: [time_s, speed_m_s], two numbers", *at, i)
         if i == 0 and pair[0] != 0:
             raise fault(f"got {shown(pair[0])}, allowed: 0, the time of the first pair", *at, 0)
         if i and pair[0] <= value[i - 1][0]:
-            raise fault(f"got time {shown(pair[0])} after {shown(value[i - 1][0])}, allowed: increasing times", *at, i)
+            raise fault(
+                f"got time {shown(pair[0])} after {shown(value[i - 1][0])}, allowed: increasing times",
+                *at,
+                i,
+            )
         if pair[1] < 0:
             raise fault(f"got speed {shown(pair[1])}, allowed: a number >= 0", *at, i)
     if not any(v > 0 for _, v in value):
@@ -274,7 +325,12 @@ def _step_nodes(value: float) -> float:
     return closest
 
 
-_PAIR_SCHEMA = {"type": "array", "prefixItems": [{"type": "number", "minimum": 0}] * 2, "minItems": 2, "maxItems": 2}
+_PAIR_SCHEMA = {
+    "type": "array",
+    "prefixItems": [{"type": "number", "minimum": 0}] * 2,
+    "minItems": 2,
+    "maxItems": 2,
+}
 _PAIRS_SCHEMA = {"type": "array", "minItems": 2, "items": _PAIR_SCHEMA}
 Speed = Annotated[
     float | tuple[tuple[float, float], ...],
@@ -295,7 +351,9 @@ class Rolling(Section):
         " constant after the last"
     )
     duration_s: float | None = Field(
-        default=None, gt=0, description="Time rolled [s]; only with a height file it may be absent: once round the file"
+        default=None,
+        gt=0,
+        description="Time rolled [s]; only with a height file it may be absent: once round the file",
     )
     start_um: float = Field(default=0.0, description="Start position along the track [um]")
 
@@ -345,12 +403,15 @@ class Sound(Section):
     SECTION: ClassVar[str] = "sound"
 
     distance_m: float = Field(default=1.0, gt=0, description="Distance of the listener [m]")
-    q: float = Field(default=1.0, gt=0, le=1, description="Share of the released energy that is radiated [-]")
+    q: float = Field(
+        default=1.0, gt=0, le=1, description="Share of the released energy that is radiated [-]"
+    )
     gain_pa_per_w_m2: float | None = Field(
         default=None,
         gt=0,
         description="Fixed factor from intensity to sound pressure [Pa per W/m2]; absent: energy-true per run",
     )
     loudness: bool = Field(
-        default=False, description="Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package mosqito"
+        default=False,
+        description="Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package mosqito",
     )

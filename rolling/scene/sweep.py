@@ -34,16 +34,23 @@ def validated(sweep: Any, root: type[BaseModel]) -> dict[str, tuple[float, ...]]
     """Turn the lists of a sweep into tuples; raise its first fault at its own place."""
     if not isinstance(sweep, dict):
         raise fault(
-            f"got {shown(sweep)}, allowed: lists of numbers by dotted key, as in rolling.load_n: [5, 20]", "sweep"
+            f"got {shown(sweep)}, allowed: lists of numbers by dotted key, as in rolling.load_n: [5, 20]",
+            "sweep",
         )
     keys = numeric_keys(root)
     for name, values in sweep.items():
         if name not in keys:
             known = name in all_keys(root)
-            message = "cannot be swept, only numbers can" if known else f"unknown key{nearest(name, keys)}"
+            message = (
+                "cannot be swept, only numbers can"
+                if known
+                else f"unknown key{nearest(name, keys)}"
+            )
             raise fault(message, "sweep", name)
         if not isinstance(values, list | tuple) or not values:
-            raise fault(f"got {shown(values)}, allowed: a list of numbers, at least one", "sweep", name)
+            raise fault(
+                f"got {shown(values)}, allowed: a list of numbers, at least one", "sweep", name
+            )
     runs = math.prod(len(values) for values in sweep.values())
     if runs > MAX_RUNS:  # before any of them is looked at
         raise fault(f"got {runs} runs, allowed: at most {MAX_RUNS}", "sweep")
@@ -79,17 +86,20 @@ def with_values(data: Mapping[str, Any], values: Mapping[str, float]) -> dict[st
     return result
 
 
-def faults_of_runs(data: Mapping[str, Any], known_faults: Sequence[Fault], root: type[BaseModel]) -> list[Fault]:
+def faults_of_runs(
+    data: Mapping[str, Any], known_faults: Sequence[Fault], root: type[BaseModel]
+) -> list[Fault]:
     """List the faults of the runs of a sweep that are not known yet.
 
-    A fault of a swept value stands at its place in the sweep. Any other fault is listed once, with the first run that
-    has it.
+    A fault of a swept value stands at its place in the sweep. Any other fault is listed once, with
+    the first run that has it.
     """
     unswept = {name: value for name, value in data.items() if name != "sweep"}
     sweep = {name: tuple(values) for name, values in data.get("sweep", {}).items()}
     places = {name: {value: i for i, value in enumerate(values)} for name, values in sweep.items()}
     known, named = {key for key, _ in known_faults}, set[Fault]()
-    in_words: dict[Any, Fault] = {}  # many runs share a fault, and its words take longer than to find it
+    # many runs share a fault, and its words take longer than to find it
+    in_words: dict[Any, Fault] = {}
     faults: list[Fault] = []
     for values in product(sweep) if sweep else ():
         swept = with_values(unswept, values)

@@ -53,8 +53,11 @@ class Track:
         return self.steps * self.step
 
 
-def made_track(n_across: int, spacing: float, step_nodes: float, motion: Motion, duration: float) -> Track:
-    """Make the track over a made surface, as long as the sphere rolls, rounded so that it closes on itself.
+def made_track(
+    n_across: int, spacing: float, step_nodes: float, motion: Motion, duration: float
+) -> Track:
+    """Make the track over a made surface, as long as the sphere rolls, rounded so that it closes on
+    itself.
 
     A duration [s] that is too short or too long raises a fault.
     """
@@ -91,7 +94,8 @@ def file_track(
 ) -> Track:
     """Make the track over the heights of a file, by default once round it.
 
-    `said` is the path as the scene has it. A file without heights, or a sphere that rests too early, raises a fault.
+    `said` is the path as the scene has it. A file without heights, or a sphere that rests too
+    early, raises a fault.
     """
     n_along, n_across = _shape(path, said)
     step_fraction, step = _fraction(step_nodes), spacing * step_nodes
@@ -128,12 +132,20 @@ def _shape(path: Path, said: str) -> tuple[int, int]:
     except HeaderError as error:
         looked = f" (looked in {path.parent.absolute()})" if not path.is_file() else ""
         allowed = (
-            ", allowed: one 2-D array of real heights in m, (along track, across)" if "archive" in str(error) else ""
+            ", allowed: one 2-D array of real heights in m, (along track, across)"
+            if "archive" in str(error)
+            else ""
         )
         raise fault(f"{said}: {error}{looked}{allowed}", *_PATH) from error
     if len(shape) != 2 or dtype.kind not in "fiu":
         got = f"{len(shape)}-D {dtype}"
-        raise fault(f"{said}: got {got}, allowed: one 2-D array of real heights in m, (along track, across)", *_PATH)
+        raise fault(
+            f"{said}: got {got}, allowed: one 2-D array of real heights in m, (along track, across)",
+            *_PATH,
+        )
     if min(shape) < MIN_NODES:
-        raise fault(f"{said}: got {shape[0]} x {shape[1]} nodes, allowed: at least {MIN_NODES} each way", *_PATH)
+        raise fault(
+            f"{said}: got {shape[0]} x {shape[1]} nodes, allowed: at least {MIN_NODES} each way",
+            *_PATH,
+        )
     return shape[0], shape[1]

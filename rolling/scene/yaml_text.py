@@ -24,10 +24,20 @@ MAX_BYTES = 1_000_000  # of a file
 MAX_VALUES = 100_000  # keys and values of a text, its aliases written out
 MAX_NESTING = 4  # of values in a scene
 _MAX_BITS = 1000  # of a whole number: Python refuses to write much longer ones
-_MAX_DEPTH = 20  # of a text: the places of what is nested deeper than scenes are is not worth naming
+# of a text: the places of what is nested deeper than scenes are is not worth naming
+_MAX_DEPTH = 20
 
-# Errors of ruamel.yaml: it refuses some constructs, and stumbles over others, such as a directive of YAML 1.164.
-_STUMBLES = (ArithmeticError, AssertionError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
+# Errors of ruamel.yaml: it refuses some constructs, and stumbles over others, such as a directive
+# of YAML 1.164.
+_STUMBLES = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    LookupError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+)
 
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
@@ -44,11 +54,16 @@ class TextError(Exception):
 
 def kind_of_file(mode: int) -> str | None:
     """Name the kind of a file that is no regular one, by its mode; None for a regular file."""
-    return None if stat.S_ISREG(mode) else next((kind for is_kind, kind in _KINDS if is_kind(mode)), "no regular file")
+    return (
+        None
+        if stat.S_ISREG(mode)
+        else next((kind for is_kind, kind in _KINDS if is_kind(mode)), "no regular file")
+    )
 
 
 def read_text(path: Path) -> str:
-    """Read a regular file of UTF-8 text, of at most MAX_BYTES; another kind of file is not even opened.
+    """Read a regular file of UTF-8 text, of at most MAX_BYTES; another kind of file is not even
+    opened.
 
     Raises
     ------
@@ -63,18 +78,26 @@ def read_text(path: Path) -> str:
     except FileNotFoundError as error:
         raise TextError(f"{path}: no such file") from error
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the name
-        raise TextError(f"{path}: not readable ({getattr(error, 'strerror', None) or error})") from error
+        raise TextError(
+            f"{path}: not readable ({getattr(error, 'strerror', None) or error})"
+        ) from error
     if len(content) > MAX_BYTES:
-        raise TextError(f"{path}: is larger than {MAX_BYTES:,} bytes, allowed: a scene file of at most that size")
+        raise TextError(
+            f"{path}: is larger than {MAX_BYTES:,} bytes, allowed: a scene file of at most that size"
+        )
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        raise TextError(f"{path}:{line}: not UTF-8 text (byte {error.object[error.start]:#04x})") from error
+        raise TextError(
+            f"{path}:{line}: not UTF-8 text (byte {error.object[error.start]:#04x})"
+        ) from error
 
 
 def open_at_once(path: Path) -> io.FileIO:
-    """Open a file for reading without waiting: a pipe that took its place must not hold the program up."""
+    """Open a file for reading without waiting: a pipe that took its place must not hold the program
+    up.
+    """
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     return io.FileIO(os.open(path, flags), "rb")
 
@@ -108,15 +131,21 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
         raise TextError(f"{where}:{error.line}: {error}") from error
     except DuplicateKeyError as error:
         section, second = error.context_mark, error.problem_mark
-        name = second.buffer[second.pointer :][:100].split(":")[0].strip() if second.buffer else "key"
+        name = (
+            second.buffer[second.pointer :][:100].split(":")[0].strip() if second.buffer else "key"
+        )
         raise TextError(
             f"{where}:{second.line + 1}: {name}: given twice in the section that begins in line {section.line + 1}"
         ) from error
     except YAMLError as error:
         mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
         place = f"{where}:{mark.line + 1}" if mark else where
-        problem = getattr(error, "problem", None) or getattr(error, "reason", None) or first_line(error)
-        raise TextError(f"{place}: not YAML: {problem.replace('<stream end>', 'the end')}") from error
+        problem = (
+            getattr(error, "problem", None) or getattr(error, "reason", None) or first_line(error)
+        )
+        raise TextError(
+            f"{place}: not YAML: {problem.replace('<stream end>', 'the end')}"
+        ) from error
     except _STUMBLES as error:
         raise TextError(f"{where}: not YAML: {first_line(error)}") from error
 
@@ -130,11 +159,14 @@ class _BeyondLimit(Exception):
 
 
 class _Counted(Composer):
-    """A composer that counts the values of a text, an alias as all its values, and stops beyond a limit."""
+    """A composer that counts the values of a text, an alias as all its values, and stops beyond a
+    limit.
+    """
 
     def __init__(self, loader: Any = None) -> None:
         super().__init__(loader)
-        self._sizes: dict[int, int] = {}  # values in a node that is read, by its id; the nodes live as long as this
+        # values in a node that is read, by its id; the nodes live as long as this
+        self._sizes: dict[int, int] = {}
         self._open: list[int] = []  # values so far in each node that is being read
         self._total = 0
 
@@ -154,7 +186,8 @@ class _Counted(Composer):
         self._total += size if alias else 1
         if self._total > MAX_VALUES:
             raise _BeyondLimit(
-                f"more than {MAX_VALUES:,} keys and values, aliases counted as what they stand for", line
+                f"more than {MAX_VALUES:,} keys and values, aliases counted as what they stand for",
+                line,
             )
         if self._open:
             self._open[-1] += size
@@ -180,10 +213,14 @@ def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
             return [plain(item, (*key, i)) for i, item in enumerate(value)]
         if isinstance(value, TaggedScalar):
             tag = shown(value.tag.value).strip('"')
-            raise TextError(f"{where}:{lines[key]}: {cut(dotted(key))}: got the tag {tag}, allowed: plain values")
+            raise TextError(
+                f"{where}:{lines[key]}: {cut(dotted(key))}: got the tag {tag}, allowed: plain values"
+            )
         if isinstance(value, int) and value.bit_length() > _MAX_BITS:
             digits = f"a whole number of more than {_MAX_BITS * math.log10(2):.0f} digits"
-            raise TextError(f"{where}:{lines[key]}: {cut(dotted(key))}: got {digits}, allowed: shorter ones")
+            raise TextError(
+                f"{where}:{lines[key]}: {cut(dotted(key))}: got {digits}, allowed: shorter ones"
+            )
         # ruamel keeps how a number was written; bool before int, whose child it is.
         for kind in (bool, int, float, str):
             if isinstance(value, kind):

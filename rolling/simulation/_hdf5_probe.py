@@ -1,8 +1,11 @@
-"""Read every object of an HDF5 file in a process of its own: a damaged file may crash the HDF5 library or keep it busy for ever.
+"""Read every object of an HDF5 file in a process of its own: a damaged file may crash the HDF5
+library or keep it busy for ever.
 
-python -P _hdf5_probe.py FILE      (exit code 0: all of it can be read; otherwise the last line of stderr says why)
+python -P _hdf5_probe.py FILE      (exit code 0: all of it can be read; otherwise the last line of
+stderr says why)
 
-`store` runs it before it opens a file without a valid digest. It imports nothing of this program, so it starts at once.
+`store` runs it before it opens a file without a valid digest. It imports nothing of this program,
+so it starts at once.
 """
 
 from __future__ import annotations
@@ -29,7 +32,9 @@ def limit() -> None:
 
 
 def read_all(path: Path) -> None:
-    """Read all datasets and attributes; raise whatever h5py raises, ValueError for sizes that no such file can hold."""
+    """Read all datasets and attributes; raise whatever h5py raises, ValueError for sizes that no
+    such file can hold.
+    """
     most = MOST_BYTES_PER_BYTE * path.stat().st_size
     with h5py.File(path, "r") as file:
 
@@ -37,7 +42,9 @@ def read_all(path: Path) -> None:
             dict(thing.attrs)
             if isinstance(thing, h5py.Dataset):
                 if thing.size is not None and thing.size * thing.dtype.itemsize > most:
-                    raise ValueError(f"{name}: {thing.shape} values in a file of {path.stat().st_size} bytes")
+                    raise ValueError(
+                        f"{name}: {thing.shape} values in a file of {path.stat().st_size} bytes"
+                    )
                 thing[()]
 
         dict(file.attrs)

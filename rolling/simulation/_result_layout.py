@@ -1,6 +1,8 @@
-"""The layout of result.h5, format 2: a netCDF-4 tree in which every dimension has a name and every value a unit.
+"""The layout of result.h5, format 2: a netCDF-4 tree in which every dimension has a name and every
+value a unit.
 
-Root: series along the track. Groups: snapshot, pressure_maps, events (event_pieces while steps are missing), sound.
+Root: series along the track. Groups: snapshot, pressure_maps, events (event_pieces while steps are
+missing), sound.
 """
 
 from __future__ import annotations
@@ -43,14 +45,22 @@ UNITS = {
     "iterations": "1",
     "convolutions": "1",
 }
-EVENT_UNITS = {"node": "1", "first": "position", "last": "position", "energy": "J", "peak": "J per step"}
+EVENT_UNITS = {
+    "node": "1",
+    "first": "position",
+    "last": "position",
+    "energy": "J",
+    "peak": "J per step",
+}
 # How netCDF-4 marks a dimension that has a length and no values.
 _BARE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
 
 
 def image(result: Result, scene: Scene, scene_text: str, sound: ContactSound | None) -> bytes:
     """Build the file in memory, so that the HDF5 library never meets a full disk."""
-    with h5py.File("result.h5", "w", driver="core", backing_store=False, block_size=1 << 20) as file:
+    with h5py.File(
+        "result.h5", "w", driver="core", backing_store=False, block_size=1 << 20
+    ) as file:
         _attributes(file, result, scene, scene_text)
         _series(file, result, scene)
         _snapshot(file, result, scene.spacing)
@@ -102,7 +112,9 @@ def _dataset(
     shape: tuple[int, ...] = (),
     dtype: Any = None,
 ) -> h5py.Dataset:
-    """Make a dataset with checksums, in even chunks of about half a megabyte, packed ones compressed."""
+    """Make a dataset with checksums, in even chunks of about half a megabyte, packed ones
+    compressed.
+    """
     if values is not None:
         shape, dtype = values.shape, values.dtype
     row_bytes = max(1, np.dtype(dtype).itemsize * int(np.prod(shape[1:])))
@@ -154,8 +166,17 @@ def _series(file: h5py.File, result: Result, scene: Scene) -> None:
     root, whole = _Group(file), whole_series(scene, result)
     for dimension, distance in (("step", whole.distance), ("position", whole.position)):
         root.coordinate(dimension, distance, "m", f"distance along the track, {dimension}")
-    root.add("time", whole.time, ["step"], "s", packed=True, long_name="time at the middle of each step")
-    root.add("position_time", whole.position_time, ["position"], "s", packed=True, long_name="time at each position")
+    root.add(
+        "time", whole.time, ["step"], "s", packed=True, long_name="time at the middle of each step"
+    )
+    root.add(
+        "position_time",
+        whole.position_time,
+        ["position"],
+        "s",
+        packed=True,
+        long_name="time at each position",
+    )
     for name, values in whole.of_steps.items():
         root.add(name, values, ["step"], UNITS[name], packed=name == "speed", coordinates="time")
     for name, values in whole.of_positions.items():
@@ -167,11 +188,15 @@ def _snapshot(file: h5py.File, result: Result, spacing: float) -> None:
     if snapshot is None:
         return
     group = _Group(file.create_group("snapshot"))
-    group.group.attrs.update(distance_m=snapshot.distance, along_m=snapshot.along, across_m=snapshot.across)
+    group.group.attrs.update(
+        distance_m=snapshot.distance, along_m=snapshot.along, across_m=snapshot.across
+    )
     for name, corner, count in zip(
         ("along", "across"), (snapshot.along, snapshot.across), snapshot.pressure.shape, strict=True
     ):
-        group.coordinate(name, corner + np.arange(count) * spacing, "m", f"place on the plate, {name} the track")
+        group.coordinate(
+            name, corner + np.arange(count) * spacing, "m", f"place on the plate, {name} the track"
+        )
     group.add("pressure", snapshot.pressure, ["along", "across"], "Pa")
     group.add("deflection", snapshot.deflection, ["along", "across"], "m")
 
@@ -215,17 +240,27 @@ def _events(file: h5py.File, result: Result) -> None:
         table = {name: np.concatenate([piece[name] for piece in pieces]) for name in EVENT_UNITS}
         group.dimension("piece", len(firsts))
         group.add("piece_first", np.array(firsts), ["piece"], "position")
-        group.add("piece_events", np.array([piece["energy"].size for piece in pieces]), ["piece"], "1")
+        group.add(
+            "piece_events", np.array([piece["energy"].size for piece in pieces]), ["piece"], "1"
+        )
     group.dimension("event", table["energy"].size)
     group.dimension("axis", 2)
     for name, units in EVENT_UNITS.items():
         exact = table[name].dtype.kind == "i"  # energies do not compress
-        group.add(name, table[name], ["event", "axis"] if name == "node" else ["event"], units, packed=exact)
+        group.add(
+            name,
+            table[name],
+            ["event", "axis"] if name == "node" else ["event"],
+            units,
+            packed=exact,
+        )
 
 
 def _sound(file: h5py.File, sound: ContactSound) -> None:
     group = _Group(file.create_group("sound"))
-    group.group.attrs.update(sample_rate_hz=sound.sample_rate, factor_pa_per_w_m2=sound.factor, closed=sound.closed)
+    group.group.attrs.update(
+        sample_rate_hz=sound.sample_rate, factor_pa_per_w_m2=sound.factor, closed=sound.closed
+    )
     samples = np.arange(len(sound.pressure)) / sound.sample_rate
     group.coordinate("sound_time", samples, "s", "time of each sample")
     group.add("pressure", sound.pressure, ["sound_time"], "Pa", long_name="sound pressure")

@@ -1,6 +1,8 @@
-"""Reading of result.h5, format 2 or older, with a check of every type, shape and range, and of the parts against each other.
+"""Reading of result.h5, format 2 or older, with a check of every type, shape and range, and of the
+parts against each other.
 
-Version 0.1.0 and what followed it wrote no format: no identity, maps one after the other, a group for each piece of events.
+Version 0.1.0 and what followed it wrote no format: no identity, maps one after the other, a group
+for each piece of events.
 """
 
 from __future__ import annotations
@@ -24,7 +26,8 @@ Array = NDArray[np.float64]
 MOST_STEPS = 10**9
 SIGNED = {"approach", "energy_defect"}  # no other series is ever negative
 WHOLE = {"iterations", "convolutions"}
-SUM_TOLERANCE = 1e-6  # of the energy of all events to the released energy: the same numbers, added in another order
+# of the energy of all events to the released energy: the same numbers, added in another order
+SUM_TOLERANCE = 1e-6
 
 
 class Damage(ValueError):
@@ -36,7 +39,8 @@ def read(file: h5py.File) -> Result:
 
     Raises
     ------
-    Damage : the first fault, its field first. For files that HDF5 cannot read, h5py raises its own errors.
+    Damage : the first fault, its field first. For files that HDF5 cannot read, h5py raises its own
+        errors.
     """
     steps = _number(file, "steps", 1, MOST_STEPS)
     solved = _number(file, "solved_steps", 1, steps)
@@ -52,11 +56,14 @@ def read(file: h5py.File) -> Result:
     _check_events(result, done)
     complete = _attribute(file, "complete")
     if not isinstance(complete, bool | np.bool_) or bool(complete) != result.complete:
-        raise Damage(f"complete: got {_shown(complete)}, {int((~done).sum())} of {solved} steps are not solved")
+        raise Damage(
+            f"complete: got {_shown(complete)}, {int((~done).sum())} of {solved} steps are not solved"
+        )
     return result
 
 
-# ---- single values ---------------------------------------------------------------------------------------------------
+# ---- single values
+# ---------------------------------------------------------------------------------------------------
 
 
 def format_of(file: h5py.File) -> int:
@@ -66,8 +73,14 @@ def format_of(file: h5py.File) -> int:
 
 def _number(group: h5py.Group, name: str, least: int, most: int) -> int:
     value = _attribute(group, name)
-    if not isinstance(value, int | np.integer) or isinstance(value, bool) or not least <= value <= most:
-        raise Damage(f"{name}: got {_shown(value)}, allowed is a whole number from {least} to {most}")
+    if (
+        not isinstance(value, int | np.integer)
+        or isinstance(value, bool)
+        or not least <= value <= most
+    ):
+        raise Damage(
+            f"{name}: got {_shown(value)}, allowed is a whole number from {least} to {most}"
+        )
     return int(value)
 
 
@@ -92,16 +105,21 @@ def _attribute(group: h5py.Group, name: str) -> Any:
 
 
 def _array(group: h5py.Group, name: str, kinds: str, shape: tuple[int | None, ...]) -> NDArray[Any]:
-    """Read values of one of the kinds (numpy's letters) and of a shape, in which None stands for any length."""
+    """Read values of one of the kinds (numpy's letters) and of a shape, in which None stands for
+    any length.
+    """
     where = _path(group, name)
     link = group.get(name, getlink=True)
     if link is None:
         raise Damage(f"{where}: missing")
-    data = group[name] if isinstance(link, h5py.HardLink) else None  # values stand in this file, not in another one
+    # values stand in this file, not in another one
+    data = group[name] if isinstance(link, h5py.HardLink) else None
     if not isinstance(data, h5py.Dataset) or data.is_virtual or data.external:
         raise Damage(f"{where}: got something else, allowed is a dataset")
     if data.dtype.kind not in kinds or data.shape is None or len(data.shape) != len(shape):
-        raise Damage(f"{where}: got {data.dtype} of shape {data.shape}, allowed are numbers in {len(shape)} dimensions")
+        raise Damage(
+            f"{where}: got {data.dtype} of shape {data.shape}, allowed are numbers in {len(shape)} dimensions"
+        )
     if any(want is not None and got != want for got, want in zip(data.shape, shape, strict=True)):
         wanted = tuple("any" if want is None else want for want in shape)
         raise Damage(f"{where}: got shape {data.shape}, allowed is {wanted}")
@@ -125,7 +143,8 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-# ---- identity --------------------------------------------------------------------------------------------------------
+# ---- identity
+# --------------------------------------------------------------------------------------------------------
 
 
 def _identity(file: h5py.File, result: Result) -> Identity | None:
@@ -150,14 +169,16 @@ def _values(file: h5py.File, name: str) -> dict[str, Any]:
     return values
 
 
-# ---- series ----------------------------------------------------------------------------------------------------------
+# ---- series
+# ----------------------------------------------------------------------------------------------------------
 
 
 def _series(file: h5py.File, steps: int, solved: int) -> dict[str, Array]:
     """Read the series of the solved part."""
     series = {name: _array(file, name, "f", (steps,))[:solved] for name in STEP_SERIES}
     for name in STATE_SERIES:
-        if name == "max_deflection" and name not in file and format_of(file) < FORMAT:  # as of version 0.1.0
+        # as of version 0.1.0
+        if name == "max_deflection" and name not in file and format_of(file) < FORMAT:
             series[name] = np.full(solved + 1, np.nan)
         else:
             series[name] = _array(file, name, "f", (steps + 1,))[: solved + 1]
@@ -183,7 +204,8 @@ def _checked_series(result: Result) -> NDArray[np.bool_]:
     return done
 
 
-# ---- snapshot and pressure maps --------------------------------------------------------------------------------------
+# ---- snapshot and pressure maps
+# --------------------------------------------------------------------------------------
 
 
 def _group(file: h5py.File, name: str) -> h5py.Group | None:
@@ -207,7 +229,9 @@ def _snapshot(file: h5py.File) -> Snapshot | None:
             raise Damage(f"snapshot/{name}: empty")
         _refuse(f"snapshot/{name}", ~np.isfinite(values), "are not finite")
     _refuse("snapshot/pressure", pressure < 0, "are negative")
-    return Snapshot(distance, along, across, pressure.astype(np.float64), deflection.astype(np.float64))
+    return Snapshot(
+        distance, along, across, pressure.astype(np.float64), deflection.astype(np.float64)
+    )
 
 
 def _maps(file: h5py.File, result: Result) -> dict[int, PressureMap]:
@@ -216,22 +240,36 @@ def _maps(file: h5py.File, result: Result) -> dict[int, PressureMap]:
         return {}
     positions = _array(group, "position", "iu", (None,))
     count = len(positions)
-    places = {name: _array(group, name, "f", (count,)) for name in ("distance", "along", "across", "cell")}
+    places = {
+        name: _array(group, name, "f", (count,)) for name in ("distance", "along", "across", "cell")
+    }
     for name, values in places.items():
         _refuse(f"pressure_maps/{name}", ~np.isfinite(values), "are not finite")
     _refuse("pressure_maps/cell", places["cell"] <= 0, "are not greater than 0")
-    _refuse("pressure_maps/position", (positions < 0) | (positions > result.solved_steps), "are not on the track")
-    _refuse("pressure_maps/position", np.diff(positions.astype(np.int64), prepend=-1) <= 0, "do not increase")
+    _refuse(
+        "pressure_maps/position",
+        (positions < 0) | (positions > result.solved_steps),
+        "are not on the track",
+    )
+    _refuse(
+        "pressure_maps/position",
+        np.diff(positions.astype(np.int64), prepend=-1) <= 0,
+        "do not increase",
+    )
     unsolved = np.isnan(result.series["approach"][positions.astype(np.int64)])
     _refuse("pressure_maps/position", unsolved, "are not solved")
     expected = result.start + positions * result.step
     wrong = np.abs(places["distance"] - expected) > 1e-6 * result.step + 1e-9 * np.abs(expected)
     _refuse("pressure_maps/distance", wrong, "are not the distances of their positions")
-    pressures = _padded_pressures(group, count) if "rows" in group else _flat_pressures(group, count)
+    pressures = (
+        _padded_pressures(group, count) if "rows" in group else _flat_pressures(group, count)
+    )
     for values in pressures:
         _refuse("pressure_maps/pressure", ~np.isfinite(values), "are not finite within a map")
         _refuse("pressure_maps/pressure", values < 0, "are negative")
-    rows = zip(positions.tolist(), *(values.tolist() for values in places.values()), pressures, strict=True)
+    rows = zip(
+        positions.tolist(), *(values.tolist() for values in places.values()), pressures, strict=True
+    )
     return {row[0]: PressureMap(*row) for row in rows}
 
 
@@ -240,28 +278,37 @@ def _padded_pressures(group: h5py.Group, count: int) -> list[NDArray[np.float32]
     padded = _array(group, "pressure", "f", (count, None, None)).astype(np.float32, copy=False)
     sizes = [_array(group, name, "iu", (count,)).astype(np.int64) for name in ("rows", "columns")]
     for name, values, most in zip(("rows", "columns"), sizes, padded.shape[1:], strict=True):
-        _refuse(f"pressure_maps/{name}", (values < 1) | (values > most), f"are not from 1 to {most}")
+        _refuse(
+            f"pressure_maps/{name}", (values < 1) | (values > most), f"are not from 1 to {most}"
+        )
     shapes = list(zip(*(values.tolist() for values in sizes), strict=True))
     outside = ~np.isnan(padded)
     for block, (rows, columns) in zip(outside, shapes, strict=True):
         block[:rows, :columns] = False
     _refuse("pressure_maps/pressure", outside, "stand outside their map")
-    return [block[:rows, :columns].copy() for block, (rows, columns) in zip(padded, shapes, strict=True)]
+    return [
+        block[:rows, :columns].copy() for block, (rows, columns) in zip(padded, shapes, strict=True)
+    ]
 
 
 def _flat_pressures(group: h5py.Group, count: int) -> list[NDArray[np.float32]]:
     """Read the maps of older files, which stand one after the other."""
     shapes = _array(group, "shape", "iu", (count, 2)).astype(np.int64)
     flat = _array(group, "pressure", "f", (None,)).astype(np.float32, copy=False)
-    _refuse("pressure_maps/shape", (shapes < 1) | (shapes > flat.size), f"are not from 1 to {flat.size}")
+    _refuse(
+        "pressure_maps/shape", (shapes < 1) | (shapes > flat.size), f"are not from 1 to {flat.size}"
+    )
     sizes = [rows * columns for rows, columns in shapes.tolist()]
     if sum(sizes) != flat.size:
-        raise Damage(f"pressure_maps/pressure: got {flat.size} values, the shapes have {sum(sizes)}")
+        raise Damage(
+            f"pressure_maps/pressure: got {flat.size} values, the shapes have {sum(sizes)}"
+        )
     blocks = np.split(flat, np.cumsum(sizes)[:-1])
     return [block.reshape(shape) for block, shape in zip(blocks, shapes.tolist(), strict=True)]
 
 
-# ---- events ----------------------------------------------------------------------------------------------------------
+# ---- events
+# ----------------------------------------------------------------------------------------------------------
 
 
 def _events(file: h5py.File, result: Result) -> dict[int, dict[str, NDArray[Any]]]:
@@ -285,9 +332,15 @@ def _events(file: h5py.File, result: Result) -> dict[int, dict[str, NDArray[Any]
     firsts = _array(parts, "piece_first", "iu", (None,)).astype(np.int64)
     counts = _array(parts, "piece_events", "iu", (len(firsts),)).astype(np.int64)
     _refuse("event_pieces/piece_first", np.diff(firsts, prepend=-1) <= 0, "do not increase")
-    _refuse("event_pieces/piece_events", (counts < 0) | (counts > table["energy"].size), "are not possible")
+    _refuse(
+        "event_pieces/piece_events",
+        (counts < 0) | (counts > table["energy"].size),
+        "are not possible",
+    )
     if int(counts.sum()) != table["energy"].size:
-        raise Damage(f"event_pieces/piece_events: got {int(counts.sum())} events, the table has {table['energy'].size}")
+        raise Damage(
+            f"event_pieces/piece_events: got {int(counts.sum())} events, the table has {table['energy'].size}"
+        )
     ends = np.cumsum(counts)
     return {
         first: {name: column[end - count : end] for name, column in table.items()}
@@ -307,9 +360,15 @@ def _table(group: h5py.Group) -> dict[str, NDArray[Any]]:
         "peak": _array(group, "peak", "f", (count,)).astype(np.float64),
     }
     for name in ("energy", "peak"):
-        _refuse(f"{where}/{name}", ~(np.isfinite(table[name]) & (table[name] > 0)), "are not greater than 0")
+        _refuse(
+            f"{where}/{name}",
+            ~(np.isfinite(table[name]) & (table[name] > 0)),
+            "are not greater than 0",
+        )
     _refuse(
-        f"{where}/peak", table["peak"] > table["energy"] * (1 + SUM_TOLERANCE), "are greater than the event's energy"
+        f"{where}/peak",
+        table["peak"] > table["energy"] * (1 + SUM_TOLERANCE),
+        "are greater than the event's energy",
     )
     _refuse(f"{where}/node", table["node"] < 0, "are negative")
     _refuse(f"{where}/last", table["last"] <= table["first"], "are not after the first position")

@@ -18,7 +18,17 @@ from rolling.simulation.result import Result
 from rolling.simulation.solving import BAR
 from rolling.sound import ContactSound
 
-__all__ = ["BAR", "RESULT", "Run", "keep", "other_surface", "refuse_other_scene", "seen_from", "solve", "stored"]
+__all__ = [
+    "BAR",
+    "RESULT",
+    "Run",
+    "keep",
+    "other_surface",
+    "refuse_other_scene",
+    "seen_from",
+    "solve",
+    "stored",
+]
 
 RESULT = "result.h5"
 
@@ -37,7 +47,10 @@ class Run:
 
     @property
     def label(self) -> str:
-        """The name of the run alone: its swept values, or its load. `labels.labels` names several runs together."""
+        """The name of the run alone: its swept values, or its load.
+
+        `labels.labels` names several runs together.
+        """
         return labels.labels([self])[0]
 
 
@@ -49,7 +62,8 @@ def solve(
     mapped: bool = True,
     begun: Callable[[Run], object] = lambda run: None,
 ) -> Outcome:
-    """Solve the missing steps of runs; each result.h5 is written as it grows and once more in the end.
+    """Solve the missing steps of runs; each result.h5 is written as it grows and once more in the
+    end.
 
     Parameters
     ----------
@@ -100,7 +114,8 @@ def stored(run: Run) -> Result | None:
 
     Raises
     ------
-    FolderError : it is damaged, or it was solved for another scene or over another surface; all that differs is named.
+    FolderError : it is damaged, or it was solved for another scene or over another surface; all
+        that differs is named.
     SceneError : the heights of the scene cannot be read.
     """
     path = run.folder / RESULT
@@ -110,7 +125,9 @@ def stored(run: Run) -> Result | None:
     if result.identity is None:  # as of version 0.1.0
         rolled = run.scene.track
         if (result.steps, result.solved_steps) != (rolled.steps, rolled.solved_steps):
-            raise FolderError(f"{path}: has {result.steps} steps, the scene asks for {rolled.steps}")
+            raise FolderError(
+                f"{path}: has {result.steps} steps, the scene asks for {rolled.steps}"
+            )
         return result
     own = simulate.identity_of(run.scene)
     if faults := differences(result.identity, own, RESULT, run.scene.height_path):
@@ -124,7 +141,8 @@ def refuse_other_scene(run: Run) -> None:
 
     Raises
     ------
-    FolderError : their physics differs; the first key is named. SceneError : the scene in the folder cannot be used.
+    FolderError : their physics differs; the first key is named. SceneError : the scene in the
+        folder cannot be used.
     """
     path = run.folder / "resolved.yaml"
     if not run.values or not path.is_file():
@@ -132,16 +150,24 @@ def refuse_other_scene(run: Run) -> None:
     # Heights are compared with the result, by their digest.
     own, swept = (Identity.of(scene, None) for scene in (file.read_scene(path), run.scene))
     for key, (there, here) in changes(own, swept).items():
-        raise FolderError(f"{path}: {key}: got {said(there)}, the sweep of the folder above makes {said(here)} of it")
+        raise FolderError(
+            f"{path}: {key}: got {said(there)}, the sweep of the folder above makes {said(here)} of it"
+        )
 
 
 def other_surface(run: Run, result: Result) -> str | None:
     """Return the reason why the heights of a run are not the solved ones; None where they are."""
-    return simulate.surface_fault(run.scene, result.identity.heights_sha256) if result.identity else None
+    return (
+        simulate.surface_fault(run.scene, result.identity.heights_sha256)
+        if result.identity
+        else None
+    )
 
 
 def seen_from(folder: Path, scene: Scene) -> Scene:
-    """Return a scene with the path of its height file from a run folder, where it will be read again."""
+    """Return a scene with the path of its height file from a run folder, where it will be read
+    again.
+    """
     data = scene.to_dict()
     if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
         return scene

@@ -12,9 +12,11 @@ from rolling.scene.scene import Scene
 from rolling.sound import ContactSound
 
 SHORT_S = 0.3  # a record or a track that repeats sooner is heard as a tone
-HEADLINE = ("upper_bound", "assumed_q", "fixed_gain", "unvalidated", "uncertainty")  # belong beside every level
+# belong beside every level
+HEADLINE = ("upper_bound", "assumed_q", "fixed_gain", "unvalidated", "uncertainty")
 REPEATS = ("short_loop", "short_track")  # belong beside every player
-STANDING = (*HEADLINE, *REPEATS, "partial", "not_loopable", "quasi_static")  # all others are warnings of the check
+# all others are warnings of the check
+STANDING = (*HEADLINE, *REPEATS, "partial", "not_loopable", "quasi_static")
 
 
 @dataclass(frozen=True)
@@ -46,8 +48,11 @@ class Remark:
         return self.text + (f" ({'; '.join(self.labels)})" if self.labels else "")
 
 
-def caveats(scene: Scene, sound: ContactSound, findings: Iterable[Finding], complete: bool) -> list[Caveat]:
-    """List the caveats of a run: its standing ones, then the warnings of its check and of its solver.
+def caveats(
+    scene: Scene, sound: ContactSound, findings: Iterable[Finding], complete: bool
+) -> list[Caveat]:
+    """List the caveats of a run: its standing ones, then the warnings of its check and of its
+    solver.
 
     Parameters
     ----------
@@ -56,11 +61,21 @@ def caveats(scene: Scene, sound: ContactSound, findings: Iterable[Finding], comp
     """
     result = [*_of_levels(scene, sound), *_of_record(scene, sound)]
     if not complete:
-        result.append(Caveat("partial", "Not all steps are solved: numbers and sound cover the solved beginning only."))
+        result.append(
+            Caveat(
+                "partial",
+                "Not all steps are solved: numbers and sound cover the solved beginning only.",
+            )
+        )
     result.append(
-        Caveat("quasi_static", "The load is held constant: the sphere neither bounces nor rings on its contact.")
+        Caveat(
+            "quasi_static",
+            "The load is held constant: the sphere neither bounces nor rings on its contact.",
+        )
     )
-    result += [Caveat(each.key, f"{each.quantity}: {each.warning}") for each in findings if each.warning]
+    result += [
+        Caveat(each.key, f"{each.quantity}: {each.warning}") for each in findings if each.warning
+    ]
     hidden = resolution.doubt(scene, sound.audible_rms, sound.resolved_rms)
     return [*result, Caveat("solver", f"solver: {hidden}")] if hidden else result
 
@@ -106,7 +121,12 @@ def _of_levels(scene: Scene, sound: ContactSound) -> list[Caveat]:
         text = f"{levels} an upper bound: all released energy counts as radiated (q = 1)."
         result.append(Caveat("upper_bound", text))
     else:
-        result.append(Caveat("assumed_q", f"The scene assumes that {s.q:g} of the released energy is radiated (q)."))
+        result.append(
+            Caveat(
+                "assumed_q",
+                f"The scene assumes that {s.q:g} of the released energy is radiated (q).",
+            )
+        )
     if fixed:
         text = f"The scene's gain of {s.gain_pa_per_w_m2:g} Pa per W/m² decides every level but the steady one."
         result.append(Caveat("fixed_gain", text))
@@ -133,9 +153,15 @@ def _of_record(scene: Scene, sound: ContactSound) -> list[Caveat]:
     lap = _lap_seconds(scene, sound)
     heard = f"{_times(lap)} a second: the pitch that is heard is the repetition, not the contact."
     if loops(sound) and sound.duration < SHORT_S:
-        result.append(Caveat("short_loop", f"When it loops, the record of {sound.duration:.3g} s repeats {heard}"))
+        result.append(
+            Caveat(
+                "short_loop", f"When it loops, the record of {sound.duration:.3g} s repeats {heard}"
+            )
+        )
     elif lap < min(SHORT_S, 0.999 * sound.duration):
-        result.append(Caveat("short_track", f"The track repeats in the record every {lap:.3g} s, {heard}"))
+        result.append(
+            Caveat("short_track", f"The track repeats in the record every {lap:.3g} s, {heard}")
+        )
     return result
 
 

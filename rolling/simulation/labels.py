@@ -26,7 +26,8 @@ class Word:
     name : quantity in the field's term.
     unit : unit as it is printed, empty for text and for numbers without one.
     absent : words for a scene that leaves the key out; empty: a label then leaves the quantity out.
-    minor : the key follows from others or hardly changes the sound, so a label names it only where it must.
+    minor : the key follows from others or hardly changes the sound, so a label names it only where
+        it must.
     """
 
     name: str
@@ -99,11 +100,13 @@ def worded(key: str, value: float) -> str:
 
 
 def labels(runs: Sequence[Labelled]) -> list[str]:
-    """Name runs by their differences; all labels differ, are printable and have at most `LONGEST` characters.
+    """Name runs by their differences; all labels differ, are printable and have at most `LONGEST`
+    characters.
 
-    The scene's name comes first where there are several names. The swept values and other differences between the scenes
-    follow, as many as tell the runs apart. Runs of equal scenes are told apart by their folders' names, and at
-    last by a number. A run alone is named by its swept values, or by its load.
+    The scene's name comes first where there are several names. The swept values and other
+    differences between the scenes follow, as many as tell the runs apart. Runs of equal scenes are
+    told apart by their folders' names, and at last by a number. A run alone is named by its swept
+    values, or by its load.
     """
     names, folders = [run.scene.name for run in runs], _folder_names(runs)
     parts = _parts(runs)
@@ -137,7 +140,11 @@ def shortened(texts: Sequence[str], longest: int) -> list[str]:
     short: dict[str, str] = {}
     for text in dict.fromkeys(texts):
         head = (longest - len(_CUT) + 1) // 2
-        short[text] = text if len(text) <= longest else text[:head] + _CUT + text[head + len(_CUT) - longest :]
+        short[text] = (
+            text
+            if len(text) <= longest
+            else text[:head] + _CUT + text[head + len(_CUT) - longest :]
+        )
     alike: dict[str, list[str]] = {}
     for text, cut in short.items():
         alike.setdefault(cut, []).append(text)
@@ -147,11 +154,14 @@ def shortened(texts: Sequence[str], longest: int) -> list[str]:
     return [short[text] for text in texts]
 
 
-# ---- the parts of a label --------------------------------------------------------------------------------------------
+# ---- the parts of a label
+# --------------------------------------------------------------------------------------------
 
 
 def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
-    """Choose the quantities that labels name: for each the text of every run, empty where it does not apply."""
+    """Choose the quantities that labels name: for each the text of every run, empty where it does
+    not apply.
+    """
     differing = {key: texts for key in WORDS if len(set(texts := _texts(key, runs))) > 1}
     swept = list(dict.fromkeys(key for run in runs for key in run.values))
     names = [run.scene.name for run in runs]
@@ -162,7 +172,10 @@ def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
     parts = {key: _texts(key, runs) for key in chosen}
     for key in sorted(differing, key=lambda key: WORDS[key].minor):
         before = len(set(zip(names, *parts.values(), strict=True)))
-        if key not in parts and len(set(zip(names, *parts.values(), differing[key], strict=True))) > before:
+        if (
+            key not in parts
+            and len(set(zip(names, *parts.values(), differing[key], strict=True))) > before
+        ):
             parts[key] = differing[key]
     return list((parts or {"rolling.load_n": _texts("rolling.load_n", runs)}).values())
 
@@ -175,7 +188,8 @@ def _texts(key: str, runs: Sequence[Labelled]) -> list[str]:
     ways = _paths(there) if key == "surface.path" else [*by_word]
     written = next((way for way in ways if len(set(way.values())) == len(there)), ways[-1])
     return [
-        _absent(run.scene, key) if value is None else written[value] for run, value in zip(runs, values, strict=True)
+        _absent(run.scene, key) if value is None else written[value]
+        for run, value in zip(runs, values, strict=True)
     ]
 
 
@@ -186,7 +200,9 @@ def _absent(scene: Scene, key: str) -> str:
 
 
 def _value(scene: Scene, key: str) -> Hashable:
-    """Read the value of a dotted key, None where there is none; a height file is read as its place on the disk."""
+    """Read the value of a dotted key, None where there is none; a height file is read as its place
+    on the disk.
+    """
     if key == "surface.path":
         return scene.height_path and scene.height_path.resolve()
     section, _, last = key.partition(".")
@@ -217,7 +233,10 @@ def _paths(files: set[Hashable]) -> list[dict[Hashable, str]]:
     paths = [path for path in files if isinstance(path, Path)]
     deepest = max((len(path.parts) for path in paths), default=1)
     word = WORDS["surface.path"].name
-    return [{path: f"{word} {printable('/'.join(path.parts[-k:]))}" for path in paths} for k in range(1, deepest + 1)]
+    return [
+        {path: f"{word} {printable('/'.join(path.parts[-k:]))}" for path in paths}
+        for k in range(1, deepest + 1)
+    ]
 
 
 def _folder_names(runs: Sequence[Labelled]) -> list[str]:
@@ -226,21 +245,28 @@ def _folder_names(runs: Sequence[Labelled]) -> list[str]:
     return [printable(home.resolve().name) for home in homes]
 
 
-def _joined(names: Sequence[str], folders: Sequence[str], parts: Sequence[Sequence[str]]) -> list[str]:
-    """Join the parts of each label; add the names of scenes and folders where they tell labels apart."""
+def _joined(
+    names: Sequence[str], folders: Sequence[str], parts: Sequence[Sequence[str]]
+) -> list[str]:
+    """Join the parts of each label; add the names of scenes and folders where they tell labels
+    apart.
+    """
     several = len(set(names)) > 1
     texts = [
-        ", ".join(filter(None, [name if several else "", *(part[k] for part in parts)])) for k, name in enumerate(names)
+        ", ".join(filter(None, [name if several else "", *(part[k] for part in parts)]))
+        for k, name in enumerate(names)
     ]
     places: dict[str, set[str]] = {}
     for text, folder in zip(texts, folders, strict=True):
         places.setdefault(text, set()).add(folder)
     return [
-        f"{text} ({folder})" if len(places[text]) > 1 else text for text, folder in zip(texts, folders, strict=True)
+        f"{text} ({folder})" if len(places[text]) > 1 else text
+        for text, folder in zip(texts, folders, strict=True)
     ]
 
 
-# ---- texts that stay different ---------------------------------------------------------------------------------------
+# ---- texts that stay different
+# ---------------------------------------------------------------------------------------
 
 
 def _escaped(letter: str) -> str:
@@ -251,10 +277,15 @@ def _escaped(letter: str) -> str:
 
 def _windows(texts: Sequence[str], longest: int) -> dict[str, str]:
     """Cut long texts to the stretch in which they first differ."""
-    begin = next(k for k in range(max(map(len, texts))) if len({text[k : k + 1] for text in texts}) > 1)
+    begin = next(
+        k for k in range(max(map(len, texts))) if len({text[k : k + 1] for text in texts}) > 1
+    )
     room = longest - 2 * len(_CUT)
     start = max(0, begin - room // 2)
-    cut = {text: _CUT * (start > 0) + text[start : start + room] + _CUT * (start + room < len(text)) for text in texts}
+    cut = {
+        text: _CUT * (start > 0) + text[start : start + room] + _CUT * (start + room < len(text))
+        for text in texts
+    }
     alike: dict[str, list[str]] = {}
     for text in texts:
         alike.setdefault(cut[text], []).append(text)

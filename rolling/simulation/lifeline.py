@@ -18,15 +18,17 @@ _EXIT_CODE = 1
 def end_with_parent() -> None:
     """End this process as soon as the process that started it is gone.
 
-    Call it first in a process of `multiprocessing`. Two means work together. On Linux the kernel kills the process, also
-    in the middle of a compiled step, which holds Python's lock so that no other thread runs. Everywhere else a thread
-    waits for the parent's end, and acts when the compiled step at hand is done.
+    Call it first in a process of `multiprocessing`. Two means work together. On Linux the kernel
+    kills the process, also in the middle of a compiled step, which holds Python's lock so that no
+    other thread runs. Everywhere else a thread waits for the parent's end, and acts when the
+    compiled step at hand is done.
     """
     parent = multiprocessing.parent_process()
     if parent is None:  # nobody started this process
         return
     _ask_kernel()
-    # The kernel's signal comes only from now on: the parent may be gone already. (On Windows the number never changes.)
+    # The kernel's signal comes only from now on: the parent may be gone already. (On Windows the
+    # number never changes.)
     if os.getppid() != parent.pid:
         os._exit(_EXIT_CODE)
     threading.Thread(target=_watch, args=(parent.sentinel,), name="lifeline", daemon=True).start()
@@ -41,6 +43,8 @@ def _ask_kernel() -> None:
 
 
 def _watch(sentinel: int) -> None:
-    """Wait until the parent ends, then end this process at once: nothing is left to clean up for anybody."""
+    """Wait until the parent ends, then end this process at once: nothing is left to clean up for
+    anybody.
+    """
     connection.wait([sentinel])
     os._exit(_EXIT_CODE)

@@ -32,7 +32,9 @@ def refuse(scene: Scene, workers: int, folder: Path | None) -> None:
         refusals.refuse_what_cannot_fit(scene, workers, folder or refusals.OUTPUTS)
     except SceneError as error:
         # A run in memory needs no disk.
-        faults = [fault for fault in error.faults if folder is not None or not fault.startswith("disk:")]
+        faults = [
+            fault for fault in error.faults if folder is not None or not fault.startswith("disk:")
+        ]
         if faults:
             raise SceneError(faults) from error
     for _, single in scene.runs():
@@ -63,13 +65,17 @@ class Plan:
     def runs(self, folder: Path) -> list[Run]:
         """Return the runs, each with its folder."""
         return [
-            Run(values, single, folder / name) for (values, single), name in zip(self.singles, self.names, strict=True)
+            Run(values, single, folder / name)
+            for (values, single), name in zip(self.singles, self.names, strict=True)
         ]
 
     def write(self, folder: Path) -> None:
-        """Write the inputs of each run into its folder, and the inputs of the sweep into the folder above."""
+        """Write the inputs of each run into its folder, and the inputs of the sweep into the folder
+        above.
+        """
         for run in self.runs(folder):
-            # A run of a sweep can be resumed and resounded on its own, so it has the inputs as well.
+            # A run of a sweep can be resumed and resounded on its own, so it has the inputs as
+            # well.
             if run.folder != folder:
                 run.folder.mkdir(exist_ok=True)
                 run_record.write(run.folder, run_record.new("run"))

@@ -1,4 +1,7 @@
-"""Tasks on any number of processes. Failures are kept apart, and Ctrl-C stops the work after the steps at hand."""
+"""Tasks on any number of processes.
+
+Failures are kept apart, and Ctrl-C stops the work after the steps at hand.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,8 @@ class Interrupted(Exception):
 class Task:
     """A call `function(*arguments, stopped, progress)` that belongs to one run.
 
-    The function raises Interrupted when `stopped()` is true, and calls `progress` with its share of the cost as it goes.
+    The function raises Interrupted when `stopped()` is true, and calls `progress` with its share of
+    the cost as it goes.
 
     run : number of the run.
     function : stands in a module that can be imported.
@@ -40,7 +44,9 @@ class Task:
 
 @dataclass
 class Outcome:
-    """The end of the work: the reasons of failed runs by number, and whether the work was interrupted."""
+    """The end of the work: the reasons of failed runs by number, and whether the work was
+    interrupted.
+    """
 
     failures: dict[int, str] = field(default_factory=dict)
     interrupted: bool = False
@@ -73,7 +79,8 @@ def work(
 ) -> Outcome:
     """Do the tasks on `workers` processes, or in this process when there is one worker or one task.
 
-    A run that fails with ContactError does not stop the others. The first Ctrl-C or SIGTERM stops all after the step at hand.
+    A run that fails with ContactError does not stop the others. The first Ctrl-C or SIGTERM stops
+    all after the step at hand.
 
     Parameters
     ----------
@@ -90,7 +97,9 @@ def work(
     return outcome
 
 
-def _work_here(tasks: Sequence[Task], listener: Listener, asked: Callable[[], bool], outcome: Outcome) -> None:
+def _work_here(
+    tasks: Sequence[Task], listener: Listener, asked: Callable[[], bool], outcome: Outcome
+) -> None:
     """Do the tasks one after the other in this process."""
     for task in tasks:
         if task.run in outcome.failures:
@@ -105,7 +114,11 @@ def _work_here(tasks: Sequence[Task], listener: Listener, asked: Callable[[], bo
 
 
 def _work_in_parallel(
-    tasks: Sequence[Task], workers: int, listener: Listener, asked: Callable[[], bool], outcome: Outcome
+    tasks: Sequence[Task],
+    workers: int,
+    listener: Listener,
+    asked: Callable[[], bool],
+    outcome: Outcome,
 ) -> None:
     """Do the tasks on worker processes, of which each has at most one more task in store."""
     context = spawning.context()
@@ -147,8 +160,12 @@ def _collect(future: Future[Any], task: Task, listener: Listener, outcome: Outco
 
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """Give each process that is started one thread: workers must not fight over cores, and they import numpy anew."""
-    pins = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+    """Give each process that is started one thread: workers must not fight over cores, and they
+    import numpy anew.
+    """
+    pins = dict.fromkeys(
+        ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
+    )
     before = {name: os.environ.get(name) for name in pins}
     os.environ.update(pins)
     try:

@@ -1,4 +1,6 @@
-"""The result of a run while it grows: series, snapshot, pressure maps, recovery events, and the identity of the run."""
+"""The result of a run while it grows: series, snapshot, pressure maps, recovery events, and the
+identity of the run.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,8 @@ class Result:
     step : float, m. Length of a step. start : float, m. First position along the track.
     series : Series of the lap by name, in SI units.
     maps : Pressure maps along the track, by position.
-    event_pieces : Tables of recovery events by the first position of their piece; one table once all are there.
+    event_pieces : Tables of recovery events by the first position of their piece; one table once
+        all are there.
     identity : Scene and surface that were solved; None in files of version 0.1.0.
     """
 
@@ -78,7 +81,11 @@ class Result:
         values = self.series[name]
         if name in STEP_SERIES:
             return values[np.arange(self.steps) % self.solved_steps]
-        return values[np.append(np.arange(self.steps) % self.solved_steps, (self.steps - 1) % self.solved_steps + 1)]
+        return values[
+            np.append(
+                np.arange(self.steps) % self.solved_steps, (self.steps - 1) % self.solved_steps + 1
+            )
+        ]
 
     def events(self) -> dict[str, NDArray[Any]] | None:
         """Return the table of recovery events on the solved steps; None when none were asked for."""

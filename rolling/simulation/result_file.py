@@ -1,7 +1,9 @@
-"""The file result.h5: written whole or not at all, sealed by a digest, refused when a byte has changed.
+"""The file result.h5: written whole or not at all, sealed by a digest, refused when a byte has
+changed.
 
-The last line of the file is a SHA-256 of all before it. HDF5 does not look beyond its own end, so readers of HDF5 do not
-notice the line. It is checked before the HDF5 library sees the file, which damage could crash.
+The last line of the file is a SHA-256 of all before it. HDF5 does not look beyond its own end, so
+readers of HDF5 do not notice the line. It is checked before the HDF5 library sees the file, which
+damage could crash.
 """
 
 from __future__ import annotations
@@ -28,7 +30,9 @@ _SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
 _DAMAGED = "damaged; what was solved cannot be trusted (delete the file, and `rolling resume` solves it again)"
 
 
-def save(path: Path, result: Result, scene: Scene, scene_text: str, sound: ContactSound | None = None) -> None:
+def save(
+    path: Path, result: Result, scene: Scene, scene_text: str, sound: ContactSound | None = None
+) -> None:
     """Write result.h5.
 
     Parameters
@@ -39,7 +43,8 @@ def save(path: Path, result: Result, scene: Scene, scene_text: str, sound: Conta
 
     Raises
     ------
-    OSError : the disk is full, or the file cannot be written for another reason. The one that was there is untouched.
+    OSError : the disk is full, or the file cannot be written for another reason. The one that was
+        there is untouched.
     """
     content = _result_layout.image(result, scene, scene_text, sound)
     try:
@@ -53,7 +58,8 @@ def load(path: Path) -> Result:
 
     Raises
     ------
-    FolderError : missing, changed since it was written, or not such a file; the message names the file and the field.
+    FolderError : missing, changed since it was written, or not such a file; the message names the
+        file and the field.
     """
     try:
         content = path.read_bytes() if path.is_file() else None
@@ -64,12 +70,15 @@ def load(path: Path) -> Result:
     if content[-_SEAL_LENGTH:] == _seal(memoryview(content)[:-_SEAL_LENGTH]):
         result, _ = _read(path, io.BytesIO(content))
         return result
-    # A file of an older version, or a damaged one. The HDF5 library must survive it elsewhere before it is opened here.
+    # A file of an older version, or a damaged one. The HDF5 library must survive it elsewhere
+    # before it is opened here.
     if fault := _probed(path):
         raise FolderError(f"{path}: {_DAMAGED} ({fault})")
     result, version = _read(path, path)
     if version >= _result_layout.FORMAT or _SEAL in content:
-        raise FolderError(f"{path}: {_DAMAGED} (the bytes are not the ones that were written: their SHA-256 differs)")
+        raise FolderError(
+            f"{path}: {_DAMAGED} (the bytes are not the ones that were written: their SHA-256 differs)"
+        )
     return result
 
 
@@ -100,7 +109,9 @@ def _probed(path: Path) -> str | None:
     """Say why the HDF5 library cannot read a file, None where it can, from a process of its own."""
     command = [sys.executable, "-P", str(Path(_hdf5_probe.__file__)), str(path)]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=2 * _hdf5_probe.SECONDS)
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=2 * _hdf5_probe.SECONDS
+        )
     except subprocess.TimeoutExpired:
         return "reading it does not come to an end"
     if done.returncode == 0:

@@ -1,4 +1,6 @@
-"""Finished runs with their sound: the input of figures and report, and the results that Python gets."""
+"""Finished runs with their sound: the input of figures and report, and the results that Python
+gets.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +53,8 @@ class RunResult:
     result : Result. Series of the solved lap, pressure maps, snapshot and recovery events.
     sound : ContactSound. Sound pressure, levels and their uncertainty.
     summary : dict. The numbers of summary.json.
-    writer : The function behind `save`. It draws figures and writes the page, which stand above this module.
+    writer : The function behind `save`. It draws figures and writes the page, which stand above
+        this module.
     """
 
     label: str
@@ -84,7 +87,8 @@ class RunResult:
         """The scene and the label."""
         return labels.title(self.scene.name, self.label)
 
-    # ---- series of the whole run -------------------------------------------------------------------------------------
+    # ---- series of the whole run
+    # -------------------------------------------------------------------------------------
 
     @cached_property
     def _whole(self) -> WholeSeries:
@@ -94,8 +98,9 @@ class RunResult:
     def series(self) -> Mapping[str, Array]:
         """Every series of the whole run by name, in SI units; NaN where a step is not solved.
 
-        Energies, powers, `speed` and `step_time` have the shape (steps,) and stand at `distance` and `time`. States, such
-        as `contact_area`, have the shape (steps + 1,) and stand at `position` and `position_time`.
+        Energies, powers, `speed` and `step_time` have the shape (steps,) and stand at `distance`
+        and `time`. States, such as `contact_area`, have the shape (steps + 1,) and stand at
+        `position` and `position_time`.
         """
         return MappingProxyType(self._whole.of_steps | self._whole.of_positions)
 
@@ -124,13 +129,14 @@ class RunResult:
         """(steps + 1,) s. Time at each position."""
         return self._whole.position_time
 
-    # ---- files and notebooks -----------------------------------------------------------------------------------------
+    # ---- files and notebooks
+    # -----------------------------------------------------------------------------------------
 
     def play(self) -> Any:
         """Return a player for a notebook; without IPython, print the name of the WAV file.
 
-        The gain makes all runs equally loud, so levels are compared by their numbers. A run that has no file yet writes
-        listen.wav into the working directory.
+        The gain makes all runs equally loud, so levels are compared by their numbers. A run that
+        has no file yet writes listen.wav into the working directory.
 
         Returns
         -------
@@ -142,7 +148,9 @@ class RunResult:
         except ImportError:
             path = self.folder / "listen.wav"
             if not path.is_file():
-                files.write_bytes(path, wav.listening(self.sound.pressure, gain, self.title, self.title))
+                files.write_bytes(
+                    path, wav.listening(self.sound.pressure, gain, self.title, self.title)
+                )
             print(f"listen: {path}")
             return None
         return Audio(self.sound.pressure * gain, rate=self.sound.sample_rate, normalize=False)
@@ -169,7 +177,8 @@ class RunResult:
         return self.writer(self, Path(folder), force, report)
 
     def to_xarray(self) -> xarray.DataTree:
-        """Return the content of result.h5 as a tree: series, snapshot, pressure_maps, events and sound.
+        """Return the content of result.h5 as a tree: series, snapshot, pressure_maps, events and
+        sound.
 
         Returns
         -------
@@ -181,7 +190,11 @@ class RunResult:
         return xarray.open_datatree(io.BytesIO(content), engine="h5netcdf").load()
 
     def __repr__(self) -> str:
-        levels = f"{self._level('laeq_db', 'laeq')} dB(A)" if self.summary["laeq_db"] is not None else "silent"
+        levels = (
+            f"{self._level('laeq_db', 'laeq')} dB(A)"
+            if self.summary["laeq_db"] is not None
+            else "silent"
+        )
         partial = "" if self.result.complete else " (partial)"
         return f"<run {self.title}: LAeq {levels}, {self.summary['steps']} steps{partial}>"
 
@@ -191,15 +204,23 @@ class RunResult:
             f"<tr><td>{name}</td><td>{self._level(key, uncertainty)}</td><td>{unit}</td></tr>"
             for name, key, uncertainty, unit in _LEVELS
         )
-        caveats = "".join(f"<li>{html.escape(caveat['text'])}</li>" for caveat in self.summary["caveats"])
+        caveats = "".join(
+            f"<li>{html.escape(caveat['text'])}</li>" for caveat in self.summary["caveats"]
+        )
         return f"<h4>{html.escape(self.title)}</h4><table>{rows}</table><ul>{caveats}</ul>"
 
     def _level(self, key: str, uncertainty: str) -> str:
         level = self.summary[key]
-        return "silent" if level is None else numbers_of.uncertain(level, self.summary["uncertainty_db"][uncertainty])
+        return (
+            "silent"
+            if level is None
+            else numbers_of.uncertain(level, self.summary["uncertainty_db"][uncertainty])
+        )
 
 
-def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, result: Result) -> RunResult | None:
+def hear(
+    label: str, values: dict[str, float], folder: Path, scene: Scene, result: Result
+) -> RunResult | None:
     """Make the sound of the solved steps of a run; None where fewer than two are solved."""
     steps = result.done_steps
     if steps < 2:
@@ -207,6 +228,8 @@ def hear(label: str, values: dict[str, float], folder: Path, scene: Scene, resul
     began = time.perf_counter()
     closed = result.complete and steps % result.solved_steps == 0 and scene.track.closed
     energy = result.whole("release_energy")[:steps]
-    sound = contact_sound(scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam)
+    sound = contact_sound(
+        scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam
+    )
     summary = numbers_of.summarize(scene, result, sound, time.perf_counter() - began)
     return RunResult(label, values, folder, scene, result, sound, summary)

@@ -1,7 +1,7 @@
 """The march of a scene: its track is cut into pieces, which any number of processes solve.
 
-A piece depends on the scene alone and starts cold. The numbers are therefore the same for any number of workers, and the
-solved pieces of a run that stopped are not solved again.
+A piece depends on the scene alone and starts cold. The numbers are therefore the same for any
+number of workers, and the solved pieces of a run that stopped are not solved again.
 """
 
 from __future__ import annotations
@@ -30,7 +30,9 @@ from rolling.surface.scene_surface import scene_surface
 Array = NDArray[np.float64]
 
 PIECE_STEPS = (
-    200  # a cold start costs about three steps, seven with blended edges and their run-in: 1.5 and 3.5 % of a piece
+    # a cold start costs about three steps, seven with blended edges and their run-in: 1.5 and 3.5 %
+    # of a piece
+    200
 )
 MAPS = 120  # pressure maps of a run: about as many as the eye follows in ten seconds
 MAP_CELLS = 96  # maximum cells along a side of a map
@@ -50,7 +52,9 @@ STATE_SERIES = (
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The pressure [Pa] and deflection [m] at one position, with the plate coordinates [m] of the window's first node."""
+    """The pressure [Pa] and deflection [m] at one position, with the plate coordinates [m] of the
+    window's first node.
+    """
 
     distance: float
     along: float
@@ -79,7 +83,10 @@ class PressureMap:
 
 @dataclass(frozen=True)
 class Piece:
-    """The series of the steps first .. last - 1 and of the states first + 1 .. last; the first piece has state 0 as well."""
+    """The series of the steps first ..
+
+    last - 1 and of the states first + 1 .. last; the first piece has state 0 as well.
+    """
 
     first: int
     last: int
@@ -121,7 +128,9 @@ def pieces(steps: int) -> list[tuple[int, int]]:
 
 
 def mapped_positions(steps: int) -> NDArray[np.int64]:
-    """Return the positions whose pressure is kept, evenly along a track of that many steps; all of a short track."""
+    """Return the positions whose pressure is kept, evenly along a track of that many steps; all of
+    a short track.
+    """
     return np.unique(np.arange(MAPS) * steps // MAPS)
 
 
@@ -172,7 +181,11 @@ def simulate_piece(
     contact = contact or rolling_contact(scene)
     half_space = _half_space(contact.spacing, contact.contact_modulus)
     left_end = scene.recovery is not None and scene.recovery.rule == "left_end"
-    table = EventTable(contact.heights.shape) if scene.recovery is not None and scene.recovery.events else None
+    table = (
+        EventTable(contact.heights.shape)
+        if scene.recovery is not None and scene.recovery.events
+        else None
+    )
     steps = {name: np.empty(last - first) for name in STEP_SERIES}
     states = {name: np.empty(last - first + (first == 0)) for name in STATE_SERIES}
     snapshot = None
@@ -240,7 +253,13 @@ def _ordered_piece(
             raise ContactError(fault)
         contact = rolling_contact(scene, z.heights)
         return simulate_piece(
-            scene, first, last, stopped, lambda steps: progress(steps * order.step_cost), contact, order.mapped
+            scene,
+            first,
+            last,
+            stopped,
+            lambda steps: progress(steps * order.step_cost),
+            contact,
+            order.mapped,
         )
     except SceneError as error:
         raise ContactError(f"the surface that was solved is gone: {error}") from error
@@ -257,7 +276,8 @@ def march_pieces(
 ) -> pool.Outcome:
     """March pieces of scenes on `workers` processes.
 
-    A scene that fails does not stop the others. The first Ctrl-C or SIGTERM stops all after the step at hand.
+    A scene that fails does not stop the others. The first Ctrl-C or SIGTERM stops all after the
+    step at hand.
 
     Parameters
     ----------

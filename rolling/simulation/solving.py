@@ -43,9 +43,13 @@ def solve(
     begun : Gets the number of a run as each of its pieces is handed to a process.
     added : Gets the number of a run after each piece is added to its result.
     """
-    missing = [[*simulate.missing(result.solved_steps, result.series["release_energy"])] for result in results]
+    missing = [
+        [*simulate.missing(result.solved_steps, result.series["release_energy"])]
+        for result in results
+    ]
     step_seconds = [
-        cost.expected_seconds(scene) / result.solved_steps for scene, result in zip(scenes, results, strict=True)
+        cost.expected_seconds(scene) / result.solved_steps
+        for scene, result in zip(scenes, results, strict=True)
     ]
     # The longest first, so that no core is left with one of them in the end.
     order = sorted((k for k in range(len(scenes)) if missing[k]), key=lambda k: -step_seconds[k])
@@ -61,7 +65,9 @@ def solve(
         added(number)
 
     with tqdm(total=total, disable=_disabled(progress), desc=name, bar_format=BAR) as bar:
-        return simulate.march_pieces(scenes, todo, workers or cost.cores(), finished, bar.update, orders, begun)
+        return simulate.march_pieces(
+            scenes, todo, workers or cost.cores(), finished, bar.update, orders, begun
+        )
 
 
 def _disabled(progress: bool | None) -> bool | None:

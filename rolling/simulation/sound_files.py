@@ -13,7 +13,13 @@ from rolling.scene.scene import Scene
 from rolling.sound import ContactSound
 
 
-def write(folder: Path, scene: Scene, label: str, sound: ContactSound, caveats: Sequence[Mapping[str, str]]) -> None:
+def write(
+    folder: Path,
+    scene: Scene,
+    label: str,
+    sound: ContactSound,
+    caveats: Sequence[Mapping[str, str]],
+) -> None:
     """Write signal.wav (1.0 = 1 Pa) and listen.wav (for the ear), each with a JSON file.
 
     Parameters
@@ -36,7 +42,9 @@ def write(folder: Path, scene: Scene, label: str, sound: ContactSound, caveats: 
     rule, consequence = _rule_of_gain(sound, gain)
     files = {
         "signal": wav.calibrated(sound.pressure, f"1.0 = 1 Pa; {facts}", title),
-        "listen": wav.listening(sound.pressure, gain, f"{gain:.6g} full scale per Pa, {rule}; {facts}", title),
+        "listen": wav.listening(
+            sound.pressure, gain, f"{gain:.6g} full scale per Pa, {rule}; {facts}", title
+        ),
     }
     sidecars = {
         "signal": _sidecar(
@@ -76,7 +84,9 @@ def _rule_of_gain(sound: ContactSound, gain: float) -> tuple[str, str]:
     )
 
 
-def _sidecar(scene: Scene, label: str, sound: ContactSound, gain: float, form: str, meaning: str) -> dict[str, Any]:
+def _sidecar(
+    scene: Scene, label: str, sound: ContactSound, gain: float, form: str, meaning: str
+) -> dict[str, Any]:
     """Return the JSON content beside a sound file."""
     return {
         "meaning": meaning,

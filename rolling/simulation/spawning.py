@@ -1,4 +1,6 @@
-"""Worker processes that do not import the main module again, so that no program needs a `__main__` guard."""
+"""Worker processes that do not import the main module again, so that no program needs a `__main__`
+guard.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,8 @@ from multiprocessing import spawn
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
 
-_MAIN = ("init_main_from_name", "init_main_from_path")  # the keys by which a spawned process finds the main module
+# the keys by which a spawned process finds the main module
+_MAIN = ("init_main_from_name", "init_main_from_path")
 _lock = threading.Lock()
 
 
@@ -31,9 +34,9 @@ class _Context(SpawnContext):
 def context() -> SpawnContext:
     """Return a context of `multiprocessing` whose processes do not import the main module.
 
-    A spawned process usually runs the main module first, as `__mp_main__`. A script without a guard would start its runs
-    again there, and a program from standard input has no file to run. The functions handed to these workers therefore
-    have to stand in modules that can be imported.
+    A spawned process usually runs the main module first, as `__mp_main__`. A script without a guard
+    would start its runs again there, and a program from standard input has no file to run. The
+    functions handed to these workers therefore have to stand in modules that can be imported.
     """
     return _Context()
 

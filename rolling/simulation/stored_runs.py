@@ -28,18 +28,25 @@ def read_runs(folder: Path) -> list[Run]:
 
     Raises
     ------
-    FolderError : no run folder, two of its runs share a folder, or a run in it has another scene than the sweep.
+    FolderError : no run folder, two of its runs share a folder, or a run in it has another scene
+        than the sweep.
     SceneError : its scene cannot be read.
     """
     record = run_record.read(folder)
     if record is not None and record.kind not in KINDS:
-        raise FolderError(f"{folder}: not a run folder, but that of another command ({record.kind})")
+        raise FolderError(
+            f"{folder}: not a run folder, but that of another command ({record.kind})"
+        )
     if not (folder / "resolved.yaml").is_file():
-        raise FolderError(f"{folder}: not a run folder (no resolved.yaml in it){_hint(folder, record)}")
+        raise FolderError(
+            f"{folder}: not a run folder (no resolved.yaml in it){_hint(folder, record)}"
+        )
     singles = resolved_scene(folder).runs()
     short = [run_name(values) for values, _ in singles]  # as version 0.1.0 named them
     names = list(record.runs) if record is not None and record.kind == "sweep" else short
-    if len(names) != len(singles) or (record is not None and (record.kind == "run") != (singles[0][0] == {})):
+    if len(names) != len(singles) or (
+        record is not None and (record.kind == "run") != (singles[0][0] == {})
+    ):
         raise FolderError(
             f"{folder}: run.json and resolved.yaml do not fit each other; one of them is of another scene"
         )
@@ -48,7 +55,10 @@ def read_runs(folder: Path) -> list[Run]:
             f"{folder}: several runs share the folder {shared[0]}, because version 0.1.0 gave values that print alike one name;"
             " all but the last of them are lost: run the scene again"
         )
-    runs = [Run(values, single, folder / name) for (values, single), name in zip(singles, names, strict=True)]
+    runs = [
+        Run(values, single, folder / name)
+        for (values, single), name in zip(singles, names, strict=True)
+    ]
     for run in runs:
         batch.refuse_other_scene(run)
     return runs
@@ -73,7 +83,9 @@ def resolved_scene(folder: Path) -> Scene:
 def is_kept(run: Run) -> bool:
     """Return whether the folder of a run holds a solved step."""
     try:
-        return (run.folder / batch.RESULT).is_file() and is_begun(result_file.load(run.folder / batch.RESULT))
+        return (run.folder / batch.RESULT).is_file() and is_begun(
+            result_file.load(run.folder / batch.RESULT)
+        )
     except (FolderError, OSError):
         return False
 
@@ -86,7 +98,9 @@ def is_begun(result: Result) -> bool:
 def records_of(folders: Sequence[Path]) -> list[RunRecord | None]:
     """Read the records of folders, and warn of the folders that have none."""
     records = [run_record.read(folder) for folder in folders]
-    if old := [str(folder) for folder, record in zip(folders, records, strict=True) if record is None]:
+    if old := [
+        str(folder) for folder, record in zip(folders, records, strict=True) if record is None
+    ]:
         print(
             f"warning: {', '.join(old)}: of version 0.1.0 (no run.json), which did not say whether a run was done,"
             " or what made it",
@@ -95,7 +109,9 @@ def records_of(folders: Sequence[Path]) -> list[RunRecord | None]:
     return records
 
 
-def warn_of_other_program(folder: Path, before: RunRecord | None, results: Sequence[Result]) -> None:
+def warn_of_other_program(
+    folder: Path, before: RunRecord | None, results: Sequence[Result]
+) -> None:
     """Warn if another state of the program solved a part of the results."""
     ours = program.identity()
     solved = [result for result in results if is_begun(result) and not result.complete]

@@ -28,13 +28,17 @@ from rolling.surface.scene_surface import scene_surface
 PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5py", "pydantic")
 
 
-def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: float) -> dict[str, Any]:
+def summarize(
+    scene: Scene, result: Result, sound: ContactSound, sound_seconds: float
+) -> dict[str, Any]:
     """Collect the numbers of a run by name, over the solved steps; levels of silence are None."""
     steps = result.done_steps
     made = scene_surface(scene)
     series = {name: result.whole(name)[:steps] for name in simulate.STEP_SERIES}
     state = {name: result.whole(name)[: steps + 1] for name in simulate.STATE_SERIES}
-    hertz_area = np.pi * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
+    hertz_area = (
+        np.pi * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
+    )
     plastic = float(state["plastic_area"].mean())
     solved_time = series["step_time"][: result.solved_steps]
     return {
@@ -73,14 +77,19 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
         "plastic_area_mean_m2": plastic,
         "plastic_ratio": plastic / float(hertz_area),
         "max_pressure_pa": float(state["max_pressure"].max()),
-        "energy_balance_error": float(np.abs(series["energy_defect"]).max() / state["stored_energy"].max()),
+        "energy_balance_error": float(
+            np.abs(series["energy_defect"]).max() / state["stored_energy"].max()
+        ),
         "residual_max": float(state["residual"].max()),
         "iterations_mean": float(state["iterations"].mean()),
         "convolutions_mean": float(state["convolutions"].mean()),
         "step_ms": float(np.median(solved_time) * 1e3),
         "seconds": float(solved_time.sum()),
         "sound_seconds": sound_seconds,
-        "caveats": [asdict(each) for each in caveats.caveats(scene, sound, findings.findings(scene), result.complete)],
+        "caveats": [
+            asdict(each)
+            for each in caveats.caveats(scene, sound, findings.findings(scene), result.complete)
+        ],
         "surface": asdict(made.statistics),
         "levelling": None if made.levelling is None else _levelling(made.levelling),
     }
@@ -88,7 +97,11 @@ def summarize(scene: Scene, result: Result, sound: ContactSound, sound_seconds: 
 
 def _levelling(levelling: Levelling) -> dict[str, Any]:
     """Collect the tilt taken off the heights of a file, and the seam of the heights that are used."""
-    (along, across), (rise_along, rise_across), seam = levelling.taken, levelling.rises, levelling.seams[0]
+    (along, across), (rise_along, rise_across), seam = (
+        levelling.taken,
+        levelling.rises,
+        levelling.seams[0],
+    )
     return {
         "slope_along": along,
         "slope_across": across,
@@ -127,16 +140,30 @@ def provenance(scene: Scene) -> dict[str, Any]:
 
 
 def uncertain(level: float, uncertainty: float | None) -> str:
-    """Write a level with its standard uncertainty [dB], rounded up to a tenth: no level is known to 0.0 dB."""
-    return f"{level:.1f}" + ("" if uncertainty is None else f" ± {math.ceil(uncertainty * 10) / 10:.1f}")
+    """Write a level with its standard uncertainty [dB], rounded up to a tenth: no level is known to
+    0.0 dB.
+    """
+    return f"{level:.1f}" + (
+        "" if uncertainty is None else f" ± {math.ceil(uncertainty * 10) / 10:.1f}"
+    )
 
 
 def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
-    """Write levels and cost of runs given by label, folder and summary (None: too little is solved), for the terminal.
+    """Write levels and cost of runs given by label, folder and summary (None: too little is
+    solved), for the terminal.
 
     LAeq stands with its standard uncertainty, the caveats of all levels right below.
     """
-    head = ("run", "LAeq dB(A)", "LZeq dB", "steady dB", "plastic ratio", "steps", "ms/step", "files")
+    head = (
+        "run",
+        "LAeq dB(A)",
+        "LZeq dB",
+        "steady dB",
+        "plastic ratio",
+        "steps",
+        "ms/step",
+        "files",
+    )
     rows: list[tuple[str, ...]] = [head]
     for label, folder, summary in runs:
         if summary is None:
@@ -167,7 +194,9 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
 
 
 def _remarks(runs: list[tuple[str, dict[str, Any]]]) -> list[str]:
-    """Write the caveats of the levels, then the surfaces, short repetitions, and each kind of warning once."""
+    """Write the caveats of the levels, then the surfaces, short repetitions, and each kind of
+    warning once.
+    """
     remarks = caveats.gathered([(label, caveats.stored(summary)) for label, summary in runs])
     beside = [each for each in remarks if each.key in caveats.HEADLINE]
     of_levels = " ".join(each.line for each in beside if each.key != "uncertainty")
@@ -178,7 +207,9 @@ def _remarks(runs: list[tuple[str, dict[str, Any]]]) -> list[str]:
         for s in (summary["surface"] for _, summary in runs)
     )
     levelled = [summary["levelling"] for _, summary in runs if summary.get("levelling")]
-    tilts = dict.fromkeys(f"tilt: {each['text']}" for each in levelled if each["slope_along"] or each["slope_across"])
+    tilts = dict.fromkeys(
+        f"tilt: {each['text']}" for each in levelled if each["slope_along"] or each["slope_across"]
+    )
     repeats = [f"note: {each.line}" for each in remarks if each.key in caveats.REPEATS]
     warnings = [f"warning: {each.line}" for each in remarks if each.key not in caveats.STANDING]
     return [*filter(None, (of_levels, of_uncertainty)), "", *surfaces, *tilts, *repeats, *warnings]

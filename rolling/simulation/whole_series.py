@@ -43,7 +43,9 @@ def whole_series(scene: Scene, result: Result) -> WholeSeries:
     middles = np.asarray((np.arange(result.steps) + 0.5) * result.step, dtype=np.float64)
     ends = np.asarray(np.arange(result.steps + 1) * result.step, dtype=np.float64)
     times, speed = middle_speeds(scene.motion, result.steps, result.step)
-    end_times = np.asarray(scene.motion.time(np.minimum(ends, scene.motion.final_distance)), dtype=float)
+    end_times = np.asarray(
+        scene.motion.time(np.minimum(ends, scene.motion.final_distance)), dtype=float
+    )
     of_steps = {name: result.whole(name) for name in STEP_SERIES} | {"speed": speed}
     for kind in ("release", "loading"):
         of_steps[f"{kind}_per_metre"] = of_steps[f"{kind}_energy"] * (1 / result.step)

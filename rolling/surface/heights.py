@@ -31,8 +31,8 @@ class Correlation:
     ----------
     length : float, m
         Lag at which the autocorrelation falls to 1/e, infinite where it never does.
-    noise : float
-        Share of the variance that one node does not share with the next, from 0 (smooth) to 1 (white noise).
+    noise : float Share of the variance that one node does not share with the next, from 0 (smooth)
+        to 1 (white noise).
     """
 
     length: float
@@ -82,7 +82,8 @@ def gaussian(
     Raises
     ------
     SurfaceError
-        The filter leaves nothing, because a correlation length is far above the size of the surface.
+        The filter leaves nothing, because a correlation length is far above the size of the
+        surface.
     """
     decay, exponent = AUTOCORRELATIONS[autocorrelation]
     along, across = (
@@ -96,7 +97,8 @@ def gaussian(
     heights = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
     heights -= heights.mean()
     got = np.abs(heights).mean()
-    # A surface much smaller than its correlation length is flat to rounding: scaled up, that rounding would pass for roughness.
+    # A surface much smaller than its correlation length is flat to rounding: scaled up, that
+    # rounding would pass for roughness.
     if not got > 1e-6 * np.sqrt(density.max() / heights.size):
         sizes = " x ".join(f"{n * spacing * 1e6:.4g}" for n in shape)
         lengths = " and ".join(f"{length * 1e6:.4g}" for length in correlation_length)
@@ -135,7 +137,12 @@ def stored(path: Path) -> Array:
         content = np.load(path, allow_pickle=False)
     except (OSError, ValueError) as error:
         raise SurfaceError(f"{path}: not a readable .npy file of heights ({error})") from error
-    if not isinstance(content, np.ndarray) or content.ndim != 2 or not content.size or content.dtype.kind not in "fiu":
+    if (
+        not isinstance(content, np.ndarray)
+        or content.ndim != 2
+        or not content.size
+        or content.dtype.kind not in "fiu"
+    ):
         kind = (
             f"{content.ndim}-D {content.dtype} of shape {content.shape}"
             if isinstance(content, np.ndarray)
@@ -143,7 +150,9 @@ def stored(path: Path) -> Array:
         )
         if isinstance(content, np.lib.npyio.NpzFile):
             content.close()
-        raise SurfaceError(f"{path}: got {kind}, allowed is one 2-D array of real heights in m, (along track, across)")
+        raise SurfaceError(
+            f"{path}: got {kind}, allowed is one 2-D array of real heights in m, (along track, across)"
+        )
     heights = content.astype(np.float64)
     bad = np.argwhere(~np.isfinite(heights))
     if len(bad):
@@ -193,10 +202,12 @@ def statistics(heights: Array, spacing: float) -> Statistics:
 
 
 def correlation(heights: Array, spacing: float, axis: int) -> Correlation:
-    """Estimate the correlation of periodic heights (m, n) [m] along one axis, from the mean of all lines.
+    """Estimate the correlation of periodic heights (m, n) [m] along one axis, from the mean of all
+    lines.
 
-    The length is interpolated between nodes. White noise falls to 1/e at 0.63 of a node, the minimum on a grid. The noise
-    is the drop from lag 0 to the value there of a straight line through lags 1 and 2; a smooth surface has none.
+    The length is interpolated between nodes. White noise falls to 1/e at 0.63 of a node, the
+    minimum on a grid. The noise is the drop from lag 0 to the value there of a straight line
+    through lags 1 and 2; a smooth surface has none.
     """
     z = heights - heights.mean()
     n = z.shape[axis]

@@ -1,7 +1,8 @@
 """Tilt and seam of measured heights.
 
-Heights are read as one period of the surface. A crop of a larger surface is none: its last row does not lead to its
-first, and a tilt of the table passes for a cliff there. Taking a plane off removes the tilt.
+Heights are read as one period of the surface. A crop of a larger surface is none: its last row does
+not lead to its first, and a tilt of the table passes for a cliff there. Taking a plane off removes
+the tilt.
 """
 
 from __future__ import annotations
@@ -13,12 +14,14 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# A seam that stands out is above the maximum difference between neighbouring rows by this factor plus 4 / rows.
+# A seam that stands out is above the maximum difference between neighbouring rows by this factor
+# plus 4 / rows.
 BEYOND_MAXIMUM = 1.2
-# It is above the median by this factor plus 16 / rows times the distance from the median to the maximum.
+# It is above the median by this factor plus 16 / rows times the distance from the median to the
+# maximum.
 BEYOND_RANGE = 2.0
-# A median difference below this factor times the usual rms is no tilt: coarsely quantized heights have medians of zero or
-# a whole quantum.
+# A median difference below this factor times the usual rms is no tilt: coarsely quantized heights
+# have medians of zero or a whole quantum.
 BEYOND_USUAL = 2.0
 
 
@@ -43,7 +46,8 @@ class Seam:
 
 @dataclass(frozen=True)
 class Levelling:
-    """The plane of heights that were read, and the part that was taken off; pairs are along and across the track.
+    """The plane of heights that were read, and the part that was taken off; pairs are along and
+    across the track.
 
     Attributes
     ----------
@@ -73,7 +77,8 @@ class Levelling:
 
 
 def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
-    """Take the least-squares plane off heights of zero mean; heights that keep theirs are returned as they are.
+    """Take the least-squares plane off heights of zero mean; heights that keep theirs are returned
+    as they are.
 
     Parameters
     ----------
@@ -81,16 +86,21 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
         Heights along and across the track.
     spacing : float, m
         Node spacing.
-    mode : str
-        auto, plane or none. auto takes off each direction by itself, where the seam stands out and the plane lowers it.
+    mode : str auto, plane or none. auto takes off each direction by itself, where the seam stands
+        out and the plane lowers it.
     """
     seams = seam(heights, 0), seam(heights, 1)
     plane = slope(heights, spacing, 0), slope(heights, spacing, 1)
-    wanted = [mode == "plane" or (mode == "auto" and _helps(heights, spacing, k, seams[k], plane[k])) for k in (0, 1)]
+    wanted = [
+        mode == "plane" or (mode == "auto" and _helps(heights, spacing, k, seams[k], plane[k]))
+        for k in (0, 1)
+    ]
     taken = plane[0] if wanted[0] else 0.0, plane[1] if wanted[1] else 0.0
     before = after = float(np.abs(heights).mean())
     if any(taken):
-        along, across = (s * spacing * centred(n) for s, n in zip(taken, heights.shape, strict=True))
+        along, across = (
+            s * spacing * centred(n) for s, n in zip(taken, heights.shape, strict=True)
+        )
         heights = heights - along[:, None]
         heights -= across
         after = float(np.abs(heights).mean())
@@ -102,12 +112,13 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
 def seam(heights: Array, axis: int) -> Seam:
     """Judge the step across the seam of one axis by the differences between all neighbouring rows.
 
-    The seam stands out where its size s is above (1.2 + 4/m) times the maximum difference g of two neighbours, and above
-    their median d by more than (2 + 16/m) (g - d), with m rows. The maximum decides, because grooves, spikes and cliffs of
-    a periodic surface come in pairs: half a pair at the seam is no seam. The median and the number of rows measure how far
-    out a chance difference may lie. The size of a difference is its rms, or its median magnitude, which single outliers do
-    not reach; either may show the seam. A groove or a cliff over the whole width that is as deep as the step of the seam
-    hides it.
+    The seam stands out where its size s is above (1.2 + 4/m) times the maximum difference g of two
+    neighbours, and above their median d by more than (2 + 16/m) (g - d), with m rows. The maximum
+    decides, because grooves, spikes and cliffs of a periodic surface come in pairs: half a pair at
+    the seam is no seam. The median and the number of rows measure how far out a chance difference
+    may lie. The size of a difference is its rms, or its median magnitude, which single outliers do
+    not reach; either may show the seam. A groove or a cliff over the whole width that is as deep as
+    the step of the seam hides it.
     """
     last_to_first = np.take(heights, 0, axis) - np.take(heights, -1, axis)
     differences = np.abs(np.diff(heights, axis=axis))
@@ -115,17 +126,23 @@ def seam(heights: Array, axis: int) -> Seam:
     step = float(np.sqrt(np.mean(last_to_first**2)))
     medians = np.median(differences, axis=1 - axis)
     usual, middle = float(np.median(rms)), float(np.median(np.abs(last_to_first)))
-    stands_out = _stands_out(step, rms) or (middle > BEYOND_USUAL * usual and _stands_out(middle, medians))
+    stands_out = _stands_out(step, rms) or (
+        middle > BEYOND_USUAL * usual and _stands_out(middle, medians)
+    )
     return Seam(step, usual, stands_out)
 
 
 def slope(heights: Array, spacing: float, axis: int) -> float:
-    """Return the slope [m/m] of the least-squares plane along one axis; on a grid the other axis does not change it."""
+    """Return the slope [m/m] of the least-squares plane along one axis; on a grid the other axis
+    does not change it.
+    """
     return float(_share_of(heights, centred(heights.shape[axis]), axis)) / spacing
 
 
 def form_share(heights: Array) -> float:
-    """Return the share of the variance that a plane and a parabola along and across make up, from 0 to 1."""
+    """Return the share of the variance that a plane and a parabola along and across make up, from 0
+    to 1.
+    """
     variance = float(np.mean(np.square(heights)))
     if variance == 0:
         return 0.0
@@ -152,7 +169,11 @@ def _helps(heights: Array, spacing: float, axis: int, seam: Seam, slope: float) 
     """Tell whether the seam stands out and taking the plane off lowers it."""
     if not seam.stands_out:
         return False
-    step = np.take(heights, 0, axis) - np.take(heights, -1, axis) + slope * spacing * (heights.shape[axis] - 1)
+    step = (
+        np.take(heights, 0, axis)
+        - np.take(heights, -1, axis)
+        + slope * spacing * (heights.shape[axis] - 1)
+    )
     return bool(np.sqrt(np.mean(step**2)) < seam.step)
 
 
@@ -160,6 +181,6 @@ def _stands_out(size: float, neighbours: Array) -> bool:
     """Tell whether a difference across the seam lies out of the range of all neighbours."""
     rows = len(neighbours) + 1
     median, maximum = float(np.median(neighbours)), float(neighbours.max())
-    return size > (BEYOND_MAXIMUM + 4 / rows) * maximum and size - median > (BEYOND_RANGE + 16 / rows) * (
-        maximum - median
-    )
+    return size > (BEYOND_MAXIMUM + 4 / rows) * maximum and size - median > (
+        BEYOND_RANGE + 16 / rows
+    ) * (maximum - median)

@@ -1,7 +1,7 @@
 """The surface of a scene: made, or read, centred and levelled.
 
-March, statistics and pictures take the heights from here. The last surface is kept, because most runs of a sweep share
-it.
+March, statistics and pictures take the heights from here. The last surface is kept, because most
+runs of a sweep share it.
 """
 
 from __future__ import annotations
@@ -54,7 +54,9 @@ class SceneSurface:
     @cached_property
     def correlations(self) -> tuple[Correlation, Correlation]:
         """Correlation of the heights along and across."""
-        return surface.correlation(self.heights, self.spacing, 0), surface.correlation(self.heights, self.spacing, 1)
+        return surface.correlation(self.heights, self.spacing, 0), surface.correlation(
+            self.heights, self.spacing, 1
+        )
 
     @cached_property
     def form_share(self) -> float:
@@ -102,7 +104,8 @@ def heights(scene: Scene) -> Array:
 
 
 def identity(scene: Scene) -> tuple[Any, ...]:
-    """Return values that are equal for scenes with the same surface; a file that was written again is another one.
+    """Return values that are equal for scenes with the same surface; a file that was written again
+    is another one.
 
     Raises
     ------
@@ -113,7 +116,9 @@ def identity(scene: Scene) -> tuple[Any, ...]:
     try:
         stamp = path.stat() if path else None
     except OSError as error:
-        raise SceneError([f"surface.path: {path}: not readable ({error.strerror or error})"]) from error
+        raise SceneError(
+            [f"surface.path: {path}: not readable ({error.strerror or error})"]
+        ) from error
     return (
         scene.surface.model_dump_json(),
         scene.folder,
@@ -134,6 +139,8 @@ def _make(scene: Scene) -> SceneSurface:
     if isinstance(s, Gaussian):
         across = s.correlation_length_across_um or s.correlation_length_um
         lengths = (s.correlation_length_um * 1e-6, across * 1e-6)
-        made = surface.gaussian(shape, spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed)
+        made = surface.gaussian(
+            shape, spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed
+        )
         return SceneSurface(made, spacing)
     return SceneSurface(surface.smooth(shape), spacing)

@@ -1,7 +1,7 @@
 """Dense contact solver to check the fast one against; it imports nothing of it.
 
-Sources: A. E. H. Love, Phil. Trans. R. Soc. A 228 (1929) (uniform pressure on a rectangle); Lee, Kim & Kim, Inventions 10(1), 17
-(2025), Fig. 3 (influence matrix, active set).
+Sources: A. E. H. Love, Phil. Trans. R. Soc. A 228 (1929) (uniform pressure on a rectangle); Lee,
+Kim & Kim, Inventions 10(1), 17 (2025), Fig. 3 (influence matrix, active set).
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ Array = NDArray[np.float64]
 
 
 def influence_matrix(points: Array, spacing: float, contact_modulus: float) -> Array:
-    """Compute the deflection of each node by unit pressure on the square cell of each node (Love 1929).
+    """Compute the deflection of each node by unit pressure on the square cell of each node (Love
+    1929).
 
     Parameters
     ----------
@@ -29,7 +30,8 @@ def influence_matrix(points: Array, spacing: float, contact_modulus: float) -> A
     dx = points[:, None, 0] - points[None, :, 0]
     dy = points[:, None, 1] - points[None, :, 1]
     total = np.zeros_like(dx)
-    # Corner antiderivative of 1/r, each logarithm written as it stands in Love's paper; corners never fall on an axis.
+    # Corner antiderivative of 1/r, each logarithm written as it stands in Love's paper; corners
+    # never fall on an axis.
     for sign, a, b in ((1, half, half), (1, -half, -half), (-1, half, -half), (-1, -half, half)):
         x, y = dx + a, dy + b
         r = np.hypot(x, y)
@@ -40,7 +42,8 @@ def influence_matrix(points: Array, spacing: float, contact_modulus: float) -> A
 def dense_contact(
     shape: Array, load: float, spacing: float, contact_modulus: float, hardness: float = np.inf
 ) -> tuple[Array, float]:
-    """Solve a contact by the article's method: an influence matrix, direct solves, and a changing active set.
+    """Solve a contact by the article's method: an influence matrix, direct solves, and a changing
+    active set.
 
     Parameters
     ----------
@@ -60,7 +63,9 @@ def dense_contact(
     RuntimeError : the sets did not settle in 500 changes (the method has no guarantee to).
     """
     m, n = shape.shape
-    grid = np.stack(np.meshgrid(np.arange(m) * spacing, np.arange(n) * spacing, indexing="ij"), axis=-1).reshape(-1, 2)
+    grid = np.stack(
+        np.meshgrid(np.arange(m) * spacing, np.arange(n) * spacing, indexing="ij"), axis=-1
+    ).reshape(-1, 2)
     matrix = influence_matrix(grid, spacing, contact_modulus)
     e, total = shape.ravel(), load / spacing**2
     order = np.argsort(e)
@@ -69,7 +74,8 @@ def dense_contact(
     capped = np.zeros_like(free)
     scale = np.ptp(e) + load / (contact_modulus * spacing)
     for _ in range(500):
-        if not free.any():  # all on a bound: the nearest to moving takes up, or gives up, the missing load
+        # all on a bound: the nearest to moving takes up, or gives up, the missing load
+        if not free.any():
             gap = e + matrix @ np.where(capped, hardness, 0.0)
             short = hardness * capped.sum() < total
             bound = np.flatnonzero(~capped if short else capped)
@@ -91,15 +97,28 @@ def dense_contact(
 
 
 def _solve_sets(
-    matrix: Array, gap: Array, free: NDArray[np.bool_], capped: NDArray[np.bool_], hardness: float, total: float
+    matrix: Array,
+    gap: Array,
+    free: NDArray[np.bool_],
+    capped: NDArray[np.bool_],
+    hardness: float,
+    total: float,
 ) -> tuple[Array, float]:
-    """Solve for the pressures of the free nodes and the approach, with the hardness on the capped nodes."""
+    """Solve for the pressures of the free nodes and the approach, with the hardness on the capped
+    nodes.
+    """
     inside = np.flatnonzero(free)
     system = np.zeros((inside.size + 1, inside.size + 1))
     system[:-1, :-1] = matrix[np.ix_(inside, inside)]
     system[:-1, -1], system[-1, :-1] = -1.0, 1.0
-    known = matrix[np.ix_(inside, np.flatnonzero(capped))].sum(axis=1) * hardness if capped.any() else 0.0
-    right = np.append(-gap[inside] - known, total - (hardness * capped.sum() if capped.any() else 0.0))
+    known = (
+        matrix[np.ix_(inside, np.flatnonzero(capped))].sum(axis=1) * hardness
+        if capped.any()
+        else 0.0
+    )
+    right = np.append(
+        -gap[inside] - known, total - (hardness * capped.sum() if capped.any() else 0.0)
+    )
     solved = np.linalg.solve(system, right)
     p = np.where(capped, hardness if capped.any() else 0.0, 0.0)
     p[inside] = solved[:-1]

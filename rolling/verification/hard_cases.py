@@ -60,7 +60,9 @@ class HardCase:
     feature: str = ""
 
 
-def rough(along: int, across: int, ra: float, seed: int = 1, spacing: float = 2e-6, length: float = 10e-6) -> Array:
+def rough(
+    along: int, across: int, ra: float, seed: int = 1, spacing: float = 2e-6, length: float = 10e-6
+) -> Array:
     """Make Gaussian heights [m] of shape (along, across) with this Ra and correlation length [m]."""
     return surface.gaussian((along, across), spacing, ra, (length, length), "gaussian", seed)
 
@@ -80,7 +82,9 @@ def make_track(heights: Array, **changes: Any) -> RollingContact:
     return RollingContact(heights=heights, **scene)
 
 
-def rough_track(along: int, across: int, ra: float, length: float = 10e-6, **changes: Any) -> RollingContact:
+def rough_track(
+    along: int, across: int, ra: float, length: float = 10e-6, **changes: Any
+) -> RollingContact:
     """Make a rough plate; it is smooth with ra 0."""
     heights = rough(along, across, ra, length=length) if ra else np.zeros((along, across))
     return make_track(heights, **changes)
@@ -98,24 +102,38 @@ def filled_track(share: float, ra: float) -> RollingContact:
     return rough_track(30, 20, ra, hardness=1e6, load=share * 1e6 * 600 * CELL)
 
 
-def stepped_track(height: float, where: tuple[Any, ...], ra: float = 1e-8, **changes: Any) -> RollingContact:
+def stepped_track(
+    height: float, where: tuple[Any, ...], ra: float = 1e-8, **changes: Any
+) -> RollingContact:
     """Make a nearly smooth plate on which the nodes at the index `where` stand out by `height` [m]."""
     heights = rough(60, 60, ra)
     heights[where] += height
     return make_track(heights, **changes)
 
 
-def extreme_track(load: float, radius: float, modulus: float, spacing: float, capped: bool) -> RollingContact:
+def extreme_track(
+    load: float, radius: float, modulus: float, spacing: float, capped: bool
+) -> RollingContact:
     """Make a plate with a roughness of a tenth of Hertz's approach.
 
     A capped plate has a hardness of 0.7 times Hertz's pressure.
     """
     heights = rough(
-        100, 90, 0.1 * closed_forms.hertz_approach(load, radius, modulus), spacing=spacing, length=5 * spacing
+        100,
+        90,
+        0.1 * closed_forms.hertz_approach(load, radius, modulus),
+        spacing=spacing,
+        length=5 * spacing,
     )
     hardness = 0.7 * closed_forms.hertz_pressure(load, radius, modulus) if capped else np.inf
     return make_track(
-        heights, load=load, radius=radius, contact_modulus=modulus, spacing=spacing, hardness=hardness, tolerance=1e-7
+        heights,
+        load=load,
+        radius=radius,
+        contact_modulus=modulus,
+        spacing=spacing,
+        hardness=hardness,
+        tolerance=1e-7,
     )
 
 
@@ -171,7 +189,12 @@ def _symmetric_and_plastic() -> list[HardCase]:
         build = partial(plastic_track, nodes, hardness=1e6, radius=5e-4, tolerance=1e-6)
         cases.append(HardCase(f"all plastic, {nodes} nodes", whole, build, 80))
     for stiffer in (1, 10, 1000):
-        changes = {"load": 0.2, "hardness": 2e8, "contact_modulus": stiffer * STEEL, "tolerance": 1e-6}
+        changes = {
+            "load": 0.2,
+            "hardness": 2e8,
+            "contact_modulus": stiffer * STEEL,
+            "tolerance": 1e-6,
+        }
         build = partial(rough_track, 60, 60, 5e-8, **changes)
         cases.append(HardCase(f"nearly rigid-plastic, {stiffer} E*", limit, build, 80, steps=0))
     return cases
@@ -179,18 +202,34 @@ def _symmetric_and_plastic() -> list[HardCase]:
 
 def _refused() -> list[HardCase]:
     """Return cases that the solver must refuse."""
-    beyond = "no pressure below the hardness carries the load: a solver that only iterates would not end"
+    beyond = (
+        "no pressure below the hardness carries the load: a solver that only iterates would not end"
+    )
     full = "99 % of the capacity fills the period to its corners, more than a window of contact can hold"
     wide = "the Hertz contact is wider than the surface: its periodic images would touch each other"
     vast = "the capacity suffices, but contact is 11 mm wide: no transform is large enough"
     cases = [
-        HardCase(f"load {share:g} of the capacity", beyond, partial(filled_track, share, 1e-7), 0, 0, right=(CAPACITY,))
+        HardCase(
+            f"load {share:g} of the capacity",
+            beyond,
+            partial(filled_track, share, 1e-7),
+            0,
+            0,
+            right=(CAPACITY,),
+        )
         for share in (1.0, 1.001, 1e6)
     ]
     smooth = partial(rough_track, 30, 20, 0.0, load=5.0)
     return [
         *cases,
-        HardCase("load 0.99 of the capacity", full, partial(filled_track, 0.99, 1e-9), 0, 0, right=(WIDTH,)),
+        HardCase(
+            "load 0.99 of the capacity",
+            full,
+            partial(filled_track, 0.99, 1e-9),
+            0,
+            0,
+            right=(WIDTH,),
+        ),
         HardCase("contact wider than the surface", wide, smooth, 0, 0, right=(WIDTH,)),
         HardCase("window beyond all room", vast, vast_track, 0, 0, right=(ROOM,)),
     ]
@@ -201,9 +240,7 @@ def _steps_in_height() -> list[HardCase]:
     spike = "one node stands out by up to 50 spacings; its pressure swings through the whole range as the sphere passes"
     cliff = "half of the plate lies 20 um lower, through the middle of the contact: pressure is singular along the edge"
     trench = "a groove 3 nodes wide and 100 um deep splits the contact in halves that only the deflection couples"
-    outlier = (
-        "1 mm from a faulty instrument: the search for overlap covers a disc of 6 mm, and one node carries the load"
-    )
+    outlier = "1 mm from a faulty instrument: the search for overlap covers a disc of 6 mm, and one node carries the load"
     dwarf = "springs turn 20 um into 1e8 times the pressures: the load loses its digits in a difference and must be restored"
     slopes = "rms slope 14 each way: a few tips, far apart, 1e4 times their deflection high"
     cases = []
@@ -212,10 +249,15 @@ def _steps_in_height() -> list[HardCase]:
         *((height, "capped") for height in (1e-6, -1e-4)),
     ):
         name = f"{'spike' if height > 0 else 'hole'} of {abs(height):g} m, {plate}"
-        build = partial(stepped_track, height, (2, 30), load=0.5, hardness=PLATES[plate], tolerance=1e-7)
+        build = partial(
+            stepped_track, height, (2, 30), load=0.5, hardness=PLATES[plate], tolerance=1e-7
+        )
         cases.append(HardCase(name, spike, build, 80, steps=6))
     halves: dict[str, tuple[Any, ...]] = {"along": (slice(30),), "across": (slice(None), slice(30))}
-    grooves: dict[str, tuple[Any, ...]] = {"along": (slice(29, 32),), "across": (slice(None), slice(29, 32))}
+    grooves: dict[str, tuple[Any, ...]] = {
+        "along": (slice(29, 32),),
+        "across": (slice(None), slice(29, 32)),
+    }
     for way, where in halves.items():
         for plate, hardness in PLATES.items():
             build = partial(stepped_track, 2e-5, where, load=0.3, hardness=hardness, tolerance=1e-7)
@@ -224,7 +266,9 @@ def _steps_in_height() -> list[HardCase]:
         build = partial(stepped_track, -1e-4, where, load=0.5, hardness=2.1e9, tolerance=1e-7)
         cases.append(HardCase(f"trench {way}", trench, build, 80, first=28))
     for plate, hardness in PLATES.items():
-        cases.append(HardCase(f"slopes of 14, {plate}", slopes, partial(noise_track, hardness), 80, steps=6))
+        cases.append(
+            HardCase(f"slopes of 14, {plate}", slopes, partial(noise_track, hardness), 80, steps=6)
+        )
     build = partial(stepped_track, 1e-3, (40, 7), 1e-7, load=0.05, tolerance=1e-7)
     cases.append(HardCase("outlier of 1 mm", outlier, build, 20))
     # 1 uN happens to be a round number of Pa; a third of it is not.
@@ -245,11 +289,19 @@ def _sizes() -> list[HardCase]:
             build = partial(extreme_track, *numbers, capped=plate == "capped")
             cases.append(HardCase(f"{name}, {plate}", units, build, 60))
     for along, across in ((37, 61), (61, 37), (51, 200), (200, 51)):
-        cases.append(HardCase(f"ridges on {along} x {across}", odd, partial(ridged_track, along, across), 80))
+        cases.append(
+            HardCase(f"ridges on {along} x {across}", odd, partial(ridged_track, along, across), 80)
+        )
     return [
         *cases,
         HardCase("seam", seam, partial(rolled_track, 0), 80, first=58),
-        HardCase("seam moved away", "the same heights without the seam", partial(rolled_track, 30), 80, first=28),
+        HardCase(
+            "seam moved away",
+            "the same heights without the seam",
+            partial(rolled_track, 30),
+            80,
+            first=28,
+        ),
     ]
 
 
@@ -269,7 +321,9 @@ def _many_bounds() -> list[HardCase]:
         build = partial(plastic_track, nodes, 1e-6, 50, 4e-6, **changes)
         cases.append(HardCase(f"{nodes} nodes bound at once", bound, build, 100, steps=12))
     for excess in (1e-6, 1e-10, -1e-10, 1e-12):
-        build = partial(plastic_track, 10 + excess, 1e-6, 64, hardness=1e6, radius=2e-4, tolerance=1e-4)
+        build = partial(
+            plastic_track, 10 + excess, 1e-6, 64, hardness=1e6, radius=2e-4, tolerance=1e-4
+        )
         cases.append(HardCase(f"10 capped nodes {excess:+g}", trace, build, 20))
     return cases
 
@@ -281,5 +335,12 @@ def laps(count: int) -> HardCase:
     return HardCase(f"{count} laps without drift", why, build, 40, steps=30 * count, lap=30)
 
 
-CASES = [*_symmetric_and_plastic(), *_refused(), *_steps_in_height(), *_sizes(), *_many_bounds(), laps(10)]
+CASES = [
+    *_symmetric_and_plastic(),
+    *_refused(),
+    *_steps_in_height(),
+    *_sizes(),
+    *_many_bounds(),
+    laps(10),
+]
 LONG = laps(3334)  # 100,020 steps: minutes

@@ -78,7 +78,9 @@ class Outcome:
 
 
 class _Trial:
-    """The march of one case, judged state by state, so that a march of any length needs little memory."""
+    """The march of one case, judged state by state, so that a march of any length needs little
+    memory.
+    """
 
     def __init__(self, case: HardCase, keep: list[ContactState] | None) -> None:
         """Start without violations; the states are appended to `keep`."""
@@ -104,7 +106,9 @@ class _Trial:
                 return
             old = state
         if self.case.lap:
-            self._judge_laps(track.tolerance * float(old.deflection.max()) if old is not None else 0.0)
+            self._judge_laps(
+                track.tolerance * float(old.deflection.max()) if old is not None else 0.0
+            )
 
     def _timed(self, states: Iterator[ContactState]) -> ContactState | None:
         """Return the next state and add its time, None after the last one."""
@@ -145,7 +149,9 @@ class _Trial:
             self.violated.append(f"drift: approach by {drift:.3g} m, tolerance {tolerance:.3g} m")
         released = np.array(self.releases).reshape(-1, self.case.lap).sum(axis=1)
         if not np.ptp(released) <= 1e-3 * released.mean():
-            self.violated.append(f"drift: release of a lap by {np.ptp(released) / released.mean():.3g}, allowed 0.001")
+            self.violated.append(
+                f"drift: release of a lap by {np.ptp(released) / released.mean():.3g}, allowed 0.001"
+            )
 
     def _note(self, state: ContactState, violation: str) -> None:
         """Note a violation at the position of a state."""
@@ -223,7 +229,12 @@ class Group:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""
-        return {"group": self.group, "surface": self.surface, "plate": self.plate, **asdict(self.tally)}
+        return {
+            "group": self.group,
+            "surface": self.surface,
+            "plate": self.plate,
+            **asdict(self.tally),
+        }
 
 
 @dataclass(frozen=True)
@@ -233,8 +244,8 @@ class Report:
     Parameters
     ----------
     seconds : float, s. Time of the whole report.
-    total : Tally. All cases except group "found": scenes that entered the report because they failed once tell nothing
-        about the rate of failure.
+    total : Tally. All cases except group "found": scenes that entered the report because they
+        failed once tell nothing about the rate of failure.
     groups : list of Group. Tallies in the order of the table.
     cases : list of (HardCase, Outcome). The given cases.
     failed : list of Outcome. All outcomes with a violation.
@@ -262,7 +273,10 @@ class Report:
                 }
                 for case, outcome in self.cases
             ],
-            "failures": [{"scene": outcome.name, "violated": list(outcome.violated)} for outcome in self.failed],
+            "failures": [
+                {"scene": outcome.name, "violated": list(outcome.violated)}
+                for outcome in self.failed
+            ],
         }
 
 
@@ -283,7 +297,11 @@ def judge_all(
     workers : int. Number of processes. Default: 1.
     progress : function. It is called with 1 after each scene. Default: nothing happens.
     """
-    tasks: list[Task] = [*cases, *(("random", seed) for seed in range(random)), *(("odd", seed) for seed in range(odd))]
+    tasks: list[Task] = [
+        *cases,
+        *(("random", seed) for seed in range(random)),
+        *(("odd", seed) for seed in range(odd)),
+    ]
     tasks += [("blended", seed) for seed in range(blended)]
     outcomes = []
     began = time.perf_counter()
@@ -296,7 +314,9 @@ def judge_all(
     return Report(
         seconds=time.perf_counter() - began,
         total=_tally([outcome for outcome in outcomes if outcome.group != "found"]),
-        groups=[Group(*key, _tally(groups[key])) for key in sorted(groups, key=lambda key: _order(*key))],
+        groups=[
+            Group(*key, _tally(groups[key])) for key in sorted(groups, key=lambda key: _order(*key))
+        ],
         cases=list(zip(cases, outcomes, strict=False)),
         failed=[outcome for outcome in outcomes if outcome.violated],
     )
@@ -321,7 +341,9 @@ def _tally(outcomes: Sequence[Outcome]) -> Tally:
     """Count the results, the share that held, and the iterations over all states."""
     results = Counter(outcome.result for outcome in outcomes)
     iterations = [count for outcome in outcomes for count in outcome.iterations]
-    percentiles = (int(count) for count in np.percentile(iterations, [50, 95, 100])) if iterations else ()
+    percentiles = (
+        (int(count) for count in np.percentile(iterations, [50, 95, 100])) if iterations else ()
+    )
     return Tally(
         scenes=len(outcomes),
         solved=results[SOLVED],
@@ -336,10 +358,24 @@ def _tally(outcomes: Sequence[Outcome]) -> Tally:
 
 def table(report: Report) -> str:
     """Write hard.md: the conditions, the tallies of all groups, and the failures."""
-    head = ["group", "surface", "plate", "scenes", "solved", *(f"refused: {reason}" for reason in report.total.refused)]
+    head = [
+        "group",
+        "surface",
+        "plate",
+        "scenes",
+        "solved",
+        *(f"refused: {reason}" for reason in report.total.refused),
+    ]
     head += ["failed", "held %", "iterations 50 %", "95 %", "most"]
-    rows = [_cells(group) for group in (*report.groups, Group("all but found", "", "", report.total))]
-    text = ["# Hard cases", "", "Each scene must hold these conditions, or it counts as failed:", ""]
+    rows = [
+        _cells(group) for group in (*report.groups, Group("all but found", "", "", report.total))
+    ]
+    text = [
+        "# Hard cases",
+        "",
+        "Each scene must hold these conditions, or it counts as failed:",
+        "",
+    ]
     text += [f"- {condition}" for condition in MUST_HOLD]
     text += ["", tables.markdown(head, rows, padded=True, right=range(3, len(head))), ""]
     text += [
@@ -356,7 +392,13 @@ def _cells(group: Group) -> list[str]:
     tally, iterations = group.tally, group.tally.iterations
     counts = [tally.scenes, tally.solved, *tally.refused.values(), tally.failed]
     rate = f"{100 * tally.success_rate:.2f}"
-    numbers = [*map(str, counts), rate, str(iterations.median), str(iterations.high), str(iterations.most)]
+    numbers = [
+        *map(str, counts),
+        rate,
+        str(iterations.median),
+        str(iterations.high),
+        str(iterations.most),
+    ]
     return [group.group, group.surface, group.plate, *numbers]
 
 
@@ -378,7 +420,9 @@ def main_report(out: Path, random: int, workers: int = 1, long: bool = False) ->
 
     cases = [*CASES, *found_cases(), *([hard_cases.LONG] if long else [])]
     others = random // 4
-    with tqdm(total=len(cases) + random + 2 * others, unit="scene", file=sys.stderr, disable=None) as bar:
+    with tqdm(
+        total=len(cases) + random + 2 * others, unit="scene", file=sys.stderr, disable=None
+    ) as bar:
         report = judge_all(cases, random, others, others, workers, bar.update)
     text = table(report)
     print(text)

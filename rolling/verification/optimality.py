@@ -1,4 +1,5 @@
-"""An independent check of a contact state: separate gaps, convolution, and search for contact outside the window.
+"""An independent check of a contact state: separate gaps, convolution, and search for contact
+outside the window.
 
 It imports the types of the march and shares no code with the solver.
 """
@@ -17,14 +18,16 @@ from rolling.contact.state import ContactState, RollingContact
 Array = NDArray[np.float64]
 Nodes = NDArray[np.signedinteger]
 
-LOAD_ERROR = 1.001e-12  # relative; the excess allows for another order of summation than in the solver
+# relative; the excess allows for another order of summation than in the solver
+LOAD_ERROR = 1.001e-12
 ENERGY_ERROR = 1e-11  # relative; the two convolutions round differently
 AROUND = 8  # nodes past the window that the convolution checks
 BLOCK = 1_000_000  # nodes per block in the search outside the window
 
 
 def love_coefficients(x: Nodes, y: Nodes) -> Array:
-    """Compute Love's (1929) coefficients at node distances x, y [spacings], for pi E* = spacing = 1.
+    """Compute Love's (1929) coefficients at node distances x, y [spacings], for pi E* = spacing =
+    1.
 
     The logarithmic form is used; x and y broadcast.
     """
@@ -32,9 +35,14 @@ def love_coefficients(x: Nodes, y: Nodes) -> Array:
     for a, b in ((0.5, 0.5), (0.5, -0.5), (-0.5, 0.5), (-0.5, -0.5)):
         s, t = x + a, y + b
         r = np.hypot(s, t)
-        # log(t + r) = log((t + r)(r + |t|) / (r + |t|)): for t < 0 written as log(s^2 / (r - t)), which does not cancel.
-        log_t = np.where(t > 0, np.log(np.abs(t) + r), 2 * np.log(np.abs(s)) - np.log(np.abs(t) + r))
-        log_s = np.where(s > 0, np.log(np.abs(s) + r), 2 * np.log(np.abs(t)) - np.log(np.abs(s) + r))
+        # log(t + r) = log((t + r)(r + |t|) / (r + |t|)): for t < 0 written as log(s^2 / (r - t)),
+        # which does not cancel.
+        log_t = np.where(
+            t > 0, np.log(np.abs(t) + r), 2 * np.log(np.abs(s)) - np.log(np.abs(t) + r)
+        )
+        log_s = np.where(
+            s > 0, np.log(np.abs(s) + r), 2 * np.log(np.abs(t)) - np.log(np.abs(s) + r)
+        )
         total += np.sign(a * b) * (s * log_t + t * log_s)
     return total
 
@@ -42,13 +50,22 @@ def love_coefficients(x: Nodes, y: Nodes) -> Array:
 @lru_cache(maxsize=32)
 def _kernel(rows: int, columns: int) -> Array:
     """Compute the coefficients for all node distances within (rows, columns)."""
-    return love_coefficients(np.arange(1 - rows, rows)[:, None], np.arange(1 - columns, columns)[None, :])
+    return love_coefficients(
+        np.arange(1 - rows, rows)[:, None], np.arange(1 - columns, columns)[None, :]
+    )
 
 
-def gap_and_deflection(track: RollingContact, state: ContactState, around: int = 0) -> tuple[Array, Array, Array]:
-    """Compute undeformed gap [m], deflection [m] and pressure [Pa] on the window grown by `around` nodes."""
+def gap_and_deflection(
+    track: RollingContact, state: ContactState, around: int = 0
+) -> tuple[Array, Array, Array]:
+    """Compute undeformed gap [m], deflection [m] and pressure [Pa] on the window grown by `around`
+    nodes.
+    """
     w = state.window
-    rows, columns = np.arange(-around, w.rows + around) + w.row, np.arange(-around, w.columns + around) + w.column
+    rows, columns = (
+        np.arange(-around, w.rows + around) + w.row,
+        np.arange(-around, w.columns + around) + w.column,
+    )
     p = np.pad(state.pressure, around)
     m, n = p.shape
     u = fftconvolve(p, _kernel(m, n))[m - 1 : 2 * m - 1, n - 1 : 2 * n - 1]
@@ -64,7 +81,9 @@ def _gap(track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes
     return (x[:, None] ** 2 + y[None, :] ** 2) / (2 * track.radius) - heights
 
 
-def violations(track: RollingContact, state: ContactState, around: int = AROUND) -> dict[str, float]:
+def violations(
+    track: RollingContact, state: ContactState, around: int = AROUND
+) -> dict[str, float]:
     """Measure the violation of each condition of a solved contact.
 
     Returns
@@ -81,7 +100,8 @@ def violations(track: RollingContact, state: ContactState, around: int = AROUND)
     """
     e, u, p = gap_and_deflection(track, state, around)
     gap = e + u - state.approach
-    if state.edge is not None:  # a share s of a cell in contact bears s * hardness at a gap of edge * (1 - 2 s)
+    # a share s of a cell in contact bears s * hardness at a gap of edge * (1 - 2 s)
+    if state.edge is not None:
         gap -= np.pad(state.edge, around) * (1 - 2 * p / track.hardness)
     wrong = np.where(p <= 0, -gap, np.where(p >= track.hardness, gap, np.abs(gap)))
     inner = u[around : u.shape[0] - around, around : u.shape[1] - around]
@@ -115,7 +135,8 @@ def violations(track: RollingContact, state: ContactState, around: int = AROUND)
 
 
 def contact_outside(track: RollingContact, state: ContactState) -> float:
-    """Return the deepest penetration [m] of sphere and deflected plate outside the window; 0 without any.
+    """Return the deepest penetration [m] of sphere and deflected plate outside the window; 0
+    without any.
 
     Deflections are never negative, so contact needs an undeformed gap below the approach. Few nodes
     remain to be checked, and their deflections are summed directly.
@@ -137,18 +158,27 @@ def contact_outside(track: RollingContact, state: ContactState) -> float:
         room = state.approach - _gap(track, state, piece, columns)
         i, j = np.nonzero((room > 0) & (before_or_after[:, None] | beside[None, :]))
         if i.size:
-            deepest = max(deepest, float((room[i, j] - _deflection_at(track, state, piece[i], columns[j])).max()))
+            deepest = max(
+                deepest,
+                float((room[i, j] - _deflection_at(track, state, piece[i], columns[j])).max()),
+            )
     return deepest
 
 
-def _low_lines(track: RollingContact, state: ContactState, centre: float, nodes: float, highest: Array) -> Nodes:
-    """Return rows or columns within `nodes` of the centre that may hold an undeformed gap below the approach."""
+def _low_lines(
+    track: RollingContact, state: ContactState, centre: float, nodes: float, highest: Array
+) -> Nodes:
+    """Return rows or columns within `nodes` of the centre that may hold an undeformed gap below the
+    approach.
+    """
     lines = np.arange(np.floor(centre - nodes), np.ceil(centre + nodes) + 1).astype(np.int64)
     distance = (lines - centre) * track.spacing
     return lines[distance**2 / (2 * track.radius) - highest[lines % highest.size] < state.approach]
 
 
-def _deflection_at(track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes) -> Array:
+def _deflection_at(
+    track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes
+) -> Array:
     """Compute the deflection [m] at single nodes, each by one sum over the loaded nodes."""
     i, j = np.nonzero(state.pressure)
     p, i, j = state.pressure[i, j], i + state.window.row, j + state.window.column
@@ -164,7 +194,10 @@ def broken(track: RollingContact, state: ContactState, allowance: float = 1.5) -
     The allowance covers the rounding of heights against deflection and of the two convolutions. The
     solver's own residual is the same quantity.
     """
-    if not all(np.isfinite(x) for x in (state.approach, state.stored_energy, state.max_pressure, state.residual)):
+    if not all(
+        np.isfinite(x)
+        for x in (state.approach, state.stored_energy, state.max_pressure, state.residual)
+    ):
         return [f"finite: approach {state.approach:g} m, stored energy {state.stored_energy:g} J"]
     if not (np.isfinite(state.pressure).all() and np.isfinite(state.deflection).all()):
         return ["finite: a pressure or a deflection is not a number"]
@@ -189,5 +222,7 @@ def broken(track: RollingContact, state: ContactState, allowance: float = 1.5) -
     if not measured["lowest"] >= 0:
         broken_conditions.append(f"lowest: a pressure of {measured['lowest']:.3g} Pa")
     if not state.residual <= track.tolerance:
-        broken_conditions.append(f"residual: the solver's own is {state.residual:.3g}, tolerance {track.tolerance:.3g}")
+        broken_conditions.append(
+            f"residual: the solver's own is {state.residual:.3g}, tolerance {track.tolerance:.3g}"
+        )
     return broken_conditions

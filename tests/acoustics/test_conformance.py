@@ -1,4 +1,6 @@
-"""Oracles: the tables of IEC 61672-1:2013 and IEC 61260-1:2014, and the page as it is in the repository."""
+"""Oracles: the tables of IEC 61672-1:2013 and IEC 61260-1:2014, and the page as it is in the
+repository.
+"""
 
 import csv
 import math
@@ -15,8 +17,8 @@ ROOT = Path(__file__).parents[2]
 OPEN = "Third octaves: tones that do not fit the record"
 BANDWIDTH = "Third octaves: effective bandwidth"
 
-# What the page states to be outside class 1, and nothing else: leakage of records that do not close, and bands of few
-# lines.
+# What the page states to be outside class 1, and nothing else: leakage of records that do not
+# close, and bands of few lines.
 OUTSIDE = {
     OPEN: {
         ("0.5 s, cut", "20", "inside"),
@@ -57,7 +59,8 @@ def named(title: str, row: Row) -> tuple[str, ...]:
 
 
 def test_the_sizes_are_those_of_the_standards(tables):
-    # 34 frequencies; 12 bursts with F and E, 9 with S; 19 frequencies of a third octave, 15 of them below 24 kHz at 20 kHz.
+    # 34 frequencies; 12 bursts with F and E, 9 with S; 19 frequencies of a third octave, 15 of them
+    # below 24 kHz at 20 kHz.
     assert len(tables["A-weighting"].rows) == 34
     assert len(tables["Tone bursts"].rows) == 12 + 9 + 12
     assert len(tables["Third octaves: tones on a line"].rows) == 19 + 19 + 15
@@ -67,11 +70,14 @@ def test_the_table_of_a_weighting_is_the_file():
     with (ROOT / "tests" / "data" / "a_weighting_iec61672.csv").open() as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     names = ("n", "nominal_hz", "a_weighting_db", "class1_lower_db", "class1_upper_db")
-    assert [tuple(float(row[name]) for name in names) for row in rows] == [tuple(row) for row in standards.A_WEIGHTING]
+    assert [tuple(float(row[name]) for name in names) for row in rows] == [
+        tuple(row) for row in standards.A_WEIGHTING
+    ]
 
 
 def test_tabled_burst_responses_are_the_standards_equations_rounded():
-    # Equations (7) and (8): half a unit of the tenth, and 0.05 more where the standard rounds -4.05 to -4.1 and the like.
+    # Equations (7) and (8): half a unit of the tenth, and 0.05 more where the standard rounds -4.05
+    # to -4.1 and the like.
     for row in standards.TONE_BURSTS:
         duration_s = row.duration_ms / 1000.0
         assert abs(row.fast_db - 10.0 * math.log10(-math.expm1(-duration_s / 0.125))) < 0.051
@@ -83,8 +89,15 @@ def test_tabled_burst_responses_are_the_standards_equations_rounded():
 
 
 def test_third_octave_frequency_ratios_are_those_the_standard_tables():
-    # IEC 61260 gives them for third octaves to five decimals (1995 edition, annex B, base 10; the formula is the same).
-    for exponent, ratio in ((1 / 8, 1.02667), (1 / 4, 1.05575), (3 / 8, 1.08746), (1 / 2, 1.12202), (1, 1.29437)):
+    # IEC 61260 gives them for third octaves to five decimals (1995 edition, annex B, base 10; the
+    # formula is the same).
+    for exponent, ratio in (
+        (1 / 8, 1.02667),
+        (1 / 4, 1.05575),
+        (3 / 8, 1.08746),
+        (1 / 2, 1.12202),
+        (1, 1.29437),
+    ):
         assert standards.third_octave_frequency_ratio(exponent) == pytest.approx(ratio, abs=6e-6)
     for exponent, ratio in ((2, 1.88173), (3, 3.05365), (4, 5.39195)):
         assert standards.third_octave_frequency_ratio(exponent) == pytest.approx(ratio, abs=6e-6)
@@ -94,7 +107,9 @@ def test_what_the_page_says_of_few_lines_is_so(tables):
     # The page prints one decimal of it beside the B T of reliable bands.
     assert min_lines_inside() == pytest.approx(LEAST_BT, abs=0.25)
     for row in tables[BANDWIDTH].rows:
-        uncertainty_db = band_uncertainty_db(float(row.keys[0].split()[0]))[BAND_NAMES.index(row.keys[1])]
+        uncertainty_db = band_uncertainty_db(float(row.keys[0].split()[0]))[
+            BAND_NAMES.index(row.keys[1])
+        ]
         assert abs(row.computed) < 0.5 * uncertainty_db
 
 
@@ -111,7 +126,11 @@ def test_a_share_is_of_the_limit_on_its_side():
 
 
 def test_rounding_does_not_show():
-    table = Table("t", "class 1", "s", "x", ("what",), "dB", 2, (Row(("a",), 0.0, -1e-13, -1.0, 1.0),))
+    table = Table(
+        "t", "class 1", "s", "x", ("what",), "dB", 2, (Row(("a",), 0.0, -1e-13, -1.0, 1.0),)
+    )
     noisy = __main__.page([table])
-    exact = __main__.page([Table("t", "class 1", "s", "x", ("what",), "dB", 2, (Row(("a",), 0.0, 0.0, -1.0, 1.0),))])
+    exact = __main__.page(
+        [Table("t", "class 1", "s", "x", ("what",), "dB", 2, (Row(("a",), 0.0, 0.0, -1.0, 1.0),))]
+    )
     assert noisy == exact and "-0.00" not in noisy

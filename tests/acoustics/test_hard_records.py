@@ -1,4 +1,6 @@
-"""Records that are hardly any: whatever is given, numbers that are numbers, None where there is no sound, no warning."""
+"""Records that are hardly any: whatever is given, numbers that are numbers, None where there is no
+sound, no warning.
+"""
 
 import dataclasses
 import json
@@ -36,7 +38,9 @@ def record(kind, n, seed):
 @pytest.mark.slow
 @settings(max_examples=250, deadline=None)
 @given(
-    kind=st.sampled_from(["silence", "steady", "nearly steady", "tone", "nyquist", "click", "noise"]),
+    kind=st.sampled_from(
+        ["silence", "steady", "nearly steady", "tone", "nyquist", "click", "noise"]
+    ),
     n=st.sampled_from([1, 2, 3, 5, 17, 100, 479, 2399, 4801]),
     size=st.sampled_from([1e-320, 1e-310, 1e-200, 1e-160, 1e-140, 1e-10, 1.0, 1e10, 1e37, 1e140]),
     closed=st.booleans(),
@@ -56,7 +60,9 @@ def test_any_record(kind, n, size, closed, own_factor, highest, seed):
         gain = wav.listening_gain(pressure)
         for bits in (16, 24):
             wav.listening(pressure, gain, "", "", bits)
-    json.dumps([dataclasses.asdict(levels), dataclasses.asdict(stated), steady, gain], allow_nan=False)
+    json.dumps(
+        [dataclasses.asdict(levels), dataclasses.asdict(stated), steady, gain], allow_nan=False
+    )
     for name in WHOLE:
         assert (getattr(levels, name) is None) == (getattr(stated, name) is None)
         assert getattr(stated, name) is None or getattr(stated, name) >= 0.0

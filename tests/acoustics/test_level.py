@@ -1,4 +1,6 @@
-"""Oracles: tones whose levels follow from their amplitude, through the whole chain from step power to level."""
+"""Oracles: tones whose levels follow from their amplitude, through the whole chain from step power
+to level.
+"""
 
 import math
 
@@ -6,7 +8,15 @@ import numpy as np
 import pytest
 
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
-from acoustics.level import I_REF_W_M2, P_REF_PA, RHO_C, laeq_db, level_db, peak_pressure, sound_levels
+from acoustics.level import (
+    I_REF_W_M2,
+    P_REF_PA,
+    RHO_C,
+    laeq_db,
+    level_db,
+    peak_pressure,
+    sound_levels,
+)
 from acoustics.radiation import intensity, sound_pressure
 from acoustics.resampling import band_limit, resample_closed, undo_step_mean
 from acoustics.weighting import a_weighting_db
@@ -39,7 +49,9 @@ def test_sine_through_the_whole_chain(frequency_hz, band):
     assert levels.level_db == pytest.approx(expected, abs=1e-6)
     assert levels.laeq_db == pytest.approx(expected + a_weighting_db(frequency_hz), abs=1e-6)
     assert levels.third_octave_db[band] == pytest.approx(expected, abs=1e-6)
-    assert levels.third_octave_a_db[band] == pytest.approx(expected + a_weighting_db(frequency_hz), abs=1e-6)
+    assert levels.third_octave_a_db[band] == pytest.approx(
+        expected + a_weighting_db(frequency_hz), abs=1e-6
+    )
     assert [name for name, level in levels.third_octave_db.items() if level is not None] == [band]
     assert factor == pytest.approx(math.sqrt(RHO_C / fluctuation), rel=1e-9)
     # The steady level is that of the mean intensity and does not sound.
@@ -77,7 +89,8 @@ def test_silence_is_none_everywhere():
 
 @pytest.mark.law("Silence: a constant power does not sound.")
 def test_a_constant_power_is_silent():
-    # Transforms of these lengths (smooth and prime) leave rounding beside 0 Hz; it must not sound at -100 dB.
+    # Transforms of these lengths (smooth and prime) leave rounding beside 0 Hz; it must not sound
+    # at -100 dB.
     for n in (24000, 23993):
         radiated = intensity(undo_step_mean(np.full(n, 1.8e-4)), 1.0)
         pressure, factor = sound_pressure(band_limit(resample_closed(radiated, 24000), RATE))
@@ -89,7 +102,8 @@ def test_bands_above_what_was_simulated_are_unknown():
     known = sound_levels(noise, RATE, highest_hz=12500.0).third_octave_db
     # The 10 kHz band ends at 11.2 kHz, the 12.5 kHz band at 14.1 kHz.
     assert [name for name, level in known.items() if level is None] == ["12500", "16000", "20000"]
-    assert sound_levels(noise, 16000.0).third_octave_a_db["8000"] is None  # above the record's own Nyquist, in part
+    # above the record's own Nyquist, in part
+    assert sound_levels(noise, 16000.0).third_octave_a_db["8000"] is None
 
 
 def test_a_steady_pressure_is_no_sound_for_the_ear():
@@ -111,25 +125,29 @@ def test_each_band_hears_its_own_middle():
     for name, mid in zip(BAND_NAMES, MID_HZ, strict=True):
         on_line = round(mid * 10.0) / 10.0
         levels = sound_levels(tone(on_line, n=n), RATE).third_octave_db
-        assert max(levels, key=lambda key: -math.inf if levels[key] is None else levels[key]) == name
+        assert (
+            max(levels, key=lambda key: -math.inf if levels[key] is None else levels[key]) == name
+        )
     assert AUDIBLE_HZ[1] < RATE / 2
 
 
 def test_maxima_and_peak_of_a_tone():
-    # A steady tone reads its level with any weighting; its peak lies 3.01 dB above its rms. The samples of 12 kHz at 45
-    # degrees miss the crest by as much: only what lies between them has it.
+    # A steady tone reads its level with any weighting; its peak lies 3.01 dB above its rms. The
+    # samples of 12 kHz at 45 degrees miss the crest by as much: only what lies between them has it.
     t = np.arange(RATE) / RATE
     levels = sound_levels(np.sin(2.0 * np.pi * 12000.0 * t + np.pi / 4.0), RATE)
     steady = 10.0 * math.log10(0.5 / P_REF_PA**2)
     weighted = steady + a_weighting_db(12000.0)
-    assert levels.laf_max_db == pytest.approx(weighted, abs=1e-3)  # ripple of the folded square, see time_weighting
+    # ripple of the folded square, see time_weighting
+    assert levels.laf_max_db == pytest.approx(weighted, abs=1e-3)
     assert levels.las_max_db == pytest.approx(weighted, abs=1e-3)
     assert levels.lz_peak_db == pytest.approx(steady + 10.0 * math.log10(2.0), abs=1e-9)
 
 
 def test_peak_between_the_samples_is_found_to_what_is_said():
     # Worst place of the crest: half way between two of the 8 points per sample, at any frequency.
-    for frequency, allowed in ((5000, 0.0073), (20000, 0.117), (22380, 0.147)):  # -20 lg cos(pi f / (8 * 48 kHz))
+    # -20 lg cos(pi f / (8 * 48 kHz))
+    for frequency, allowed in ((5000, 0.0073), (20000, 0.117), (22380, 0.147)):
         phase = 2.0 * np.pi * frequency / (16.0 * RATE)
         t = np.arange(RATE) / RATE
         missed = -20.0 * math.log10(peak_pressure(np.cos(2.0 * np.pi * frequency * t + phase)))
@@ -138,24 +156,32 @@ def test_peak_between_the_samples_is_found_to_what_is_said():
 
 
 def test_levels_that_bound_each_other():
-    # For a loop: LAFmax >= LASmax >= LAeq, for the weighting's mean is the mean; the peak is above the rms.
+    # For a loop: LAFmax >= LASmax >= LAeq, for the weighting's mean is the mean; the peak is above
+    # the rms.
     for seed in range(20):
         record = band_limit(np.random.default_rng(seed).standard_normal(9600), RATE)
         levels = sound_levels(record, RATE)
         assert levels.laf_max_db >= levels.las_max_db >= levels.laeq_db
         assert levels.lz_peak_db >= 20.0 * math.log10(np.abs(record).max() / P_REF_PA) - 1e-9
         silent_before = sound_levels(record, RATE, closed=False)
-        assert silent_before.laf_max_db < levels.laf_max_db and silent_before.laeq_db == levels.laeq_db
+        assert (
+            silent_before.laf_max_db < levels.laf_max_db and silent_before.laeq_db == levels.laeq_db
+        )
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 7, 480, 4799])
 def test_short_records_have_levels(n):
     record = np.random.default_rng(5).standard_normal(n)
     levels = sound_levels(record, RATE)
-    assert levels.level_db == pytest.approx(10.0 * math.log10(np.mean(record**2) / P_REF_PA**2), abs=1e-9)
-    # Far shorter than 125 ms, the weighting of the loop holds its mean: exp(-n/6000) of swing at most.
+    assert levels.level_db == pytest.approx(
+        10.0 * math.log10(np.mean(record**2) / P_REF_PA**2), abs=1e-9
+    )
+    # Far shorter than 125 ms, the weighting of the loop holds its mean: exp(-n/6000) of swing at
+    # most.
     if n > 1:
-        assert levels.laf_max_db == pytest.approx(levels.laeq_db, abs=10.0 / math.log(10.0) * n / 6000.0)
+        assert levels.laf_max_db == pytest.approx(
+            levels.laeq_db, abs=10.0 / math.log(10.0) * n / 6000.0
+        )
     else:
         assert levels.laf_max_db is None  # one sample is only a mean
 
@@ -171,7 +197,9 @@ def test_any_size_has_its_level(scale):
     record = np.random.default_rng(6).standard_normal(4800)
     one, scaled = sound_levels(record, RATE), sound_levels(scale * record, RATE)
     for name in ("laeq_db", "level_db", "laf_max_db", "las_max_db", "lz_peak_db"):
-        assert getattr(scaled, name) - getattr(one, name) == pytest.approx(20.0 * math.log10(scale), abs=1e-8)
+        assert getattr(scaled, name) - getattr(one, name) == pytest.approx(
+            20.0 * math.log10(scale), abs=1e-8
+        )
 
 
 def test_a_size_whose_square_is_no_number_is_refused():

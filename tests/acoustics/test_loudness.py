@@ -1,4 +1,6 @@
-"""Oracles: the sone and the acum themselves, 1 kHz at 40 and 60 dB; and what happens without the package."""
+"""Oracles: the sone and the acum themselves, 1 kHz at 40 and 60 dB; and what happens without the
+package.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,9 @@ def scene(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def mosqito():
-    return pytest.importorskip("mosqito", reason='needs mosqito: pip install "rolling-contact-noise[loudness]"')
+    return pytest.importorskip(
+        "mosqito", reason='needs mosqito: pip install "rolling-contact-noise[loudness]"'
+    )
 
 
 def tone(level_db, n=24000, frequency_hz=1000.0):
@@ -42,7 +46,9 @@ def tone(level_db, n=24000, frequency_hz=1000.0):
     return amplitude * np.sin(2.0 * np.pi * frequency_hz * np.arange(n) / RATE)
 
 
-@pytest.mark.parametrize(("level_db", "sone"), [(40.0, 1.0), (50.0, 2.0), (60.0, 4.0), (80.0, 16.0)])
+@pytest.mark.parametrize(
+    ("level_db", "sone"), [(40.0, 1.0), (50.0, 2.0), (60.0, 4.0), (80.0, 16.0)]
+)
 def test_1_khz_doubles_every_10_db_from_1_sone_at_40_db(mosqito, level_db, sone):
     # ISO 532-1:2017 allows 5 %.
     assert loudness(tone(level_db), RATE, closed=True).sone == pytest.approx(sone, rel=0.05)
@@ -51,7 +57,9 @@ def test_1_khz_doubles_every_10_db_from_1_sone_at_40_db(mosqito, level_db, sone)
 def test_narrow_noise_at_1_khz_and_60_db_has_1_acum(mosqito):
     # DIN 45692: a critical band (160 Hz) about 1 kHz at 60 dB; it allows 5 %.
     frequency = np.fft.rfftfreq(2 * RATE, 1.0 / RATE)
-    lines = np.fft.rfft(np.random.default_rng(1).standard_normal(2 * RATE)) * (np.abs(frequency - 1000.0) < 80.0)
+    lines = np.fft.rfft(np.random.default_rng(1).standard_normal(2 * RATE)) * (
+        np.abs(frequency - 1000.0) < 80.0
+    )
     noise = np.fft.irfft(lines, 2 * RATE)
     noise *= P_REF_PA * 1e3 / np.sqrt(np.mean(noise**2))
     assert loudness(noise, RATE, closed=True).acum == pytest.approx(1.0, rel=0.05)
@@ -65,9 +73,12 @@ def test_a_loop_has_the_loudness_of_what_is_heard_of_it(mosqito):
 
 def test_silence_and_what_has_no_loudness(mosqito):
     assert loudness(np.zeros(4800), RATE, closed=True) == Loudness(0.0, None)
-    assert loudness(np.full(4800, 1.0), RATE, closed=True) == Loudness(0.0, None)  # a steady pressure is not heard
-    assert loudness(tone(0.0), RATE, closed=True) == Loudness(0.0, None)  # below the threshold of 2.4 dB
-    # Zwicker's tables end at 120 dB in the low third octaves; ten samples that do not close are too few for the filters.
+    # a steady pressure is not heard
+    assert loudness(np.full(4800, 1.0), RATE, closed=True) == Loudness(0.0, None)
+    # below the threshold of 2.4 dB
+    assert loudness(tone(0.0), RATE, closed=True) == Loudness(0.0, None)
+    # Zwicker's tables end at 120 dB in the low third octaves; ten samples that do not close are too
+    # few for the filters.
     assert loudness(tone(130.0, frequency_hz=100.0), RATE, closed=True) == Loudness(None, None)
     assert loudness(tone(60.0, 10), RATE, closed=False) == Loudness(None, None)
     with pytest.raises(ValueError, match="sample rate of 48000 Hz or more, got 44100"):
@@ -84,9 +95,17 @@ def test_a_scene_gets_what_it_asks_for(mosqito, scene: Path, tmp_path: Path):
     assert found["loudness_sone"] > 0.0 and found["sharpness_acum"] > 0.0
     assert "mosqito" in json.loads((first / "provenance.json").read_text())["packages"]
     # Nearer is louder: half the distance, 6 dB, is 1.5 times the sones, and more at low levels.
-    assert cli.main(["resound", str(first), "--set", "sound.distance_m=0.5", "--out", str(again)]) == 0
-    assert json.loads((again / "summary.json").read_text())["loudness_sone"] > 1.3 * found["loudness_sone"]
-    assert cli.main(["resound", str(first), "--set", "sound.loudness=false", "--out", str(without)]) == 0
+    assert (
+        cli.main(["resound", str(first), "--set", "sound.distance_m=0.5", "--out", str(again)]) == 0
+    )
+    assert (
+        json.loads((again / "summary.json").read_text())["loudness_sone"]
+        > 1.3 * found["loudness_sone"]
+    )
+    assert (
+        cli.main(["resound", str(first), "--set", "sound.loudness=false", "--out", str(without)])
+        == 0
+    )
     assert "loudness_sone" not in json.loads((without / "summary.json").read_text())
 
 
@@ -95,7 +114,9 @@ def test_without_the_package_the_scene_is_refused_before_anything_is_done(
     scene: Path, tmp_path: Path, monkeypatch, capsys
 ):
     there = importlib.util.find_spec
-    monkeypatch.setattr(refusals, "find_spec", lambda name: None if name == "mosqito" else there(name))
+    monkeypatch.setattr(
+        refusals, "find_spec", lambda name: None if name == "mosqito" else there(name)
+    )
     out, plain = tmp_path / "out", tmp_path / "plain"
     message = 'sound.loudness: needs the package mosqito, which is not installed; pip install "rolling-contact-noise[loudness]"'
     assert cli.main(["run", str(scene), "--out", str(out)]) == 2

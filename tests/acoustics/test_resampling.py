@@ -5,7 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from acoustics.resampling import band_limit, fade, interpolate_closed, resample_closed, undo_step_mean
+from acoustics.resampling import (
+    band_limit,
+    fade,
+    interpolate_closed,
+    resample_closed,
+    undo_step_mean,
+)
 from acoustics.spectrum import line_spectrum
 
 
@@ -58,7 +64,8 @@ def test_resampling_is_exact_for_what_both_lengths_carry(n, n_out, seed):
         return np.cos(2.0 * np.pi * np.outer(t, np.arange(highest + 1)) + phase) @ amplitude
 
     got = resample_closed(at(np.arange(n) / n), n_out)
-    np.testing.assert_allclose(got, at(np.arange(n_out) / n_out), atol=1e-11)  # rounding of 200 sines of about 1
+    # rounding of 200 sines of about 1
+    np.testing.assert_allclose(got, at(np.arange(n_out) / n_out), atol=1e-11)
 
 
 @pytest.mark.parametrize("n", [100, 101])
@@ -72,7 +79,8 @@ def test_resampling_up_and_back_changes_nothing(n):
 
 def test_30_khz_is_absent_after_resampling_to_48_khz():
     n, n_out = 100_000, 48_000  # one second
-    high = np.sin(2.0 * np.pi * (30_000 * np.arange(n) % n) / n)  # the phase reduced first: exact to rounding
+    # the phase reduced first: exact to rounding
+    high = np.sin(2.0 * np.pi * (30_000 * np.arange(n) % n) / n)
     # The issue asks for 80 dB of rejection; what is left is rounding, -300 dB.
     assert np.sqrt(np.mean(resample_closed(high, n_out) ** 2)) < 1e-13
     assert np.max(np.abs(band_limit(resample_closed(1.0 + high, n_out), 48_000.0))) == 0.0
@@ -80,7 +88,8 @@ def test_30_khz_is_absent_after_resampling_to_48_khz():
 
 @pytest.mark.law("Resampling: no ripple below 20 kHz, 80 dB of rejection above the band.")
 def test_no_ripple_below_20_khz_and_80_db_above_the_band():
-    # An impulse holds all frequencies equally: after the chain its lines are the frequency response.
+    # An impulse holds all frequencies equally: after the chain its lines are the frequency
+    # response.
     n, n_out = 100_000, 48_000
     impulse = np.zeros(n)
     impulse[123] = 1.0
@@ -95,7 +104,8 @@ def test_no_ripple_below_20_khz_and_80_db_above_the_band():
 
 
 def test_band_edges_are_taken_as_the_third_octaves_take_them():
-    # Lower edge inside, upper edge outside; the mean always outside. The sines are rounded by 1e-13 at 600 rad.
+    # Lower edge inside, upper edge outside; the mean always outside. The sines are rounded by 1e-13
+    # at 600 rad.
     t = np.arange(1000) / 1000.0
     low, high = np.sin(2.0 * np.pi * 100.0 * t), np.sin(2.0 * np.pi * 200.0 * t)
     np.testing.assert_allclose(band_limit(5.0 + low + high, 1000.0, 100.0, 200.0), low, atol=1e-12)
@@ -113,18 +123,22 @@ def test_interpolation_error(share, limit_db):
 
 
 def test_interpolation_converges_with_the_fourth_order():
-    # A cubic spline: halving the frequency gains 4 * 6.02 dB; measured 23 to 25 dB between a half and an eighth.
+    # A cubic spline: halving the frequency gains 4 * 6.02 dB; measured 23 to 25 dB between a half
+    # and an eighth.
     n = 1024
     index = np.random.default_rng(7).uniform(0.0, n, 4000)
     errors = [
-        error_db(interpolate_closed(series(n, k, np.arange(n)), index), series(n, k, index)) for k in (256, 128, 64)
+        error_db(interpolate_closed(series(n, k, np.arange(n)), index), series(n, k, index))
+        for k in (256, 128, 64)
     ]
     assert np.diff(errors) == pytest.approx([-24.08, -24.08], abs=1.5)
 
 
 def test_interpolation_keeps_the_samples():
     signal = np.random.default_rng(8).standard_normal(64)
-    np.testing.assert_allclose(interpolate_closed(signal, np.arange(-64, 128)), np.tile(signal, 3), atol=1e-12)
+    np.testing.assert_allclose(
+        interpolate_closed(signal, np.arange(-64, 128)), np.tile(signal, 3), atol=1e-12
+    )
 
 
 def test_fade_is_a_raised_cosine():

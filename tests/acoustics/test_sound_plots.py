@@ -1,4 +1,6 @@
-"""Oracle: what a reader must find on a plot: units, limits, gaps, and grey where a level says little."""
+"""Oracle: what a reader must find on a plot: units, limits, gaps, and grey where a level says
+little.
+"""
 
 import io
 
@@ -40,14 +42,16 @@ def test_spectrum(ax):
     assert ax.get_xscale() == "log" and ax.get_xlim() == pytest.approx((17.78, 22387.2), rel=1e-3)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("frequency [Hz]", "level [dB]")
     assert legend(ax) == ["20 N", "closed form"]
-    # Lowest 10 and highest audible 62 dB with 2.5 dB of room, in steps of 5; the 99 dB at 30 kHz cannot be heard.
+    # Lowest 10 and highest audible 62 dB with 2.5 dB of room, in steps of 5; the 99 dB at 30 kHz
+    # cannot be heard.
     assert ax.get_ylim() == (5.0, 65.0)
     ticks = [tick.get_text() for tick in ax.get_xticklabels()]
     assert ticks == ["31.5", "63", "125", "250", "500", "1k", "2k", "4k", "8k", "16k"]
 
 
 def test_spectrum_mean_is_of_powers(ax):
-    # White noise of unit power: 1/12 octaves hold their lines' mean power, 0 dB, where they hold many lines.
+    # White noise of unit power: 1/12 octaves hold their lines' mean power, 0 dB, where they hold
+    # many lines.
     f = np.arange(1.0, 24000.0)
     power = np.random.default_rng(1).exponential(size=len(f))
     lines = plots.Lines.audible(f, 10.0 * np.log10(power))
@@ -75,7 +79,11 @@ def test_third_octaves_grey_where_bt_is_below_5(ax):
     assert ax.get_ylabel() == "sound pressure level [dB re 20 µPa]"
     assert ax.get_xlabel() == "third octave, nominal mid frequency [Hz]"
     ticks = [tick.get_text() for tick in ax.get_xticklabels()]
-    assert len(ticks) == 31 and ticks[:3] == ["20", "25", "31.5"] and ticks[-3:] == ["12.5k", "16k", "20k"]
+    assert (
+        len(ticks) == 31
+        and ticks[:3] == ["20", "25", "31.5"]
+        and ticks[-3:] == ["12.5k", "16k", "20k"]
+    )
     np.testing.assert_allclose(ax.get_xticks(), MID_HZ)
     assert legend(ax) == ["5 N, Z", "20 N, Z", "B T < 5: uncertain by 2 dB or more"]
     # 0.5 s: bands up to 40 Hz are grey, from 50 Hz on coloured.
@@ -93,10 +101,14 @@ def test_third_octaves_grey_where_bt_is_below_5(ax):
     assert span.get_extents().transformed(ax.transData.inverted()).x1 == pytest.approx(EDGES_HZ[4])
 
 
-@pytest.mark.parametrize(("duration_s", "labels"), [(10.0, ["Z"]), (1e-4, ["Z", "B T < 5: uncertain by 2 dB or more"])])
+@pytest.mark.parametrize(
+    ("duration_s", "labels"), [(10.0, ["Z"]), (1e-4, ["Z", "B T < 5: uncertain by 2 dB or more"])]
+)
 def test_third_octaves_all_or_none_grey(ax, duration_s, labels):
     # 20 Hz is 4.6 Hz wide: reliable from 1.08 s on. 20 kHz is 4.6 kHz wide: from 1.08 ms on.
-    plots.third_octaves(ax, [("Z", dict.fromkeys(BAND_NAMES, 50.0), dict.fromkeys(BAND_NAMES, 1.0))], duration_s)
+    plots.third_octaves(
+        ax, [("Z", dict.fromkeys(BAND_NAMES, 50.0), dict.fromkeys(BAND_NAMES, 1.0))], duration_s
+    )
     assert legend(drawn(ax)) == labels
 
 
@@ -123,7 +135,8 @@ def test_more_curves_than_three_are_means_and_none_looks_like_another(ax):
     lines = ax.get_lines()
     assert len(lines) == 12 and all(len(line.get_xdata()) < len(f) for line in lines)
     assert len({line.get_color() for line in lines}) == 12
-    # In grey, those of the same line style are a third of the way from black to white apart or more: 0.3 of luminance.
+    # In grey, those of the same line style are a third of the way from black to white apart or
+    # more: 0.3 of luminance.
     grey = [np.dot([0.299, 0.587, 0.114], to_rgb(line.get_color())) for line in lines]
     for n in range(5):
         assert lines[n].get_linestyle() == lines[n + 7].get_linestyle()
@@ -137,14 +150,17 @@ def test_limits_given_are_kept(ax):
 
 
 def test_envelope_keeps_every_extreme():
-    # 200,000 values, one of them up and one down: what is drawn has both, at most two points a column, times rising.
+    # 200,000 values, one of them up and one down: what is drawn has both, at most two points a
+    # column, times rising.
     time, power = np.arange(200_000) / 2e4, np.ones(200_000)
     power[[123_456, 77]] = 5.0, -3.0
     t, p = plots.power_envelope(time, power)
     assert len(t) <= 2 * 1500 and np.all(np.diff(t) >= 0.0) and plots.is_thinned(time)
     assert p.max() == 5.0 and p.min() == -3.0
     width = 10.0 / 1500
-    assert t[p == 5.0] == pytest.approx(time[123_456], abs=width) and t[p == -3.0] == pytest.approx(time[77], abs=width)
+    assert t[p == 5.0] == pytest.approx(time[123_456], abs=width) and t[p == -3.0] == pytest.approx(
+        time[77], abs=width
+    )
 
 
 def test_spectrogram_places_a_tone(ax):
@@ -156,7 +172,10 @@ def test_spectrogram_places_a_tone(ax):
     drawn(ax)
     (image,) = ax.get_images()
     assert ax.get_xlim() == (0.0, 500.0) and ax.get_xlabel() == "time [ms]"
-    assert bar.get_ylabel() == "density level [dB re (20 µPa)²/Hz]" and image.get_clim() == (20.0, 90.0)
+    assert bar.get_ylabel() == "density level [dB re (20 µPa)²/Hz]" and image.get_clim() == (
+        20.0,
+        90.0,
+    )
     left, right, low, high = image.get_extent()
     rows, columns = shown.level_db.shape
     row = int((np.log10(1000.0) - low) / (high - low) * rows)
@@ -167,7 +186,9 @@ def test_spectrogram_places_a_tone(ax):
 
 @pytest.mark.parametrize(("scale", "unit"), [(2.0, "W"), (2e-4, "µW"), (2e-8, "nW"), (0.0, "W")])
 def test_power_in_engineering_units(ax, scale, unit):
-    plots.power(ax, np.arange(100) / 200.0, scale * (1.0 + 0.1 * np.sin(np.arange(100))), scale, 0.5)
+    plots.power(
+        ax, np.arange(100) / 200.0, scale * (1.0 + 0.1 * np.sin(np.arange(100))), scale, 0.5
+    )
     drawn(ax)
     assert ax.get_ylabel() == f"release power [{unit}]" and ax.get_xlabel() == "time [ms]"
     assert legend(ax)[1].startswith("mean ") and legend(ax)[1].endswith(f" {unit}")
@@ -176,12 +197,16 @@ def test_power_in_engineering_units(ax, scale, unit):
 
 def test_a_steady_power_looks_steady(ax):
     # Solver noise of 2e-8 must not fill the axis.
-    plots.power(ax, np.arange(100) / 5e4, 180e-6 * (1.0 + 2e-8 * np.sin(np.arange(100))), 180e-6, 2e-3)
+    plots.power(
+        ax, np.arange(100) / 5e4, 180e-6 * (1.0 + 2e-8 * np.sin(np.arange(100))), 180e-6, 2e-3
+    )
     low, high = drawn(ax).get_ylim()
     assert low < 0.99 * 180.0 and high > 1.01 * 180.0
 
 
-@pytest.mark.parametrize(("loads", "scale"), [([5, 20, 100], "log"), ([5, 20, 50], "linear"), ([0, 1, 100], "linear")])
+@pytest.mark.parametrize(
+    ("loads", "scale"), [([5, 20, 100], "log"), ([5, 20, 50], "linear"), ([0, 1, 100], "linear")]
+)
 def test_level_against_load(ax, loads, scale):
     spread = [0.5, None, 0.2]
     curves = [("LAeq", [60.0, None, 70.0], spread), ("LZeq", [62.0, 66.0, 71.0], [0.5, 0.3, 0.2])]

@@ -1,4 +1,6 @@
-"""Oracles: noise of known density, a tone, a chirp, the energy of the record, and the loop cut elsewhere."""
+"""Oracles: noise of known density, a tone, a chirp, the energy of the record, and the loop cut
+elsewhere.
+"""
 
 import numpy as np
 import pytest
@@ -27,8 +29,8 @@ def test_rows_are_quarters_of_third_octaves():
 
 def test_white_noise_is_flat():
     found = spectrogram(noise(1, 10 * RATE), RATE)
-    # Mean over 10 s: relative spread 1/sqrt(B T) with B no less than the noise bandwidth of a line, 30 Hz: 6 % and less
-    # above; neighbours of a narrow row are the same line. Four of these.
+    # Mean over 10 s: relative spread 1/sqrt(B T) with B no less than the noise bandwidth of a line,
+    # 30 Hz: 6 % and less above; neighbours of a narrow row are the same line. Four of these.
     mean = density(found).mean(axis=1) * RATE / 2.0
     allowed = 4.0 / np.sqrt(np.maximum(WIDTHS, found.enbw_hz) * 10.0)
     assert np.all(np.abs(mean - 1.0) < allowed)
@@ -40,49 +42,60 @@ def test_white_noise_is_flat():
     )  # 400 frames: 4 %, 5 of these
 
 
-@pytest.mark.parametrize(("seconds", "frame_s", "frames"), [(0.5, 0.04, 200), (0.05, 0.004, 200), (60.0, 0.3, 400)])
+@pytest.mark.parametrize(
+    ("seconds", "frame_s", "frames"), [(0.5, 0.04, 200), (0.05, 0.004, 200), (60.0, 0.3, 400)]
+)
 def test_frames_fit_the_record(seconds, frame_s, frames):
     found = spectrogram(noise(2, round(seconds * RATE)), RATE)
-    assert found.frame_s == pytest.approx(frame_s, rel=1e-9) and found.level_db.shape == (124, frames)
+    assert found.frame_s == pytest.approx(frame_s, rel=1e-9) and found.level_db.shape == (
+        124,
+        frames,
+    )
     assert found.hop_s <= found.frame_s / 2.0
     # Evenly over the record, as far from either end.
     assert found.time_s[0] == pytest.approx(seconds - found.time_s[-1], abs=1.0 / RATE)
-    assert found.line_width_hz == pytest.approx(1.0 / found.frame_s) and found.enbw_hz == pytest.approx(
-        1.5 / found.frame_s
-    )
+    assert found.line_width_hz == pytest.approx(
+        1.0 / found.frame_s
+    ) and found.enbw_hz == pytest.approx(1.5 / found.frame_s)
 
 
 @pytest.mark.law("Spectrogram: a loop keeps its energy.")
 @pytest.mark.parametrize("n", [24000, 24001, 9600])
 def test_a_loop_keeps_its_energy(n):
-    # Frames every 16th of a Hann window weigh all samples alike (to rounding); what is left of a hop at the end does not.
+    # Frames every 16th of a Hann window weigh all samples alike (to rounding); what is left of a
+    # hop at the end does not.
     record = band_limit(noise(3, n), RATE, 30.0, 20000.0)
     found = spectrogram(record, RATE)
     mean_square = (density(found) * WIDTHS[:, np.newaxis]).sum(axis=0).mean()
-    # Lines of 25 Hz smear 1e-4 beyond the outer rows; the hops that do not fill the record are 1/200 of it.
+    # Lines of 25 Hz smear 1e-4 beyond the outer rows; the hops that do not fill the record are
+    # 1/200 of it.
     assert mean_square == pytest.approx(np.mean(record**2), rel=3e-3)
 
 
 def test_level_of_a_tone():
-    # On a line, 1 kHz: the row of 58 Hz holds the three lines of Hann in part: 1/6, 2/3, 1/6 of the mean square.
+    # On a line, 1 kHz: the row of 58 Hz holds the three lines of Hann in part: 1/6, 2/3, 1/6 of the
+    # mean square.
     found = spectrogram(np.sin(2.0 * np.pi * 1000.0 * np.arange(24000) / RATE), RATE)
     row = int(np.searchsorted(ROW_EDGES_HZ, 1000.0)) - 1
     rows = density(found)[row - 3 : row + 4] * WIDTHS[row - 3 : row + 4, np.newaxis]
     np.testing.assert_allclose(rows.sum(axis=0), 0.5, rtol=1e-9)  # in every frame, all around it
-    # Far below, where rows are narrower than lines, 100 Hz stands as density over the noise bandwidth.
+    # Far below, where rows are narrower than lines, 100 Hz stands as density over the noise
+    # bandwidth.
     low = spectrogram(np.sin(2.0 * np.pi * 100.0 * np.arange(24000) / RATE), RATE)
     at = int(np.searchsorted(ROW_EDGES_HZ, 100.0)) - 1
     np.testing.assert_allclose(density(low)[at], 0.5 / low.enbw_hz, rtol=1e-9)
 
 
 def test_ridge_of_a_chirp():
-    # From 200 Hz to 12.8 kHz in 2 s, 3 octaves a second: a frame of 40 ms sweeps 0.12 octaves, so one to two rows.
+    # From 200 Hz to 12.8 kHz in 2 s, 3 octaves a second: a frame of 40 ms sweeps 0.12 octaves, so
+    # one to two rows.
     t = np.arange(2 * RATE) / RATE
     rate = np.log(64.0) / 2.0
     found = spectrogram(np.sin(2.0 * np.pi * 200.0 * np.expm1(rate * t) / rate), RATE, closed=False)
     middles = np.sqrt(ROW_EDGES_HZ[1:] * ROW_EDGES_HZ[:-1])
     inner = (found.time_s > 0.1) & (found.time_s < 1.9)
-    # What a row holds: densities of a chirp fall as 1/f, so the ridge is that of density times width.
+    # What a row holds: densities of a chirp fall as 1/f, so the ridge is that of density times
+    # width.
     ridge = middles[np.argmax(density(found)[:, inner] * WIDTHS[:, np.newaxis], axis=0)]
     octaves = np.log2(ridge / (200.0 * np.exp(rate * found.time_s[inner])))
     # Half a row is 0.042 octaves, a line at 300 Hz 0.06.
@@ -91,7 +104,8 @@ def test_ridge_of_a_chirp():
 
 def test_a_loop_cut_elsewhere_is_the_same_turned():
     record = noise(4, 24000)
-    whole, turned = spectrogram(record, RATE), spectrogram(np.roll(record, 120 * 50), RATE)  # 50 hops
+    # 50 hops
+    whole, turned = spectrogram(record, RATE), spectrogram(np.roll(record, 120 * 50), RATE)
     np.testing.assert_allclose(np.roll(density(whole), 50, axis=1), density(turned), rtol=1e-9)
     # What does not close has silence before it: the first frame sees half.
     faded = spectrogram(record, RATE, closed=False)

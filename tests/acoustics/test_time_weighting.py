@@ -1,4 +1,6 @@
-"""Oracles: closed forms of the exponential weighting, the loop played for long, and the tone bursts of IEC 61672-1."""
+"""Oracles: closed forms of the exponential weighting, the loop played for long, and the tone bursts
+of IEC 61672-1.
+"""
 
 import math
 
@@ -6,7 +8,13 @@ import numpy as np
 import pytest
 
 from acoustics.level import a_weighted_rms, level_db
-from acoustics.time_weighting import FAST_S, SLOW_S, a_weighted, maximum_mean_square, running_mean_square
+from acoustics.time_weighting import (
+    FAST_S,
+    SLOW_S,
+    a_weighted,
+    maximum_mean_square,
+    running_mean_square,
+)
 
 RATE = 48000
 
@@ -16,7 +24,8 @@ RATE = 48000
 def test_from_silence_a_constant_rises_as_one_minus_exp(tau):
     t = np.arange(1, RATE + 1) / RATE
     got = running_mean_square(np.full(RATE, 3.0), RATE, tau, closed=False)
-    np.testing.assert_allclose(got, 9.0 * -np.expm1(-t / tau), rtol=1e-10)  # rounding of 48000 recursions
+    # rounding of 48000 recursions
+    np.testing.assert_allclose(got, 9.0 * -np.expm1(-t / tau), rtol=1e-10)
 
 
 # IEC 61672-1:2013, table 4: maximum of a 4 kHz tone burst below the level of the steady tone, dB.
@@ -36,7 +45,8 @@ def test_tone_bursts_of_the_standard(tau, milliseconds, below_db):
     record = np.zeros(n + RATE)
     record[100 : 100 + n] = math.sqrt(2.0) * np.sin(2.0 * np.pi * 4000.0 * np.arange(n) / RATE)
     got = level_db(maximum_mean_square(record, RATE, tau, closed=False), 1.0)
-    # The table is rounded to 0.1 dB: half of that, and 0.02 dB as it gives -20.0 for -20.02 and -27.0 for -27.02.
+    # The table is rounded to 0.1 dB: half of that, and 0.02 dB as it gives -20.0 for -20.02 and
+    # -27.0 for -27.02.
     assert got == pytest.approx(below_db, abs=0.07)
 
 
@@ -54,17 +64,22 @@ def test_a_loop_reads_as_one_that_has_played_for_long(n):
 def test_a_closed_record_reads_the_same_wherever_it_is_cut():
     record = np.random.default_rng(2).standard_normal(RATE)
     whole = maximum_mean_square(record, RATE, FAST_S, closed=True)
-    assert maximum_mean_square(np.roll(record, 12345), RATE, FAST_S, closed=True) == pytest.approx(whole, rel=1e-11)
+    assert maximum_mean_square(np.roll(record, 12345), RATE, FAST_S, closed=True) == pytest.approx(
+        whole, rel=1e-11
+    )
     assert maximum_mean_square(record, RATE, FAST_S, closed=False) <= whole
 
 
 def test_a_steady_tone_reads_its_level_whatever_the_weighting():
-    # 22 kHz: its square stands at 44 kHz and folds to 4 kHz, where Fast leaves 1/(2 pi 4000 0.125) = 3e-4 of it.
+    # 22 kHz: its square stands at 44 kHz and folds to 4 kHz, where Fast leaves 1/(2 pi 4000 0.125)
+    # = 3e-4 of it.
     for frequency in (20.0, 1000.0, 22000.0):
         tone = np.sin(2.0 * np.pi * frequency * np.arange(RATE // 2) / RATE)
         # At 20 Hz the square swings at 40 Hz: 1/(2 pi 40 0.125) = 0.032.
         ripple = 0.033 if frequency == 20.0 else 1e-3
-        assert maximum_mean_square(tone, RATE, FAST_S, closed=True) == pytest.approx(0.5, rel=ripple)
+        assert maximum_mean_square(tone, RATE, FAST_S, closed=True) == pytest.approx(
+            0.5, rel=ripple
+        )
 
 
 def test_the_weighted_record_has_the_weighted_level():
@@ -73,4 +88,5 @@ def test_the_weighted_record_has_the_weighted_level():
         rms = math.sqrt(np.mean(a_weighted(record, RATE) ** 2))
         assert rms == pytest.approx(a_weighted_rms(record, RATE), rel=1e-12)  # Parseval
     tone = np.sin(2.0 * np.pi * 1000.0 * np.arange(4800) / RATE)
-    np.testing.assert_allclose(a_weighted(tone, RATE), tone, atol=1e-13)  # 0 dB at 1 kHz, and no delay
+    # 0 dB at 1 kHz, and no delay
+    np.testing.assert_allclose(a_weighted(tone, RATE), tone, atol=1e-13)

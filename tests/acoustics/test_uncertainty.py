@@ -1,4 +1,7 @@
-"""Oracle: simulation. Many stretches of Gaussian noise, the spread of their levels against what each one states."""
+"""Oracle: simulation.
+
+Many stretches of Gaussian noise, the spread of their levels against what each one states.
+"""
 
 import math
 
@@ -52,8 +55,9 @@ CASES = [  # duration [s], slope, low and high [Hz], a band in it
 @pytest.mark.parametrize(("duration", "slope", "low", "high", "band"), CASES)
 def test_levels_spread_as_they_state(duration, slope, low, high, band, own_factor):
     found = spread(300, duration, slope, low, high, own_factor, band)
-    # A standard deviation from 300 records is itself uncertain by 1/sqrt(600) = 4 %: three of these. Above, first order
-    # in 4.34 sqrt(1/N) leaves out another 1/(4 N), 2 % for the 10 or more lines here.
+    # A standard deviation from 300 records is itself uncertain by 1/sqrt(600) = 4 %: three of
+    # these. Above, first order in 4.34 sqrt(1/N) leaves out another 1/(4 N), 2 % for the 10 or more
+    # lines here.
     for name in ("level_db", "laeq_db", "band"):
         assert 0.88 < found[name] < 1.14, (name, found)
     # Groups of extremes in a narrow band: up to a fifth more than of extremes that stand alone.
@@ -73,8 +77,8 @@ def test_a_long_record_keeps_a_bound_on_its_maxima():
 
 
 def test_fades_add_what_is_said():
-    # A tenth at either end: N falls by (mean w^2)^2 / mean w^4 = 1/1.116 for these ramps w, 5.6 % of spread. 400 records are
-    # good to 3.5 %, three of these.
+    # A tenth at either end: N falls by (mean w^2)^2 / mean w^4 = 1/1.116 for these ramps w, 5.6 %
+    # of spread. 400 records are good to 3.5 %, three of these.
     observed, stated = [], []
     for seed in range(400):
         record = fade(noise(seed, 14400, 0.0, 100.0, 4000.0)[4800:9600], 480)
@@ -87,7 +91,8 @@ def test_fades_add_what_is_said():
 
 
 def test_equal_lines_are_counted():
-    # M equal lines count as M in the mean of many records, for M = 5 (without the 1 taken off: 6) as for 500.
+    # M equal lines count as M in the mean of many records, for M = 5 (without the 1 taken off: 6)
+    # as for 500.
     for lines, tolerance in ((5, 0.05), (500, 0.007)):  # 3 standard errors of 400 records
         variance = []
         for seed in range(400):
@@ -98,11 +103,16 @@ def test_equal_lines_are_counted():
 
 
 def test_a_single_line_is_known_to_no_better_than_itself():
-    # An exponentially distributed mean square: relative spread 1, 4.34 dB to first order; half with its own factor.
+    # An exponentially distributed mean square: relative spread 1, 4.34 dB to first order; half with
+    # its own factor.
     tone = np.sin(2.0 * np.pi * 1000.0 * np.arange(24000) / RATE)
     levels = sound_levels(tone, RATE)
-    assert level_uncertainty(tone, RATE, levels, False).level_db == pytest.approx(10.0 / math.log(10.0), rel=1e-6)
-    assert level_uncertainty(tone, RATE, levels, True).laeq_db == pytest.approx(5.0 / math.log(10.0), rel=1e-6)
+    assert level_uncertainty(tone, RATE, levels, False).level_db == pytest.approx(
+        10.0 / math.log(10.0), rel=1e-6
+    )
+    assert level_uncertainty(tone, RATE, levels, True).laeq_db == pytest.approx(
+        5.0 / math.log(10.0), rel=1e-6
+    )
 
 
 def test_bands_state_bt_and_with_an_own_factor_what_it_takes_off():
@@ -120,13 +130,23 @@ def test_laps_are_one_sample_of_noise():
     lap = noise(3, 12000, 1.0, 17.8, 22387.0)
     once = level_uncertainty(lap, RATE, sound_levels(lap, RATE), True)
     thrice_record = np.tile(lap, 3)
-    thrice = level_uncertainty(thrice_record, RATE, sound_levels(thrice_record, RATE), True, laps=3.0)
+    thrice = level_uncertainty(
+        thrice_record, RATE, sound_levels(thrice_record, RATE), True, laps=3.0
+    )
     for name in (*NAMES, "third_octave_db"):
         assert getattr(thrice, name) == pytest.approx(getattr(once, name), rel=1e-9)  # rounding
 
 
 @pytest.mark.parametrize(
-    "record", [np.zeros(100), np.zeros(2), np.ones(1), np.array([1.0, -1.0]), np.full(480, 3.0), 1e-200 * np.ones(9)]
+    "record",
+    [
+        np.zeros(100),
+        np.zeros(2),
+        np.ones(1),
+        np.array([1.0, -1.0]),
+        np.full(480, 3.0),
+        1e-200 * np.ones(9),
+    ],
 )
 def test_hardly_a_record(record):
     levels = sound_levels(record, RATE)
@@ -140,14 +160,17 @@ def test_hardly_a_record(record):
 @pytest.mark.law("Uncertainty: the steady level spreads as it states.")
 @pytest.mark.parametrize(("duration", "cut"), [(0.5, None), (0.5, 1000.0), (0.1, 200.0)])
 def test_steady_level_spreads_as_it_states(duration, cut):
-    # A mean with noise on it, white or through a low-pass; the mean of 400 records spreads as each states, within
-    # 3/sqrt(800) = 11 %. Behind a low-pass of 200 Hz the lines up to 50 Hz hold 2 % less, as a mean square, than 0 Hz.
+    # A mean with noise on it, white or through a low-pass; the mean of 400 records spreads as each
+    # states, within 3/sqrt(800) = 11 %. Behind a low-pass of 200 Hz the lines up to 50 Hz hold 2 %
+    # less, as a mean square, than 0 Hz.
     n = round(duration * RATE)
     frequency = np.fft.rfftfreq(n, 1.0 / RATE)
     gain = 1.0 if cut is None else 1.0 / np.sqrt(1.0 + (frequency / cut) ** 2)
     observed, stated = [], []
     for seed in range(400):
-        power = 1.0 + 0.5 * np.fft.irfft(np.fft.rfft(np.random.default_rng(seed).standard_normal(n)) * gain, n)
+        power = 1.0 + 0.5 * np.fft.irfft(
+            np.fft.rfft(np.random.default_rng(seed).standard_normal(n)) * gain, n
+        )
         observed.append(level_db(float(power.mean()), 1e-12))
         stated.append(steady_uncertainty_db(power, RATE))
     assert np.std(observed, ddof=1) == pytest.approx(np.sqrt(np.mean(np.square(stated))), rel=0.12)

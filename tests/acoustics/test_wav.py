@@ -27,8 +27,10 @@ def test_calibrated_file_gives_the_same_level(tmp_path):
     path.write_bytes(wav.calibrated(NOISE, "1.0 = 1 Pa; 20 N, 0.1 m/s, µ", "a title"))
     samples, rate, comment = wav.read(path)
     assert (rate, comment) == (48000, "1.0 = 1 Pa; 20 N, 0.1 m/s, µ")
-    assert laeq_db(samples, rate) == pytest.approx(laeq_db(NOISE, 48000), abs=1e-4)  # asked; float32 rounds by 1e-7
-    np.testing.assert_allclose(samples, NOISE, rtol=6e-8)  # half a unit in the last place of 24 bits
+    # asked; float32 rounds by 1e-7
+    assert laeq_db(samples, rate) == pytest.approx(laeq_db(NOISE, 48000), abs=1e-4)
+    # half a unit in the last place of 24 bits
+    np.testing.assert_allclose(samples, NOISE, rtol=6e-8)
     assert samples_of(path.read_bytes())[2] == "a title"
 
 
@@ -37,7 +39,9 @@ def test_calibrated_file_may_exceed_full_scale():
 
 
 def test_more_than_32_bits_hold_is_refused():
-    with pytest.raises(ValueError, match="the record reaches 1e\\+39 Pa, more than a 32-bit float holds"):
+    with pytest.raises(
+        ValueError, match="the record reaches 1e\\+39 Pa, more than a 32-bit float holds"
+    ):
         wav.calibrated(np.array([1e39, 0.0]), "")
 
 
@@ -45,7 +49,8 @@ def test_more_than_32_bits_hold_is_refused():
 def test_listening_file_gives_the_level_less_its_gain(bits):
     gain = wav.listening_gain(NOISE)
     samples, comment, title = samples_of(wav.listening(NOISE, gain, "gain stated", "a title", bits))
-    # At -23 dB, rounding noise lies 120 (24 bits) or 78 dB below and cannot move the level by 1e-4 dB.
+    # At -23 dB, rounding noise lies 120 (24 bits) or 78 dB below and cannot move the level by 1e-4
+    # dB.
     assert laeq_db(samples / gain, 48000) == pytest.approx(laeq_db(NOISE, 48000), abs=1e-4)
     assert (comment, title) == ("gain stated", "a title")
 
@@ -55,9 +60,11 @@ def test_rounding_is_to_the_nearest_and_as_noisy_as_said(bits, floor_db):
     record = np.clip(0.2 * np.random.default_rng(2).standard_normal(48000), -1.0, 1.0)
     error = samples_of(wav.listening(record, 1.0, "", "", bits))[0] - record
     assert np.max(np.abs(error)) <= 2.0**-bits  # half a step of 2**(1 - bits)
-    # Uniform: LSB/sqrt(12). Of 48000 errors the mean square is known to 0.4 %, the mean to 1/sqrt(48000) of the rms.
+    # Uniform: LSB/sqrt(12). Of 48000 errors the mean square is known to 0.4 %, the mean to
+    # 1/sqrt(48000) of the rms.
     assert 10.0 * np.log10(np.mean(error**2)) == pytest.approx(floor_db, abs=0.1)
-    assert abs(np.mean(error)) < 4.0 / math.sqrt(48000.0) * np.sqrt(np.mean(error**2))  # rounding down: 1.7 rms
+    # rounding down: 1.7 rms
+    assert abs(np.mean(error)) < 4.0 / math.sqrt(48000.0) * np.sqrt(np.mean(error**2))
     edge = samples_of(wav.listening(np.array([1.0, -1.0, 0.0]), 1.0, "", "", bits))[0]
     assert np.array_equal(edge, [1.0 - 2.0 ** (1 - bits), -1.0, 0.0])
 
@@ -76,21 +83,31 @@ def test_same_record_same_bytes_at_another_second():
 
 
 def test_a_comment_that_spells_peak_is_left_alone():
-    samples, comment, title = samples_of(wav.calibrated(NOISE, "PEAK 12345678 PEAK", "PEAK 12345678"))
-    assert (comment, title) == ("PEAK 12345678 PEAK", "PEAK 12345678") and len(samples) == len(NOISE)
+    samples, comment, title = samples_of(
+        wav.calibrated(NOISE, "PEAK 12345678 PEAK", "PEAK 12345678")
+    )
+    assert (comment, title) == ("PEAK 12345678 PEAK", "PEAK 12345678") and len(samples) == len(
+        NOISE
+    )
 
 
 def test_clipping_is_refused():
     record = np.array([0.0, 0.5, -0.8])
     with pytest.raises(ValueError) as error:
         wav.listening(record, 2.0, "")
-    assert str(error.value) == "a gain of 2 per Pa drives the peak to 1.6 of full scale; the largest that fits is 1.25"
+    assert (
+        str(error.value)
+        == "a gain of 2 per Pa drives the peak to 1.6 of full scale; the largest that fits is 1.25"
+    )
     # As it says; one unit of 24 bits.
-    np.testing.assert_allclose(samples_of(wav.listening(record, 1.25, ""))[0], 1.25 * record, atol=2.0**-23)
+    np.testing.assert_allclose(
+        samples_of(wav.listening(record, 1.25, ""))[0], 1.25 * record, atol=2.0**-23
+    )
 
 
 def test_loops_without_a_click():
-    # A closed record of the audible band: played twice, the step over the seam and its change are such as inside.
+    # A closed record of the audible band: played twice, the step over the seam and its change are
+    # such as inside.
     record = band_limit(np.random.default_rng(7).standard_normal(24000), 48000.0)
     record *= 0.9 / np.abs(record).max()
     for bits in (16, 24):
@@ -115,37 +132,63 @@ def test_peak_wins_over_loudness():
     click = np.zeros(48000)
     click[100] = 1.0  # its rms is 47 dB below its peak
     assert wav.listening_gain(click) == pytest.approx(10.0 ** (-1.0 / 20.0), rel=1e-12)
-    assert wav.listening_gain(np.full(100, 2.0)) == pytest.approx(10.0 ** (-1.0 / 20.0) / 2.0, rel=1e-12)  # inaudible
+    # inaudible
+    assert wav.listening_gain(np.full(100, 2.0)) == pytest.approx(
+        10.0 ** (-1.0 / 20.0) / 2.0, rel=1e-12
+    )
 
 
 def test_a_record_below_hearing_is_not_lifted_to_the_target():
-    # -20 dB(A) plays 20 dB below the target, which 0 dB(A) just reaches: rounding of a silent record stays inaudible.
+    # -20 dB(A) plays 20 dB below the target, which 0 dB(A) just reaches: rounding of a silent
+    # record stays inaudible.
     noise = NOISE / a_weighted_rms(NOISE, 48000)
-    for level_db, reached_db in ((-300.0, -323.0), (-20.0, -43.0), (-1.0, -24.0), (0.0, -23.0), (10.0, -23.0)):
+    for level_db, reached_db in (
+        (-300.0, -323.0),
+        (-20.0, -43.0),
+        (-1.0, -24.0),
+        (0.0, -23.0),
+        (10.0, -23.0),
+    ):
         record = P_REF_PA * 10.0 ** (level_db / 20.0) * noise
         weighted = a_weighted_rms(wav.listening_gain(record) * record, 48000)
         assert 20.0 * math.log10(weighted) == pytest.approx(reached_db, abs=1e-6)
-    assert wav.listening_gain(1e-12 * np.full(100, 1.0)) == wav.MOST_GAIN  # inaudible: nothing that A-weighting leaves
+    # inaudible: nothing that A-weighting leaves
+    assert wav.listening_gain(1e-12 * np.full(100, 1.0)) == wav.MOST_GAIN
 
 
 def test_silence_is_written():
     assert wav.listening_gain(np.zeros(100)) == 1.0
     for bits in (16, 24):
-        assert np.array_equal(samples_of(wav.listening(np.zeros(100), 1.0, "", "", bits))[0], np.zeros(100))
+        assert np.array_equal(
+            samples_of(wav.listening(np.zeros(100), 1.0, "", "", bits))[0], np.zeros(100)
+        )
 
 
 @pytest.mark.parametrize(
     ("record", "comment", "title", "message"),
     [
-        (np.zeros(0), "", "", "a record is a series of at least one sample, got an array of shape (0,)"),
-        (np.zeros((3, 2)), "", "", "a record is a series of at least one sample, got an array of shape (3, 2)"),
+        (
+            np.zeros(0),
+            "",
+            "",
+            "a record is a series of at least one sample, got an array of shape (0,)",
+        ),
+        (
+            np.zeros((3, 2)),
+            "",
+            "",
+            "a record is a series of at least one sample, got an array of shape (3, 2)",
+        ),
         (np.array([np.nan]), "", "", "the record holds values that are not finite"),
         (np.zeros(3), "µ" * 1001, "", "the comment takes 2002 bytes, at most 2000 fit"),
         (np.zeros(3), "", "µ" * 1001, "the title takes 2002 bytes, at most 2000 fit"),
     ],
 )
 def test_messages(record, comment, title, message):
-    for made in (lambda: wav.calibrated(record, comment, title), lambda: wav.listening(record, 1.0, comment, title)):
+    for made in (
+        lambda: wav.calibrated(record, comment, title),
+        lambda: wav.listening(record, 1.0, comment, title),
+    ):
         with pytest.raises(ValueError) as error:
             made()
         assert str(error.value) == message

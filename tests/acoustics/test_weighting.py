@@ -20,7 +20,8 @@ def test_the_curve_is_the_table_at_the_exact_frequencies():
 
 
 def test_at_nominal_frequencies_it_is_not():
-    # Why the exact frequencies matter: 0.28 dB is gained or lost by reading the table at nominal ones.
+    # Why the exact frequencies matter: 0.28 dB is gained or lost by reading the table at nominal
+    # ones.
     difference = a_weighting_db(TABLE["nominal_hz"]) - TABLE["a_weighting_db"]
     assert 0.2 < np.max(np.abs(difference)) < 0.3
 
@@ -37,4 +38,6 @@ def test_0_hz_is_silent_without_a_warning():
 
 def test_poles_are_those_of_the_standard():
     # The standard prints them rounded: half a unit of the last digit each.
-    assert np.all(np.abs(np.array(POLES_HZ) - (20.60, 107.7, 737.9, 12194.0)) <= (0.005, 0.05, 0.05, 0.5))
+    assert np.all(
+        np.abs(np.array(POLES_HZ) - (20.60, 107.7, 737.9, 12194.0)) <= (0.005, 0.05, 0.05, 0.5)
+    )

@@ -1,4 +1,6 @@
-"""Our march and the public solvers over the sequences of peers/sequences.py, judged by the same check; for speed.py."""
+"""Our march and the public solvers over the sequences of peers/sequences.py, judged by the same
+check; for speed.py.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ TOLERANCES = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7)
 
 @dataclass(frozen=True)
 class Solved:
-    """A solver over a sequence: medians and means of all positions but the first, gap errors [m] of all, the last load error."""
+    """A solver over a sequence: medians and means of all positions but the first, gap errors [m] of
+    all, the last load error.
+    """
 
     tolerance: float
     ms: float
@@ -42,8 +46,12 @@ class Solved:
 
 
 def judged(name: str, tolerance: float, answers: dict[str, Any]) -> Solved:
-    """Answers of every position, `seconds` (CPU), `convolutions`, `pressures` (N, N) and perhaps `iterations`, checked."""
-    errors = [sequences.violation(name, k, pressure) for k, pressure in enumerate(answers["pressures"])]
+    """Answers of every position, `seconds` (CPU), `convolutions`, `pressures` (N, N) and perhaps
+    `iterations`, checked.
+    """
+    errors = [
+        sequences.violation(name, k, pressure) for k, pressure in enumerate(answers["pressures"])
+    ]
     return Solved(
         tolerance,
         ms=float(1e3 * np.median(answers["seconds"][1:])),
@@ -82,19 +90,26 @@ def ours(name: str, tolerance: float, steps: int) -> Solved:
     for state in march(track, 0, steps, HalfSpace(track.spacing, track.contact_modulus)):
         clock.append(time.process_time())
         states.append(state)
-    answers = {name: [getattr(state, name) for state in states] for name in ("iterations", "convolutions")}
+    answers = {
+        name: [getattr(state, name) for state in states] for name in ("iterations", "convolutions")
+    }
     answers |= {"seconds": np.diff(clock), "pressures": [on_full_grid(state) for state in states]}
     return judged(name, tolerance, answers)
 
 
 def loosest(name: str, gap_error: float, steps: int) -> float:
     """The loosest of our tolerances whose median gap error is at most this."""
-    return next((t for t in TOLERANCES if ours(name, t, steps).gap_error <= gap_error), TOLERANCES[-1])
+    return next(
+        (t for t in TOLERANCES if ours(name, t, steps).gap_error <= gap_error), TOLERANCES[-1]
+    )
 
 
 def theirs(name: str, peer: str, python: str, tolerance: float, steps: int) -> Solved:
-    """A peer's answers, from the interpreter of its own virtual environment, with one thread as long as ours has one."""
-    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}  # it leads to our packages
+    """A peer's answers, from the interpreter of its own virtual environment, with one thread as
+    long as ours has one.
+    """
+    # it leads to our packages
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "answers.npz"
         command = [python, PEERS / f"{peer}_sequence.py", name, str(tolerance), str(steps), out]

@@ -1,6 +1,8 @@
-"""The speed targets, each measured beside a yardstick of the same run: writes speed.json and speed.md, prints the table.
+"""The speed targets, each measured beside a yardstick of the same run: writes speed.json and
+speed.md, prints the table.
 
-python tests/benchmarks/speed.py [--quick] [--aspher PYTHON] [--slippy PYTHON] [--out FOLDER]    (a minute; see README.md here)
+python tests/benchmarks/speed.py [--quick] [--aspher PYTHON] [--slippy PYTHON] [--out FOLDER]    (a
+minute; see README.md here)
 """
 
 from __future__ import annotations
@@ -43,7 +45,9 @@ STEPS_PER_SECOND = 50_000  # of sound: 0.1 m/s over steps of 2 um
 
 @dataclass(frozen=True)
 class Rival:
-    """What a peer sets us on a sequence; gap_error [m] is the most we may have (None: as much as the peer has in this run)."""
+    """What a peer sets us on a sequence; gap_error [m] is the most we may have (None: as much as
+    the peer has in this run).
+    """
 
     sequence: str
     peer: str
@@ -62,7 +66,9 @@ RIVALS = (
 
 @dataclass
 class Row:
-    """One line of the table; `met` is None where there is no target or nothing was run; numbers go to the JSON only."""
+    """One line of the table; `met` is None where there is no target or nothing was run; numbers go
+    to the JSON only.
+    """
 
     measure: str
     value: str
@@ -74,11 +80,14 @@ class Row:
     numbers: dict[str, Any] = field(default_factory=dict)
 
 
-# ---- one step --------------------------------------------------------------------------------------------------------
+# ---- one step
+# --------------------------------------------------------------------------------------------------------
 
 
 def clocked(half_space: HalfSpace) -> HalfSpace:
-    """The same half-space, adding up in `.seconds` the time of its convolutions, their work arrays' clearing included."""
+    """The same half-space, adding up in `.seconds` the time of its convolutions, their work arrays'
+    clearing included.
+    """
 
     def timed(method: Callable) -> Callable:
         def call(*args: Any, **kwargs: Any) -> Any:
@@ -107,7 +116,9 @@ def clocked(half_space: HalfSpace) -> HalfSpace:
 
 @dataclass
 class Timed:
-    """A march: its states, and of each step the release [J], seconds and how many of them went into convolutions."""
+    """A march: its states, and of each step the release [J], seconds and how many of them went into
+    convolutions.
+    """
 
     states: list[ContactState]
     release: np.ndarray
@@ -127,8 +138,12 @@ def timed_march(track: RollingContact, steps: int) -> Timed:
     return Timed(states, np.array(release), *np.diff(clock, axis=0).T)
 
 
-def bare_convolution(window: Window, track: RollingContact, repeats: int = 5, calls: int = 15) -> float:
-    """Seconds of one convolution of a full random pressure on a window: the best of several medians."""
+def bare_convolution(
+    window: Window, track: RollingContact, repeats: int = 5, calls: int = 15
+) -> float:
+    """Seconds of one convolution of a full random pressure on a window: the best of several
+    medians.
+    """
     half_space = HalfSpace(track.spacing, track.contact_modulus)
     pressure = np.random.default_rng(0).uniform(0, 1e9, (window.rows, window.columns))
     half_space.deflection(pressure)  # plans its transforms
@@ -144,25 +159,42 @@ def bare_convolution(window: Window, track: RollingContact, repeats: int = 5, ca
 
 def counts(states: list[ContactState]) -> dict[str, float]:
     """Iterations and convolutions per step, without the cold start."""
-    return {name: float(np.mean([getattr(s, name) for s in states[1:]])) for name in ("iterations", "convolutions")}
+    return {
+        name: float(np.mean([getattr(s, name) for s in states[1:]]))
+        for name in ("iterations", "convolutions")
+    }
 
 
 def measure_steps(steps: int) -> list[Row]:
-    """Time per step in bare convolutions, release-signal error at this tolerance, share of time outside the convolutions."""
+    """Time per step in bare convolutions, release-signal error at this tolerance, share of time
+    outside the convolutions.
+    """
     track = rolling_contact(scene_20_n())
     timed_march(track, 5)  # compiles
-    march_20_n = min((timed_march(track, steps) for _ in range(3)), key=lambda one: np.median(one.seconds))
+    march_20_n = min(
+        (timed_march(track, steps) for _ in range(3)), key=lambda one: np.median(one.seconds)
+    )
     windows = {(s.window.rows, s.window.columns): s.window for s in march_20_n.states[1:]}
     bare = {size: bare_convolution(window, track) for size, window in windows.items()}
     yardstick = np.array([bare[s.window.rows, s.window.columns] for s in march_20_n.states[1:]])
     ratio = float(np.median(march_20_n.seconds / yardstick))
     outside = float(1 - march_20_n.convolving.sum() / march_20_n.seconds.sum())
     exact = timed_march(replace(track, tolerance=REFERENCE_TOLERANCE), steps).release
-    error = float(20 * np.log10(np.sqrt(np.mean((march_20_n.release - exact) ** 2)) / np.std(exact)))
+    error = float(
+        20 * np.log10(np.sqrt(np.mean((march_20_n.release - exact) ** 2)) / np.std(exact))
+    )
     step_ms, bare_ms = 1e3 * np.median(march_20_n.seconds), 1e3 * np.median(yardstick)
-    scene, per_step = f"20 N, tolerance {track.tolerance:g}, {steps} steps", counts(march_20_n.states)
+    scene, per_step = (
+        f"20 N, tolerance {track.tolerance:g}, {steps} steps",
+        counts(march_20_n.states),
+    )
     detail = f"{scene}; {step_ms:.2f} ms / {bare_ms:.3f} ms"
-    numbers = {"ratio": ratio, "step_ms": step_ms, "bare_convolution_ms": bare_ms, "windows": sorted(windows)}
+    numbers = {
+        "ratio": ratio,
+        "step_ms": step_ms,
+        "bare_convolution_ms": bare_ms,
+        "windows": sorted(windows),
+    }
     numbers["mean_ratio"] = march_20_n.seconds.sum() / yardstick.sum()
     against = f"{scene}; against tolerance {REFERENCE_TOLERANCE:g}"
     return [
@@ -172,20 +204,30 @@ def measure_steps(steps: int) -> list[Row]:
     ]  # fmt: skip
 
 
-# ---- the peers -------------------------------------------------------------------------------------------------------
+# ---- the peers
+# -------------------------------------------------------------------------------------------------------
 
 
 def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) -> Row:
-    """Peer and ours over one sequence, ours at the loosest tolerance whose median gap error is small enough."""
+    """Peer and ours over one sequence, ours at the loosest tolerance whose median gap error is
+    small enough.
+    """
     name, peer = rival.sequence, rival.peer
     other = None
     if python:
         other = quickest(theirs(name, peer, python, rival.tolerance, steps) for _ in range(repeats))
     most = rival.gap_error or (other.gap_error if other else 5e-12)
     tolerance = loosest(name, most, steps)
-    own = quickest(ours(name, tolerance, steps) for _ in range(repeats + 1))  # one more, to plan its transforms
+    # one more, to plan its transforms
+    own = quickest(ours(name, tolerance, steps) for _ in range(repeats + 1))
     detail = f"ours {own.ms:.1f} ms at tolerance {tolerance:g}, gap error {own.gap_error:.1e} m (limit {most:.1e} m)"
-    row = Row(f"sequence {name}: {peer} / ours", "", f">= {rival.target:g} (aim {rival.aim:g})", None, detail)
+    row = Row(
+        f"sequence {name}: {peer} / ours",
+        "",
+        f">= {rival.target:g} (aim {rival.aim:g})",
+        None,
+        detail,
+    )
     row.iterations, row.convolutions = own.iterations, own.convolutions
     row.numbers = {"steps": steps, "gap_error_limit_m": most, "ours": asdict(own)}
     if other is None:
@@ -193,13 +235,16 @@ def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) ->
         return row
     ratio = other.ms / own.ms
     row.value, row.met = f"{ratio:.1f}", ratio >= rival.target and own.gap_error <= most
-    row.detail += f"; {peer} {other.ms:.0f} ms at {other.tolerance:g}, gap error {other.gap_error:.1e} m"
+    row.detail += (
+        f"; {peer} {other.ms:.0f} ms at {other.tolerance:g}, gap error {other.gap_error:.1e} m"
+    )
     row.detail += f", {other.convolutions:.1f} convolutions"
     row.numbers |= {"ratio": ratio, peer: asdict(other)}
     return row
 
 
-# ---- whole runs ------------------------------------------------------------------------------------------------------
+# ---- whole runs
+# ------------------------------------------------------------------------------------------------------
 
 
 def in_fresh_process(*arguments: object) -> subprocess.Popen:
@@ -215,7 +260,9 @@ def answer(process: subprocess.Popen) -> Any:
 
 
 def attainable(seconds: float) -> float:
-    """What two processes that share nothing gain over one on this machine just now: bare convolutions per second."""
+    """What two processes that share nothing gain over one on this machine just now: bare
+    convolutions per second.
+    """
     alone = answer(in_fresh_process("convolutions", seconds))
     return sum(map(answer, [in_fresh_process("convolutions", seconds) for _ in range(2)])) / alone
 
@@ -223,22 +270,35 @@ def attainable(seconds: float) -> float:
 def measure_whole_runs(steps: int) -> list[Row]:
     """Two workers against one, memory of a run ten times as long, computing per second of sound."""
     fewer = max(steps // 10, 200)
-    short, one, two = (answer(in_fresh_process("run", *pair)) for pair in ((fewer, 1), (steps, 1), (steps, 2)))
+    short, one, two = (
+        answer(in_fresh_process("run", *pair)) for pair in ((fewer, 1), (steps, 1), (steps, 2))
+    )
     gain = attainable(2.0)
-    # One worker is the process itself, warm by then; two are started for the run, at a cost that does not grow with it.
+    # One worker is the process itself, warm by then; two are started for the run, at a cost that
+    # does not grow with it.
     speedup = one["seconds"] / (two["seconds"] - two["start_up_s"])
     by_cpu = 2 * one["cpu_s"] / (two["cpu_s"] - two["start_up_cpu_s"])
     met = speedup >= 1.8 if gain >= 1.8 else None
     busy = "" if gain >= 1.8 else ", the machine was too busy"
-    growth, of_march = ((one[b] - short[b]) / (steps - fewer) for b in ("peak_bytes", "march_bytes"))
+    growth, of_march = (
+        (one[b] - short[b]) / (steps - fewer) for b in ("peak_bytes", "march_bytes")
+    )
     scalars, surface = 8 * len(STEP_SERIES + STATE_SERIES), 8 * scene_20_n().surface.n_across
     sound = (two["seconds"] - two["start_up_s"]) / steps * STEPS_PER_SECOND + two["start_up_s"]
     per_step = {name: two[name] for name in ("iterations", "convolutions")}
     split = f"{steps} steps of 20 N: {one['seconds']:.1f} s / ({two['seconds']:.1f} s less start-up {two['start_up_s']:.1f} s)"
-    peaks = " and ".join(f"{r['peak_bytes'] / 1e6:.0f} MB at {r['steps']} steps" for r in (short, one))
+    peaks = " and ".join(
+        f"{r['peak_bytes'] / 1e6:.0f} MB at {r['steps']} steps" for r in (short, one)
+    )
     memory = {"bytes_per_step": growth, "march_bytes_per_step": of_march}
     memory |= {"surface_bytes_per_step": surface, "scalar_bytes_per_step": scalars}
-    numbers = {"short": short, "one_worker": one, "two_workers": two, "attainable": gain, "speedup": speedup}
+    numbers = {
+        "short": short,
+        "one_worker": one,
+        "two_workers": two,
+        "attainable": gain,
+        "speedup": speedup,
+    }
     numbers["speedup_by_cpu_time"] = by_cpu
     return [
         Row("two workers / one", f"{speedup:.2f}", ">= 1.8", met,
@@ -251,16 +311,24 @@ def measure_whole_runs(steps: int) -> list[Row]:
     ]  # fmt: skip
 
 
-# ---- the report ------------------------------------------------------------------------------------------------------
+# ---- the report
+# ------------------------------------------------------------------------------------------------------
 
 
 def table(rows: list[Row]) -> str:
     """Rows as Markdown."""
-    lines = ["| measure | value | target | met | iterations | convolutions | detail |", "|---|---|---|---|---|---|---|"]
+    lines = [
+        "| measure | value | target | met | iterations | convolutions | detail |",
+        "|---|---|---|---|---|---|---|",
+    ]
     for row in rows:
         met = "" if row.met is None else "yes" if row.met else "**no**"
-        per_step = " | ".join("" if n is None else f"{n:.1f}" for n in (row.iterations, row.convolutions))
-        lines.append(f"| {row.measure} | {row.value} | {row.target} | {met} | {per_step} | {row.detail} |")
+        per_step = " | ".join(
+            "" if n is None else f"{n:.1f}" for n in (row.iterations, row.convolutions)
+        )
+        lines.append(
+            f"| {row.measure} | {row.value} | {row.target} | {met} | {per_step} | {row.detail} |"
+        )
     return "\n".join(lines) + "\n"
 
 
@@ -277,20 +345,34 @@ def machine() -> dict[str, Any]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="fewer steps, half a minute: the numbers are rougher")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--quick", action="store_true", help="fewer steps, half a minute: the numbers are rougher"
+    )
     for peer in ("aspher", "slippy"):
-        parser.add_argument(f"--{peer}", metavar="PYTHON", help=f"interpreter of the environment that holds {peer}")
-    parser.add_argument("--out", metavar="FOLDER", type=Path, default=HERE.parent.parent / "outputs" / "benchmarks")
+        parser.add_argument(
+            f"--{peer}", metavar="PYTHON", help=f"interpreter of the environment that holds {peer}"
+        )
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, default=HERE.parent.parent / "outputs" / "benchmarks"
+    )
     given = parser.parse_args()
     quick = given.quick
-    report = {"date": datetime.now(UTC).isoformat(timespec="seconds"), "quick": quick, "machine": machine()}
+    report = {
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "quick": quick,
+        "machine": machine(),
+    }
     rows: list[Row] = []
     print("one step ...", file=sys.stderr, flush=True)
     rows += measure_steps(40 if quick else 200)
     for rival in RIVALS:
         print(f"sequence {rival.sequence} ...", file=sys.stderr, flush=True)
-        rows.append(measure_rival(rival, getattr(given, rival.peer), *((5, 1) if quick else (20, 2))))
+        rows.append(
+            measure_rival(rival, getattr(given, rival.peer), *((5, 1) if quick else (20, 2)))
+        )
     print("whole runs ...", file=sys.stderr, flush=True)
     rows += measure_whole_runs(400 if quick else 4000)
     report["rows"] = [asdict(row) for row in rows]

@@ -1,7 +1,9 @@
-"""A run of the 20 N scene in a fresh process, for speed.py: wall seconds, start-up of the workers, peak memory.
+"""A run of the 20 N scene in a fresh process, for speed.py: wall seconds, start-up of the workers,
+peak memory.
 
-python tests/benchmarks/whole_run.py run STEPS WORKERS      (prints one JSON line)
-python tests/benchmarks/whole_run.py convolutions SECONDS   (prints how many bare convolutions one process does in a second)
+python tests/benchmarks/whole_run.py run STEPS WORKERS      (prints one JSON line) python
+tests/benchmarks/whole_run.py convolutions SECONDS   (prints how many bare convolutions one process
+does in a second)
 """
 
 from __future__ import annotations
@@ -32,19 +34,26 @@ def scene_20_n(*overrides: str) -> Scene:
 
 
 def peak_memory(afresh: bool = False) -> int:
-    """Peak resident bytes of this process (Linux); getrusage's would begin with those of the process that started it."""
+    """Peak resident bytes of this process (Linux); getrusage's would begin with those of the
+    process that started it.
+    """
     if afresh:
-        ctypes.CDLL(None).malloc_trim(0)  # what the surface's making left free would hide what the march takes
+        # what the surface's making left free would hide what the march takes
+        ctypes.CDLL(None).malloc_trim(0)
         Path("/proc/self/clear_refs").write_text("5")
     status = Path("/proc/self/status").read_text().split()
     return 1024 * int(status[status.index("VmHWM:") + 1])
 
 
-def simulated(scene: Scene, todo: list[tuple[int, int]], workers: int) -> tuple[np.ndarray, list[Piece]]:
+def simulated(
+    scene: Scene, todo: list[tuple[int, int]], workers: int
+) -> tuple[np.ndarray, list[Piece]]:
     """Wall and CPU seconds, workers included, and the pieces."""
     kept: list[Piece] = []
     began = clocks()
-    outcome = march_pieces([scene], [(0, *piece) for piece in todo], workers, lambda _, piece: kept.append(piece))
+    outcome = march_pieces(
+        [scene], [(0, *piece) for piece in todo], workers, lambda _, piece: kept.append(piece)
+    )
     if outcome.failures or outcome.interrupted:
         raise SystemExit(f"the run was not finished: {outcome}")
     return clocks() - began, kept
@@ -56,7 +65,9 @@ def clocks() -> np.ndarray:
 
 
 def run(steps: int, workers: int) -> dict[str, float]:
-    """The first piece loads what is compiled; then one step for each worker is its start-up; then the run, every piece kept."""
+    """The first piece loads what is compiled; then one step for each worker is its start-up; then
+    the run, every piece kept.
+    """
     scene = scene_20_n(f"rolling.duration_s={steps * SPACING / SPEED:.10g}")
     heights(scene)
     surface_peak = peak_memory()
@@ -64,7 +75,10 @@ def run(steps: int, workers: int) -> dict[str, float]:
     start_up, _ = simulated(scene, [(0, 1)] * workers, workers)
     resident = peak_memory(afresh=True)
     seconds, kept = simulated(scene, pieces(steps), workers)
-    means = {name: np.concatenate([p.states[name] for p in kept]).mean() for name in ("iterations", "convolutions")}
+    means = {
+        name: np.concatenate([p.states[name] for p in kept]).mean()
+        for name in ("iterations", "convolutions")
+    }
     return {
         "steps": sum(piece.last - piece.first for piece in kept),
         "workers": workers,
@@ -91,4 +105,8 @@ def convolutions_per_second(seconds: float) -> float:
 
 if __name__ == "__main__":
     what, *numbers = sys.argv[1:]
-    print(json.dumps(run(*map(int, numbers)) if what == "run" else convolutions_per_second(float(numbers[0]))))
+    print(
+        json.dumps(
+            run(*map(int, numbers)) if what == "run" else convolutions_per_second(float(numbers[0]))
+        )
+    )

@@ -1,4 +1,6 @@
-"""Blended edges against the sharp ones they replace: closer to a fine grid at the same cost, and the same laws hold."""
+"""Blended edges against the sharp ones they replace: closer to a fine grid at the same cost, and
+the same laws hold.
+"""
 
 from __future__ import annotations
 
@@ -27,24 +29,34 @@ def error_db(signal: np.ndarray, reference: np.ndarray) -> float:
 
 @pytest.mark.law("Blended edges: the release is closer to a fine grid than with sharp edges.")
 def test_release_is_closer_to_a_fine_grid_for_no_more_iterations(coarse: RollingContact) -> None:
-    """Measured against 0.67 um: -15.4 dB sharp, -22.2 dB blended; longer tracks and finer references are in the README."""
+    """Measured against 0.67 um: -15.4 dB sharp, -22.2 dB blended; longer tracks and finer
+    references are in the README.
+    """
     steps = 80
     sharp, blended = roll(coarse, 0, steps), roll(replace(coarse, blended=True), 0, steps)
-    fine = replace(coarse, blended=True, heights=refined(coarse.heights, 3), spacing=coarse.spacing / 3)
+    fine = replace(
+        coarse, blended=True, heights=refined(coarse.heights, 3), spacing=coarse.spacing / 3
+    )
     finest = roll(fine, 0, steps)
     reference = releases(fine, finest)
     error_sharp = error_db(releases(coarse, sharp), reference)
     error_blended = error_db(releases(coarse, blended), reference)
     assert error_blended < error_sharp - 5, (error_sharp, error_blended)
-    iterations = [np.mean([state.iterations for state in states[1:]]) for states in (sharp, blended)]
+    iterations = [
+        np.mean([state.iterations for state in states[1:]]) for states in (sharp, blended)
+    ]
     assert iterations[1] < 1.1 * iterations[0]
-    area = [np.mean([state.contact_area for state in states]) for states in (sharp, blended, finest)]
+    area = [
+        np.mean([state.contact_area for state in states]) for states in (sharp, blended, finest)
+    ]
     assert abs(area[1] / area[2] - 1) < abs(area[0] / area[2] - 1) / 2, area
 
 
 @pytest.mark.law("Blended edges: the contact conditions and the energy ledger hold.")
 def test_every_law_holds(coarse: RollingContact) -> None:
-    """The conditions with the gap of a partly covered cell, bounds, load, and the ledger, an identity of any pressures."""
+    """The conditions with the gap of a partly covered cell, bounds, load, and the ledger, an
+    identity of any pressures.
+    """
     track = replace(coarse, blended=True, tolerance=1e-7)
     states = roll(track, 5, 12)
     for state in states:
@@ -55,7 +67,9 @@ def test_every_law_holds(coarse: RollingContact) -> None:
 
 
 def test_share_of_a_cell_and_its_gap(coarse: RollingContact) -> None:
-    """Where an edge crosses a cell: gap = edge (1 - 2 p / H), at either end of it open and at the hardness."""
+    """Where an edge crosses a cell: gap = edge (1 - 2 p / H), at either end of it open and at the
+    hardness.
+    """
     track = replace(coarse, blended=True, tolerance=1e-8)
     state = roll(track, 0, 0)[0]
     gap = track.gap(0, state.window) + state.deflection - state.approach
@@ -68,7 +82,9 @@ def test_share_of_a_cell_and_its_gap(coarse: RollingContact) -> None:
 
 
 def test_pieces_agree_once_run_in(coarse: RollingContact) -> None:
-    """Edges are told from the positions before, so a march begun in between differs: after its run-in by less than the solver."""
+    """Edges are told from the positions before, so a march begun in between differs: after its
+    run-in by less than the solver.
+    """
     track = replace(coarse, blended=True, tolerance=1e-8)
     whole = releases(track, roll(track, 0, 40))
     pieces = np.concatenate([releases(track, roll(track, k, k + 10)) for k in range(0, 40, 10)])
@@ -87,13 +103,20 @@ def test_no_edge_is_no_change(coarse: RollingContact) -> None:
     track = replace(coarse, tolerance=1e-9)
     sharp = roll(track, 0, 0)[0]
     gap = track.gap(0, sharp.window)
-    start, options = solver.WarmStart(sharp.pressure, close=True), solver.SolverOptions(track.tolerance)
-    again = solver.solve_contact(space_of(track), gap, track.load, start, HARDNESS, np.zeros_like(gap), options)
+    start, options = (
+        solver.WarmStart(sharp.pressure, close=True),
+        solver.SolverOptions(track.tolerance),
+    )
+    again = solver.solve_contact(
+        space_of(track), gap, track.load, start, HARDNESS, np.zeros_like(gap), options
+    )
     assert np.abs(again.pressure - sharp.pressure).max() < 1e-6 * HARDNESS
 
 
 def test_where_nothing_yields_no_area_is_plastic() -> None:
-    """A hardness that is nowhere reached: no plastic area; of 200 nodes in contact some at the edge are open or not (8 %)."""
+    """A hardness that is nowhere reached: no plastic area; of 200 nodes in contact some at the edge
+    are open or not (8 %).
+    """
     track = make_track(rough(100, 100, 1e-8), load=0.3, hardness=HARDNESS, tolerance=1e-6)
     sharp, blended = roll(track, 0, 5), roll(replace(track, blended=True), 0, 5)
     for state in (*sharp, *blended):
@@ -103,9 +126,13 @@ def test_where_nothing_yields_no_area_is_plastic() -> None:
 
 
 def test_areas_of_both_edges_are_those_of_a_fine_grid(coarse: RollingContact) -> None:
-    """Measured against 0.67 um: plastic area 2 % low blended, 5 % sharp; contact area 3 and 7 % high."""
+    """Measured against 0.67 um: plastic area 2 % low blended, 5 % sharp; contact area 3 and 7 %
+    high.
+    """
     steps = 30
-    fine = replace(coarse, blended=True, heights=refined(coarse.heights, 3), spacing=coarse.spacing / 3)
+    fine = replace(
+        coarse, blended=True, heights=refined(coarse.heights, 3), spacing=coarse.spacing / 3
+    )
     found = [roll(track, 0, steps) for track in (coarse, replace(coarse, blended=True), fine)]
     plastic, contacts = (
         [np.mean([getattr(state, name) for state in states]) for states in found]

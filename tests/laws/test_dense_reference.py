@@ -1,4 +1,6 @@
-"""The article's method, an influence matrix with an active set, against the FFT path on scenes small enough for a matrix."""
+"""The article's method, an influence matrix with an active set, against the FFT path on scenes
+small enough for a matrix.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +13,19 @@ from rolling.contact.window import Window
 from rolling.verification.dense import dense_contact
 
 
-@pytest.mark.law("Dense method: an influence matrix with an active set gives the same pressure as the FFT path.")
-@pytest.mark.parametrize("hardness", [np.inf, 1.6e9, 0.9e9], ids=["elastic", "capped", "mostly capped"])
+@pytest.mark.law(
+    "Dense method: an influence matrix with an active set gives the same pressure as the FFT path."
+)
+@pytest.mark.parametrize(
+    "hardness", [np.inf, 1.6e9, 0.9e9], ids=["elastic", "capped", "mostly capped"]
+)
 @pytest.mark.parametrize("shape", [(30, 24), (25, 31)])
 def test_fft_path_equals_the_dense_method(shape: tuple[int, int], hardness: float) -> None:
-    """Direct solves are exact to the condition of the matrix (1e-13 here); the march to its tolerance, 1e-9 of the deflection.
+    """Direct solves are exact to the condition of the matrix (1e-13 here); the march to its
+    tolerance, 1e-9 of the deflection.
 
-    Pressures are worse off by the stiffness of single nodes, about a / spacing = 6: measured 5e-11 to 3e-9 of the peak.
+    Pressures are worse off by the stiffness of single nodes, about a / spacing = 6: measured 5e-11
+    to 3e-9 of the peak.
     """
     track = make_track(rough(*shape, 3e-8, seed=3), load=0.1, hardness=hardness, tolerance=1e-9)
     for state in roll(track, 5, 7):

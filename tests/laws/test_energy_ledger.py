@@ -1,4 +1,6 @@
-"""Stored energy changes by loading minus release: an identity of reciprocity with the mean rule, at any step, capped or not."""
+"""Stored energy changes by loading minus release: an identity of reciprocity with the mean rule, at
+any step, capped or not.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,10 @@ HARDNESS = {"elastic": np.inf, "capped": 2.1e9}
 @pytest.mark.parametrize("step_nodes", [0.5, 1, 3, 40])
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_ledger_closes_to_rounding(plate: str, step_nodes: float) -> None:
-    """Also at a loose tolerance and at steps longer than the contact (40 nodes, 80 um; a = 43 um). Measured 1e-15 to 5e-15."""
+    """Also at a loose tolerance and at steps longer than the contact (40 nodes, 80 um; a = 43 um).
+
+    Measured 1e-15 to 5e-15.
+    """
     heights = rough(150, 120, 1e-7)
     track = make_track(heights, hardness=HARDNESS[plate], step=step_nodes * 2e-6, tolerance=1e-3)
     states = roll(track, 0, 6)
@@ -27,11 +32,15 @@ def test_ledger_closes_to_rounding(plate: str, step_nodes: float) -> None:
 @pytest.mark.law("Energy ledger: the stored energy is the sum of p u dA / 2.")
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_stored_energy_is_half_pressure_times_deflection(plate: str) -> None:
-    """The ledger's other side, from a convolution of its own; tolerance: rounding of the two convolutions."""
+    """The ledger's other side, from a convolution of its own; tolerance: rounding of the two
+    convolutions.
+    """
     track = make_track(rough(90, 90, 1e-7), hardness=HARDNESS[plate], load=1.0, tolerance=1e-5)
     for state in roll(track, 0, 2):
         _, u, p = gap_and_deflection(track, state)
-        assert state.stored_energy == pytest.approx(0.5 * np.vdot(p, u) * track.spacing**2, rel=1e-12)
+        assert state.stored_energy == pytest.approx(
+            0.5 * np.vdot(p, u) * track.spacing**2, rel=1e-12
+        )
 
 
 @pytest.mark.law("Energy ledger: the left-end rule does not close it.")
@@ -47,8 +56,10 @@ def test_left_end_rule_does_not_close(plate: str) -> None:
 
 @pytest.mark.law("Energy ledger: it closes when contact jumps to another place.")
 def test_nothing_released_is_lost_when_contact_jumps() -> None:
-    """Two spikes 60 um apart on a smooth plate under a light sphere: contact leaves one for the other within a step, and what the
-    left one held, p u / 2, must all be in the release (mean of p and 0, times the whole of u)."""
+    """Two spikes 60 um apart on a smooth plate under a light sphere: contact leaves one for the
+    other within a step, and what the left one held, p u / 2, must all be in the release (mean of p
+    and 0, times the whole of u).
+    """
     heights = np.zeros((80, 41))
     heights[[0, 30], 20] = 2e-6
     track = make_track(heights, load=1e-3, step=60e-6, tolerance=1e-6)

@@ -1,4 +1,6 @@
-"""Love's coefficients against the dense influence matrix; the padded FFT convolution against the sum it stands for."""
+"""Love's coefficients against the dense influence matrix; the padded FFT convolution against the
+sum it stands for.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,10 @@ def nodes(rows: int, columns: int) -> np.ndarray:
 @pytest.mark.law("Half-space: Love's coefficients are the entries of the influence matrix.")
 @pytest.mark.kernel
 def test_love_coefficients_agree_with_the_influence_matrix() -> None:
-    """Two ways of writing one closed form. Corner terms of size r cancel to 1 / r, and plain logarithms to less: measured 4e-12."""
+    """Two ways of writing one closed form.
+
+    Corner terms of size r cancel to 1 / r, and plain logarithms to less: measured 4e-12.
+    """
     rows, columns = 21, 14
     dense = influence_matrix(nodes(rows, columns), SPACING, STEEL)[0].reshape(rows, columns)
     closed = love(np.arange(rows), np.arange(columns)) * SPACING / (np.pi * STEEL)
@@ -28,8 +33,12 @@ def test_love_coefficients_agree_with_the_influence_matrix() -> None:
 
 
 def test_love_coefficient_under_the_loaded_square_and_far_away() -> None:
-    """4 ln(1 + sqrt 2) under the centre of a unit square; a point load, 1 / r, far from it: the next term is 1 / (24 r^3)."""
-    assert love(np.zeros(1), np.zeros(1))[0, 0] == pytest.approx(4 * np.log(1 + np.sqrt(2)), rel=1e-15)
+    """4 ln(1 + sqrt 2) under the centre of a unit square; a point load, 1 / r, far from it: the
+    next term is 1 / (24 r^3).
+    """
+    assert love(np.zeros(1), np.zeros(1))[0, 0] == pytest.approx(
+        4 * np.log(1 + np.sqrt(2)), rel=1e-15
+    )
     far = love(np.array([300.0]), np.array([400.0]))[0, 0] * 500
     assert far - 1 == pytest.approx(
         1 / (24 * 500**2), rel=0.01
@@ -39,7 +48,10 @@ def test_love_coefficient_under_the_loaded_square_and_far_away() -> None:
 @pytest.mark.law("Half-space: the padded FFT convolution equals the direct sum.")
 @pytest.mark.parametrize("shape", [(1, 1), (3, 8), (17, 5), (31, 33), (12, 40), (64, 64)])
 def test_convolution_equals_direct_summation(shape: tuple[int, int]) -> None:
-    """Zero padding makes it exact for any window. Measured 4e-16 to 6e-15, of which the 4096 additions in a row do most."""
+    """Zero padding makes it exact for any window.
+
+    Measured 4e-16 to 6e-15, of which the 4096 additions in a row do most.
+    """
     pressure = np.random.default_rng(sum(shape)).random(shape) * 1e9
     kernel = love(*(np.abs(np.arange(1 - k, k)) for k in shape)) * SPACING / (np.pi * STEEL)
     direct = np.zeros(shape)
@@ -51,7 +63,9 @@ def test_convolution_equals_direct_summation(shape: tuple[int, int]) -> None:
 
 
 def test_a_window_size_used_before_leaves_nothing_behind() -> None:
-    """Odd windows share transforms with larger ones: what a larger pressure left in the work arrays must not be heard."""
+    """Odd windows share transforms with larger ones: what a larger pressure left in the work arrays
+    must not be heard.
+    """
     space = HalfSpace(SPACING, STEEL)
     small = np.random.default_rng(3).random((13, 29)) * 1e9
     before = space.deflection(small)
@@ -62,7 +76,10 @@ def test_a_window_size_used_before_leaves_nothing_behind() -> None:
 
 @pytest.mark.law("Half-space: the deflection scales with the spacing and with 1 / E*.")
 def test_deflection_scales_with_spacing_and_modulus() -> None:
-    """Same pressures on squares twice as large: twice the deflection; twice the modulus: half. Powers of two, so to the bit."""
+    """Same pressures on squares twice as large: twice the deflection; twice the modulus: half.
+
+    Powers of two, so to the bit.
+    """
     pressure = np.random.default_rng(4).random((19, 23)) * 1e9
     once = HalfSpace(SPACING, STEEL).deflection(pressure)
     np.testing.assert_array_equal(HalfSpace(2 * SPACING, STEEL).deflection(pressure), 2 * once)
@@ -92,9 +109,13 @@ def test_a_window_beyond_all_room_is_refused_with_its_size() -> None:
         padded_length(8193)
 
 
-@pytest.mark.parametrize(("rows", "columns"), [((0, 4), (20, 33)), ((13, 29), (0, 3)), ((29, 29), (7, 7))])
+@pytest.mark.parametrize(
+    ("rows", "columns"), [((0, 4), (20, 33)), ((13, 29), (0, 3)), ((29, 29), (7, 7))]
+)
 def test_padding_follows_the_loaded_block(rows: tuple[int, int], columns: tuple[int, int]) -> None:
-    """A small loaded block anywhere in a window: the same deflection everywhere as with padding for a full window."""
+    """A small loaded block anywhere in a window: the same deflection everywhere as with padding for
+    a full window.
+    """
     pressure = np.zeros((30, 34))
     block = np.s_[rows[0] : rows[1] + 1, columns[0] : columns[1] + 1]
     pressure[block] = np.random.default_rng(6).random(pressure[block].shape) * 1e9
@@ -102,7 +123,10 @@ def test_padding_follows_the_loaded_block(rows: tuple[int, int], columns: tuple[
     corners = np.zeros_like(pressure)
     corners[0, 0] = corners[-1, -1] = 1e9
     space = HalfSpace(SPACING, STEEL)
-    assert np.abs(space.deflection(pressure + corners) - space.deflection(corners) - alone).max() < 2e-14 * alone.max()
+    assert (
+        np.abs(space.deflection(pressure + corners) - space.deflection(corners) - alone).max()
+        < 2e-14 * alone.max()
+    )
 
 
 def test_single_precision_is_told_from_double_by_1e_7() -> None:
@@ -113,5 +137,8 @@ def test_single_precision_is_told_from_double_by_1e_7() -> None:
     single.clear(40)
     single.real[:40, :30] = pressure * space.unit
     single.apply(40)
-    error = np.abs(single.real[:40, :30] - space.deflection(pressure)).max() / space.deflection(pressure).max()
+    error = (
+        np.abs(single.real[:40, :30] - space.deflection(pressure)).max()
+        / space.deflection(pressure).max()
+    )
     assert 1e-9 < error < 1e-6

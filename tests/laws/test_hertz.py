@@ -1,4 +1,6 @@
-"""Hertz: pressure, contact radius and approach of a smooth sphere, and how fast the error falls with the node spacing."""
+"""Hertz: pressure, contact radius and approach of a smooth sphere, and how fast the error falls
+with the node spacing.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ def series(request: pytest.FixtureRequest) -> list:
     states = []
     for spacing in SPACINGS:
         n = round(240e-6 / spacing) + request.param
-        track = make_track(np.zeros((n, n)), spacing=spacing, load=LOAD, radius=RADIUS, tolerance=1e-9)
+        track = make_track(
+            np.zeros((n, n)), spacing=spacing, load=LOAD, radius=RADIUS, tolerance=1e-9
+        )
         states.append(roll(track, 0, 0)[0])
         assert_solved(track, states[-1])
     return states
@@ -33,7 +37,10 @@ def rate(errors: list[float]) -> float:
     "Hertz: the approach of a smooth sphere is a^2 / R, and its error falls with the square of the node spacing."
 )
 def test_approach_converges_to_hertz_at_second_order(series: list) -> None:
-    """Measured: -5.5e-4, -1.2e-4, -3.1e-5, -8.7e-6 between nodes (rate 1.98), -7.4e-4 ... -8.1e-6 on a node (2.17)."""
+    """Measured: -5.5e-4, -1.2e-4, -3.1e-5, -8.7e-6 between nodes (rate 1.98), -7.4e-4 ...
+
+    -8.1e-6 on a node (2.17).
+    """
     errors = [s.approach / closed_forms.hertz_approach(LOAD, RADIUS, STEEL) - 1 for s in series]
     assert abs(errors[-1]) < 1.5e-5
     assert 1.75 < rate(errors) < 2.4
@@ -43,7 +50,9 @@ def test_approach_converges_to_hertz_at_second_order(series: list) -> None:
     "Hertz: the maximum pressure of a smooth sphere is 3 W / (2 pi a^2), and its error falls with the square of the node spacing."
 )
 def test_pressure_converges_to_hertz_at_second_order(series: list) -> None:
-    """The peak between nodes is missed by (spacing / a)^2 / 4, 1e-3 at 8 um; measured rates 1.98 and 1.83."""
+    """The peak between nodes is missed by (spacing / a)^2 / 4, 1e-3 at 8 um; measured rates 1.98
+    and 1.83.
+    """
     errors = [s.max_pressure / closed_forms.hertz_pressure(LOAD, RADIUS, STEEL) - 1 for s in series]
     assert abs(errors[-1]) < 3e-5
     assert 1.6 < rate(errors) < 2.4
@@ -51,14 +60,18 @@ def test_pressure_converges_to_hertz_at_second_order(series: list) -> None:
 
 @pytest.mark.law("Hertz: the contact radius of a smooth sphere obeys a^3 = 3 W R / (4 E*).")
 def test_contact_radius_is_hertz_to_a_fraction_of_the_spacing(series: list) -> None:
-    """A node counts as a whole cell: the radius is known to part of a spacing (measured 0.16 at most), first order in it."""
+    """A node counts as a whole cell: the radius is known to part of a spacing (measured 0.16 at
+    most), first order in it.
+    """
     for state, spacing in zip(series, SPACINGS, strict=True):
         assert abs(np.sqrt(state.contact_area / np.pi) - A) < 0.3 * spacing
 
 
 @pytest.mark.law("Hertz: the pressure of a smooth sphere is p0 sqrt(1 - r^2 / a^2).")
 def test_pressure_profile_is_the_hertz_ellipse(series: list) -> None:
-    """Inside 0.9 a, off the square-root edge that no grid resolves: within 0.2 % of p0 at a / spacing = 69."""
+    """Inside 0.9 a, off the square-root edge that no grid resolves: within 0.2 % of p0 at a /
+    spacing = 69.
+    """
     state, spacing = series[-1], SPACINGS[-1]
     middle = state.loaded.column + (state.loaded.columns - 1) / 2
     assert 0 <= middle - (round(240e-6 / spacing) - 1) / 2 <= 0.5
@@ -73,8 +86,15 @@ def test_pressure_profile_is_the_hertz_ellipse(series: list) -> None:
 
 @pytest.mark.law("Hertz: area, pressure and approach follow the powers of load and radius.")
 def test_load_and_radius_follow_the_powers_of_hertz() -> None:
-    """All lengths 4 times as large, the load 16 times: the same pressures, 4 times the approach. Powers of two: rounding only."""
+    """All lengths 4 times as large, the load 16 times: the same pressures, 4 times the approach.
+
+    Powers of two: rounding only.
+    """
     one = roll(make_track(np.zeros((64, 64)), load=5.0, radius=5e-3), 0, 0)[0]
-    other = roll(make_track(np.zeros((64, 64)), load=5.0 * 16, radius=5e-3 * 4, spacing=8e-6), 0, 0)[0]
-    np.testing.assert_allclose(other.pressure, one.pressure, rtol=1e-9, atol=1e-9 * one.max_pressure)
+    other = roll(
+        make_track(np.zeros((64, 64)), load=5.0 * 16, radius=5e-3 * 4, spacing=8e-6), 0, 0
+    )[0]
+    np.testing.assert_allclose(
+        other.pressure, one.pressure, rtol=1e-9, atol=1e-9 * one.max_pressure
+    )
     assert other.approach / one.approach == pytest.approx(4, rel=1e-12)

@@ -1,4 +1,6 @@
-"""The compiled functions on contacts of a few nodes, where they run uncompiled as well: NUMBA_DISABLE_JIT=1, -m kernel."""
+"""The compiled functions on contacts of a few nodes, where they run uncompiled as well:
+NUMBA_DISABLE_JIT=1, -m kernel.
+"""
 
 from __future__ import annotations
 
@@ -22,13 +24,18 @@ KINDS = {
 
 def small(kind: str, **changes: float):
     """Return a track of 24 nodes with a contact of a few tens of them."""
-    return make_track(rough(24, 24, 5e-8), **{"load": 0.02, "tolerance": 1e-7} | KINDS[kind] | changes)
+    return make_track(
+        rough(24, 24, 5e-8), **{"load": 0.02, "tolerance": 1e-7} | KINDS[kind] | changes
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("step_nodes", [0.5, 1])
 def test_small_contacts_hold_the_conditions_and_the_ledger(kind: str, step_nodes: float) -> None:
-    """Steps of half a node take another way to the start of the next solve. The ledger closes to rounding: 1e-12."""
+    """Steps of half a node take another way to the start of the next solve.
+
+    The ledger closes to rounding: 1e-12.
+    """
     track = small(kind, step=step_nodes * 2e-6)
     states = roll(track, 0, 3)
     for state in states:
@@ -46,7 +53,9 @@ def test_events_of_a_small_contact_add_up(kind: str) -> None:
     table = recovery.EventTable(track.heights.shape)
     for state, step in zip(states, step_energies(track, states), strict=False):
         table.add(state.position, step)
-    assert table.columns()["energy"].sum() == pytest.approx(releases(track, states).sum(), rel=1e-12)
+    assert table.columns()["energy"].sum() == pytest.approx(
+        releases(track, states).sum(), rel=1e-12
+    )
 
 
 def test_a_small_contact_does_not_depend_on_where_it_came_from() -> None:

@@ -1,4 +1,6 @@
-"""Steps against the contact: the loss of long ones against marched spheres, warnings with numbers, refusals."""
+"""Steps against the contact: the loss of long ones against marched spheres, warnings with numbers,
+refusals.
+"""
 
 from __future__ import annotations
 
@@ -30,14 +32,22 @@ A = closed_forms.hertz_radius(LOAD, RADIUS, STEEL)
 NODES = 8  # per radius, twice as many for the smooth sphere
 
 
-def per_metre(heights: np.ndarray, nodes: int, hardness: float = np.inf, times: int = 1) -> np.ndarray:
-    """March over heights in steps of so many nodes, `times` 8 of them per radius; the release of each step [J/m]."""
-    track = make_track(heights, spacing=A / NODES / times, load=LOAD, radius=RADIUS, hardness=hardness)
+def per_metre(
+    heights: np.ndarray, nodes: int, hardness: float = np.inf, times: int = 1
+) -> np.ndarray:
+    """March over heights in steps of so many nodes, `times` 8 of them per radius; the release of
+    each step [J/m].
+    """
+    track = make_track(
+        heights, spacing=A / NODES / times, load=LOAD, radius=RADIUS, hardness=hardness
+    )
     track = replace(track, step=nodes * track.spacing)
     steps = len(heights) // nodes
     scene = loads(SCENE)
     parts = [
-        simulate.simulate_piece(scene, first, last, contact=track, mapped=False).steps["release_energy"]
+        simulate.simulate_piece(scene, first, last, contact=track, mapped=False).steps[
+            "release_energy"
+        ]
         for first, last in simulate.pieces(steps)
     ]
     return np.concatenate(parts) / track.step
@@ -46,16 +56,20 @@ def per_metre(heights: np.ndarray, nodes: int, hardness: float = np.inf, times: 
 @pytest.mark.law("Long steps: a smooth sphere loses the tabulated share of its release.")
 @pytest.mark.parametrize("radii", [0.25, 0.5, 1.0, 2.0, 3.0, 4.0])
 def test_a_smooth_elastic_sphere_loses_what_the_table_says(radii: float) -> None:
-    """Against the closed form: 16 nodes per radius leave 0.1 % where the table was marched at 32, straight lines in it 0.1 %."""
-    got = per_metre(np.zeros((256, 80)), round(2 * radii * NODES), times=2)[:2] / closed_forms.smooth_release_power(
-        LOAD, 1.0, RADIUS, STEEL
-    )
+    """Against the closed form: 16 nodes per radius leave 0.1 % where the table was marched at 32,
+    straight lines in it 0.1 %.
+    """
+    got = per_metre(np.zeros((256, 80)), round(2 * radii * NODES), times=2)[
+        :2
+    ] / closed_forms.smooth_release_power(LOAD, 1.0, RADIUS, STEEL)
     assert 1 - got == pytest.approx(long_steps.lost_release(radii), abs=0.002)
 
 
 @pytest.mark.law("Long steps: a rough contact loses no more than a smooth one.")
 @pytest.mark.parametrize(("hardness", "height"), [(np.inf, 1e-7), (1.4e9, 1e-7), (2.1e9, 4e-7)])
-def test_rough_contacts_lose_no_more_and_levels_stay_within_their_bound(hardness: float, height: float) -> None:
+def test_rough_contacts_lose_no_more_and_levels_stay_within_their_bound(
+    hardness: float, height: float
+) -> None:
     """Surfaces that the bounds were not read from; the release itself may be lower by 0.02 more.
 
     Levels are those of the fluctuation up to the Nyquist frequency of the longer steps.
@@ -68,16 +82,21 @@ def test_rough_contacts_lose_no_more_and_levels_stay_within_their_bound(hardness
         lost = 1 - coarse.mean() / fine.mean()
         assert -0.01 < lost < long_steps.lost_release(radii) + 0.02
         below = [resampling.undo_step_mean(series) for series in (coarse, fine)]
-        lines = [np.abs(np.fft.rfft(series)[1 : len(coarse) // 2]) / len(series) for series in below]
+        lines = [
+            np.abs(np.fft.rfft(series)[1 : len(coarse) // 2]) / len(series) for series in below
+        ]
         off = 5 * np.log10(np.sum(lines[0] ** 2) / np.sum(lines[1] ** 2))  # 10 lg of the rms
         assert abs(off) < long_steps.LEVEL_ERROR_DB * radii
 
 
 def test_the_radius_is_the_larger_of_elastic_and_plastic() -> None:
-    assert long_steps.contact_radius(loads(SCENE)) == pytest.approx(20.1e-6, rel=1e-2)  # (3 W R / 4 E*)^(1/3)
+    # (3 W R / 4 E*)^(1/3)
+    assert long_steps.contact_radius(loads(SCENE)) == pytest.approx(20.1e-6, rel=1e-2)
     soft = loads(SCENE, ["plate.hardness_gpa=0.1"])
     assert long_steps.contact_radius(soft) == pytest.approx(np.sqrt(0.5 / (np.pi * 1e8)))  # 39.9 um
-    assert long_steps.contact_radius(loads(SCENE, ["plate.hardness_gpa="])) == pytest.approx(20.1e-6, rel=1e-2)
+    assert long_steps.contact_radius(loads(SCENE, ["plate.hardness_gpa="])) == pytest.approx(
+        20.1e-6, rel=1e-2
+    )
 
 
 def test_refusal_names_key_and_the_longest_step() -> None:
@@ -89,10 +108,16 @@ def test_refusal_names_key_and_the_longest_step() -> None:
         " times the radius, 80.41 um here; nearest: 40, or a smaller surface.spacing_um"
     )
     # Only the run of the sweep that cannot be; a spacing at which no step is short enough.
-    with pytest.raises(SceneError, match=r"step_nodes: got 41.*\(in the run load_n=0\.5 of the sweep\)$") as error:
-        long_steps.refuse_long_steps(loads(SCENE, ["numerics.step_nodes=41", "sweep.rolling.load_n=[0.5, 5]"]))
+    with pytest.raises(
+        SceneError, match=r"step_nodes: got 41.*\(in the run load_n=0\.5 of the sweep\)$"
+    ) as error:
+        long_steps.refuse_long_steps(
+            loads(SCENE, ["numerics.step_nodes=41", "sweep.rolling.load_n=[0.5, 5]"])
+        )
     assert len(error.value.faults) == 1
-    with pytest.raises(SceneError, match=r"nearest: a smaller surface\.spacing_um, 0\.101 at steps of one node$"):
+    with pytest.raises(
+        SceneError, match=r"nearest: a smaller surface\.spacing_um, 0\.101 at steps of one node$"
+    ):
         long_steps.refuse_long_steps(loads(SCENE, ["rolling.load_n=1e-9"]))
 
 
@@ -103,7 +128,11 @@ def test_commands_refuse_before_anything_is_written(command: str, tmp_path: Path
     target = [] if command == "check" else ["--out", str(out)]
     assert cli.main([command, str(path), "--set", "numerics.step_nodes=64", *target]) == 2
     message = capsys.readouterr().err
-    assert "numerics.step_nodes: got 64" in message and "allowed" in message and "nearest: 40" in message
+    assert (
+        "numerics.step_nodes: got 64" in message
+        and "allowed" in message
+        and "nearest: 40" in message
+    )
     assert not out.exists()
 
 
@@ -114,23 +143,30 @@ def test_warning_gives_the_expected_errors() -> None:
     assert warning("numerics.step_nodes=2") is None  # 0.2 radii
     text = str(warning("numerics.step_nodes=10"))
     assert (
-        "a step is 0.99 contact radii of 20.1 um" in text and "up to about 6.4 % low" in text and "up to 3 dB" in text
+        "a step is 0.99 contact radii of 20.1 um" in text
+        and "up to about 6.4 % low" in text
+        and "up to 3 dB" in text
     )
     assert "choose a step of at most 5 um" in text  # a quarter of 20.1 um
     assert warning("numerics.step_nodes=2", "surface.spacing_um=4") is not None  # 0.4 radii
 
 
 def test_scenes_of_the_repository_have_short_steps() -> None:
-    """The quick study of the article takes steps three times as long, and is neither refused nor warned."""
+    """The quick study of the article takes steps three times as long, and is neither refused nor
+    warned.
+    """
     root = Path(__file__).parents[2] / "scenarios"
     for path in sorted(root.glob("*.yaml")):
         scene = read_scene(path)
         if scene.height_path is None:
             long_steps.refuse_long_steps(scene)
             assert all(
-                run.step <= long_steps.DOUBTFUL_RADII * long_steps.contact_radius(run) for _, run in scene.runs()
+                run.step <= long_steps.DOUBTFUL_RADII * long_steps.contact_radius(run)
+                for _, run in scene.runs()
             )
-    readings = [folder for folder in sorted((root / "lee2025").iterdir()) if any(folder.glob("*.yaml"))]
+    readings = [
+        folder for folder in sorted((root / "lee2025").iterdir()) if any(folder.glob("*.yaml"))
+    ]
     assert readings
     for folder in readings:
         for scene in study.scenes(folder, study.QUICK):

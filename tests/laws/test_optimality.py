@@ -1,4 +1,6 @@
-"""A solved contact is a minimum: the change of F = (p.u / 2 + e.p) dA is bracketed by either pressure on the change of e."""
+"""A solved contact is a minimum: the change of F = (p.u / 2 + e.p) dA is bracketed by either
+pressure on the change of e.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +16,11 @@ from helpers import gap_and_deflection, make_track, roll, rough
 )
 @pytest.mark.parametrize("hardness", [np.inf, 2.1e9], ids=["elastic", "capped"])
 def test_energy_between_positions_is_bracketed(hardness: float) -> None:
-    """p2.(e2 - e1) dA <= F2 - F1 <= p1.(e2 - e1) dA on one window: p1 is feasible at position 2 and p2 at 1.
+    """p2.(e2 - e1) dA <= F2 - F1 <= p1.(e2 - e1) dA on one window: p1 is feasible at position 2 and
+    p2 at 1.
 
-    The excess of F at a tolerance eps is within eps u_max W; at neighbours the bracket is far wider than that.
+    The excess of F at a tolerance eps is within eps u_max W; at neighbours the bracket is far wider
+    than that.
     """
     track = make_track(rough(96, 80, 3e-7), hardness=hardness, load=5.0, tolerance=1e-7)
     states = [roll(track, k, k)[0] for k in (0, 1, 2, 5, 12, 30)]
@@ -28,7 +32,9 @@ def test_energy_between_positions_is_bracketed(hardness: float) -> None:
         # e at the other position on the nodes of this one; pressures vanish off their own window.
         e2_on_p1 = track.gap(two.position, one.window)
         e1_on_p2 = track.gap(one.position, two.window)
-        change = (np.vdot(p2, u2) / 2 + np.vdot(e2, p2) - np.vdot(p1, u1) / 2 - np.vdot(e1, p1)) * cell
+        change = (
+            np.vdot(p2, u2) / 2 + np.vdot(e2, p2) - np.vdot(p1, u1) / 2 - np.vdot(e1, p1)
+        ) * cell
         lower = np.vdot(p2, e2 - e1_on_p2) * cell
         upper = np.vdot(p1, e2_on_p1 - e1) * cell
         slack = track.tolerance * u1.max() * track.load
@@ -39,7 +45,9 @@ def test_energy_between_positions_is_bracketed(hardness: float) -> None:
 
 @pytest.mark.law("Optimality: a wrong pressure breaks the bracket.")
 def test_a_wrong_pressure_breaks_the_bracket() -> None:
-    """The test can fail: a smooth contact marched under a displaced sphere is not a minimum, and the upper bound notices."""
+    """The test can fail: a smooth contact marched under a displaced sphere is not a minimum, and
+    the upper bound notices.
+    """
     track = make_track(np.zeros((96, 80)), tolerance=1e-7)
     state, following = roll(track, 0, 1)
     e1, u1, p1 = gap_and_deflection(track, state)

@@ -21,7 +21,12 @@ LATER = "[[0, 0.1], [0.02, 0.1], [20, 100]]"
 
 
 def sound_at(speed: str, energy: np.ndarray, closed: bool = True) -> ContactSound:
-    return contact_sound(loads(PLAIN, [f"rolling.speed_m_s={speed}", "rolling.duration_s=0.02"]), energy, STEP, closed)
+    return contact_sound(
+        loads(PLAIN, [f"rolling.speed_m_s={speed}", "rolling.duration_s=0.02"]),
+        energy,
+        STEP,
+        closed,
+    )
 
 
 def noise(n: int = 1000) -> np.ndarray:
@@ -29,12 +34,16 @@ def noise(n: int = 1000) -> np.ndarray:
 
 
 def test_a_speed_after_the_end_is_not_in_the_record() -> None:
-    """20 ms at 0.1 m/s, whatever comes later: it claimed 25 MHz, filled all bands and did not close."""
+    """20 ms at 0.1 m/s, whatever comes later: it claimed 25 MHz, filled all bands and did not
+    close.
+    """
     plain, later = sound_at("0.1", noise()), sound_at(LATER, noise())
     assert plain.highest == pytest.approx(25e3) and later.highest == pytest.approx(25e3)
     assert later.closed and later.constant_speed
     assert later.pressure == pytest.approx(plain.pressure, abs=1e-9 * np.abs(plain.pressure).max())
-    assert later.levels.third_octave_db == pytest.approx(plain.levels.third_octave_db, abs=1e-6, nan_ok=True)
+    assert later.levels.third_octave_db == pytest.approx(
+        plain.levels.third_octave_db, abs=1e-6, nan_ok=True
+    )
 
 
 @pytest.mark.law("Speed: a speed that the record does not reach changes nothing in it.")
@@ -44,8 +53,12 @@ def test_a_speed_after_the_end_is_not_in_the_record() -> None:
     last=st.floats(1e-3, 2.0),
     later=st.lists(st.one_of(st.just(0.0), st.floats(1e-3, 1e5)), min_size=1, max_size=3),
 )
-def test_nothing_that_comes_later_counts(speeds: list[float], last: float, later: list[float]) -> None:
-    """Record, findings and cost of the same track under two profiles that part a second after its end."""
+def test_nothing_that_comes_later_counts(
+    speeds: list[float], last: float, later: list[float]
+) -> None:
+    """Record, findings and cost of the same track under two profiles that part a second after its
+    end.
+    """
     times = [0.0, *(0.003 * (k + 1) for k in range(len(speeds)))]
     profile = list(zip(times, [*speeds, last], strict=True))
     end = times[-1]
@@ -56,7 +69,9 @@ def test_nothing_that_comes_later_counts(speeds: list[float], last: float, later
     sounds = [contact_sound(scene, noise(steps), STEP, True) for scene in scenes]
     assert sounds[0].highest == sounds[1].highest and sounds[0].closed == sounds[1].closed
     assert np.array_equal(sounds[0].pressure, sounds[1].pressure)
-    assert sounds[0].mean_power == sounds[1].mean_power and sounds[0].power_rms == sounds[1].power_rms
+    assert (
+        sounds[0].mean_power == sounds[1].mean_power and sounds[0].power_rms == sounds[1].power_rms
+    )
     assert findings.findings(scenes[0]) == findings.findings(scenes[1])
 
 
@@ -67,9 +82,16 @@ def at(profile: list[tuple[float, float]], end: float) -> Scene:
 
 
 def test_bands_above_the_greatest_speed_that_is_reached_are_none() -> None:
-    """From 0.01 towards 100 m/s at 20 s: 0.02 s later it rolls at 0.11 m/s, which makes 14 kHz in steps of 4 um."""
+    """From 0.01 towards 100 m/s at 20 s: 0.02 s later it rolls at 0.11 m/s, which makes 14 kHz in
+    steps of 4 um.
+    """
     scene = loads(
-        PLAIN, ["rolling.speed_m_s=[[0, 0.01], [20, 100]]", "numerics.step_nodes=2", "rolling.duration_s=0.02"]
+        PLAIN,
+        [
+            "rolling.speed_m_s=[[0, 0.01], [20, 100]]",
+            "numerics.step_nodes=2",
+            "rolling.duration_s=0.02",
+        ],
     )
     sound = contact_sound(scene, noise(300), 2 * STEP, False)
     reached = scene.motion.fastest(sound.duration)
@@ -77,19 +99,23 @@ def test_bands_above_the_greatest_speed_that_is_reached_are_none() -> None:
     bands = sound.levels.third_octave_db
     assert bands["10000"] is not None  # up to 11.2 kHz
     assert [bands[name] for name in ("12500", "16000", "20000")] == [None] * 3
-    assert oversampling(scene.motion, sound.duration, 2 * STEP) == 1  # it was 521: 100 m/s on 48 kHz
+    # it was 521: 100 m/s on 48 kHz
+    assert oversampling(scene.motion, sound.duration, 2 * STEP) == 1
 
 
 @pytest.mark.law("Speed: means of the power are means over time.")
 def test_means_of_the_power_are_over_time() -> None:
-    """The same energy in every step: the power is that of the speed, and so are its mean and rms over time.
+    """The same energy in every step: the power is that of the speed, and so are its mean and rms
+    over time.
 
-    From 0.1 to 0.3 m/s in 10 ms: mean 0.2, rms about it 0.2/sqrt(12) m/s; over distance the mean would be 0.2167, 8.3 % high.
+    From 0.1 to 0.3 m/s in 10 ms: mean 0.2, rms about it 0.2/sqrt(12) m/s; over distance the mean
+    would be 0.2167, 8.3 % high.
     """
     sound = sound_at("[[0, 0.1], [0.01, 0.3]]", np.full(1000, 1e-9), closed=False)
     assert sound.duration == pytest.approx(0.01, rel=1e-9)
     assert sound.mean_power == pytest.approx(1e-9 / STEP * 0.2, rel=1e-9)
-    assert sound.power_rms == pytest.approx(1e-9 / STEP * 0.2 / np.sqrt(12), rel=1e-5)  # steps of 0.1 % of the record
+    # steps of 0.1 % of the record
+    assert sound.power_rms == pytest.approx(1e-9 / STEP * 0.2 / np.sqrt(12), rel=1e-5)
     assert sound.step_duration.sum() == pytest.approx(sound.duration, rel=1e-12)
     assert np.mean(sound.power) == pytest.approx(1e-9 / STEP * 0.21667, rel=1e-4)
 

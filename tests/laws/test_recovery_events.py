@@ -1,4 +1,6 @@
-"""Recovery events: each an unbroken fall of one loaded node's deflection; together they are the released energy, cut or uncut."""
+"""Recovery events: each an unbroken fall of one loaded node's deflection; together they are the
+released energy, cut or uncut.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ STEPS = 60
 
 
 def scene(**changes: float):
-    return make_track(rough(50, 60, 1e-7), **{"load": 0.1, "hardness": 2.1e9, "tolerance": 1e-9} | changes)
+    return make_track(
+        rough(50, 60, 1e-7), **{"load": 0.1, "hardness": 2.1e9, "tolerance": 1e-9} | changes
+    )
 
 
 def table_of(track, states, left_end: bool = False) -> recovery.EventTable:
@@ -34,14 +38,21 @@ def by_node(columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 @pytest.mark.law("Recovery events: their energies add up to the release.")
 @pytest.mark.parametrize("left_end", [False, True])
 def test_event_energies_sum_to_the_release(left_end: bool) -> None:
-    """The same terms in another order, a few thousand of them: rounding. Also over the seam (60 steps on 50 rows)."""
+    """The same terms in another order, a few thousand of them: rounding.
+
+    Also over the seam (60 steps on 50 rows).
+    """
     track = scene()
     states = roll(track, 0, STEPS)
     columns = table_of(track, states, left_end).columns()
-    assert columns["energy"].sum() == pytest.approx(releases(track, states, left_end).sum(), rel=1e-13)
+    assert columns["energy"].sum() == pytest.approx(
+        releases(track, states, left_end).sum(), rel=1e-13
+    )
     assert (columns["energy"] > 0).all()
     assert (columns["peak"] <= columns["energy"] * (1 + 1e-13)).all()
-    assert (columns["peak"] * (columns["last"] - columns["first"]) >= columns["energy"] * (1 - 1e-13)).all()
+    assert (
+        columns["peak"] * (columns["last"] - columns["first"]) >= columns["energy"] * (1 - 1e-13)
+    ).all()
 
 
 def test_table_grows_without_losing_an_event() -> None:
@@ -51,18 +62,24 @@ def test_table_grows_without_losing_an_event() -> None:
     table = table_of(track, states)
     assert table.count > 1024
     assert len(table.energy) > 1024
-    assert table.columns()["energy"].sum() == pytest.approx(releases(track, states).sum(), rel=1e-13)
+    assert table.columns()["energy"].sum() == pytest.approx(
+        releases(track, states).sum(), rel=1e-13
+    )
 
 
 @pytest.mark.law("Recovery events: each is an unbroken fall of a loaded node's deflection.")
 def test_events_are_unbroken_falls_of_loaded_nodes() -> None:
-    """Against the definition, from the node histories: maximal runs of steps in which u falls while the node is loaded."""
+    """Against the definition, from the node histories: maximal runs of steps in which u falls while
+    the node is loaded.
+    """
     track = make_track(rough(50, 60, 1e-7), load=0.3, tolerance=1e-9)
     states = roll(track, 0, 49)
     runs = defaultdict(list)
     for k, step in enumerate(step_energies(track, states)):
         for i, j in np.argwhere(step.node_work > 0):
-            runs[(step.window.row + i) % 50, (step.window.column + j) % 60].append((k, step.node_work[i, j]))
+            runs[(step.window.row + i) % 50, (step.window.column + j) % 60].append(
+                (k, step.node_work[i, j])
+            )
     expected = []
     for node, falls in runs.items():
         begin = 0
@@ -70,7 +87,13 @@ def test_events_are_unbroken_falls_of_loaded_nodes() -> None:
             if n == len(falls) or falls[n][0] != falls[n - 1][0] + 1:
                 piece = falls[begin:n]
                 expected.append(
-                    (*node, piece[0][0], piece[-1][0] + 1, sum(e for _, e in piece), max(e for _, e in piece))
+                    (
+                        *node,
+                        piece[0][0],
+                        piece[-1][0] + 1,
+                        sum(e for _, e in piece),
+                        max(e for _, e in piece),
+                    )
                 )
                 begin = n
     columns = by_node(table_of(track, states).columns())
@@ -78,7 +101,9 @@ def test_events_are_unbroken_falls_of_loaded_nodes() -> None:
     np.testing.assert_array_equal(
         np.column_stack([columns["node"], columns["first"], columns["last"]]), expected[:, :4]
     )
-    np.testing.assert_allclose(np.column_stack([columns["energy"], columns["peak"]]), expected[:, 4:], rtol=1e-13)
+    np.testing.assert_allclose(
+        np.column_stack([columns["energy"], columns["peak"]]), expected[:, 4:], rtol=1e-13
+    )
     assert (np.diff(expected[:, 2:4], axis=1) > 1).any()  # some last longer than a step
     times = defaultdict(int)
     for i, j in columns["node"]:
@@ -88,7 +113,9 @@ def test_events_are_unbroken_falls_of_loaded_nodes() -> None:
 
 @pytest.mark.law("Recovery events: on a smooth sphere they are the trailing half of the contact.")
 def test_smooth_sphere_events_are_the_trailing_half() -> None:
-    """On a smooth plate a node falls once, from under the centre to the edge: each complete event lasts a chord's half."""
+    """On a smooth plate a node falls once, from under the centre to the edge: each complete event
+    lasts a chord's half.
+    """
     track = make_track(np.zeros((100, 60)), load=0.5, tolerance=1e-9)
     states = roll(track, 0, 40)
     columns = table_of(track, states).columns()
@@ -103,9 +130,11 @@ def test_smooth_sphere_events_are_the_trailing_half() -> None:
 @pytest.mark.law("Recovery events: a track that is solved in pieces has the events of the whole.")
 @pytest.mark.parametrize("cuts", [(25,), (1, 2, 31), (10, 20, 30, 40, 50)])
 def test_events_of_a_cut_track_are_those_of_the_whole(cuts: tuple[int, ...]) -> None:
-    """Pieces share the position at the cut, each solved from cold there: the same events, energies to the solver's tolerance.
+    """Pieces share the position at the cut, each solved from cold there: the same events, energies
+    to the solver's tolerance.
 
-    At a tolerance of 1e-9 no node of this scene turns so gently that its sign is in doubt (that is what could differ).
+    At a tolerance of 1e-9 no node of this scene turns so gently that its sign is in doubt (that is
+    what could differ).
     """
     track = scene()
     whole = by_node(table_of(track, roll(track, 0, STEPS)).columns())
@@ -115,12 +144,18 @@ def test_events_of_a_cut_track_are_those_of_the_whole(cuts: tuple[int, ...]) -> 
     assert sum(len(piece["energy"]) for piece in pieces) > len(whole["energy"])  # something was cut
     for name in ("node", "first", "last"):
         np.testing.assert_array_equal(joined[name], whole[name])
-    np.testing.assert_allclose(joined["energy"], whole["energy"], rtol=0, atol=1e-7 * whole["energy"].max())
-    np.testing.assert_allclose(joined["peak"], whole["peak"], rtol=0, atol=1e-7 * whole["peak"].max())
+    np.testing.assert_allclose(
+        joined["energy"], whole["energy"], rtol=0, atol=1e-7 * whole["energy"].max()
+    )
+    np.testing.assert_allclose(
+        joined["peak"], whole["peak"], rtol=0, atol=1e-7 * whole["peak"].max()
+    )
 
 
 def test_an_event_longer_than_a_piece_is_joined_through_it() -> None:
-    """One fall of three steps cut into three pieces is one event again; an empty piece between ends it."""
+    """One fall of three steps cut into three pieces is one event again; an empty piece between ends
+    it.
+    """
 
     def piece(first: int, last: int, energy: float) -> dict[str, np.ndarray]:
         return {
@@ -146,11 +181,19 @@ def test_an_event_longer_than_a_piece_is_joined_through_it() -> None:
 
 
 def test_a_pause_of_one_step_ends_an_event() -> None:
-    """Node (2, 3) falls, falls, rests, falls: two events. Its neighbour, over the seam, falls in the third step alone."""
+    """Node (2, 3) falls, falls, rests, falls: two events.
+
+    Its neighbour, over the seam, falls in the third step alone.
+    """
     table = recovery.EventTable((5, 4))
     for k, (own, neighbour) in enumerate([(1.0, 0.0), (2.0, -1.0), (0.0, 5.0), (4.0, 0.0)]):
         work = np.array([[own, neighbour]])
-        table.add(k, recovery.StepEnergy(max(own, 0) + max(neighbour, 0), 0.0, 0.0, Window(7, 3, 1, 2), work))
+        table.add(
+            k,
+            recovery.StepEnergy(
+                max(own, 0) + max(neighbour, 0), 0.0, 0.0, Window(7, 3, 1, 2), work
+            ),
+        )
     columns = by_node(table.columns())
     assert columns["node"].tolist() == [[2, 0], [2, 3], [2, 3]]
     assert columns["first"].tolist() == [2, 0, 3]

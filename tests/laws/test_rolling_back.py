@@ -1,4 +1,6 @@
-"""Rolling back over the same track swaps loading and release: an elastic contact has no memory and no direction."""
+"""Rolling back over the same track swaps loading and release: an elastic contact has no memory and
+no direction.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +9,15 @@ import pytest
 from helpers import make_track, roll, rough, step_energies
 
 
-@pytest.mark.law("Rolling back: over the same track it swaps loading and release of an elastic contact.")
+@pytest.mark.law(
+    "Rolling back: over the same track it swaps loading and release of an elastic contact."
+)
 def test_rolling_back_swaps_loading_and_release() -> None:
-    """Heights mirrored, node i to -i, put position k of the way there at position -k: both marches solve the same contacts.
+    """Heights mirrored, node i to -i, put position k of the way there at position -k: both marches
+    solve the same contacts.
 
-    Each is known to the tolerance, 1e-9, and the energies of a step to about the tolerance times the stored energy.
+    Each is known to the tolerance, 1e-9, and the energies of a step to about the tolerance times
+    the stored energy.
     """
     heights = rough(60, 50, 1e-7)
     mirrored = np.roll(heights[::-1], 1, axis=0)
@@ -23,4 +29,5 @@ def test_rolling_back_swaps_loading_and_release() -> None:
     for one, other in zip(forth, home, strict=True):
         assert abs(one.release - other.loading) < 1e-8 * largest
         assert abs(one.loading - other.release) < 1e-8 * largest
-    assert max(abs(one.release - one.loading) for one in forth) > 1e-3 * largest  # the swap is not of equals
+    # the swap is not of equals
+    assert max(abs(one.release - one.loading) for one in forth) > 1e-3 * largest

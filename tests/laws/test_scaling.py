@@ -1,4 +1,6 @@
-"""Laws of scale and symmetry: stiffness and load, a surface moved along, and the tangential force that does no work over a lap."""
+"""Laws of scale and symmetry: stiffness and load, a surface moved along, and the tangential force
+that does no work over a lap.
+"""
 
 from __future__ import annotations
 
@@ -15,15 +17,23 @@ LOAD = 0.1
 @pytest.mark.parametrize("factor", [4.0, 1e-6, 3.7])
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_modulus_hardness_and_load_times_c(plate: str, factor: float) -> None:
-    """Deflections stay, energies go with c. Nothing but rounding differs: measured 6e-15. Allowed is what a branch that
-    rounding flips could cost on another machine: the order of the tolerance, 1e-8."""
+    """Deflections stay, energies go with c.
+
+    Nothing but rounding differs: measured 6e-15. Allowed is what a branch that rounding flips could
+    cost on another machine: the order of the tolerance, 1e-8.
+    """
     base = make_track(HEIGHTS, load=LOAD, hardness=HARDNESS[plate])
     scaled = make_track(
-        HEIGHTS, load=LOAD * factor, hardness=HARDNESS[plate] * factor, contact_modulus=base.contact_modulus * factor
+        HEIGHTS,
+        load=LOAD * factor,
+        hardness=HARDNESS[plate] * factor,
+        contact_modulus=base.contact_modulus * factor,
     )
     one, other = roll(base, 0, 4), roll(scaled, 0, 4)
     for a, b in zip(one, other, strict=True):
-        np.testing.assert_allclose(b.deflection, a.deflection, rtol=0, atol=1e-8 * a.deflection.max())
+        np.testing.assert_allclose(
+            b.deflection, a.deflection, rtol=0, atol=1e-8 * a.deflection.max()
+        )
         assert (a.plastic_area > 0) == (plate == "capped")
     np.testing.assert_allclose(releases(scaled, other), factor * releases(base, one), rtol=1e-7)
 
@@ -31,7 +41,9 @@ def test_modulus_hardness_and_load_times_c(plate: str, factor: float) -> None:
 @pytest.mark.law("Translation: a surface moved by n nodes moves the release by n steps.")
 @pytest.mark.parametrize("nodes", [1, 17, 59])
 def test_surface_moved_along_moves_the_signal(nodes: int) -> None:
-    """Position k over heights moved by n nodes is position k - n: the same problem, across the seam too. Measured 6e-15."""
+    """Position k over heights moved by n nodes is position k - n: the same problem, across the seam
+    too. Measured 6e-15.
+    """
     track = make_track(HEIGHTS, load=LOAD, hardness=2.1e9)
     moved = make_track(np.roll(HEIGHTS, nodes, axis=0), load=LOAD, hardness=2.1e9)
     signal = releases(track, roll(track, 0, 6))
@@ -40,15 +52,24 @@ def test_surface_moved_along_moves_the_signal(nodes: int) -> None:
 
 @pytest.mark.law("Mirror: a surface mirrored across the track gives the same release.")
 def test_surface_mirrored_across_changes_nothing() -> None:
-    """The sphere runs at mid-width, (n - 1) / 2 nodes: mirrored heights are the same contact. Measured 4e-15."""
-    track, mirrored = (make_track(z, load=LOAD, hardness=2.1e9) for z in (HEIGHTS, HEIGHTS[:, ::-1].copy()))
-    np.testing.assert_allclose(releases(mirrored, roll(mirrored, 0, 4)), releases(track, roll(track, 0, 4)), rtol=1e-7)
+    """The sphere runs at mid-width, (n - 1) / 2 nodes: mirrored heights are the same contact.
+
+    Measured 4e-15.
+    """
+    track, mirrored = (
+        make_track(z, load=LOAD, hardness=2.1e9) for z in (HEIGHTS, HEIGHTS[:, ::-1].copy())
+    )
+    np.testing.assert_allclose(
+        releases(mirrored, roll(mirrored, 0, 4)), releases(track, roll(track, 0, 4)), rtol=1e-7
+    )
 
 
 def tangential(track, states) -> np.ndarray:
     forces = []
     for state in states:
-        x = (state.window.row + np.arange(state.window.rows)) * track.spacing - track.position(state.position)
+        x = (state.window.row + np.arange(state.window.rows)) * track.spacing - track.position(
+            state.position
+        )
         forces.append(state.pressure.sum(axis=1) @ x * track.spacing**2 / track.radius)
     return np.array(forces)
 
@@ -57,12 +78,16 @@ def tangential(track, states) -> np.ndarray:
 @pytest.mark.parametrize("plate", HARDNESS)
 @pytest.mark.parametrize("step_nodes", [12, 3, 1])
 def test_tangential_force_has_zero_mean_over_a_lap(plate: str, step_nodes: int) -> None:
-    """The force is the slope of the least energy along the track, so its integral over a closed lap is zero, capped or not.
+    """The force is the slope of the least energy along the track, so its integral over a closed lap
+    is zero, capped or not.
 
-    What is left of the mean is the error of the sum for the integral, not of the solver. Summing the optimality bracket over a
-    lap bounds it rigorously by step W / (2 R); at one node measured 1e-4 of the rms and 1e-3 of that bound.
+    What is left of the mean is the error of the sum for the integral, not of the solver. Summing
+    the optimality bracket over a lap bounds it rigorously by step W / (2 R); at one node measured
+    1e-4 of the rms and 1e-3 of that bound.
     """
-    track = make_track(HEIGHTS, load=LOAD, hardness=HARDNESS[plate], step=step_nodes * 2e-6, tolerance=1e-6)
+    track = make_track(
+        HEIGHTS, load=LOAD, hardness=HARDNESS[plate], step=step_nodes * 2e-6, tolerance=1e-6
+    )
     force = tangential(track, roll(track, 0, len(HEIGHTS) // step_nodes - 1))
     assert force.std() > 1e-4 * LOAD
     assert abs(force.mean()) <= track.step * LOAD / (2 * track.radius)

@@ -1,4 +1,6 @@
-"""The second lap over a periodic surface equals the first: positions past the end read the same heights and keep no memory."""
+"""The second lap over a periodic surface equals the first: positions past the end read the same
+heights and keep no memory.
+"""
 
 from __future__ import annotations
 
@@ -10,15 +12,21 @@ from helpers import make_track, releases, roll, rough
 @pytest.mark.law("Second lap: over a periodic surface it equals the first.")
 @pytest.mark.parametrize(("step_nodes", "lap"), [(1, 50), (2, 25), (0.5, 100)])
 def test_second_lap_equals_the_first(step_nodes: float, lap: int) -> None:
-    """Both solved to 1e-7; the signal's error is then below 1e-5 of its fluctuation (measured 9e-7)."""
-    track = make_track(rough(50, 60, 1e-7), load=0.1, hardness=2.1e9, step=step_nodes * 2e-6, tolerance=1e-7)
+    """Both solved to 1e-7; the signal's error is then below 1e-5 of its fluctuation (measured
+    9e-7).
+    """
+    track = make_track(
+        rough(50, 60, 1e-7), load=0.1, hardness=2.1e9, step=step_nodes * 2e-6, tolerance=1e-7
+    )
     signal = releases(track, roll(track, 0, 2 * lap))
     assert np.abs(signal[lap:] - signal[:lap]).max() < 1e-5 * signal.std()
 
 
 @pytest.mark.law("Second lap: a plate that yields keeps no memory of the first.")
 def test_capped_track_keeps_no_memory() -> None:
-    """Half the contact is plastic, and still the thousandth lap's first position is the first's: the virgin surface each time."""
+    """Half the contact is plastic, and still the thousandth lap's first position is the first's:
+    the virgin surface each time.
+    """
     track = make_track(rough(50, 60, 1e-7), load=0.1, hardness=1.2e9, tolerance=1e-8)
     one, later = roll(track, 0, 0)[0], roll(track, 50 * 1000, 50 * 1000)[0]
     assert one.plastic_area > 0.3 * one.contact_area

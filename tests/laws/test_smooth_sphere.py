@@ -1,4 +1,6 @@
-"""The smooth rolling sphere: releases 3 W v a / (16 R), is silent, its left-end rule is high by 4 step / (3 a), it yields at H."""
+"""The smooth rolling sphere: releases 3 W v a / (16 R), is silent, its left-end rule is high by 4
+step / (3 a), it yields at H.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,16 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers import STEEL, assert_solved, gap_and_deflection, make_track, releases, roll, space_of, step_energies
+from helpers import (
+    STEEL,
+    assert_solved,
+    gap_and_deflection,
+    make_track,
+    releases,
+    roll,
+    space_of,
+    step_energies,
+)
 
 from rolling.contact import closed_forms, recovery, solver
 
@@ -18,23 +29,32 @@ PER_METRE = closed_forms.smooth_release_power(LOAD, 1.0, RADIUS, STEEL)
 
 def smooth_track(spacing: float = 2e-6, width: float = 200e-6, **changes: float):
     n = round(width / spacing)
-    return make_track(np.zeros((n, n)), **{"spacing": spacing, "load": LOAD, "radius": RADIUS} | changes)
+    return make_track(
+        np.zeros((n, n)), **{"spacing": spacing, "load": LOAD, "radius": RADIUS} | changes
+    )
 
 
 @pytest.mark.law("Smooth release: a smooth elastic rolling sphere releases 3 W v a / (16 R).")
 @pytest.mark.parametrize(("spacing", "tolerance"), [(2e-6, 1e-8), (2e-6, 1e-4), (1e-6, 1e-6)])
 def test_release_is_the_closed_form(spacing: float, tolerance: float) -> None:
-    """Asked: 0.5 % at a / spacing >= 30. Measured 3.7e-5 at 34, 4.1e-5 there at a tolerance of 1e-4, 3e-6 at 69."""
+    """Asked: 0.5 % at a / spacing >= 30.
+
+    Measured 3.7e-5 at 34, 4.1e-5 there at a tolerance of 1e-4, 3e-6 at 69.
+    """
     assert spacing * 30 <= A
     track = smooth_track(spacing, tolerance=tolerance)
     released = releases(track, roll(track, 0, 3)) / track.step
     assert abs(released / PER_METRE - 1).max() < 2e-4
 
 
-@pytest.mark.law("Smooth release: the error of the release falls with the square of the node spacing.")
+@pytest.mark.law(
+    "Smooth release: the error of the release falls with the square of the node spacing."
+)
 def test_release_error_falls_at_second_order() -> None:
-    """The error of one grid depends on how its nodes meet the edge, and changes sign: so the rms over three spacings and the
-    centre on and between nodes, 16 to 8 um against 4 to 2 um. Measured 1.3e-3 and 7.8e-5, a rate of 2.04."""
+    """The error of one grid depends on how its nodes meet the edge, and changes sign: so the rms
+    over three spacings and the centre on and between nodes, 16 to 8 um against 4 to 2 um. Measured
+    1.3e-3 and 7.8e-5, a rate of 2.04.
+    """
     rms = []
     for spacings in ((16e-6, 12e-6, 8e-6), (4e-6, 3e-6, 2e-6)):
         errors = []
@@ -51,18 +71,23 @@ def test_release_error_falls_at_second_order() -> None:
 @pytest.mark.law("Silence: the release of a smooth sphere does not vary from step to step.")
 @pytest.mark.parametrize("hardness", [np.inf, 1.5e9], ids=["elastic", "capped"])
 def test_marched_sphere_is_silent(hardness: float) -> None:
-    """Every whole-node position is the same problem, and the warm start recognises it: rounding only."""
+    """Every whole-node position is the same problem, and the warm start recognises it: rounding
+    only.
+    """
     track = smooth_track(hardness=hardness)
     released = releases(track, roll(track, 0, 12))
     assert released.std() / released.mean() < 1e-12
 
 
-@pytest.mark.law("Silence: the release of a smooth sphere does not vary between independent solutions.")
+@pytest.mark.law(
+    "Silence: the release of a smooth sphere does not vary between independent solutions."
+)
 @pytest.mark.parametrize("hardness", [np.inf, 1.5e9], ids=["elastic", "capped"])
 def test_sphere_is_silent_in_solves_that_know_nothing_of_each_other(hardness: float) -> None:
     """Each position solved from another random start, so that nothing but the answer agrees.
 
-    The release is linear in the pressure errors, and the tolerance of 1e-8 leaves two decades to the 1e-6 that is asked.
+    The release is linear in the pressure errors, and the tolerance of 1e-8 leaves two decades to
+    the 1e-6 that is asked.
     """
     track = smooth_track(hardness=hardness, tolerance=1e-8)
     space, rng = space_of(track), np.random.default_rng(0)
@@ -70,23 +95,36 @@ def test_sphere_is_silent_in_solves_that_know_nothing_of_each_other(hardness: fl
     solved = []
     for state in states:
         e, _, p = gap_and_deflection(track, state)
-        start = solver.foundation(e * rng.uniform(0.5, 2, e.shape), LOAD, track.spacing, 1e16, hardness)
+        start = solver.foundation(
+            e * rng.uniform(0.5, 2, e.shape), LOAD, track.spacing, 1e16, hardness
+        )
         answer = solver.solve_contact(
-            space, e, LOAD, solver.WarmStart(start), hardness, options=solver.SolverOptions(track.tolerance)
+            space,
+            e,
+            LOAD,
+            solver.WarmStart(start),
+            hardness,
+            options=solver.SolverOptions(track.tolerance),
         )
         assert answer.iterations > 0
         assert not np.array_equal(answer.pressure, p)
         solved.append(answer)
     alone = [
-        replace(old, pressure=new.pressure, deflection=new.deflection) for old, new in zip(states, solved, strict=True)
+        replace(old, pressure=new.pressure, deflection=new.deflection)
+        for old, new in zip(states, solved, strict=True)
     ]
-    released = np.array([recovery.step_energy(old, new, space).release for old, new in pairwise(alone)])
+    released = np.array(
+        [recovery.step_energy(old, new, space).release for old, new in pairwise(alone)]
+    )
     assert 0 < released.std() / released.mean() < 1e-6
 
 
 def test_sphere_is_silent_over_pairs_of_half_node_steps() -> None:
-    """Half-node steps cannot take the last answer over, so every position is solved. Node by node they ripple by 1e-3 (that is
-    the grid's own tone), but two together are one whole node: measured 1.2e-8 at 1e-8."""
+    """Half-node steps cannot take the last answer over, so every position is solved.
+
+    Node by node they ripple by 1e-3 (that is the grid's own tone), but two together are one whole
+    node: measured 1.2e-8 at 1e-8.
+    """
     track = smooth_track(step=1e-6)
     states = roll(track, 0, 12)
     assert min(state.iterations for state in states) > 0
@@ -103,12 +141,16 @@ def test_left_end_rule_is_high_by_its_first_order_excess(nodes: int) -> None:
     track = smooth_track(step=nodes * 2e-6)
     states = roll(track, 0, 2)
     excess = releases(track, states, left_end=True)[0] / releases(track, states)[0] - 1
-    assert excess == pytest.approx(closed_forms.left_end_excess(track.step, A), abs=(track.step / A) ** 2)
+    assert excess == pytest.approx(
+        closed_forms.left_end_excess(track.step, A), abs=(track.step / A) ** 2
+    )
 
 
 @pytest.mark.law("Mean rule: the release per metre is second order in the step.")
 def test_mean_rule_does_not_depend_on_the_step() -> None:
-    """Second order in the step: measured 1.3e-3 between 2 and 8 um, 0.1 (step / a)^2; the left-end rule changes by 11 %."""
+    """Second order in the step: measured 1.3e-3 between 2 and 8 um, 0.1 (step / a)^2; the left-end
+    rule changes by 11 %.
+    """
     per_metre = []
     for nodes in (1, 2, 4):
         track = smooth_track(step=nodes * 2e-6)
@@ -116,22 +158,30 @@ def test_mean_rule_does_not_depend_on_the_step() -> None:
     assert np.ptp(per_metre) / per_metre[0] < 0.2 * (8e-6 / A) ** 2
 
 
-@pytest.mark.law("First yield: a smooth sphere yields when its maximum pressure p0 reaches the hardness H.")
+@pytest.mark.law(
+    "First yield: a smooth sphere yields when its maximum pressure p0 reaches the hardness H."
+)
 def test_first_yield_is_at_the_hertz_pressure() -> None:
-    """The centre node takes p0 to 1e-4 (Hertz test): no node yields at a hardness 0.1 % above p0, some do 0.1 % below."""
+    """The centre node takes p0 to 1e-4 (Hertz test): no node yields at a hardness 0.1 % above p0,
+    some do 0.1 % below.
+    """
     p0 = closed_forms.hertz_pressure(LOAD, RADIUS, STEEL)
     for hardness, yields in ((1.001 * p0, False), (0.999 * p0, True)):
-        track = smooth_track(hardness=hardness, width=202e-6)  # an odd number of nodes: one under the centre
+        # an odd number of nodes: one under the centre
+        track = smooth_track(hardness=hardness, width=202e-6)
         state = roll(track, 0, 0)[0]
         assert_solved(track, state)
         assert (state.plastic_area > 0) == yields
-        # p = p0 sqrt(1 - r^2 / a^2) is above H within r = a sqrt(0.002): 29 um2, a bit less as it spreads, in cells of 4 um2.
+        # p = p0 sqrt(1 - r^2 / a^2) is above H within r = a sqrt(0.002): 29 um2, a bit less as it
+        # spreads, in cells of 4 um2.
         assert state.plastic_area < 2 * np.pi * A**2 * 0.002
 
 
 @pytest.mark.law("Energy ledger: loading equals release on a smooth sphere.")
 def test_loading_equals_release_on_a_smooth_sphere() -> None:
-    """Nothing is gained or lost from step to step; the defect of the ledger is rounding of the stored energy."""
+    """Nothing is gained or lost from step to step; the defect of the ledger is rounding of the
+    stored energy.
+    """
     track = smooth_track()
     states = roll(track, 0, 4)
     for step, state in zip(step_energies(track, states), states, strict=False):

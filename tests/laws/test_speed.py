@@ -1,4 +1,6 @@
-"""Speed comes after the contact: the same release per metre at another speed is the same sound, shifted."""
+"""Speed comes after the contact: the same release per metre at another speed is the same sound,
+shifted.
+"""
 
 from __future__ import annotations
 
@@ -13,15 +15,22 @@ STEP, STEPS = 2e-6, 1000  # a lap of 2 mm: 20 ms at 0.1 m/s
 LINES = np.array([4, 9, 25, 60])  # cycles per lap: 200 Hz to 3 kHz at 0.1 m/s
 
 
-@pytest.mark.law("Speed: a speed times c multiplies the release power by c and every frequency of the sound by c.")
+@pytest.mark.law(
+    "Speed: a speed times c multiplies the release power by c and every frequency of the sound by c."
+)
 @pytest.mark.parametrize("c", [0.5, 2, 3])
 def test_speed_times_c(c: float) -> None:
-    """With q and distance given, p = sqrt(rho c / rms(I')) I' goes with the root of the power. Measured: rounding."""
+    """With q and distance given, p = sqrt(rho c / rms(I')) I' goes with the root of the power.
+
+    Measured: rounding.
+    """
     phase = 2 * np.pi * np.arange(STEPS) / STEPS
     energy = 1e-9 * (1 + 0.1 * np.cos(phase[:, None] * LINES + LINES).sum(axis=1))
     base, fast = (
         contact_sound(
-            loads(PLAIN, [f"rolling.speed_m_s={0.1 * factor}", f"rolling.duration_s={0.02 / factor}"]),
+            loads(
+                PLAIN, [f"rolling.speed_m_s={0.1 * factor}", f"rolling.duration_s={0.02 / factor}"]
+            ),
             energy,
             STEP,
             True,

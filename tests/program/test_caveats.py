@@ -1,4 +1,6 @@
-"""What a reader must know of the numbers: each caveat where it applies and nowhere else, in one wording for all who say it."""
+"""What a reader must know of the numbers: each caveat where it applies and nowhere else, in one
+wording for all who say it.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,9 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
 
 def heard_in(folder: Path) -> list[RunResult]:
     found = [
-        commands.hear(one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5"))
+        commands.hear(
+            one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5")
+        )
         for one in commands.read_runs(folder)
     ]
     return [one for one in found if one]
@@ -51,7 +55,11 @@ def sound_of(scene, closed: bool = True, silent: bool = False) -> ContactSound:
 
 
 def said(
-    seconds: float, *overrides: str, closed: bool = True, silent: bool = False, complete: bool = True
+    seconds: float,
+    *overrides: str,
+    closed: bool = True,
+    silent: bool = False,
+    complete: bool = True,
 ) -> dict[str, str]:
     scene = scene_of(seconds, *overrides)
     found = caveats.caveats(scene, sound_of(scene, closed, silent), [], complete)
@@ -71,9 +79,16 @@ def test_each_caveat_stands_where_it_applies_and_nowhere_else() -> None:
     half = said(0.5, "sound.q=0.5")
     assert set(half) == ALWAYS | {"assumed_q"} and "0.5" in half["assumed_q"]
     fixed = said(0.5, "sound.gain_pa_per_w_m2=3")
-    assert set(fixed) == ALWAYS | {"upper_bound", "fixed_gain"} and "3 Pa per W/m²" in fixed["fixed_gain"]
+    assert (
+        set(fixed) == ALWAYS | {"upper_bound", "fixed_gain"}
+        and "3 Pa per W/m²" in fixed["fixed_gain"]
+    )
     assert fixed["upper_bound"].startswith("The steady level")  # the gain decides the others
-    assert set(said(0.5, complete=False, closed=False)) == ALWAYS | {"upper_bound", "partial", "not_loopable"}
+    assert set(said(0.5, complete=False, closed=False)) == ALWAYS | {
+        "upper_bound",
+        "partial",
+        "not_loopable",
+    }
     braking = said(0.5, "rolling.speed_m_s=[[0, 0.1], [1, 0.2]]")
     assert "not_loopable" in braking and "short_loop" not in braking
 
@@ -104,17 +119,25 @@ def test_a_short_track_gone_round_many_times_says_its_pitch(runs: Runs) -> None:
     assert "every 0.006 s, 167 times a second" in texts["short_track"] and "short_loop" not in texts
     (lap,) = heard_in(runs.lap())
     texts = {each.key: each.text for each in caveats.stored(lap.summary)}
-    assert "0.006 s repeats 167 times a second" in texts["short_loop"] and "short_track" not in texts
+    assert (
+        "0.006 s repeats 167 times a second" in texts["short_loop"] and "short_track" not in texts
+    )
 
 
 def test_warnings_of_the_check_keep_their_keys() -> None:
     scene = scene_of(0.03)
     findings = check.findings(scene)
     found = [
-        each for each in caveats.caveats(scene, sound_of(scene), findings, True) if each.key not in caveats.STANDING
+        each
+        for each in caveats.caveats(scene, sound_of(scene), findings, True)
+        if each.key not in caveats.STANDING
     ]
     assert found and [each.key for each in found] == [each.key for each in findings if each.warning]
-    assert all(f"{each.quantity}: {each.warning}" in {one.text for one in found} for each in findings if each.warning)
+    assert all(
+        f"{each.quantity}: {each.warning}" in {one.text for one in found}
+        for each in findings
+        if each.warning
+    )
     assert not set(caveats.STANDING) & {each.key for each in findings}
 
 
@@ -136,19 +159,34 @@ def test_summary_sidecars_csv_tsv_and_table_say_the_same(runs: Runs) -> None:
         each["key"] for each in numbers["caveats"]
     }
     for name in ("signal", "listen"):
-        assert json.loads((one.folder / f"{name}.json").read_text())["caveats"] == numbers["caveats"]
-    of_one = {picture.name: picture.csv().decode() for picture in run_figures.of_run(one) if picture.columns}
+        assert (
+            json.loads((one.folder / f"{name}.json").read_text())["caveats"] == numbers["caveats"]
+        )
+    of_one = {
+        picture.name: picture.csv().decode()
+        for picture in run_figures.of_run(one)
+        if picture.columns
+    }
     levels = {"spectrum", "article_spectrum", "psd", "third_octaves", "third_octaves_a"}
     for name, content in of_one.items():
-        comments = [line.removeprefix("# ") for line in content.splitlines() if line.startswith("#")]
+        comments = [
+            line.removeprefix("# ") for line in content.splitlines() if line.startswith("#")
+        ]
         assert comments == (texts if name in levels else []), name
     together = {picture.name: picture.csv().decode() for picture in run_figures.of_runs(heard)}
     assert all(texts[0] in content for content in together.values()) and "levels" in together
     assert f"# {texts[0]}\n" in report_text.tsv(heard)
     table = summary.table([(each.label, "folder", each.summary) for each in heard]).splitlines()
-    assert texts[0] in table[4] and "microphone" in table[4] and "± covers" in table[5] and table[6] == ""
+    assert (
+        texts[0] in table[4]
+        and "microphone" in table[4]
+        and "± covers" in table[5]
+        and table[6] == ""
+    )
     assert report_text.headline(heard) == f"{table[4]} {table[5]}"
-    words = " ".join(fact.name + value for fact in report_text.assumptions(heard) for _, value in fact.values)
+    words = " ".join(
+        fact.name + value for fact in report_text.assumptions(heard) for _, value in fact.values
+    )
     for text in (words, report_text.LEVELS_NOTE, report_text.BANDS_NOTE):
         assert "upper bound" not in text and "stationary" not in text and "no error of" not in text
 
@@ -159,7 +197,9 @@ def test_tables_are_read_by_csv_readers_whatever_the_labels_hold(runs: Runs) -> 
     one = replace(heard_in(runs.three())[0], label=label)
     for picture in run_figures.of_run(one):
         if picture.columns:
-            lines = [line for line in picture.csv().decode().splitlines() if not line.startswith("#")]
+            lines = [
+                line for line in picture.csv().decode().splitlines() if not line.startswith("#")
+            ]
             head, *rows = csv.reader(lines)
             assert head == list(picture.columns)
             assert all(len(first) == len(second) for first, second in pairwise([head, *rows]))

@@ -1,4 +1,6 @@
-"""Claims, with real processes: one works on a folder at a time, and those of killed processes count for nothing."""
+"""Claims, with real processes: one works on a folder at a time, and those of killed processes count
+for nothing.
+"""
 
 from __future__ import annotations
 
@@ -52,7 +54,9 @@ def test_the_second_is_refused_and_told_of_the_first(tmp_path: Path) -> None:
         with pytest.raises(FolderError, match="in use") as refusal:
             claim.take(run, "run", take_over=take_over)
         message = str(refusal.value)
-        assert f"process {first.pid} on host {os.uname().nodename} since {record.changed}" in message
+        assert (
+            f"process {first.pid} on host {os.uname().nodename} since {record.changed}" in message
+        )
     first.say("end")
     assert first.wait() == 0 and state(run) == "done"
     with claim.take(run, "run") as held:
@@ -79,7 +83,10 @@ def test_a_claim_of_another_host_has_one_way_out(tmp_path: Path) -> None:
     with pytest.raises(FolderError) as refusal:
         claim.take(run, "run")
     message = str(refusal.value)
-    assert "process 4711 on host node17" in message and f"`rolling resume {run} --take-over`" in message
+    assert (
+        "process 4711 on host node17" in message
+        and f"`rolling resume {run} --take-over`" in message
+    )
     with claim.take(run, "run", take_over=True) as held:
         held.mark(run, "done")
 
@@ -120,7 +127,10 @@ def test_a_run_of_a_study_two_folders_below_respects_it(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("runs", [(), ("load_n=5",)])
 def test_of_processes_that_begin_at_once_one_wins(tmp_path: Path, runs: tuple[str, ...]) -> None:
-    """Twelve rounds of five; with a sweep, some of them want a run in it. Two winners: fewer than four refusals."""
+    """Twelve rounds of five; with a sweep, some of them want a run in it.
+
+    Two winners: fewer than four refusals.
+    """
     folder = made(tmp_path / "folder", runs)
     for _ in range(12):
 
@@ -193,7 +203,9 @@ def test_an_error_gives_the_folder_back_and_says_why(
     claim.take(sweep, "sweep").__exit__(None, None, None)
 
 
-def test_a_full_disk_leaves_no_claim_that_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_leaves_no_claim_that_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The state cannot be written then; the same process can take the folder again all the same."""
     run = made(tmp_path / "run")
 

@@ -16,7 +16,9 @@ SCENES = Path(__file__).parents[2] / "scenarios"
 
 def test_help_imports_nothing_heavy() -> None:
     code = "import sys, rolling.cli\ntry: rolling.cli.main(['--help'])\nexcept SystemExit: pass\nprint(sorted(sys.modules))"
-    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    printed = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout
     assert "usage: rolling" in printed
     for heavy in ("numpy", "numba", "pydantic", "matplotlib"):
         assert f"'{heavy}'" not in printed

@@ -31,17 +31,25 @@ def test_there_are_five_examples() -> None:
 def test_example_runs(script: Path, tmp_path: Path) -> None:
     """In an empty folder, without a screen."""
     environment = os.environ | {"MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT)}
-    run = subprocess.run([sys.executable, script], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    run = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
     assert run.returncode == 0, run.stderr
 
 
 @pytest.mark.parametrize("module", WITH_DOCTESTS)
-def test_docstrings_say_what_comes_out(module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Examples run in an empty folder; those that read a scene of the repository name it by scenarios/."""
+def test_docstrings_say_what_comes_out(
+    module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Examples run in an empty folder; those that read a scene of the repository name it by
+    scenarios/.
+    """
     (tmp_path / "scenarios").symlink_to(ROOT / "scenarios")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     outcome = doctest.testmod(
-        importlib.import_module(module), optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE, verbose=False
+        importlib.import_module(module),
+        optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE,
+        verbose=False,
     )
     assert outcome.attempted > 0 and outcome.failed == 0

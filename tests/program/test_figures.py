@@ -1,4 +1,6 @@
-"""Oracle: what a figure must keep: the numbers it shows, the same axes for what is compared, the same bytes, its edges."""
+"""Oracle: what a figure must keep: the numbers it shows, the same axes for what is compared, the
+same bytes, its edges.
+"""
 
 from __future__ import annotations
 
@@ -57,7 +59,9 @@ def heard(text: str, folder: Path) -> list[RunResult]:
 
 def read(folder: Path) -> list[RunResult]:
     runs = [
-        hear(one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5"))
+        hear(
+            one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5")
+        )
         for one in commands.read_runs(folder)
     ]
     return [one for one in runs if one is not None]
@@ -105,7 +109,15 @@ def test_a_run_folder_has_them_all(runs: list[RunResult]) -> None:
                 assert (one.folder / f"{name}.{suffix}").stat().st_size > 5000
     together = {path.name for path in runs[0].folder.parent.glob("*.svg")}
     assert together == {
-        f"{name}.svg" for name in ("spectrum", "article_spectrum", "psd", "third_octaves", "third_octaves_a", "levels")
+        f"{name}.svg"
+        for name in (
+            "spectrum",
+            "article_spectrum",
+            "psd",
+            "third_octaves",
+            "third_octaves_a",
+            "levels",
+        )
     }
 
 
@@ -115,7 +127,9 @@ def test_what_is_compared_has_the_same_axes(runs: list[RunResult]) -> None:
     for name in ("spectrum", "article_spectrum", "psd", "third_octaves", "third_octaves_a"):
         axes = [pictures[name].figure.axes[0] for pictures in (first, second, both)]
         assert len({ax.get_ylim() for ax in axes}) == len({ax.get_xlim() for ax in axes}) == 1
-    images = [pictures["spectrogram"].figure.axes[0].get_images()[0] for pictures in (first, second)]
+    images = [
+        pictures["spectrogram"].figure.axes[0].get_images()[0] for pictures in (first, second)
+    ]
     assert images[0].get_clim() == images[1].get_clim()
     for name in ("spectrogram", "release_power"):
         assert first[name].plot_area() == second[name].plot_area()
@@ -138,8 +152,13 @@ def test_what_is_compared_has_the_same_axes(runs: list[RunResult]) -> None:
 def test_the_same_run_gives_the_same_bytes(runs: list[RunResult]) -> None:
     again = read(runs[0].folder.parent)
     pairs = zip(run_figures.of_run(runs[0], runs), run_figures.of_run(again[0], again), strict=True)
-    for one, other in [*pairs, *zip(run_figures.of_runs(runs), run_figures.of_runs(again), strict=True)]:
-        assert (one.png(), one.svg(), one.csv()) == (other.png(), other.svg(), other.csv()), one.name
+    for one, other in [
+        *pairs,
+        *zip(run_figures.of_runs(runs), run_figures.of_runs(again), strict=True),
+    ]:
+        assert (one.png(), one.svg(), one.csv()) == (other.png(), other.svg(), other.csv()), (
+            one.name
+        )
 
 
 def columns(picture: Picture) -> dict[str, np.ndarray]:
@@ -154,16 +173,25 @@ def test_curves_in_the_csv_add_up_to_the_levels(runs: list[RunResult]) -> None:
     pictures = by_name(run_figures.of_run(one, runs))
     lines = columns(pictures["spectrum"])[f"{one.label}: A-weighted line level [dB re 20 µPa]"]
     # The record is limited to what is drawn; nine digits of a level leave 1e-7 dB.
-    assert 10 * np.log10(np.sum(10 ** (lines / 10))) == pytest.approx(one.sound.levels.laeq_db, abs=1e-6)
+    assert 10 * np.log10(np.sum(10 ** (lines / 10))) == pytest.approx(
+        one.sound.levels.laeq_db, abs=1e-6
+    )
     density = columns(pictures["psd"])
-    level, frequency = density[f"{one.label}: density level [dB re (20 µPa)²/Hz]"], density["frequency [Hz]"]
+    level, frequency = (
+        density[f"{one.label}: density level [dB re (20 µPa)²/Hz]"],
+        density["frequency [Hz]"],
+    )
     # Seven averages of noise, and a closed record cut open: 1 dB.
     total = 10 * np.log10(np.sum(10 ** (level / 10)) * (frequency[1] - frequency[0]))
     assert total == pytest.approx(one.sound.levels.level_db, abs=1.0)
     for name, whole in (("third_octaves", "level_db"), ("third_octaves_a", "laeq_db")):
         bands = columns(pictures[name])[f"{one.label} [dB re 20 µPa]"]
-        assert 10 * np.log10(np.sum(10 ** (bands / 10))) == pytest.approx(getattr(one.sound.levels, whole), abs=1e-6)
-    np.testing.assert_allclose(columns(pictures["release_power"])["release power [W]"], one.sound.power, rtol=1e-8)
+        assert 10 * np.log10(np.sum(10 ** (bands / 10))) == pytest.approx(
+            getattr(one.sound.levels, whole), abs=1e-6
+        )
+    np.testing.assert_allclose(
+        columns(pictures["release_power"])["release power [W]"], one.sound.power, rtol=1e-8
+    )
     profile = columns(pictures["surface"])
     assert len(profile["height [µm]"]) == 400  # 0.8 mm of nodes 2 µm apart
     events = columns(pictures["recovery_events"])
@@ -178,7 +206,9 @@ def test_levels_against_the_load(runs: list[RunResult]) -> None:
     assert found["load [N]"].tolist() == [0.5, 2.0]
     for k, one in enumerate(runs):
         assert found["LAeq [dB re 20 µPa]"][k] == pytest.approx(one.sound.levels.laeq_db, abs=1e-6)
-        assert found["LZeq: standard uncertainty [dB]"][k] == pytest.approx(one.sound.uncertainty.level_db, abs=1e-6)
+        assert found["LZeq: standard uncertainty [dB]"][k] == pytest.approx(
+            one.sound.uncertainty.level_db, abs=1e-6
+        )
     left, right = picture.figure.axes
     assert left.get_ylim() == right.get_ylim()
 
@@ -201,7 +231,9 @@ def test_notes_say_what_was_assumed(runs: list[RunResult]) -> None:
 
 
 def test_other_distances_are_named_as_a_range(runs: list[RunResult]) -> None:
-    far = Scene.from_dict(runs[1].scene.to_dict() | {"sound": {"distance_m": 4}}, runs[1].scene.folder)
+    far = Scene.from_dict(
+        runs[1].scene.to_dict() | {"sound": {"distance_m": 4}}, runs[1].scene.folder
+    )
     both = by_name(run_figures.of_runs([runs[0], replace(runs[1], scene=far)]))
     assert "at 1 to 4 m" in note(both["spectrum"])
 
@@ -219,7 +251,14 @@ def edges_are_blank(picture: Picture) -> bool:
     rim = int(SIDE_IN / 2 * DPI)
     inner = pixels[2:-2, rim:-rim].size
     return bool(
-        (pixels[:2].min() == pixels[-2:].min() == pixels[:, :rim].min() == pixels[:, -rim:].min() == 1.0) and inner
+        (
+            pixels[:2].min()
+            == pixels[-2:].min()
+            == pixels[:, :rim].min()
+            == pixels[:, -rim:].min()
+            == 1.0
+        )
+        and inner
     )
 
 
@@ -239,13 +278,16 @@ def test_long_names_and_twelve_runs_stay_within_the_figure(runs: list[RunResult]
             box = legend.get_window_extent()
             for ax in picture.figure.axes:
                 below = ax.get_tightbbox()
-                assert below is not None and below.y0 > box.y1 - 1.0, picture.name  # a dot of rounding
+                # a dot of rounding
+                assert below is not None and below.y0 > box.y1 - 1.0, picture.name
 
 
 def test_labels_do_not_change_where_the_plot_lies(runs: list[RunResult]) -> None:
     long = replace(runs[0], scene=renamed(runs[0], "W" * 64))
     for name in ("spectrogram", "release_power"):
-        areas = [by_name(run_figures.of_run(one, runs))[name].plot_area() for one in (runs[0], long)]
+        areas = [
+            by_name(run_figures.of_run(one, runs))[name].plot_area() for one in (runs[0], long)
+        ]
         assert areas[0] == areas[1]
 
 
@@ -263,7 +305,8 @@ def test_ten_seconds_stay_small(runs: list[RunResult]) -> None:
 
 def test_large_surfaces_are_drawn_from_every_other_node(runs: list[RunResult]) -> None:
     wide = Scene.from_dict(
-        runs[0].scene.to_dict() | {"surface": runs[0].scene.to_dict()["surface"] | {"width_um": 1200}},
+        runs[0].scene.to_dict()
+        | {"surface": runs[0].scene.to_dict()["surface"] | {"width_um": 1200}},
         runs[0].scene.folder,
     )
     picture = by_name(run_figures.of_run(replace(runs[0], scene=wide)))["surface"]
@@ -297,10 +340,15 @@ def test_the_beginning_of_a_run_is_drawn(runs: list[RunResult], steps: int) -> N
 def test_one_band_alone_is_drawn(runs: list[RunResult]) -> None:
     """A tone: one line, one band, on axes that hold it."""
     steps = len(runs[0].sound.power)
-    energy = 1e-9 * (1.0 + 0.1 * np.sin(2 * np.pi * 9 * np.arange(steps) / steps))  # 9 periods in 0.009 s: 1 kHz
+    # 9 periods in 0.009 s: 1 kHz
+    energy = 1e-9 * (1.0 + 0.1 * np.sin(2 * np.pi * 9 * np.arange(steps) / steps))
     tone = replace(runs[0], sound=contact_sound(runs[0].scene, energy, 2e-6, True, steps))
     pictures = by_name(run_figures.of_run(tone))
-    bands = {name for name, level in tone.sound.levels.third_octave_db.items() if level is not None and level > 0}
+    bands = {
+        name
+        for name, level in tone.sound.levels.third_octave_db.items()
+        if level is not None and level > 0
+    }
     assert "1000" in bands
     low, high = pictures["third_octaves"].figure.axes[0].get_ylim()
     assert low < tone.sound.levels.third_octave_db["1000"] < high
@@ -314,17 +362,26 @@ def test_maps_and_events_only_where_there_are_any(runs: list[RunResult]) -> None
 
 
 def test_runs_alike_in_name_stay_apart(runs: list[RunResult]) -> None:
-    """The same run heard from elsewhere, and a run of another scene: no curve takes the place of another."""
-    far = Scene.from_dict(runs[0].scene.to_dict() | {"sound": {"distance_m": 4}}, runs[0].scene.folder)
+    """The same run heard from elsewhere, and a run of another scene: no curve takes the place of
+    another.
+    """
+    far = Scene.from_dict(
+        runs[0].scene.to_dict() | {"sound": {"distance_m": 4}}, runs[0].scene.folder
+    )
     for other, expected in (
         (replace(runs[0], scene=far), ["load 0.5 N, distance 1 m", "load 0.5 N, distance 4 m"]),
-        (replace(runs[0], scene=renamed(runs[0], "other")), ["small, load 0.5 N", "other, load 0.5 N"]),
+        (
+            replace(runs[0], scene=renamed(runs[0], "other")),
+            ["small, load 0.5 N", "other, load 0.5 N"],
+        ),
         (runs[0], ["load 0.5 N (1)", "load 0.5 N (2)"]),
     ):
         pictures = by_name(run_figures.of_runs(labelled([runs[0], other])))
         assert "levels" not in pictures
         for name in ("spectrum", "psd", "third_octaves"):
-            assert [text.get_text() for text in pictures[name].figure.legends[0].get_texts()][:2] == expected
+            assert [text.get_text() for text in pictures[name].figure.legends[0].get_texts()][
+                :2
+            ] == expected
         assert sum("dB re 20" in column for column in pictures["third_octaves"].columns) == 2
     sweeps = [*runs, *(replace(one, scene=renamed(one, "other")) for one in runs)]
     found = by_name(run_figures.of_runs(sweeps))["levels"].columns

@@ -49,8 +49,12 @@ def scene(tmp_path: Path) -> Path:
     return path
 
 
-def stopped(scene: Path, out: Path, monkeypatch: pytest.MonkeyPatch, after: Callable[[], None] | None = None) -> None:
-    """Run a scene on one worker, with something that happens `after` its first piece; without it the run stops there."""
+def stopped(
+    scene: Path, out: Path, monkeypatch: pytest.MonkeyPatch, after: Callable[[], None] | None = None
+) -> None:
+    """Run a scene on one worker, with something that happens `after` its first piece; without it
+    the run stops there.
+    """
     inner = simulate.simulate_piece
 
     def piece(scene: Scene, first: int, *rest: object, **more: object) -> simulate.Piece:
@@ -69,7 +73,11 @@ def stopped(scene: Path, out: Path, monkeypatch: pytest.MonkeyPatch, after: Call
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    return {str(file.relative_to(folder)): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
+    return {
+        str(file.relative_to(folder)): file.read_bytes()
+        for file in folder.rglob("*")
+        if file.is_file()
+    }
 
 
 def refused(capsys: pytest.CaptureFixture[str], folder: Path, *words: str) -> None:
@@ -90,7 +98,9 @@ def refused(capsys: pytest.CaptureFixture[str], folder: Path, *words: str) -> No
     assert contents(folder) == before
 
 
-def test_heights_replaced_after_an_interrupt_are_refused(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
+def test_heights_replaced_after_an_interrupt_are_refused(
+    scene: Path, tmp_path: Path, monkeypatch, capsys
+) -> None:
     out = tmp_path / "out"
     stopped(scene, out, monkeypatch)
     np.save(tmp_path / "z.npy", made(2))
@@ -99,7 +109,9 @@ def test_heights_replaced_after_an_interrupt_are_refused(scene: Path, tmp_path: 
     assert cli.main(["resume", str(out), "--workers", "1", "--no-report"]) == 0
     whole = tmp_path / "whole"
     assert cli.main(["run", str(scene), "--out", str(whole), "--workers", "1", "--no-report"]) == 0
-    both = [result_file.load(folder / "result.h5").series["release_energy"] for folder in (out, whole)]
+    both = [
+        result_file.load(folder / "result.h5").series["release_energy"] for folder in (out, whole)
+    ]
     assert np.array_equal(*both)
 
 
@@ -114,13 +126,20 @@ def test_heights_replaced_after_an_interrupt_are_refused(scene: Path, tmp_path: 
     ],
     ids=["replaced", "shortened", "removed", "truncated"],
 )
-def test_heights_that_change_during_a_run_fail_it(spoil, scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
-    """The worker notices before its next piece; the first piece is kept, and true heights finish the run."""
+def test_heights_that_change_during_a_run_fail_it(
+    spoil, scene: Path, tmp_path: Path, monkeypatch, capsys
+) -> None:
+    """The worker notices before its next piece; the first piece is kept, and true heights finish
+    the run.
+    """
     out, path = tmp_path / "out", tmp_path / "z.npy"
     stopped(scene, out, monkeypatch, lambda: spoil(path))
     message = capsys.readouterr().err
     assert "z.npy" in message and "Traceback" not in message
-    assert "another surface than the one solved" in message or "the surface that was solved is gone" in message
+    assert (
+        "another surface than the one solved" in message
+        or "the surface that was solved is gone" in message
+    )
     result = result_file.load(out / "result.h5")
     solved = np.isfinite(result.series["release_energy"])
     assert solved[:200].all() and not solved[200:].any()
@@ -135,11 +154,15 @@ def test_worker_processes_compare_the_heights_that_they_read(scene: Path, tmp_pa
     order = simulate.Order(surface_sha256=simulate.identity_of(one).heights_sha256)
     np.save(tmp_path / "z.npy", made(2))
     pieces = [(0, *piece) for piece in simulate.pieces(STEPS)]
-    outcome = simulate.march_pieces([one], pieces, 2, lambda *_: pytest.fail("a piece was solved"), orders=[order])
+    outcome = simulate.march_pieces(
+        [one], pieces, 2, lambda *_: pytest.fail("a piece was solved"), orders=[order]
+    )
     assert "another surface than the one solved" in outcome.failures[0]
 
 
-def test_heights_replaced_in_the_last_moment_give_no_numbers(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
+def test_heights_replaced_in_the_last_moment_give_no_numbers(
+    scene: Path, tmp_path: Path, monkeypatch, capsys
+) -> None:
     inner = simulate.march_pieces
 
     def replace(*arguments: object) -> object:
@@ -154,8 +177,12 @@ def test_heights_replaced_in_the_last_moment_give_no_numbers(scene: Path, tmp_pa
     assert result_file.load(out / "result.h5").complete and not (out / "summary.json").exists()
 
 
-def test_the_same_heights_elsewhere_and_written_anew_are_the_same_surface(scene: Path, tmp_path: Path) -> None:
-    """The path is no physics, nor is the order of the values in the file, nor their type where it holds them exactly."""
+def test_the_same_heights_elsewhere_and_written_anew_are_the_same_surface(
+    scene: Path, tmp_path: Path
+) -> None:
+    """The path is no physics, nor is the order of the values in the file, nor their type where it
+    holds them exactly.
+    """
     out = tmp_path / "out"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1", "--no-report"]) == 0
     (tmp_path / "elsewhere").mkdir()
@@ -180,22 +207,56 @@ def test_missing_heights_are_named(scene: Path, tmp_path: Path, monkeypatch, cap
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("load_n: 0.2", "load_n: 50.0", "rolling.load_n: result.h5 was solved with 0.2, the scene says 50"),
-        ("radius_mm: 5.0", "radius_mm: 6.0", "sphere.radius_mm: result.h5 was solved with 5, the scene says 6"),
-        ("  hardness_gpa: 2.1\n", "", "plate.hardness_gpa: result.h5 was solved with 2.1, the scene says nothing"),
-        ("spacing_um: 2.0", "spacing_um: 3.0", "surface.spacing_um: result.h5 was solved with 2, the scene says 3"),
-        ("start_um: 0.0", "start_um: 4.0", "rolling.start_um: result.h5 was solved with 0, the scene says 4"),
-        ("tolerance: 0.0001", "tolerance: 0.001", "numerics.tolerance: result.h5 was solved with 0.0001"),
+        (
+            "load_n: 0.2",
+            "load_n: 50.0",
+            "rolling.load_n: result.h5 was solved with 0.2, the scene says 50",
+        ),
+        (
+            "radius_mm: 5.0",
+            "radius_mm: 6.0",
+            "sphere.radius_mm: result.h5 was solved with 5, the scene says 6",
+        ),
+        (
+            "  hardness_gpa: 2.1\n",
+            "",
+            "plate.hardness_gpa: result.h5 was solved with 2.1, the scene says nothing",
+        ),
+        (
+            "spacing_um: 2.0",
+            "spacing_um: 3.0",
+            "surface.spacing_um: result.h5 was solved with 2, the scene says 3",
+        ),
+        (
+            "start_um: 0.0",
+            "start_um: 4.0",
+            "rolling.start_um: result.h5 was solved with 0, the scene says 4",
+        ),
+        (
+            "tolerance: 0.0001",
+            "tolerance: 0.001",
+            "numerics.tolerance: result.h5 was solved with 0.0001",
+        ),
         (
             "edges: blended",
             "edges: sharp",
             'numerics.edges: result.h5 was solved with "blended", the scene says "sharp"',
         ),
-        ("events: false", "events: true", "recovery.events: result.h5 was solved with false, the scene says true"),
-        ("speed_m_s: 0.1", "speed_m_s: 0.1\n  duration_s: 0.018", "result.h5 has 450 steps, the scene asks for 900"),
+        (
+            "events: false",
+            "events: true",
+            "recovery.events: result.h5 was solved with false, the scene says true",
+        ),
+        (
+            "speed_m_s: 0.1",
+            "speed_m_s: 0.1\n  duration_s: 0.018",
+            "result.h5 has 450 steps, the scene asks for 900",
+        ),
     ],
 )
-def test_an_edited_scene_is_refused_key_by_key(old, new, message, scene: Path, tmp_path: Path, monkeypatch, capsys):
+def test_an_edited_scene_is_refused_key_by_key(
+    old, new, message, scene: Path, tmp_path: Path, monkeypatch, capsys
+):
     out = tmp_path / "out"
     stopped(scene, out, monkeypatch)
     text = (out / "resolved.yaml").read_text()
@@ -206,7 +267,11 @@ def test_an_edited_scene_is_refused_key_by_key(old, new, message, scene: Path, t
 
 def test_what_resound_may_change_is_no_physics(scene: Path, tmp_path: Path) -> None:
     one = simulate.identity_of(read_scene(scene))
-    changes = (["name=other", "description=words"], ["sound.distance_m=7", "sound.q=0.5"], ["rolling.speed_m_s=3"])
+    changes = (
+        ["name=other", "description=words"],
+        ["sound.distance_m=7", "sound.q=0.5"],
+        ["rolling.speed_m_s=3"],
+    )
     for settings in changes:
         other = simulate.identity_of(read_scene(scene, settings))
         assert not differences(one, other, "result.h5", None) and one.sha256 == other.sha256
@@ -214,7 +279,11 @@ def test_what_resound_may_change_is_no_physics(scene: Path, tmp_path: Path) -> N
 
 def test_an_edited_seed_is_refused_in_a_sweep_and_in_its_runs(tmp_path: Path, capsys) -> None:
     path, out = tmp_path / "s.yaml", tmp_path / "out"
-    path.write_text(PLAIN.replace("width_um: 64", "width_um: 200").replace("duration_s: 0.01", "duration_s: 0.003"))
+    path.write_text(
+        PLAIN.replace("width_um: 64", "width_um: 200").replace(
+            "duration_s: 0.01", "duration_s: 0.003"
+        )
+    )
     settings = ["--set", "sweep.rolling.load_n=[0.5, 1]", "--workers", "1", "--no-report"]
     assert cli.main(["run", str(path), *settings, "--out", str(out)]) == 0
     one = out / "load_n=1"
@@ -222,19 +291,31 @@ def test_an_edited_seed_is_refused_in_a_sweep_and_in_its_runs(tmp_path: Path, ca
     (one / "resolved.yaml").write_text(text.replace("seed: 1", "seed: 2"))
     refused(capsys, one, "surface.seed: result.h5 was solved with 1, the scene says 2")
     # The sweep says 1, its run 2: which one is meant cannot be known.
-    refused(capsys, out, "load_n=1/resolved.yaml: surface.seed: got 2, the sweep of the folder above makes 1 of it")
+    refused(
+        capsys,
+        out,
+        "load_n=1/resolved.yaml: surface.seed: got 2, the sweep of the folder above makes 1 of it",
+    )
     (one / "resolved.yaml").write_text(text)
     whole = (out / "resolved.yaml").read_text()
     (out / "resolved.yaml").write_text(whole.replace("seed: 1", "seed: 2"))
-    refused(capsys, out, "load_n=0.5/resolved.yaml: surface.seed: got 1, the sweep of the folder above makes 2 of it")
+    refused(
+        capsys,
+        out,
+        "load_n=0.5/resolved.yaml: surface.seed: got 1, the sweep of the folder above makes 2 of it",
+    )
     (out / "resolved.yaml").write_text(whole.replace("[0.5, 1", "[0.5, 2"))
     before = contents(out)
     assert cli.main(["resume", str(out), "--workers", "1"]) == 2
-    message = "load_n=1/resolved.yaml: rolling.load_n: got 1, the sweep of the folder above makes 2 of it"
+    message = (
+        "load_n=1/resolved.yaml: rolling.load_n: got 1, the sweep of the folder above makes 2 of it"
+    )
     assert message in capsys.readouterr().err and contents(out) == before
 
 
-@pytest.mark.parametrize("settings", [(), ("numerics.tolerance=1e-3", "recovery.events=true", "plate.hardness_gpa=")])
+@pytest.mark.parametrize(
+    "settings", [(), ("numerics.tolerance=1e-3", "recovery.events=true", "plate.hardness_gpa=")]
+)
 def test_a_key_that_a_version_lacks_has_its_default(settings) -> None:
     own = Identity.of(loads(PLAIN, settings), None)
     assert not differences(own, own, "result.h5", None)
@@ -245,7 +326,9 @@ def test_a_key_that_a_version_lacks_has_its_default(settings) -> None:
     # Written by a later version: keys that this one has never heard of.
     later = {"plate.creep": 0.0, "dynamics": None}
     newer = Identity(own.physics | later, own.defaults | later, None)
-    assert not differences(newer, own, "result.h5", None) and not differences(own, newer, "result.h5", None)
+    assert not differences(newer, own, "result.h5", None) and not differences(
+        own, newer, "result.h5", None
+    )
     newer = Identity(own.physics | later | {"plate.creep": 0.5}, own.defaults | later, None)
     assert differences(newer, own, "result.h5", None) == [
         "plate.creep: result.h5 was solved with 0.5, the scene says 0"
@@ -256,7 +339,9 @@ def test_a_key_that_a_version_lacks_has_its_default(settings) -> None:
 
 def test_another_kind_of_surface_is_one_difference(tmp_path: Path) -> None:
     scene = loads(PLAIN)
-    smooth = Scene.from_dict(scene.to_dict() | {"surface": {"kind": "smooth", "spacing_um": 2, "width_um": 64}})
+    smooth = Scene.from_dict(
+        scene.to_dict() | {"surface": {"kind": "smooth", "spacing_um": 2, "width_um": 64}}
+    )
     found = differences(Identity.of(scene, None), Identity.of(smooth, None), "result.h5", None)
     assert found == ['surface.kind: result.h5 was solved with "gaussian", the scene says "smooth"']
 
@@ -264,7 +349,11 @@ def test_another_kind_of_surface_is_one_difference(tmp_path: Path) -> None:
 def test_the_digest_of_heights_is_of_shape_and_values() -> None:
     z = made(1, 16)
     digest = identity.heights_digest(z)
-    assert digest == identity.heights_digest(np.asfortranarray(z)) == identity.heights_digest(z[::1].astype(">f8"))
+    assert (
+        digest
+        == identity.heights_digest(np.asfortranarray(z))
+        == identity.heights_digest(z[::1].astype(">f8"))
+    )
     others = [z.reshape(60, 16), z.T, z[::-1], z + 1e-20, z * (1 + 1e-15), np.roll(z, 1, axis=0)]
     assert len({digest, *map(identity.heights_digest, others)}) == 7
 
@@ -279,7 +368,9 @@ def test_the_file_says_what_was_solved(scene: Path, tmp_path: Path) -> None:
         assert "z.npy" not in file.attrs["physics"] and "speed" not in file.attrs["physics"]
 
 
-def test_a_resounded_run_keeps_its_identity_whatever_its_duration(scene: Path, tmp_path: Path) -> None:
+def test_a_resounded_run_keeps_its_identity_whatever_its_duration(
+    scene: Path, tmp_path: Path
+) -> None:
     """Another speed rounds the duration; the steps stay as they were, over files and made surfaces."""
     rng = np.random.default_rng(0)
     from rolling.scene import file as scene_file
@@ -288,13 +379,17 @@ def test_a_resounded_run_keeps_its_identity_whatever_its_duration(scene: Path, t
         for _ in range(40):
             settings = [f"rolling.duration_s={10 ** rng.uniform(-2.7, 0):.17g}"]
             before = loads(text, settings, folder=tmp_path)
-            after = scene_file.resound(before, [f"rolling.speed_m_s={10 ** rng.uniform(-4, 2):.17g}"])
+            after = scene_file.resound(
+                before, [f"rolling.speed_m_s={10 ** rng.uniform(-4, 2):.17g}"]
+            )
             pair = [simulate.identity_of(one) for one in (before, after)]
             assert not differences(*pair, "result.h5", None), (settings, after.rolling)
 
 
 def test_comparing_costs_little(scene: Path, tmp_path: Path) -> None:
-    """A worker compares before each piece of 200 steps: 0.3 ms measured, where a piece takes 60 ms at least."""
+    """A worker compares before each piece of 200 steps: 0.3 ms measured, where a piece takes 60 ms
+    at least.
+    """
     one = read_scene(scene)
     scene_surface.heights(one)
     began = time.perf_counter()

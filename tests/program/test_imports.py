@@ -1,4 +1,6 @@
-"""Who may import whom: rooms stand on floors, imports go down, acoustics stands alone, and a help text waits for nothing."""
+"""Who may import whom: rooms stand on floors, imports go down, acoustics stands alone, and a help
+text waits for nothing.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
-# A room is a file or folder at the top of a package. A room imports rooms of lower floors only, so a new room needs a floor.
+# A room is a file or folder at the top of a package. A room imports rooms of lower floors only, so
+# a new room needs a floor.
 FLOORS = {
     "rolling": (
         ("_typing", "contact", "scene", "tables"),
@@ -43,7 +46,10 @@ HEAVY = ("h5py", "matplotlib", "numba", "numpy", "pydantic", "scipy", "soundfile
 def modules(package: str) -> dict[str, Path]:
     """Return the files of a package by the names of their modules."""
     files = sorted((ROOT / package).rglob("*.py"))
-    names = [".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__") for file in files]
+    names = [
+        ".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+        for file in files
+    ]
     return dict(zip(names, files, strict=True))
 
 
@@ -62,15 +68,21 @@ def imported(module: str) -> tuple[str, ...]:
 
 
 def room(name: str) -> str:
-    """Return the room of a dotted name; names that a package defines itself belong to its front door."""
+    """Return the room of a dotted name; names that a package defines itself belong to its front
+    door.
+    """
     package, _, rest = name.partition(".")
     first = rest.split(".")[0]
-    is_room = first and ((ROOT / package / first).is_dir() or (ROOT / package / f"{first}.py").is_file())
+    is_room = first and (
+        (ROOT / package / first).is_dir() or (ROOT / package / f"{first}.py").is_file()
+    )
     return first if is_room else FRONT_DOOR
 
 
 def arrows(package: str) -> set[tuple[str, str, str, str]]:
-    """Return (room, imported room, module, imported name) for every import from room to room of a package."""
+    """Return (room, imported room, module, imported name) for every import from room to room of a
+    package.
+    """
     found = set()
     for module in modules(package):
         here = room(module)
@@ -85,7 +97,9 @@ def test_every_room_has_one_floor(package: str) -> None:
     placed = [name for floor in FLOORS[package] for name in floor]
     rooms = {room(module) for module in modules(package) if "." in module}
     assert len(placed) == len(set(placed))
-    assert rooms <= set(placed), f"give them a floor in {Path(__file__).name}: {sorted(rooms - set(placed))}"
+    assert rooms <= set(placed), (
+        f"give them a floor in {Path(__file__).name}: {sorted(rooms - set(placed))}"
+    )
 
 
 @pytest.mark.parametrize("package", FLOORS)
@@ -121,7 +135,9 @@ def test_modules_do_not_import_each_other_in_a_circle(package: str) -> None:
         if module == package:
             continue
         targets = {name if name in known else name.rpartition(".")[0] for name in imported(module)}
-        graph[module] = {target for target in targets if target in known and target not in (package, module)}
+        graph[module] = {
+            target for target in targets if target in known and target not in (package, module)
+        }
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as error:
@@ -130,7 +146,10 @@ def test_modules_do_not_import_each_other_in_a_circle(package: str) -> None:
 
 def test_acoustics_knows_nothing_of_rolling() -> None:
     strangers = [
-        (module, name) for module in modules("acoustics") for name in imported(module) if name.startswith("rolling")
+        (module, name)
+        for module in modules("acoustics")
+        for name in imported(module)
+        if name.startswith("rolling")
     ]
     assert not strangers
 
@@ -146,5 +165,7 @@ def test_acoustics_knows_nothing_of_rolling() -> None:
 )
 def test_nothing_heavy_is_loaded_before_it_is_needed(code: str) -> None:
     code = f"import sys\n{code}\nprint('loaded:', *sorted(set(sys.modules) & {set(HEAVY)!r}))"
-    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT).stdout
+    printed = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    ).stdout
     assert printed.splitlines()[-1] == "loaded:"

@@ -1,4 +1,6 @@
-"""The interface for Python: it runs without a guard wherever Python runs, and gives the numbers that the command writes."""
+"""The interface for Python: it runs without a guard wherever Python runs, and gives the numbers
+that the command writes.
+"""
 
 from __future__ import annotations
 
@@ -81,7 +83,9 @@ def run(folder: Path) -> RunResult:
 
 def executed(arguments: list[str], folder: Path, given: str | None = None) -> str:
     """Run Python in the folder; return the output of a program that leaves nothing on stderr."""
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, [str(Path.cwd()), *sys.path]))}
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join(filter(None, [str(Path.cwd()), *sys.path]))
+    }
     done = subprocess.run(
         [sys.executable, *arguments],
         cwd=folder,
@@ -106,7 +110,10 @@ def test_the_lines_run_without_a_guard(folder: Path, tmp_path: Path, way: str) -
         "script": (["program.py"], None),
         "standard input": (["-"], PROGRAM),
         "command": (["-c", PROGRAM], None),
-        "namespace without a file": (["-c", "exec(open('program.py').read(), {'__name__': '__main__'})"], None),
+        "namespace without a file": (
+            ["-c", "exec(open('program.py').read(), {'__name__': '__main__'})"],
+            None,
+        ),
     }[way]
     printed = executed(arguments, tmp_path, given)
     assert printed.splitlines()[-1] == "450 0.25 0.5"
@@ -153,7 +160,9 @@ def test_same_numbers_as_the_command_bit_by_bit(folder: Path, run: RunResult) ->
         }
     told = json.loads((folder / "out" / "summary.json").read_text())
     timed = {"step_ms", "seconds", "sound_seconds"}
-    assert {k: v for k, v in told.items() if k not in timed} == {k: v for k, v in run.summary.items() if k not in timed}
+    assert {k: v for k, v in told.items() if k not in timed} == {
+        k: v for k, v in run.summary.items() if k not in timed
+    }
 
 
 def test_saved_run_has_the_files_of_the_command_and_comes_back_equal(
@@ -161,7 +170,9 @@ def test_saved_run_has_the_files_of_the_command_and_comes_back_equal(
 ) -> None:
     saved = run.save(tmp_path / "mine")
     given = {"scene.yaml"}  # the text that the command was given
-    assert {file.name for file in saved.iterdir()} == {file.name for file in (folder / "out").iterdir()} - given
+    assert {file.name for file in saved.iterdir()} == {
+        file.name for file in (folder / "out").iterdir()
+    } - given
     assert (saved / "signal.wav").read_bytes() == (folder / "out" / "signal.wav").read_bytes()
     again = rc.open_run(saved)
     assert again.scene == run.scene and again.summary == run.summary and again.label == run.label
@@ -170,7 +181,10 @@ def test_saved_run_has_the_files_of_the_command_and_comes_back_equal(
     assert again.to_xarray().identical(run.to_xarray())
     with pytest.raises(FolderError, match="--force"):
         run.save(saved)
-    assert again.save(saved, force=True, report=False) == saved and not (saved / "report.html").exists()
+    assert (
+        again.save(saved, force=True, report=False) == saved
+        and not (saved / "report.html").exists()
+    )
 
 
 def test_tree_is_the_file(folder: Path, run: RunResult) -> None:
@@ -179,7 +193,9 @@ def test_tree_is_the_file(folder: Path, run: RunResult) -> None:
         assert {*tree.groups} == {*file.groups}
         for group in tree.groups:
             here, there = (each[group].to_dataset(inherit=False) for each in (tree, file))
-            assert here.drop_vars("step_time", errors="ignore").equals(there.drop_vars("step_time", errors="ignore"))
+            assert here.drop_vars("step_time", errors="ignore").equals(
+                there.drop_vars("step_time", errors="ignore")
+            )
 
 
 def test_sweep_gives_runs_by_value_and_is_refused_by_simulate(folder: Path, run: RunResult) -> None:
@@ -204,14 +220,18 @@ def test_failures_are_raised(folder: Path) -> None:
     with pytest.raises(ContactError, match="more than the surface can carry"):
         rc.simulate(heavy, workers=1)
     swept = rc.read_scene(folder / "swept.yaml", [*short, "sweep.rolling.load_n=[90, 0.5]"])
-    with pytest.raises(rc.SweepError, match=r"load 90 N: .* more than the surface can carry") as error:
+    with pytest.raises(
+        rc.SweepError, match=r"load 90 N: .* more than the surface can carry"
+    ) as error:
         rc.simulate_sweep(swept, workers=1)
     assert [*error.value.runs] == [0.5] and [*error.value.failures] == ["load 90 N"]
     with pytest.raises(FolderError, match="not a run folder"):
         rc.open_run(folder)
 
 
-def test_progress_is_shown_where_it_is_asked_for(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_progress_is_shown_where_it_is_asked_for(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     scene = rc.read_scene(folder / "scene.yaml", ["rolling.duration_s=0.002"])
     for progress, shown in ((True, True), (None, False), (False, False)):
         rc.simulate(scene, workers=1, progress=progress)
@@ -235,11 +255,16 @@ def test_example_of_the_docstring() -> None:
 def test_levels_and_caveats_for_a_notebook(run: RunResult) -> None:
     html = run._repr_html_()
     assert "LAeq" in html and "dB(A)" in html and "upper bound" in html and "&lt;" not in run.title
-    assert repr(run).startswith("<run small, load 0.5 N: LAeq ") and repr(run).endswith("450 steps>")
+    assert repr(run).startswith("<run small, load 0.5 N: LAeq ") and repr(run).endswith(
+        "450 steps>"
+    )
 
 
 def test_player_of_a_notebook_or_the_name_of_the_file(
-    run: RunResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    run: RunResult,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, "IPython.display", None)

@@ -1,4 +1,6 @@
-"""Law: the labels of any runs differ, say what differs, can be printed and stay short; every key of a scene has its words."""
+"""Law: the labels of any runs differ, say what differs, can be printed and stay short; every key of
+a scene has its words.
+"""
 
 from __future__ import annotations
 
@@ -60,7 +62,9 @@ def test_every_key_of_the_scene_has_words() -> None:
 def test_a_run_and_its_resound_are_told_apart_by_the_speed() -> None:
     """The duration follows from the speed; the folders' names would say nothing."""
     fast = scene(rolling__speed_m_s=0.2, rolling__duration_s=0.005)
-    assert of(Case(SCENE, Path("o/2026-01-01T00-00-00")), Case(fast, Path("o/2026-01-01T00-00-05"))) == [
+    assert of(
+        Case(SCENE, Path("o/2026-01-01T00-00-00")), Case(fast, Path("o/2026-01-01T00-00-05"))
+    ) == [
         "speed 0.1 m/s",
         "speed 0.2 m/s",
     ]
@@ -99,8 +103,13 @@ def test_differences_that_matter_are_named_even_where_the_load_would_do() -> Non
 
 def test_values_that_print_alike_have_all_their_digits() -> None:
     seeds = (10**16, 10**16 + 1)
-    assert of(*(Case(scene(surface__seed=seed)) for seed in seeds)) == [f"seed {seed}" for seed in seeds]
-    assert of(*(Case(scene(rolling__load_n=load)) for load in (5.0, 5.00000001))) == ["load 5.0 N", "load 5.00000001 N"]
+    assert of(*(Case(scene(surface__seed=seed)) for seed in seeds)) == [
+        f"seed {seed}" for seed in seeds
+    ]
+    assert of(*(Case(scene(rolling__load_n=load)) for load in (5.0, 5.00000001))) == [
+        "load 5.0 N",
+        "load 5.00000001 N",
+    ]
     profiles = [[[0, 0.1], [1, 0.3]], [[0, 0.1], [2, 0.3]]]
     first, second = of(*(Case(scene(rolling__speed_m_s=profile)) for profile in profiles))
     assert "at 1.0 s" in first and "at 2.0 s" in second
@@ -124,8 +133,13 @@ def test_equal_scenes_are_told_apart_by_folder_and_then_by_number() -> None:
 
 def test_a_sweep_is_named_by_its_values_whether_alone_or_together() -> None:
     swept = file.loads(PLAIN + "sweep: {rolling.load_n: [5, 20], surface.seed: [1, 2]}\n")
-    runs = [Run(values, single, Path("runs") / str(k)) for k, (values, single) in enumerate(swept.runs())]
-    assert labels.labels(runs) == [f"load {load} N, seed {seed}" for load in (5, 20) for seed in (1, 2)]
+    runs = [
+        Run(values, single, Path("runs") / str(k))
+        for k, (values, single) in enumerate(swept.runs())
+    ]
+    assert labels.labels(runs) == [
+        f"load {load} N, seed {seed}" for load in (5, 20) for seed in (1, 2)
+    ]
     assert [run.label for run in runs] == labels.labels(runs)
     assert Run({}, SCENE, Path("runs/a")).label == "load 20 N"
 
@@ -140,7 +154,10 @@ def test_names_stand_once_and_long_ones_are_cut_where_they_do_not_differ() -> No
     assert labels.title("quickstart", "quickstart, load 5 N") == "quickstart, load 5 N"
     assert labels.title("quickstart", "load 5 N") == "quickstart, load 5 N"
     assert (
-        labels.title("a" * 30 + "b" * 34, labels.shortened(["a" * 30 + "b" * 34], 20)[0] + ", load 5 N").count("a") < 20
+        labels.title(
+            "a" * 30 + "b" * 34, labels.shortened(["a" * 30 + "b" * 34], 20)[0] + ", load 5 N"
+        ).count("a")
+        < 20
     )
 
 
@@ -155,7 +172,9 @@ def test_ten_swept_keys_stay_short_and_apart() -> None:
     cases = [
         Case(
             scene(
-                **{key: 1 + (k >> n & 1) for n, key in enumerate(keys)}, surface__seed=k, surface__roughness_ra_um=k + 1
+                **{key: 1 + (k >> n & 1) for n, key in enumerate(keys)},
+                surface__seed=k,
+                surface__roughness_ra_um=k + 1,
             )
         )
         for k in range(32)
@@ -165,18 +184,23 @@ def test_ten_swept_keys_stay_short_and_apart() -> None:
 
 
 NAMES = st.from_regex(r"\A[A-Za-z0-9][A-Za-z0-9._-]{0,63}\Z")
-# As an operating system gives them: any letters but the slash and nought, bytes that are no UTF-8 as surrogates.
+# As an operating system gives them: any letters but the slash and nought, bytes that are no UTF-8
+# as surrogates.
 FOLDERS = st.text(
     st.characters(exclude_characters="/\0", exclude_categories=["Cs"]), min_size=1, max_size=80
 ) | st.binary(min_size=1, max_size=20).map(
-    lambda content: content.replace(b"/", b"_").replace(b"\0", b"$").decode("utf-8", "surrogateescape")
+    lambda content: (
+        content.replace(b"/", b"_").replace(b"\0", b"$").decode("utf-8", "surrogateescape")
+    )
 )
 KEYS = st.fixed_dictionaries(
     {},
     optional={
         "name": NAMES | st.sampled_from(["x" * 60, "x" * 59 + "y"]),
         "rolling__load_n": st.floats(1e-3, 1e3),
-        "rolling__speed_m_s": st.sampled_from([0.1, 0.2, [[0, 0.1], [1, 0.3]], [[0, 0.1], [2, 0.3]]]),
+        "rolling__speed_m_s": st.sampled_from(
+            [0.1, 0.2, [[0, 0.1], [1, 0.3]], [[0, 0.1], [2, 0.3]]]
+        ),
         "surface__seed": st.integers(0, 10**20),
         "plate__hardness_gpa": st.none() | st.floats(0.1, 10),
         "sound__distance_m": st.floats(0.1, 10),
@@ -185,7 +209,9 @@ KEYS = st.fixed_dictionaries(
     },
 )
 CASES = st.builds(
-    lambda keys, name, swept: Case(scene(**keys), Path("runs") / name, {"rolling.load_n": 1.0} if swept else {}),
+    lambda keys, name, swept: Case(
+        scene(**keys), Path("runs") / name, {"rolling.load_n": 1.0} if swept else {}
+    ),
     KEYS,
     FOLDERS,
     st.booleans(),
@@ -206,7 +232,9 @@ def test_labels_of_any_runs_differ_and_can_be_printed(cases: list[Case], repeate
 
 @settings(max_examples=200, deadline=None)
 @given(st.lists(st.text("ab", max_size=60) | st.text(max_size=60), max_size=6), st.integers(12, 40))
-def test_shortened_texts_keep_to_their_length_and_stay_apart(texts: list[str], longest: int) -> None:
+def test_shortened_texts_keep_to_their_length_and_stay_apart(
+    texts: list[str], longest: int
+) -> None:
     found = labels.shortened(texts, longest)
     assert all(len(text) <= longest for text in found)
     for text, short in zip(texts, found, strict=True):

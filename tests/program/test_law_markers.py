@@ -1,4 +1,6 @@
-"""The laws that tests guard can be listed without running them: literal markers, one sentence each, none of the laws missing."""
+"""The laws that tests guard can be listed without running them: literal markers, one sentence each,
+none of the laws missing.
+"""
 
 from __future__ import annotations
 
@@ -36,18 +38,29 @@ LAWS = {
 
 
 def trees() -> list[ast.Module]:
-    return [ast.parse(file.read_text(encoding="utf-8")) for file in sorted(TESTS.rglob("test_*.py"))]
+    return [
+        ast.parse(file.read_text(encoding="utf-8")) for file in sorted(TESTS.rglob("test_*.py"))
+    ]
 
 
 def is_law(node: ast.AST) -> bool:
-    return isinstance(node, ast.Attribute) and node.attr == "law" and ast.unparse(node) == "pytest.mark.law"
+    return (
+        isinstance(node, ast.Attribute)
+        and node.attr == "law"
+        and ast.unparse(node) == "pytest.mark.law"
+    )
 
 
 @cache
 def sentences() -> list[str]:
     """Return the sentences of the markers that decorate a test."""
     tests = [node for tree in trees() for node in tree.body if isinstance(node, ast.FunctionDef)]
-    marks = [mark for test in tests for mark in test.decorator_list if isinstance(mark, ast.Call) and is_law(mark.func)]
+    marks = [
+        mark
+        for test in tests
+        for mark in test.decorator_list
+        if isinstance(mark, ast.Call) and is_law(mark.func)
+    ]
     assert all(len(mark.args) == 1 and not mark.keywords for mark in marks)
     return [ast.literal_eval(mark.args[0]) for mark in marks]
 

@@ -19,7 +19,8 @@ plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
 surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}
 rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 1}
 """
-# One task holds Python's lock for ever, as a compiled step of the march does while it lasts; one sleeps.
+# One task holds Python's lock for ever, as a compiled step of the march does while it lasts; one
+# sleeps.
 TASKS = """\
 import ctypes, os, sys, time
 
@@ -42,7 +43,9 @@ if __name__ == "__main__":
     pool.work([pool.Task(0, busy, (), 1.0), pool.Task(1, asleep, (), 1.0)], 2, lambda run, result: None)
 """
 
-pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are found in /proc")
+pytestmark = pytest.mark.skipif(
+    not Path("/proc/self/stat").exists(), reason="processes are found in /proc"
+)
 
 
 def parents() -> dict[int, int]:
@@ -87,7 +90,9 @@ def write_program(folder: Path, tasks: str = TASKS) -> str:
 def start(arguments: Sequence[str], folder: Path) -> subprocess.Popen:
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     # Imports are found from another folder, too.
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, [str(folder), *sys.path]))}
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join(filter(None, [str(folder), *sys.path]))
+    }
     return subprocess.Popen([sys.executable, *arguments], cwd=folder, env=environment, **quiet)
 
 
@@ -97,7 +102,9 @@ def assert_all_end(main: subprocess.Popen, seconds: float = 10) -> None:
     main.send_signal(signal.SIGKILL)
     main.wait()
     try:
-        assert wait_for(lambda: not below & set(parents()), seconds), f"{below & set(parents())} are left"
+        assert wait_for(lambda: not below & set(parents()), seconds), (
+            f"{below & set(parents())} are left"
+        )
     finally:
         for process in below & set(parents()):  # a failed test leaves nothing behind
             os.kill(process, signal.SIGKILL)
@@ -115,9 +122,12 @@ def test_workers_that_hold_the_lock_or_sleep_end_with_their_parent(tmp_path: Pat
 @pytest.mark.slow
 def test_workers_of_a_run_end_with_it(tmp_path: Path) -> None:
     (tmp_path / "scene.yaml").write_text(SCENE)
-    main = start(["-m", "rolling.cli", "run", "scene.yaml", "--out", "out", "--workers", "2"], tmp_path)
+    main = start(
+        ["-m", "rolling.cli", "run", "scene.yaml", "--out", "out", "--workers", "2"], tmp_path
+    )
     solved = tmp_path / "out" / "result.h5"
-    assert wait_for(lambda: len(descendants(main.pid)) >= 3 and solved.exists(), 60)  # two workers and their tracker
+    # two workers and their tracker
+    assert wait_for(lambda: len(descendants(main.pid)) >= 3 and solved.exists(), 60)
     time.sleep(1)
     assert_all_end(main)
 
@@ -138,6 +148,9 @@ def test_thread_alone_ends_a_worker_where_the_kernel_does_not(tmp_path: Path) ->
     # Every interpreter of this test imports it when it starts.
     without = "from rolling.simulation import lifeline\nlifeline._ask_kernel = lambda: None\n"
     (tmp_path / "sitecustomize.py").write_text(without)
-    main = start([write_program(tmp_path, TASKS.replace("ctypes.PyDLL(None)", "time")), str(running)], tmp_path)
+    main = start(
+        [write_program(tmp_path, TASKS.replace("ctypes.PyDLL(None)", "time")), str(running)],
+        tmp_path,
+    )
     assert wait_for(lambda: len(list(running.iterdir())) == 2, 60)
     assert_all_end(main, 3)

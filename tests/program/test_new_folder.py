@@ -1,4 +1,6 @@
-"""New folders and --force: what this program did not write is never lost, and the last run that is done neither."""
+"""New folders and --force: what this program did not write is never lost, and the last run that is
+done neither.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ def fill(folder: Path) -> None:
 
 
 def begin(out: Path, force: bool = True, inputs: Sequence[Path] = ()) -> claim.Claim:
-    return new_folder.make(new_folder.aim(out, out, force, KINDS, inputs), run_record.new("run"), fill)
+    return new_folder.make(
+        new_folder.aim(out, out, force, KINDS, inputs), run_record.new("run"), fill
+    )
 
 
 def finish(out: Path, force: bool = True) -> None:
@@ -35,7 +39,11 @@ def finish(out: Path, force: bool = True) -> None:
 
 
 def run_in(
-    folder: Path, content: str = "old", state: str = "done", kind: Kind = "run", runs: Sequence[str] = ()
+    folder: Path,
+    content: str = "old",
+    state: str = "done",
+    kind: Kind = "run",
+    runs: Sequence[str] = (),
 ) -> Path:
     """A folder of a run with some files of it, in a state."""
     folder.mkdir(parents=True)
@@ -63,7 +71,8 @@ def state(folder: Path) -> str:
     return record.state if record else "none"
 
 
-# ---- what is refused -------------------------------------------------------------------------------------------------
+# ---- what is refused
+# -------------------------------------------------------------------------------------------------
 
 
 def refused(out: Path, words: str, force: bool = True, inputs: Sequence[Path] = ()) -> None:
@@ -98,7 +107,11 @@ def test_only_marked_folders_are_replaced(tmp_path: Path) -> None:
 
 def test_foreign_contents_are_named_and_kept(tmp_path: Path) -> None:
     out = run_in(tmp_path / "out", kind="sweep", runs=["load_n=5"])
-    for path, text in (("notes.txt", "mine"), ("load_n=5/thesis.tex", "mine"), ("load_n=7/result.h5", "mine")):
+    for path, text in (
+        ("notes.txt", "mine"),
+        ("load_n=5/thesis.tex", "mine"),
+        ("load_n=7/result.h5", "mine"),
+    ):
         (out / path).parent.mkdir(exist_ok=True)
         (out / path).write_text(text)
         refused(out, f"did not write {path.partition('/result')[0]} in it; move that away")
@@ -122,7 +135,9 @@ def test_foreign_contents_are_named_and_kept(tmp_path: Path) -> None:
     finish(out)
 
 
-def test_inputs_and_the_working_directory_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_inputs_and_the_working_directory_are_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     out = run_in(tmp_path / "out", kind="sweep", runs=["load_n=5"])
     words = "which this command reads, lies in it"
     refused(out, words, inputs=[tmp_path / "elsewhere.yaml", out / "scene.yaml"])
@@ -184,7 +199,9 @@ def test_the_name_out_previous_is_not_taken_from_others(tmp_path: Path, what: st
     refused(out, "out.previous: ")
 
 
-def test_a_parent_that_cannot_be_written_gives_one_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_parent_that_cannot_be_written_gives_one_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     out = run_in(tmp_path / "out")
 
     def denied(*_: object, **__: object) -> None:
@@ -206,11 +223,14 @@ def test_what_cannot_be_made_gives_one_message(tmp_path: Path) -> None:
     refused(long, "cannot be made|could not be replaced")
 
 
-# ---- what is made ----------------------------------------------------------------------------------------------------
+# ---- what is made
+# ----------------------------------------------------------------------------------------------------
 
 
 def test_empty_folders_are_filled_in_place(tmp_path: Path) -> None:
-    """A folder that was made before, a mount point perhaps, stays the same folder; a link to it stays a link."""
+    """A folder that was made before, a mount point perhaps, stays the same folder; a link to it
+    stays a link.
+    """
     out = tmp_path / "out"
     out.mkdir(mode=0o770)
     (out / ".run.json.partial").write_text("{")  # a command was killed before its first file
@@ -238,7 +258,11 @@ def test_the_last_run_that_is_done_outlives_any_number_of_failures(tmp_path: Pat
     for _ in range(3):
         with pytest.raises(KeyboardInterrupt), begin(out):
             raise KeyboardInterrupt
-        assert state(out) == "waiting" and state(old) == "done" and (old / "result.h5").read_text() == "good"
+        assert (
+            state(out) == "waiting"
+            and state(old) == "done"
+            and (old / "result.h5").read_text() == "good"
+        )
         assert {path.name for path in tmp_path.iterdir()} == {"out", "out.previous"}
     # Resumed to its end, by another process: the old one goes.
     with claim.take(out, "run") as held:
@@ -248,13 +272,18 @@ def test_the_last_run_that_is_done_outlives_any_number_of_failures(tmp_path: Pat
 
 
 def test_of_two_that_are_not_done_the_younger_is_kept(tmp_path: Path) -> None:
-    out, old = run_in(tmp_path / "out", "second", "failed"), run_in(tmp_path / "out.previous", "first", "failed")
+    out, old = (
+        run_in(tmp_path / "out", "second", "failed"),
+        run_in(tmp_path / "out.previous", "first", "failed"),
+    )
     begin(out).__exit__(None, None, None)
     assert (old / "result.h5").read_text() == "second"
 
 
 def test_out_previous_of_somebody_else_is_not_removed(tmp_path: Path) -> None:
-    """Put there after the new run began: another run, or the right one with a file of the user in it."""
+    """Put there after the new run began: another run, or the right one with a file of the user in
+    it.
+    """
     out, old = run_in(tmp_path / "out"), tmp_path / "out.previous"
     with begin(out) as held:
         (old / "notes.txt").write_text("mine")
@@ -286,7 +315,9 @@ def test_inputs_that_cannot_be_written_leave_everything_as_it_was(tmp_path: Path
 
 
 def test_of_commands_that_begin_at_once_one_gets_the_folder(tmp_path: Path) -> None:
-    """New, empty or replaced: one of four processes makes it, three are refused, the run that was there is beside it."""
+    """New, empty or replaced: one of four processes makes it, three are refused, the run that was
+    there is beside it.
+    """
     for k in range(12):
         out = tmp_path / f"out{k}"
         if k % 3 == 1:
@@ -310,14 +341,20 @@ def test_of_commands_that_begin_at_once_one_gets_the_folder(tmp_path: Path) -> N
         answers = sorted(child.hear() for child in children)
         for child in children:
             child.kill()
-        assert answers[0] == "made" and all(answer.startswith("refused") for answer in answers[1:]), answers
+        assert answers[0] == "made" and all(
+            answer.startswith("refused") for answer in answers[1:]
+        ), answers
         assert state(out) == "running" and (out / "resolved.yaml").read_text() == "name: new\n"
         if k % 3 == 2:
             assert (tmp_path / f"out{k}.previous" / "result.h5").read_text() == f"old {k}"
 
 
-def test_a_run_that_was_done_counts_as_done_though_a_resume_of_it_was_killed(tmp_path: Path) -> None:
-    """The resume has nothing to solve; its kill leaves the state running, and two kills of --force would lose the run."""
+def test_a_run_that_was_done_counts_as_done_though_a_resume_of_it_was_killed(
+    tmp_path: Path,
+) -> None:
+    """The resume has nothing to solve; its kill leaves the state running, and two kills of --force
+    would lose the run.
+    """
     out, old = run_in(tmp_path / "out", "good"), tmp_path / "out.previous"
 
     def resume(child: Child) -> None:
@@ -350,7 +387,8 @@ def test_a_removal_that_is_killed_is_in_nobodys_way(tmp_path: Path) -> None:
         finish(out)
 
     assert Child(work).wait() == 9
-    for number, name in enumerate(("", ".run.json.partial", "notes.txt")):  # killed, or not, before it had a run.json
+    # killed, or not, before it had a run.json
+    for number, name in enumerate(("", ".run.json.partial", "notes.txt")):
         folder = tmp_path / f".out.{number:032}.partial"
         folder.mkdir()
         if name:
@@ -361,7 +399,8 @@ def test_a_removal_that_is_killed_is_in_nobodys_way(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == [f".out.{2:032}.partial", "out"]
 
 
-# ---- killed, and refused by the system, at every step ----------------------------------------------------------------
+# ---- killed, and refused by the system, at every step
+# ----------------------------------------------------------------
 
 
 class Killed(BaseException):
@@ -418,11 +457,16 @@ def test_killed_between_renames_the_good_run_is_there_and_the_next_command_goes_
     assert "good" in contents(tmp_path)
     assert code == 9 or number == 3
     places = [path for path in tmp_path.iterdir() if not path.name.startswith(".")]
-    assert any((path / "result.h5").is_file() and (path / "result.h5").read_text() == "good" for path in places)
+    assert any(
+        (path / "result.h5").is_file() and (path / "result.h5").read_text() == "good"
+        for path in places
+    )
     finish(out)
     assert state(out) == "done" and (out / "result.h5").read_text() == "new"
     if code == 0 or case in ("done", "failed, done before"):
-        assert [path.name for path in tmp_path.iterdir() if not path.name.startswith(".")] == ["out"]
+        assert [path.name for path in tmp_path.iterdir() if not path.name.startswith(".")] == [
+            "out"
+        ]
     finish(out)
     assert [path.name for path in tmp_path.iterdir()] == ["out"]  # nothing is left behind for ever
 
@@ -448,9 +492,18 @@ def test_a_rename_that_fails_leaves_everything_as_it_was(
         assert number == 3
 
 
-# ---- any contents ----------------------------------------------------------------------------------------------------
+# ---- any contents
+# ----------------------------------------------------------------------------------------------------
 
-OWN = ["run.json", "scene.yaml", "result.h5", "spectrum.svg", ".result.h5.partial", ".lock", "load_n=5"]
+OWN = [
+    "run.json",
+    "scene.yaml",
+    "result.h5",
+    "spectrum.svg",
+    ".result.h5.partial",
+    ".lock",
+    "load_n=5",
+]
 NAMES = st.sampled_from(
     [*OWN, "run.json~", "Result.h5", "notes", "load_n=6", ".git", ".notes.partial", "variants", "ü"]
 )
@@ -471,7 +524,9 @@ def plant(folder: Path, contents: dict) -> None:
 
 
 def foreign_by_oracle(folder: Path, names: frozenset[str], runs: tuple[str, ...]) -> set[str]:
-    """Paths that may not vanish, by a rule of its own: everything that is no regular file of a known name in its place."""
+    """Paths that may not vanish, by a rule of its own: everything that is no regular file of a
+    known name in its place.
+    """
     kept = set()
     for top, folders, files in os.walk(folder):
         inside = Path(top).relative_to(folder).parts
@@ -481,14 +536,22 @@ def foreign_by_oracle(folder: Path, names: frozenset[str], runs: tuple[str, ...]
             if not inside:
                 known = base in names or name in runs
             else:
-                known = len(inside) == 1 and inside[0] in runs and base in own_files.FILES["run"] | {".lock"}
-            is_folder_of_a_run = path.is_dir() and not path.is_symlink() and len(inside) == 0 and name in runs
+                known = (
+                    len(inside) == 1
+                    and inside[0] in runs
+                    and base in own_files.FILES["run"] | {".lock"}
+                )
+            is_folder_of_a_run = (
+                path.is_dir() and not path.is_symlink() and len(inside) == 0 and name in runs
+            )
             if path.is_symlink() or not known or (path.is_dir() and not is_folder_of_a_run):
                 kept.add(path.relative_to(folder).as_posix())
     return kept
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(
     contents=st.dictionaries(NAMES, TREES, max_size=4),
     runs=st.sampled_from([(), ("load_n=5",)]),

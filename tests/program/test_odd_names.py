@@ -1,4 +1,6 @@
-"""Folders and height files of any name: reports, pictures, tables and the terminal take them, and show which is which."""
+"""Folders and height files of any name: reports, pictures, tables and the terminal take them, and
+show which is which.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +52,9 @@ def drawn(texts: list[str]) -> Picture:
         for text in texts:
             ax.plot([0, 1], [0, 1], label=text)
 
-    return single("odd", texts[0], "; ".join(texts), {text: np.zeros(2) for text in texts}, draw, texts)
+    return single(
+        "odd", texts[0], "; ".join(texts), {text: np.zeros(2) for text in texts}, draw, texts
+    )
 
 
 @pytest.mark.slow
@@ -81,7 +85,9 @@ def test_texts_that_differ_look_different() -> None:
 
 @pytest.mark.slow
 def test_a_report_of_folders_with_odd_names(runs: Runs, tmp_path: Path, capsys) -> None:
-    """End to end: the page is written beside the run, in a folder that is no UTF-8, and names both runs."""
+    """End to end: the page is written beside the run, in a folder that is no UTF-8, and names both
+    runs.
+    """
     here = tmp_path / os.fsdecode(b"$x^$ \n \xff #<b>&\"' \xf0\x9f\x98\x80")
     there = tmp_path / os.fsdecode(b"$x^$ \n \xfe #<b>&\"' \xf0\x9f\x98\x80")
     for folder in (here, there):
@@ -108,5 +114,9 @@ def test_the_terminal_takes_a_folder_of_any_bytes(runs: Runs, tmp_path: Path) ->
             capture_output=True,
         )
         assert done.returncode == 2
-        assert b"\\udcff" in done.stderr and b"not a run folder" in done.stderr and b"Traceback" not in done.stderr
+        assert (
+            b"\\udcff" in done.stderr
+            and b"not a run folder" in done.stderr
+            and b"Traceback" not in done.stderr
+        )
     assert "none \\xff" in summary.table([("load 1 N", str(folder), None)])

@@ -1,4 +1,6 @@
-"""The commands' --out, --force and resume: inputs, other people's files and solved runs are never lost, states are told."""
+"""The commands' --out, --force and resume: inputs, other people's files and solved runs are never
+lost, states are told.
+"""
 
 from __future__ import annotations
 
@@ -61,7 +63,11 @@ def record(folder: Path) -> RunRecord:
 
 
 def bytes_in(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
 
 
 def as_by_0_1_0(folder: Path) -> None:
@@ -79,8 +85,14 @@ def refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Callable[...,
         before = bytes_in(tmp_path)
         capsys.readouterr()
         assert cli.main([str(each) for each in arguments]) == 2
-        after = {name: content for name, content in bytes_in(tmp_path).items() if Path(name).name != ".lock"}
-        assert after == {name: content for name, content in before.items() if Path(name).name != ".lock"}
+        after = {
+            name: content
+            for name, content in bytes_in(tmp_path).items()
+            if Path(name).name != ".lock"
+        }
+        assert after == {
+            name: content for name, content in before.items() if Path(name).name != ".lock"
+        }
         message = capsys.readouterr().err
         assert "is kept" not in message and "Traceback" not in message
         return message
@@ -108,29 +120,51 @@ def test_force_never_touches_what_is_not_a_run(scene, tmp_path, refused, monkeyp
     with pytest.raises(SystemExit):
         cli.main(["resume", ""])
     monkeypatch.chdir(tmp_path)
-    assert "no study of accuracy of this program" in refused("accuracy", scene, "--out", proj, "--force")
+    assert "no study of accuracy of this program" in refused(
+        "accuracy", scene, "--out", proj, "--force"
+    )
     assert "no table of hard cases of this program" in refused("accuracy", "--hard", "--out", proj)
     assert "no study of this program" in refused("reproduce", "lee2025", "--quick", "--out", proj)
 
 
 def test_inputs_are_read_first_and_never_replaced(scene, out, tmp_path, refused) -> None:
     shutil.copy(scene, out / "scene.yaml")
-    assert "which this command reads, lies in it" in refused("run", out / "scene.yaml", "--out", out, "--force")
-    assert "lies in it" in refused("resound", out, "--set", "sound.distance_m=2", "--out", out, "--force")
+    assert "which this command reads, lies in it" in refused(
+        "run", out / "scene.yaml", "--out", out, "--force"
+    )
+    assert "lies in it" in refused(
+        "resound", out, "--set", "sound.distance_m=2", "--out", out, "--force"
+    )
     scene.write_text(SCENE.replace("load_n", "laod_n"))
     assert "nearest: load_n" in refused("run", scene, "--out", out, "--force")
     scene.write_text(SCENE.replace("gaussian, r", "file, path: z.npy, r"))
     refused("run", scene, "--out", out, "--force")
-    heights = SCENE.replace(SCENE.splitlines()[3], "surface: {kind: file, path: ../out/z.npy, spacing_um: 2}")
+    heights = SCENE.replace(
+        SCENE.splitlines()[3], "surface: {kind: file, path: ../out/z.npy, spacing_um: 2}"
+    )
     np.save(out / "z.npy", np.zeros((250, 40)))
     scene.write_text(heights)
-    assert "z.npy, which this command reads, lies in it" in refused("run", scene, "--out", out, "--force")
+    assert "z.npy, which this command reads, lies in it" in refused(
+        "run", scene, "--out", out, "--force"
+    )
 
 
-def test_force_keeps_the_old_run_until_the_new_one_is_done(scene, out, tmp_path, monkeypatch, capsys) -> None:
+def test_force_keeps_the_old_run_until_the_new_one_is_done(
+    scene, out, tmp_path, monkeypatch, capsys
+) -> None:
     before = (out / "result.h5").read_bytes()
     previous = tmp_path / "out.previous"
-    again = ["run", str(scene), "--set", "rolling.load_n=0.1", "--out", str(out), "--force", "--workers", "1"]
+    again = [
+        "run",
+        str(scene),
+        "--set",
+        "rolling.load_n=0.1",
+        "--out",
+        str(out),
+        "--force",
+        "--workers",
+        "1",
+    ]
     inner = result_file.save
 
     def full(*_):
@@ -139,7 +173,9 @@ def test_force_keeps_the_old_run_until_the_new_one_is_done(scene, out, tmp_path,
     monkeypatch.setattr(result_file, "save", full)
     assert cli.main(again) == 1
     message = capsys.readouterr().err
-    assert "No space left" in message and "nothing was solved" in message and "is kept" not in message
+    assert (
+        "No space left" in message and "nothing was solved" in message and "is kept" not in message
+    )
     assert f"stays in {previous} until this one is done" in message
     assert record(out).state == "failed" and "No space left" in str(record(out).reason)
     assert (previous / "result.h5").read_bytes() == before and record(previous).state == "done"
@@ -147,21 +183,29 @@ def test_force_keeps_the_old_run_until_the_new_one_is_done(scene, out, tmp_path,
     # More than the surface can carry; and once more, over the failed one.
     assert cli.main([*again, "--set", "plate.hardness_gpa=0.00001"]) == 1
     message = capsys.readouterr().err
-    assert "nothing is solved yet" in message and f"{previous}, which this run replaces, stays" in message
+    assert (
+        "nothing is solved yet" in message
+        and f"{previous}, which this run replaces, stays" in message
+    )
     assert (previous / "result.h5").read_bytes() == before
     assert cli.main(again) == 0
     assert not previous.exists() and json.loads((out / "summary.json").read_text())["load_n"] == 0.1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "proj"]
 
 
-def test_a_full_disk_after_some_steps_says_what_is_kept(scene, tmp_path, monkeypatch, capsys) -> None:
+def test_a_full_disk_after_some_steps_says_what_is_kept(
+    scene, tmp_path, monkeypatch, capsys
+) -> None:
     def full(*_):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(commands.sound_files, "write", full)
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 1
     message = capsys.readouterr().err
-    assert f"what was solved before is kept in {tmp_path / 'out'}" in message and "rolling resume" in message
+    assert (
+        f"what was solved before is kept in {tmp_path / 'out'}" in message
+        and "rolling resume" in message
+    )
     monkeypatch.undo()
     # An error of another command says nothing of runs.
     monkeypatch.setattr(commands, "report", full)
@@ -195,7 +239,8 @@ def test_a_page_replaces_pages_only(out, tmp_path, refused, monkeypatch) -> None
     assert "symbolic link" in refused("report", out, "--out", tmp_path / "link.html", "--force")
     assert "symbolic link" in refused("report", out, "--out", tmp_path / "nowhere.html")
     assert "is a folder" in refused("report", out, "--out", tmp_path, "--force")
-    assert cli.main(["report", str(out)]) == 0 == cli.main(["report", str(out)])  # its own report.html
+    # its own report.html
+    assert cli.main(["report", str(out)]) == 0 == cli.main(["report", str(out)])
 
 
 @pytest.mark.slow
@@ -208,9 +253,12 @@ def test_a_run_in_progress_is_left_alone_by_all_commands(scene, tmp_path, refuse
     while not (out / "result.h5").is_file():
         assert process.poll() is None and time.monotonic() < deadline, process.communicate()
         time.sleep(0.02)
-    os.kill(process.pid, 19)  # stopped, so that its files do not change while this test compares them
+    # stopped, so that its files do not change while this test compares them
+    os.kill(process.pid, 19)
     assert record(out).state == "running"
-    name = f"in use by process {process.pid} on host {os.uname().nodename} since {record(out).changed}"
+    name = (
+        f"in use by process {process.pid} on host {os.uname().nodename} since {record(out).changed}"
+    )
     assert name in refused("resume", out)
     assert name in refused("run", scene, "--out", out, "--force")
     assert name in refused("run", scene, "--out", out)
@@ -223,13 +271,28 @@ def test_a_run_in_progress_is_left_alone_by_all_commands(scene, tmp_path, refuse
 
 def test_each_run_of_a_sweep_has_its_state(scene, tmp_path, capsys) -> None:
     out = tmp_path / "out"
-    settings = ["--set", "plate.hardness_gpa=0.0001", "--set", "sweep.rolling.load_n=[90, 0.0001]", "--workers", "1"]
+    settings = [
+        "--set",
+        "plate.hardness_gpa=0.0001",
+        "--set",
+        "sweep.rolling.load_n=[90, 0.0001]",
+        "--workers",
+        "1",
+    ]
     assert cli.main(["run", str(scene), *settings, "--out", str(out)]) == 1
     sweep, bad, good = record(out), record(out / "load_n=90"), record(out / "load_n=0.0001")
-    assert (sweep.kind, sweep.state, sweep.runs) == ("sweep", "failed", ("load_n=90", "load_n=0.0001"))
-    assert "1 of 2 runs" in str(sweep.reason) and "more than the surface can carry" in str(bad.reason)
+    assert (sweep.kind, sweep.state, sweep.runs) == (
+        "sweep",
+        "failed",
+        ("load_n=90", "load_n=0.0001"),
+    )
+    assert "1 of 2 runs" in str(sweep.reason) and "more than the surface can carry" in str(
+        bad.reason
+    )
     assert (bad.kind, bad.state, good.kind, good.state) == ("run", "failed", "run", "done")
-    assert len({sweep.id, bad.id, good.id}) == 3 and all(each.process is None for each in (sweep, bad, good))
+    assert len({sweep.id, bad.id, good.id}) == 3 and all(
+        each.process is None for each in (sweep, bad, good)
+    )
     assert cli.main(["resume", str(out), "--workers", "1"]) == 1
     assert record(out).id == sweep.id and record(out).created == sweep.created
     assert record(out / "load_n=0.0001").changed == good.changed  # nothing to write
@@ -251,9 +314,16 @@ def test_an_interrupted_sweep_waits(scene, tmp_path, monkeypatch, capsys) -> Non
     assert cli.main(["run", str(scene), *settings, "--out", str(out)]) == 130
     assert "rolling resume" in capsys.readouterr().err
     assert ("running", "waiting") in seen or ("waiting", "running") in seen
-    states = sorted((record(out / name).state, record(out / name).reason) for name in ("load_n=0.1", "load_n=0.2"))
+    states = sorted(
+        (record(out / name).state, record(out / name).reason)
+        for name in ("load_n=0.1", "load_n=0.2")
+    )
     assert states == [("done", None), ("waiting", "interrupted")]
-    assert (record(out).state, record(out).reason, record(out).process) == ("waiting", "interrupted", None)
+    assert (record(out).state, record(out).reason, record(out).process) == (
+        "waiting",
+        "interrupted",
+        None,
+    )
     monkeypatch.undo()
     monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
     # One run by itself; then the sweep, in which nothing is left to solve.
@@ -272,20 +342,35 @@ def test_values_that_print_alike_have_results_of_their_own(scene, tmp_path) -> N
     assert cli.main(["run", str(scene), "--set", seeds, "--out", str(out), "--workers", "1"]) == 0
     names = ["seed=10000000000000000", "seed=10000000000000001"]
     assert sorted(path.name for path in out.iterdir() if path.is_dir()) == names
-    releases = [result_file.load(out / name / "result.h5").series["release_energy"] for name in names]
+    releases = [
+        result_file.load(out / name / "result.h5").series["release_energy"] for name in names
+    ]
     assert not np.array_equal(*releases)
     assert [one.folder.name for one in commands.read_runs(out)] == names
     sounds = tmp_path / "far"
     assert cli.main(["resound", str(out), "--set", "sound.distance_m=2", "--out", str(sounds)]) == 0
-    assert np.array_equal(result_file.load(sounds / names[0] / "result.h5").series["release_energy"], releases[0])
+    assert np.array_equal(
+        result_file.load(sounds / names[0] / "result.h5").series["release_energy"], releases[0]
+    )
 
 
 def test_ten_swept_keys_have_a_folder_that_can_be_made(scene, tmp_path) -> None:
     """As it was: File name too long, after the sweep's folder was made."""
-    keys = {"sphere.radius_mm": 5.123456789, "plate.youngs_modulus_gpa": 210.123456789, "plate.poissons_ratio": 0.3123456789,
-            "surface.roughness_ra_um": 0.123456789, "surface.correlation_length_um": 10.123456789, "surface.seed": 123456789,
-            "rolling.load_n": 0.123456789, "rolling.speed_m_s": 0.1123456789, "rolling.duration_s": 0.002123456789,
-            "sound.distance_m": 1.123456789, "sound.q": 0.5123456789, "numerics.tolerance": 1.123456e-4}  # fmt: skip
+    keys = {
+        "sphere.radius_mm": 5.123456789,
+        "plate.youngs_modulus_gpa": 210.123456789,
+        "plate.poissons_ratio": 0.3123456789,
+        "surface.roughness_ra_um": 0.123456789,
+        "surface.correlation_length_um": 10.123456789,
+        "surface.seed": 123456789,
+        "rolling.load_n": 0.123456789,
+        "rolling.speed_m_s": 0.1123456789,
+        "rolling.duration_s": 0.002123456789,
+        # fmt: skip
+        "sound.distance_m": 1.123456789,
+        "sound.q": 0.5123456789,
+        "numerics.tolerance": 1.123456e-4,
+    }
     settings = [word for key, value in keys.items() for word in ("--set", f"sweep.{key}=[{value}]")]
     out = tmp_path / "out"
     assert cli.main(["run", str(scene), *settings, "--out", str(out), "--workers", "1"]) == 0
@@ -294,7 +379,8 @@ def test_ten_swept_keys_have_a_folder_that_can_be_made(scene, tmp_path) -> None:
     assert cli.main(["resume", str(out), "--workers", "1"]) == 0
 
 
-# ---- folders of version 0.1.0 ----------------------------------------------------------------------------------------
+# ---- folders of version 0.1.0
+# ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("sweep", [False, True])
@@ -318,7 +404,9 @@ def test_folders_of_version_0_1_0_are_read_with_one_warning_and_never_replaced(
         assert cli.main([str(word) for word in command]) == 0
         lines = [line for line in capsys.readouterr().err.splitlines() if "version 0.1.0" in line]
         assert len(lines) == 1 and lines[0].startswith(f"warning: {old}")
-    assert record(old).adopted and record(old).state == "done" and not record(tmp_path / "new").adopted
+    assert (
+        record(old).adopted and record(old).state == "done" and not record(tmp_path / "new").adopted
+    )
     assert "version 0.1.0" in refused("run", scene, "--out", old, "--force")
 
 
@@ -334,8 +422,15 @@ def test_runs_that_version_0_1_0_mixed_up_are_refused(scene, tmp_path, refused) 
 
 
 def test_a_damaged_run_json_is_one_message(out, scene, refused) -> None:
-    (out / "run.json").write_text('{"program": "rolling-contact-noise", "format": 1, "state": "done"}')
-    for command in (["resume", out], ["resound", out], ["report", out], ["run", scene, "--out", out, "--force"]):
+    (out / "run.json").write_text(
+        '{"program": "rolling-contact-noise", "format": 1, "state": "done"}'
+    )
+    for command in (
+        ["resume", out],
+        ["resound", out],
+        ["report", out],
+        ["run", scene, "--out", out, "--force"],
+    ):
         message = refused(*command)
         assert "run.json: damaged" in message and message.count("\n") == 1
 
@@ -351,14 +446,19 @@ def test_a_result_begun_by_another_state_of_the_program_is_said(out, capsys) -> 
     content = json.loads((out / "run.json").read_text())
     files.write_json(out / "run.json", content | {"sources": "0" * 64, "version": "0.1.9"})
     assert cli.main(["resume", str(out), "--workers", "1"]) == 0
-    assert "begun by version 0.1.9 (sources 000000000000), goes on with version" in capsys.readouterr().err
+    assert (
+        "begun by version 0.1.9 (sources 000000000000), goes on with version"
+        in capsys.readouterr().err
+    )
     assert record(out).sources != "0" * 64
 
 
 def test_the_heights_are_found_again_from_a_linked_folder(scene, tmp_path) -> None:
     """As it was: the path led from the link's name, and so elsewhere."""
     np.save(scene.parent / "z.npy", np.random.default_rng(1).standard_normal((250, 40)) * 1e-8)
-    scene.write_text(SCENE.replace(SCENE.splitlines()[3], "surface: {kind: file, path: z.npy, spacing_um: 2}"))
+    scene.write_text(
+        SCENE.replace(SCENE.splitlines()[3], "surface: {kind: file, path: z.npy, spacing_um: 2}")
+    )
     (tmp_path / "deep" / "er").mkdir(parents=True)
     (tmp_path / "link").symlink_to(tmp_path / "deep" / "er")
     out = tmp_path / "link" / "out"

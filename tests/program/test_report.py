@@ -1,4 +1,6 @@
-"""The report page without a browser: one file that asks for nothing, text that stays text, exit codes, gains, sprites, tables."""
+"""The report page without a browser: one file that asks for nothing, text that stays text, exit
+codes, gains, sprites, tables.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,9 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
 
 def heard_in(folder: Path) -> list[RunResult]:
     found = [
-        commands.hear(one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5"))
+        commands.hear(
+            one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5")
+        )
         for one in commands.read_runs(folder)
     ]
     return [one for one in found if one]
@@ -53,12 +57,16 @@ def test_page_is_one_file_that_asks_for_nothing(one_page) -> None:
     assert {target.partition(":")[0] for target in targets} == {"data"}
     policy = re.search(r'Content-Security-Policy" content="([^"]+)"', one_page)
     assert policy and policy[1].startswith("default-src 'none'")
-    assert not re.search(r"<link|@import|url\(|<[a-z]+\s[^<>]*\son[a-z]+=", re.sub(r"data:[^\"']+", "", one_page))
+    assert not re.search(
+        r"<link|@import|url\(|<[a-z]+\s[^<>]*\son[a-z]+=", re.sub(r"data:[^\"']+", "", one_page)
+    )
 
 
 def test_text_of_the_scene_is_escaped_in_markup_and_script(one_page) -> None:
     assert HOSTILE not in one_page
-    assert "<img src=x" not in one_page and "<!-- <script>" not in one_page and "z<i>" not in one_page
+    assert (
+        "<img src=x" not in one_page and "<!-- <script>" not in one_page and "z<i>" not in one_page
+    )
     # The page's own two scripts, and what ends them.
     assert one_page.count("<script") == one_page.count("</script") == 2
 
@@ -83,7 +91,10 @@ def test_exit_codes_and_nothing_is_overwritten(runs, tmp_path, capsys, monkeypat
     assert out.read_text() == "mine"  # a page replaces pages only
     assert cli.main(["report", source, str(runs.one())]) == 0
     (made,) = (tmp_path / "outputs" / "report").glob("*/report.html")
-    assert made.read_text() == "the page" and str(made.relative_to(tmp_path)) in capsys.readouterr().out
+    assert (
+        made.read_text() == "the page"
+        and str(made.relative_to(tmp_path)) in capsys.readouterr().out
+    )
 
 
 def test_unsolved_or_too_many_runs_are_refused(runs, tmp_path, capsys, monkeypatch) -> None:
@@ -117,14 +128,29 @@ def test_runs_write_the_page_unless_told_not_to(runs, tmp_path, capsys) -> None:
     assert (first / "report.html").stat().st_mtime <= (first / "run.json").stat().st_mtime
     assert cli.main(["run", str(scene), *SHORT, "--out", str(second), "--no-report"]) == 0
     assert not (second / "report.html").exists()
-    assert cli.main(["resound", str(first), "--set", "sound.distance_m=2", "--out", str(third), "--no-report"]) == 0
+    assert (
+        cli.main(
+            [
+                "resound",
+                str(first),
+                "--set",
+                "sound.distance_m=2",
+                "--out",
+                str(third),
+                "--no-report",
+            ]
+        )
+        == 0
+    )
     assert not (third / "report.html").exists()
     assert cli.main(["resume", str(third), "--workers", "1"]) == 0
     assert (third / "report.html").is_file()
 
 
 @pytest.mark.slow
-def test_a_page_that_cannot_be_written_loses_nothing_of_the_run(runs, tmp_path, capsys, monkeypatch) -> None:
+def test_a_page_that_cannot_be_written_loses_nothing_of_the_run(
+    runs, tmp_path, capsys, monkeypatch
+) -> None:
     runs.smooth()
     out = tmp_path / "out"
 
@@ -148,35 +174,51 @@ def test_three_records_of_ten_seconds_stay_below_15_mb(runs, tmp_path) -> None:
     slow = tmp_path / "slow"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(commands, "_write_pictures", lambda *_: [])
-        assert commands.resound(runs.three(), ["rolling.speed_m_s=0.009"], slow, page=False).exit_code == 0
+        assert (
+            commands.resound(runs.three(), ["rolling.speed_m_s=0.009"], slow, page=False).exit_code
+            == 0
+        )
     assert commands.report([slow], tmp_path / "page.html").stat().st_size < 15e6
 
 
-# ---- gains -----------------------------------------------------------------------------------------------------------
+# ---- gains
+# -----------------------------------------------------------------------------------------------------------
 
 
 def test_gains_keep_levels_or_make_them_equal_and_never_clip() -> None:
-    """By hand: peaks 2, 1, 0.1 Pa and LAeq 80, 70, 60 dB; the record with the highest crest (20 lg of peak over level) limits."""
+    """By hand: peaks 2, 1, 0.1 Pa and LAeq 80, 70, 60 dB; the record with the highest crest (20 lg
+    of peak over level) limits.
+    """
     peaks, levels = [2.0, 1.0, 0.1], [80.0, 70.0, 60.0]
     found = playbacks(peaks, levels)
     for one, peak, level in zip(found, peaks, levels, strict=True):
         assert peak / one.full_scale_pa == pytest.approx(PEAK)
         assert one.calibrated == pytest.approx(one.full_scale_pa / one.calibrated_pa)
         assert one.calibrated_pa == pytest.approx(2 / PEAK)
-        assert PEAK * one.calibrated <= PEAK * (1 + 1e-12) and PEAK * one.equal <= PEAK * (1 + 1e-12)
+        assert PEAK * one.calibrated <= PEAK * (1 + 1e-12) and PEAK * one.equal <= PEAK * (
+            1 + 1e-12
+        )
         # What is heard: the level less the pascals of full scale.
         assert level - 20 * np.log10(one.equal_pa) == pytest.approx(70 - 20 * np.log10(1 / PEAK))
-        assert one.equal_db == pytest.approx(70 - 20 * np.log10(1 / PEAK) - (level - 20 * np.log10(2 / PEAK)))
+        assert one.equal_db == pytest.approx(
+            70 - 20 * np.log10(1 / PEAK) - (level - 20 * np.log10(2 / PEAK))
+        )
 
 
 def test_gains_of_silence_are_nought() -> None:
     silent, loud = playbacks([0.0, 0.5], [None, 60.0])
-    assert (silent.calibrated, silent.equal, silent.calibrated_pa, silent.equal_db) == (0, 0, None, None)
+    assert (silent.calibrated, silent.equal, silent.calibrated_pa, silent.equal_db) == (
+        0,
+        0,
+        None,
+        None,
+    )
     assert loud.calibrated == loud.equal == pytest.approx(1)
     assert playbacks([0.0], [None])[0].full_scale_pa == 1
 
 
-# ---- sprites ---------------------------------------------------------------------------------------------------------
+# ---- sprites
+# ---------------------------------------------------------------------------------------------------------
 
 
 def test_sheet_holds_every_pressure_where_it_says() -> None:
@@ -204,7 +246,9 @@ def test_sheet_holds_every_pressure_where_it_says() -> None:
                     assert pixel.tolist() == [*expected.tolist(), 255]
                 else:
                     assert pixel[3] == 0
-    reach = max(max(10, 2 * one.pressure.shape[0] - 10, 2 * one.pressure.shape[1] - 10) for one in maps)
+    reach = max(
+        max(10, 2 * one.pressure.shape[0] - 10, 2 * one.pressure.shape[1] - 10) for one in maps
+    )
     assert pressure_maps.half_width([sheet], [3.0]) == pytest.approx(1.05 * reach)
 
 
@@ -226,7 +270,8 @@ def test_map_shown_is_the_nearest_one_at_any_time(speed, laps, closes) -> None:
         assert away[shown] == pytest.approx(away.min(), abs=1e-9)
 
 
-# ---- words and tables ------------------------------------------------------------------------------------------------
+# ---- words and tables
+# ------------------------------------------------------------------------------------------------
 
 
 def test_numbers_that_are_missing_or_silent_are_said(runs) -> None:
@@ -234,9 +279,13 @@ def test_numbers_that_are_missing_or_silent_are_said(runs) -> None:
     table = text.levels([silent])
     assert table.rows[0][1][:5] == ["silent"] * 5
     assert "No sound" in text.sentence([silent])
-    old = replace(silent, summary={k: v for k, v in silent.summary.items() if not k.startswith("la")})
+    old = replace(
+        silent, summary={k: v for k, v in silent.summary.items() if not k.startswith("la")}
+    )
     assert "-" in text.levels([old]).rows[0][1]
-    head, *rows = [line.split("\t") for line in text.tsv([old]).splitlines() if not line.startswith("#")]
+    head, *rows = [
+        line.split("\t") for line in text.tsv([old]).splitlines() if not line.startswith("#")
+    ]
     assert rows and all(len(row) == len(head) for row in rows)
 
 
@@ -260,11 +309,19 @@ def test_each_kind_of_warning_and_equal_assumptions_are_said_once(runs) -> None:
     keys = [each.key for each in warnings]
     assert keys and len(set(keys)) == len(keys)
     for each in warnings:
-        texts = {one.label: c["text"] for one in heard for c in one.summary["caveats"] if c["key"] == each.key}
+        texts = {
+            one.label: c["text"]
+            for one in heard
+            for c in one.summary["caveats"]
+            if c["key"] == each.key
+        }
         assert list(each.labels or [one.label for one in heard]) == list(texts)
         first = next(iter(texts))
-        assert each.text == texts[first] + (f" (in the numbers of {first})" if len(set(texts.values())) > 1 else "")
-    assert any("in the numbers of" in each.text for each in warnings)  # each load has a resonance of its own
+        assert each.text == texts[first] + (
+            f" (in the numbers of {first})" if len(set(texts.values())) > 1 else ""
+        )
+    # each load has a resonance of its own
+    assert any("in the numbers of" in each.text for each in warnings)
     facts = {fact.name: fact.values for fact in text.assumptions(heard)}
     assert facts["distance"] == [("", "1 m, spherical spreading")]
     assert any("rms slope 0.025 (holds up to 0.3)" in value for _, value in facts["half-space"])

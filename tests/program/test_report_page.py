@@ -1,4 +1,6 @@
-"""The report page in a browser, from a file: network and console silent, sound at its level, playheads and maps in place."""
+"""The report page in a browser, from a file: network and console silent, sound at its level,
+playheads and maps in place.
+"""
 
 from __future__ import annotations
 
@@ -111,7 +113,9 @@ def pages(runs: Runs, tmp_path_factory: pytest.TempPathFactory):
 
 @pytest.fixture
 def opened(browser):
-    """Opens a page and sees to it that nothing complains and nothing is asked for but the page itself."""
+    """Opens a page and sees to it that nothing complains and nothing is asked for but the page
+    itself.
+    """
 
     @contextmanager
     def open_page(path: Path, **settings):
@@ -120,7 +124,10 @@ def opened(browser):
         complaints: list[str] = []
         page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
         page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("dialog", lambda dialog: (complaints.append(f"dialog: {dialog.message}"), dialog.dismiss()))
+        page.on(
+            "dialog",
+            lambda dialog: (complaints.append(f"dialog: {dialog.message}"), dialog.dismiss()),
+        )
 
         def watch(route):
             if route.request.url.startswith(("file:", "data:", "blob:")):
@@ -130,7 +137,9 @@ def opened(browser):
                 route.abort()
 
         page.route("**/*", watch)
-        page.on("request", lambda request: request.url.startswith("file:") and files.append(request.url))
+        page.on(
+            "request", lambda request: request.url.startswith("file:") and files.append(request.url)
+        )
         files: list[str] = []
         page.add_init_script(TAP)
         page.goto(path.as_uri())
@@ -157,7 +166,9 @@ def embedded_record(path: Path, number: int) -> np.ndarray:
 
 
 def seek(page, seconds: float) -> None:
-    page.locator("#seek").evaluate("(s, t) => { s.value = t; s.dispatchEvent(new Event('input')); }", seconds)
+    page.locator("#seek").evaluate(
+        "(s, t) => { s.value = t; s.dispatchEvent(new Event('input')); }", seconds
+    )
 
 
 def time_of(page) -> float:
@@ -183,29 +194,51 @@ def play(page) -> None:
 
 @pytest.mark.parametrize(
     "names",
-    [("three",), ("one",), ("smooth",), ("partial",), ("old",), ("lap",), ("one", "old"), ("one", "fast", "braking")],
+    [
+        ("three",),
+        ("one",),
+        ("smooth",),
+        ("partial",),
+        ("old",),
+        ("lap",),
+        ("one", "old"),
+        ("one", "fast", "braking"),
+    ],
 )
 def test_opens_quietly_and_fits_a_phone(names, pages, opened) -> None:
     with opened(pages(*names), viewport={"width": 360, "height": 740}) as page:
         assert page.evaluate("document.scrollingElement.scrollWidth") <= 360
         page.evaluate("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
         assert page.evaluate("document.scrollingElement.scrollWidth") <= 360
-        assert "None" not in page.inner_text("body") and "nan" not in page.inner_text("main").lower().split()
+        assert (
+            "None" not in page.inner_text("body")
+            and "nan" not in page.inner_text("main").lower().split()
+        )
 
 
 def test_three_runs_open_within_two_seconds(pages, opened) -> None:
-    """From the navigation to the load event with the first map drawn; the better of two, the machine may be busy."""
+    """From the navigation to the load event with the first map drawn; the better of two, the
+    machine may be busy.
+    """
     taken = []
     for _ in range(2):
         with opened(pages("three")) as page:
-            until(page, f"({PIXELS})(document.querySelector('#map'), [[320, 320]])[0].some((part) => part > 0)")
-            taken.append(page.evaluate("performance.getEntriesByType('navigation')[0].loadEventEnd, performance.now()"))
+            until(
+                page,
+                f"({PIXELS})(document.querySelector('#map'), [[320, 320]])[0].some((part) => part > 0)",
+            )
+            taken.append(
+                page.evaluate(
+                    "performance.getEntriesByType('navigation')[0].loadEventEnd, performance.now()"
+                )
+            )
     assert min(taken) < 2000
 
 
 def test_sound_decodes_to_the_record_and_its_level(runs, pages, opened) -> None:
-    """Decoded samples times the scale stated are signal.wav: as many of them, the rms within 0.01 dB (16 bit: -101 dB of
-    full scale, 85 dB below the quietest rms here)."""
+    """Decoded samples times the scale stated are signal.wav: as many of them, the rms within 0.01
+    dB (16 bit: -101 dB of full scale, 85 dB below the quietest rms here).
+    """
     path = pages("three")
     with opened(path) as page:
         found = page.evaluate("""() => Promise.all([...document.querySelectorAll('audio')].map(async (player) => {
@@ -217,8 +250,12 @@ def test_sound_decodes_to_the_record_and_its_level(runs, pages, opened) -> None:
         page.click("summary:has-text('Single records')")
         page.locator("audio").first.evaluate("player => player.play()")
         until(page, "document.querySelector('audio').currentTime > 0.02")
-        assert page.locator("audio").first.evaluate("player => player.duration") == pytest.approx(0.9, abs=1e-3)
-    for one, each, shown in zip(commands.read_runs(runs.three()), found, data_of(path)["runs"], strict=True):
+        assert page.locator("audio").first.evaluate("player => player.duration") == pytest.approx(
+            0.9, abs=1e-3
+        )
+    for one, each, shown in zip(
+        commands.read_runs(runs.three()), found, data_of(path)["runs"], strict=True
+    ):
         record, _, _ = wav.read(one.folder / "signal.wav")
         assert each["length"] == len(record)
         rms = each["rms"] * shown["playback"]["full_scale_pa"]
@@ -226,8 +263,9 @@ def test_sound_decodes_to_the_record_and_its_level(runs, pages, opened) -> None:
 
 
 def test_gains_give_the_stated_levels_and_never_clip(pages, opened) -> None:
-    """What leaves the page, from the gains it has set: calibrated, levels differ as the runs' LAeq do; equal, not at all.
-    Within 0.01 dB, the rounding of 16 bits being 85 dB below."""
+    """What leaves the page, from the gains it has set: calibrated, levels differ as the runs' LAeq
+    do; equal, not at all. Within 0.01 dB, the rounding of 16 bits being 85 dB below.
+    """
     path = pages("three")
     records = [embedded_record(path, k) for k in range(3)]
     stated = [one["playback"] for one in data_of(path)["runs"]]
@@ -246,7 +284,10 @@ def test_gains_give_the_stated_levels_and_never_clip(pages, opened) -> None:
                 decibels = float(page.text_content(f"[data-gain='{k}']").replace(MINUS, "-"))
                 played = level.laeq_db(records[k] * gains[k], RATE)
                 levels.append((played, played + 20 * np.log10(pascals), decibels))
-        table = [float(page.text_content(f"table.players tbody tr:nth-child({k + 1}) td")) for k in range(3)]
+        table = [
+            float(page.text_content(f"table.players tbody tr:nth-child({k + 1}) td"))
+            for k in range(3)
+        ]
     for levels in got.values():
         # Digital level times the pascals of full scale is the run's LAeq; both are shown rounded.
         assert [absolute for _, absolute, _ in levels] == pytest.approx(table, abs=0.06)
@@ -261,7 +302,9 @@ def test_gains_give_the_stated_levels_and_never_clip(pages, opened) -> None:
 
 
 def test_switching_keeps_the_playhead_and_the_sound(pages, opened) -> None:
-    """Sources are started once; the playhead advances with the clock over each switch; no 43 ms of the output are silent."""
+    """Sources are started once; the playhead advances with the clock over each switch; no 43 ms of
+    the output are silent.
+    """
     with opened(pages("three")) as page:
         play(page)
         page.wait_for_timeout(100)
@@ -316,7 +359,9 @@ def test_map_follows_the_playhead_and_shows_the_stored_pressure(runs, pages, ope
             seek(page, seconds)
             number = map_of(page)
             assert number == expected_map(one.folder, seconds), seconds
-            assert float(page.text_content("#map-position").split()[0]) == pytest.approx(maps[number].distance * 1e3)
+            assert float(page.text_content("#map-position").split()[0]) == pytest.approx(
+                maps[number].distance * 1e3
+            )
             pressure = float(page.text_content("#map-pressure").split()[0])
             assert pressure == pytest.approx(maps[number].pressure.max() * 1e-9, rel=1e-3)
             each = maps[number]
@@ -326,7 +371,8 @@ def test_map_follows_the_playhead_and_shows_the_stored_pressure(runs, pages, ope
             for i, j in np.argwhere(each.pressure > 0)[::20]:
                 x = width / 2 + (each.along + (i + 0.5) * each.cell - each.distance) * per_m
                 y = width / 2 - (each.across + (j + 0.5) * each.cell - middle) * per_m
-                if abs(np.hypot(x - width / 2, y - width / 2) - hertz(one) * per_m) > 4:  # not under the dashed circle
+                # not under the dashed circle
+                if abs(np.hypot(x - width / 2, y - width / 2) - hertz(one) * per_m) > 4:
                     cells.append((i, j))
                     places.append((x, y))
             assert len(cells) > 5
@@ -362,7 +408,13 @@ def test_playheads_stand_where_the_plot_has_that_time(name, runs, pages, opened)
     """The line's place on the page against matplotlib's own transform of the axes; within a pixel."""
     one = commands.read_runs(runs.three())[0]
     heard = [
-        commands.hear(each.label, each.values, each.folder, each.scene, result_file.load(each.folder / "result.h5"))
+        commands.hear(
+            each.label,
+            each.values,
+            each.folder,
+            each.scene,
+            result_file.load(each.folder / "result.h5"),
+        )
         for each in commands.read_runs(runs.three())
     ]
     picture = next((p for p in run_figures.of_run(heard[0], heard) if p.name == name), None)
@@ -376,15 +428,20 @@ def test_playheads_stand_where_the_plot_has_that_time(name, runs, pages, opened)
             seek(page, seconds)
             box = page.locator(f"{line} img").bounding_box()
             stands = page.locator(f"{line} .playhead").bounding_box()
-            expected = box["x"] + box["width"] * axes.transData.transform((seconds / unit, 0))[0] / width
+            expected = (
+                box["x"] + box["width"] * axes.transData.transform((seconds / unit, 0))[0] / width
+            )
             assert stands["x"] == pytest.approx(expected, abs=1.5)
             low, high = (axes.get_position().y0, axes.get_position().y1)
             assert stands["y"] == pytest.approx(box["y"] + (1 - high) * box["height"], abs=1.5)
             assert stands["height"] == pytest.approx((high - low) * box["height"], abs=1.5)
         expected = axes.transData.transform((0.6 / unit, 0))[0] / width
         box = page.locator(f"{line} img").bounding_box()
-        page.locator(f"{line} img").click(position={"x": box["width"] * expected, "y": box["height"] / 2})
-        pixel = 0.9 / (axes.get_position().width * box["width"])  # in seconds; a click is on a whole one
+        page.locator(f"{line} img").click(
+            position={"x": box["width"] * expected, "y": box["height"] / 2}
+        )
+        # in seconds; a click is on a whole one
+        pixel = 0.9 / (axes.get_position().width * box["width"])
         assert time_of(page) == pytest.approx(0.6, abs=1.5 * pixel)
 
 
@@ -443,11 +500,15 @@ def test_without_loop_it_stops_at_the_end_and_starts_again(pages, opened) -> Non
 
 
 def test_text_of_scenes_stays_text(pages, opened) -> None:
-    """The scene's description and its height file's name try to be markup; the fixture refuses dialogs and requests."""
+    """The scene's description and its height file's name try to be markup; the fixture refuses
+    dialogs and requests.
+    """
     with opened(pages("one")) as page:
         assert page.text_content(".description") == HOSTILE
         assert page.locator("img[src=x]").count() == 0
-        assert "z<i>.npy" in page.text_content("#scene-0") and HOSTILE.split(" ")[2] in page.text_content("#scene-0")
+        assert "z<i>.npy" in page.text_content("#scene-0") and HOSTILE.split(" ")[
+            2
+        ] in page.text_content("#scene-0")
 
 
 def test_downloads_are_what_is_shown_and_the_table_can_be_copied(runs, pages, opened) -> None:
@@ -455,7 +516,11 @@ def test_downloads_are_what_is_shown_and_the_table_can_be_copied(runs, pages, op
     with opened(path, accept_downloads=True) as page:
         figure = page.locator(".exhibit:has([data-file=third_octaves])")
         saved = {}
-        for kind, selector in (("svg", "[data-save=svg]"), ("png", "[data-save=png]"), ("csv", "a[download]")):
+        for kind, selector in (
+            ("svg", "[data-save=svg]"),
+            ("png", "[data-save=png]"),
+            ("csv", "a[download]"),
+        ):
             with page.expect_download() as download:
                 figure.locator(selector).click()
             assert download.value.suggested_filename == f"third_octaves.{kind}"
@@ -467,7 +532,9 @@ def test_downloads_are_what_is_shown_and_the_table_can_be_copied(runs, pages, op
         lines = saved["csv"].decode().splitlines()
         assert "microphone" in "".join(line for line in lines if line.startswith("# "))
         header, first = [line for line in lines if not line.startswith("#")][:2]
-        assert header.startswith("mid frequency [Hz]") and float(first.split(",")[0]) == pytest.approx(19.95, abs=0.01)
+        assert header.startswith("mid frequency [Hz]") and float(
+            first.split(",")[0]
+        ) == pytest.approx(19.95, abs=0.01)
         page.context.grant_permissions(["clipboard-read", "clipboard-write"])
         page.click("#copy-levels")
         until(page, "document.querySelector('#said').textContent === 'copied'")
@@ -504,7 +571,9 @@ def test_a_partial_run_is_marked_and_shows_its_part(runs, pages, opened) -> None
     with opened(pages("partial")) as page:
         assert "Partial" in page.text_content(".notice")
         # 200 of 300 steps: the maps at positions 0, 2.5, 5, ... up to 200.
-        kept = sum(position <= 200 for position in result_file.load(runs.partial() / "result.h5").maps)
+        kept = sum(
+            position <= 200 for position in result_file.load(runs.partial() / "result.h5").maps
+        )
         assert page.text_content("#map-number") == f"map 1 of {kept}"
         seek(page, 0.0039)
         assert map_of(page) >= kept - 3
@@ -540,7 +609,9 @@ def test_a_short_record_does_not_loop_unasked_and_says_why(pages, opened) -> Non
 
 
 def test_a_short_record_among_long_ones_goes_round_only_when_asked_to(pages, opened) -> None:
-    """0.9 s, 0.45 s, and 6 ms that are chosen: silent after them until Loop is on, and again when it is off."""
+    """0.9 s, 0.45 s, and 6 ms that are chosen: silent after them until Loop is on, and again when
+    it is off.
+    """
     path = pages("one", "fast", "lap")
     assert [one["buzzes"] for one in data_of(path)["runs"]] == [False, False, True]
     loudest = """async () => {
@@ -556,7 +627,10 @@ def test_a_short_record_among_long_ones_goes_round_only_when_asked_to(pages, ope
     with opened(path) as page:
         assert not page.is_checked("#loop")
         page.check("input[name=run][value='2']")
-        assert page.locator("[data-repeats='2']").is_visible() and not page.locator("[data-repeats='0']").is_visible()
+        assert (
+            page.locator("[data-repeats='2']").is_visible()
+            and not page.locator("[data-repeats='0']").is_visible()
+        )
         seek(page, 0.5)
         assert float(page.text_content("#map-time").split()[0]) == pytest.approx(0.006)  # over
         seek(page, 0.1)
@@ -585,7 +659,9 @@ def test_caveats_stand_beside_the_headline_and_the_levels(pages, opened) -> None
             ):
                 assert words in near
             assert near in page.text_content("section[aria-labelledby=levels] .note")
-            headline, caveats = (page.locator(name).bounding_box() for name in (".result", "#caveats"))
+            headline, caveats = (
+                page.locator(name).bounding_box() for name in (".result", "#caveats")
+            )
             assert 0 <= caveats["y"] - headline["y"] - headline["height"] < 40
 
 

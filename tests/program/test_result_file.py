@@ -1,4 +1,6 @@
-"""result.h5: what is read is what was written, or the file is refused; xarray opens it; a full disk costs nothing."""
+"""result.h5: what is read is what was written, or the file is refused; xarray opens it; a full disk
+costs nothing.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +45,12 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "s.yaml").write_text(SCENE)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(commands, "_write_pictures", lambda *_: [])
-        assert cli.main(["run", str(folder / "s.yaml"), "--out", str(folder / "out"), "--workers", "1"]) == 0
+        assert (
+            cli.main(
+                ["run", str(folder / "s.yaml"), "--out", str(folder / "out"), "--workers", "1"]
+            )
+            == 0
+        )
     return folder / "out"
 
 
@@ -87,10 +94,13 @@ def refusal(path: Path) -> str:
     return message
 
 
-# ---- what is written is what is read ---------------------------------------------------------------------------------
+# ---- what is written is what is read
+# ---------------------------------------------------------------------------------
 
 
-def test_all_of_a_result_comes_back_to_the_last_bit(whole: Path, partial: Result, tmp_path: Path) -> None:
+def test_all_of_a_result_comes_back_to_the_last_bit(
+    whole: Path, partial: Result, tmp_path: Path
+) -> None:
     result = result_file.load(whole / "result.h5")
     assert result.complete and not partial.complete and len(partial.event_pieces) == 2
     assert len({one.pressure.shape for one in result.maps.values()}) > 1  # ragged
@@ -100,7 +110,9 @@ def test_all_of_a_result_comes_back_to_the_last_bit(whole: Path, partial: Result
         assert same(result_file.load(tmp_path / "result.h5"), given)
 
 
-def test_events_of_a_partial_run_join_to_those_of_the_whole(whole: Path, partial: Result, tmp_path: Path) -> None:
+def test_events_of_a_partial_run_join_to_those_of_the_whole(
+    whole: Path, partial: Result, tmp_path: Path
+) -> None:
     one = commands.read_runs(whole)[0]
     batch.keep(replace(one, folder=tmp_path), partial)
     result = result_file.load(tmp_path / "result.h5")
@@ -110,7 +122,9 @@ def test_events_of_a_partial_run_join_to_those_of_the_whole(whole: Path, partial
     assert list(result.event_pieces) == [0]
 
 
-def test_every_dataset_has_a_checksum_units_and_named_dimensions(whole: Path, partial: Result, tmp_path: Path) -> None:
+def test_every_dataset_has_a_checksum_units_and_named_dimensions(
+    whole: Path, partial: Result, tmp_path: Path
+) -> None:
     batch.keep(replace(commands.read_runs(whole)[0], folder=tmp_path), partial)
     for file_path in (whole / "result.h5", tmp_path / "result.h5"):
         names = []
@@ -121,7 +135,9 @@ def test_every_dataset_has_a_checksum_units_and_named_dimensions(whole: Path, pa
                 assert thing.fletcher32, name
                 if b"not a netCDF variable" not in thing.attrs.get("NAME", b""):
                     assert thing.attrs["units"], name
-                assert thing.is_scale or all(len(dimension.keys()) == 1 for dimension in thing.dims), name
+                assert thing.is_scale or all(
+                    len(dimension.keys()) == 1 for dimension in thing.dims
+                ), name
 
         with h5py.File(file_path) as file:
             file.visititems(look)
@@ -138,11 +154,18 @@ def test_xarray_opens_the_tree(whole: Path) -> None:
         assert set(release.coords) == {"step", "time"} and release.attrs["units"] == "W"
         assert set(tree["approach"].coords) == {"position", "position_time"}
         scene = commands.read_runs(whole)[0].scene
-        assert np.allclose(scene.motion.distance(release["time"].values), release["step"].values, rtol=1e-12, atol=0)
+        assert np.allclose(
+            scene.motion.distance(release["time"].values),
+            release["step"].values,
+            rtol=1e-12,
+            atol=0,
+        )
         ends = scene.motion.distance(tree["position_time"].values)
         assert np.allclose(ends, tree["position"].values, rtol=1e-12, atol=1e-18)
         assert np.allclose(release, tree["release_per_metre"] * tree["speed"], rtol=1e-12, atol=0)
-        assert np.allclose(tree["speed"], scene.motion.speed(release["time"].values), rtol=1e-12, atol=0)
+        assert np.allclose(
+            tree["speed"], scene.motion.speed(release["time"].values), rtol=1e-12, atol=0
+        )
         maps = tree["pressure_maps"]
         for k, one in enumerate(result.maps.values()):
             rows, columns = int(maps["rows"][k]), int(maps["columns"][k])
@@ -150,10 +173,14 @@ def test_xarray_opens_the_tree(whole: Path) -> None:
             assert np.array_equal(block[:rows, :columns], one.pressure)
             assert np.isnan(block[rows:]).all() and np.isnan(block[:, columns:]).all()
         pressure = tree["sound/pressure"]
-        assert np.allclose(np.diff(pressure["sound_time"]), 1 / tree["sound"].attrs["sample_rate_hz"])
+        assert np.allclose(
+            np.diff(pressure["sound_time"]), 1 / tree["sound"].attrs["sample_rate_hz"]
+        )
         attributes = tree.attrs
         assert attributes["format"] == 2 and attributes["seed"] == 3 and attributes["load_n"] == 0.3
-        assert attributes["program"] and attributes["scene"] == (whole / "resolved.yaml").read_text()
+        assert (
+            attributes["program"] and attributes["scene"] == (whole / "resolved.yaml").read_text()
+        )
     with xr.open_dataset(whole / "result.h5") as data:  # the engine is found by itself
         assert data["release_power"].sizes == {"step": result.steps}
 
@@ -163,16 +190,25 @@ def test_the_sound_in_the_file_is_the_run_s(whole: Path, tmp_path: Path) -> None
     out = tmp_path / "far"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(commands, "_write_pictures", lambda *_: [])
-        assert cli.main(["resound", str(whole), "--set", "sound.distance_m=10", "--out", str(out)]) == 0
+        assert (
+            cli.main(["resound", str(whole), "--set", "sound.distance_m=10", "--out", str(out)])
+            == 0
+        )
     for folder in (whole, out):
         with h5py.File(folder / "result.h5") as file:
             pressure = file["sound/pressure"][:]
         level = json.loads((folder / "summary.json").read_text())["level_db"]
-        assert 20 * np.log10(np.sqrt(np.mean(pressure**2)) / 20e-6) == pytest.approx(level, abs=1e-6)
+        assert 20 * np.log10(np.sqrt(np.mean(pressure**2)) / 20e-6) == pytest.approx(
+            level, abs=1e-6
+        )
 
 
-def test_empty_tables_and_long_scenes_are_kept(partial: Result, whole: Path, tmp_path: Path) -> None:
-    """A piece without events, the seed above 64 bits, a description that fills the largest scene file."""
+def test_empty_tables_and_long_scenes_are_kept(
+    partial: Result, whole: Path, tmp_path: Path
+) -> None:
+    """A piece without events, the seed above 64 bits, a description that fills the largest scene
+    file.
+    """
     one = commands.read_runs(whole)[0]
     data = one.scene.to_dict() | {"description": "ä" * 1_000_000}
     data["surface"]["seed"] = 10**30
@@ -180,23 +216,31 @@ def test_empty_tables_and_long_scenes_are_kept(partial: Result, whole: Path, tmp
     empty = replace(partial, identity=simulate.identity_of(long), event_pieces={})
     empty.series = {name: np.full_like(values, np.nan) for name, values in partial.series.items()}
     empty.series |= {name: values * 0 for name, values in partial.series.items()}
-    empty.event_pieces = {first: {c: v[:0] for c, v in t.items()} for first, t in partial.event_pieces.items()}
+    empty.event_pieces = {
+        first: {c: v[:0] for c, v in t.items()} for first, t in partial.event_pieces.items()
+    }
     batch.keep(batch.Run({}, long, tmp_path), empty)
     assert same(result_file.load(tmp_path / "result.h5"), empty)
     with h5py.File(tmp_path / "result.h5") as file:
         assert len(file.attrs["scene"]) > 1_000_000 and file.attrs["seed"] == str(10**30)
 
 
-# ---- damage ----------------------------------------------------------------------------------------------------------
+# ---- damage
+# ----------------------------------------------------------------------------------------------------------
 
 
 def test_no_changed_byte_is_accepted(path: Path, monkeypatch) -> None:
-    """Flips, runs of zeros, truncations, insertions and additions: refused by the digest, the HDF5 library never asked."""
+    """Flips, runs of zeros, truncations, insertions and additions: refused by the digest, the HDF5
+    library never asked.
+    """
     monkeypatch.setattr(result_file, "_probed", lambda path: "the probe was reached")
-    monkeypatch.setattr(result_file, "_read", lambda path, source: pytest.fail("the damaged file was opened"))
+    monkeypatch.setattr(
+        result_file, "_read", lambda path, source: pytest.fail("the damaged file was opened")
+    )
     good, rng = path.read_bytes(), np.random.default_rng(0)
     for k in range(400):
-        at = int(rng.integers(len(good))) if k % 4 else len(good) - 1 - k // 4  # the digest's own bytes, too
+        # the digest's own bytes, too
+        at = int(rng.integers(len(good))) if k % 4 else len(good) - 1 - k // 4
         bad = bytearray(good)
         kind = k % 7
         if kind < 4:
@@ -221,7 +265,9 @@ def test_damaged_bytes_are_refused_by_the_command_with_one_message(path: Path, c
         path.write_bytes(bad)
         assert cli.main(["resume", str(path.parent)]) == 2
         message = capsys.readouterr().err
-        assert "result.h5: " in message and "Traceback" not in message and message.count("\n") == 1, message
+        assert (
+            "result.h5: " in message and "Traceback" not in message and message.count("\n") == 1
+        ), message
     path.write_bytes(good[: len(good) // 2])
     assert cli.main(["resume", str(path.parent)]) == 2
     assert "delete the file, and `rolling resume` solves it again" in capsys.readouterr().err
@@ -241,7 +287,9 @@ def test_a_file_that_another_program_changed_is_refused(path: Path) -> None:
 
 @pytest.mark.slow
 def test_damaged_old_files_never_crash_and_never_hang(whole: Path, tmp_path: Path) -> None:
-    """Without a digest a flip in a value can pass; in types, shapes and structure it must not end in a traceback."""
+    """Without a digest a flip in a value can pass; in types, shapes and structure it must not end
+    in a traceback.
+    """
     path = tmp_path / "result.h5"
     save_old(path, result_file.load(whole / "result.h5"), True)
     good, rng = path.read_bytes(), np.random.default_rng(1)
@@ -250,7 +298,9 @@ def test_damaged_old_files_never_crash_and_never_hang(whole: Path, tmp_path: Pat
         if k % 4 == 3:
             bad = bad[: int(rng.integers(len(good)))]
         else:  # the structure lies in the first and the last kilobytes
-            for at in rng.integers(0, 4000, 8) if k % 2 else len(good) - 1 - rng.integers(0, 30000, 30):
+            for at in (
+                rng.integers(0, 4000, 8) if k % 2 else len(good) - 1 - rng.integers(0, 30000, 30)
+            ):
                 bad[int(at)] ^= 1 << int(rng.integers(8))
         path.write_bytes(bad)
         try:
@@ -267,7 +317,9 @@ def test_damaged_old_files_never_crash_and_never_hang(whole: Path, tmp_path: Pat
         ("bytearray(1 << 36)", "MemoryError"),
     ],
 )
-def test_a_probe_that_dies_is_a_refusal(program: str, message: str, tmp_path: Path, monkeypatch) -> None:
+def test_a_probe_that_dies_is_a_refusal(
+    program: str, message: str, tmp_path: Path, monkeypatch
+) -> None:
     (tmp_path / "probe.py").write_text(program)
     (tmp_path / "result.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(500))
     monkeypatch.setattr(_hdf5_probe, "__file__", str(tmp_path / "probe.py"))
@@ -340,7 +392,13 @@ HAND_MADE: list[tuple[str, Spoil]] = [
     ("max_deflection", put("max_deflection", 5, -1.0)),
     ("iterations", put("iterations", 5, 2.5)),
     ("iterations", lambda file: (without("iterations")(file), file.create_group("iterations"))),
-    ("residual", lambda file: (without("residual")(file), file.__setitem__("residual", h5py.SoftLink("/approach")))),
+    (
+        "residual",
+        lambda file: (
+            without("residual")(file),
+            file.__setitem__("residual", h5py.SoftLink("/approach")),
+        ),
+    ),
     ("snapshot/pressure", put("snapshot/pressure", (0, 0), np.nan)),
     ("snapshot/pressure", shaped("snapshot/pressure", lambda values: values.ravel())),
     ("snapshot/deflection", shaped("snapshot/deflection", lambda values: values[1:])),
@@ -368,10 +426,15 @@ def shorter(group: h5py.Group) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("field", "spoil"), HAND_MADE, ids=[f"{k}-{field}" for k, (field, _) in enumerate(HAND_MADE)])
-def test_hand_made_damage_is_refused_by_its_field(field: str, spoil: Spoil, path: Path, monkeypatch) -> None:
+@pytest.mark.parametrize(
+    ("field", "spoil"), HAND_MADE, ids=[f"{k}-{field}" for k, (field, _) in enumerate(HAND_MADE)]
+)
+def test_hand_made_damage_is_refused_by_its_field(
+    field: str, spoil: Spoil, path: Path, monkeypatch
+) -> None:
     """In a file of this version and in an old one, which has no digest to betray it."""
-    monkeypatch.setattr(result_file, "_probed", lambda path: None)  # half a second each; the library reads all of these
+    # half a second each; the library reads all of these
+    monkeypatch.setattr(result_file, "_probed", lambda path: None)
     old = path.with_name("old.h5")
     save_old(old, result_file.load(path), True)
     for each in (path, old):
@@ -396,7 +459,9 @@ def test_hand_made_damage_is_refused_by_its_field(field: str, spoil: Spoil, path
         ("events", without("events")),
     ],
 )
-def test_hand_made_damage_of_this_format_is_refused(field: str, spoil: Spoil, path: Path, monkeypatch) -> None:
+def test_hand_made_damage_of_this_format_is_refused(
+    field: str, spoil: Spoil, path: Path, monkeypatch
+) -> None:
     monkeypatch.setattr(result_file, "_probed", lambda path: None)
     with h5py.File(path, "r+") as file:
         spoil(file)
@@ -409,16 +474,21 @@ def test_a_result_of_the_future_is_not_read_as_one_of_today(path: Path) -> None:
     assert "format 3, this version of the program reads up to 2" in refusal(path)
 
 
-# ---- older files -----------------------------------------------------------------------------------------------------
+# ---- older files
+# -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("deflection", [False, True])
-def test_old_files_are_read_and_gone_on_with(deflection: bool, whole: Path, partial: Result, tmp_path: Path) -> None:
+def test_old_files_are_read_and_gone_on_with(
+    deflection: bool, whole: Path, partial: Result, tmp_path: Path
+) -> None:
     for given in (result_file.load(whole / "result.h5"), partial):
         save_old(tmp_path / "result.h5", given, deflection)
         result = result_file.load(tmp_path / "result.h5")
         assert result.identity is None
-        expected = given.series | ({} if deflection else {"max_deflection": np.full(given.steps + 1, np.nan)})
+        expected = given.series | (
+            {} if deflection else {"max_deflection": np.full(given.steps + 1, np.nan)}
+        )
         assert same(result, replace(given, identity=None, series=expected))
     # The missing piece, then the file of today.
     shutil.copy(whole / "resolved.yaml", tmp_path)
@@ -433,7 +503,9 @@ def test_old_files_are_read_and_gone_on_with(deflection: bool, whole: Path, part
     assert np.isnan(result.series["max_deflection"]).any() != deflection
 
 
-def test_an_old_file_of_another_length_is_refused(whole: Path, partial: Result, tmp_path: Path, capsys) -> None:
+def test_an_old_file_of_another_length_is_refused(
+    whole: Path, partial: Result, tmp_path: Path, capsys
+) -> None:
     save_old(tmp_path / "result.h5", partial, True)
     text = (whole / "resolved.yaml").read_text()
     (tmp_path / "resolved.yaml").write_text(text.replace("duration_s: 0.006", "duration_s: 0.004"))
@@ -441,7 +513,8 @@ def test_an_old_file_of_another_length_is_refused(whole: Path, partial: Result, 
     assert f"has {partial.steps} steps, the scene asks for" in capsys.readouterr().err
 
 
-# ---- a full disk, size and time --------------------------------------------------------------------------------------
+# ---- a full disk, size and time
+# --------------------------------------------------------------------------------------
 
 COMMAND = """\
 import sys, resource
@@ -464,7 +537,9 @@ def limited(arguments: list[str], limit: str = "") -> subprocess.CompletedProces
 
 @pytest.mark.slow
 def test_a_file_that_may_not_grow_ends_in_one_message(whole: Path, tmp_path: Path) -> None:
-    """A limit that result.h5 passes while it grows: exit code 1, no crash of the library, what was kept is whole."""
+    """A limit that result.h5 passes while it grows: exit code 1, no crash of the library, what was
+    kept is whole.
+    """
     size = (whole / "result.h5").stat().st_size
     limit = f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size // 2}, {size // 2}))"
     done = limited(["run", str(whole.parent / "s.yaml"), "--out", str(tmp_path / "out")], limit)
@@ -489,7 +564,11 @@ def test_a_full_disk_ends_in_one_message(whole: Path, tmp_path: Path) -> None:
     disk.mkdir()
     size = (whole / "result.h5").stat().st_size
     mounted = ["mount", "-t", "tmpfs", "-o", f"size={int(1.2 * size)}", "tmpfs", str(disk)]
-    if os.getuid() or shutil.which("mount") is None or subprocess.run(mounted, capture_output=True).returncode:
+    if (
+        os.getuid()
+        or shutil.which("mount") is None
+        or subprocess.run(mounted, capture_output=True).returncode
+    ):
         pytest.skip("no file system may be mounted here; the limit on files covers it")
     try:
         # Somebody else fills the disk after the run has begun: it was free when the run asked.
@@ -503,7 +582,9 @@ def test_a_full_disk_ends_in_one_message(whole: Path, tmp_path: Path) -> None:
 
 
 def test_a_long_run_is_kept_in_bounded_time_memory_and_space(whole: Path, tmp_path: Path) -> None:
-    """500,000 steps, partial, with 2500 pieces of events: their number must not slow the writing (a group each took minutes)."""
+    """500,000 steps, partial, with 2500 pieces of events: their number must not slow the writing (a
+    group each took minutes).
+    """
     steps, each = 500_000, 8
     scene = commands.read_runs(whole)[0].scene.to_dict()
     scene["rolling"] |= {"speed_m_s": 0.1, "duration_s": steps * 2e-5}

@@ -1,4 +1,6 @@
-"""Run folders: the same numbers however they are made, nothing lost, nothing overwritten; new sound without a new solve."""
+"""Run folders: the same numbers however they are made, nothing lost, nothing overwritten; new sound
+without a new solve.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +53,19 @@ def summary(folder: Path) -> dict:
 @pytest.mark.slow
 def test_same_numbers_whatever_the_workers(scene: Path, tmp_path: Path) -> None:
     for workers in (1, 2):
-        assert cli.main(["run", str(scene), "--out", str(tmp_path / str(workers)), "--workers", str(workers)]) == 0
+        assert (
+            cli.main(
+                [
+                    "run",
+                    str(scene),
+                    "--out",
+                    str(tmp_path / str(workers)),
+                    "--workers",
+                    str(workers),
+                ]
+            )
+            == 0
+        )
     for name in ("release_energy", "approach", "iterations"):
         assert np.array_equal(series(tmp_path / "1", name), series(tmp_path / "2", name))
     sounds = [(tmp_path / w / "signal.wav").read_bytes() for w in ("1", "2")]
@@ -67,13 +81,20 @@ def test_sweep_makes_a_folder_per_run_and_a_table(scene: Path, tmp_path: Path, c
     for picture in ("spectrum.png", "third_octaves.png", "levels.png"):
         assert (out / picture).stat().st_size > 5000
     entries = json.loads((out / "sweep.json").read_text())
-    assert [entry["values"] for entry in entries] == [{"rolling.load_n": 0.5}, {"rolling.load_n": 2}]
+    assert [entry["values"] for entry in entries] == [
+        {"rolling.load_n": 0.5},
+        {"rolling.load_n": 2},
+    ]
     assert [entry["label"] for entry in entries] == ["load 0.5 N", "load 2 N"]
-    assert entries[1]["summary"]["release_power_mean_w"] > entries[0]["summary"]["release_power_mean_w"]
+    assert (
+        entries[1]["summary"]["release_power_mean_w"]
+        > entries[0]["summary"]["release_power_mean_w"]
+    )
     printed = capsys.readouterr().out
     assert "load 0.5 N" in printed and "load 2 N" in printed
     head, *_ = printed.split("\n\n")
-    assert "upper bound" in head and "microphone" in head and "± covers" in head  # right under the levels
+    # right under the levels
+    assert "upper bound" in head and "microphone" in head and "± covers" in head
 
 
 @pytest.mark.slow
@@ -85,7 +106,12 @@ def test_outputs_are_never_overwritten_without_force(scene: Path, tmp_path: Path
     assert cli.main(["run", str(scene), *short, "--out", str(out)]) == 2
     assert "--force" in capsys.readouterr().err
     assert (out / "result.h5").read_bytes() == before
-    assert cli.main(["run", str(scene), *short, "--set", "rolling.load_n=2", "--out", str(out), "--force"]) == 0
+    assert (
+        cli.main(
+            ["run", str(scene), *short, "--set", "rolling.load_n=2", "--out", str(out), "--force"]
+        )
+        == 0
+    )
     assert summary(out)["load_n"] == 2
     precious = tmp_path / "precious"
     precious.mkdir()
@@ -101,20 +127,30 @@ def test_bad_scene_writes_nothing(scene: Path, tmp_path: Path, capsys) -> None:
     assert "small.yaml:5" in message and "rolling.laod_n" in message and "load_n" in message
     assert not (tmp_path / "out").exists()
     np.save(tmp_path / "z.npy", np.full((20, 20), np.nan))
-    scene.write_text(SCENE.replace(SCENE.splitlines()[4 - 1], "surface: {kind: file, path: z.npy, spacing_um: 2}"))
+    scene.write_text(
+        SCENE.replace(
+            SCENE.splitlines()[4 - 1], "surface: {kind: file, path: z.npy, spacing_um: 2}"
+        )
+    )
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out")]) == 2
     assert "400 of 400 heights are not numbers" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.slow
-def test_a_run_that_fails_says_why_and_leaves_the_others_whole(scene: Path, tmp_path: Path, capsys) -> None:
+def test_a_run_that_fails_says_why_and_leaves_the_others_whole(
+    scene: Path, tmp_path: Path, capsys
+) -> None:
     out = tmp_path / "out"
     # 2.1 GPa times 200 x 200 um is 84 N
     settings = ["--set", "rolling.duration_s=0.002", "--set", "sweep.rolling.load_n=[90, 1]"]
     assert cli.main(["run", str(scene), *settings, "--out", str(out), "--workers", "1"]) == 1
     message = capsys.readouterr().err
-    assert "load 90 N" in message and "84 N" in message and "more than the surface can carry" in message
+    assert (
+        "load 90 N" in message
+        and "84 N" in message
+        and "more than the surface can carry" in message
+    )
     assert summary(out / "load_n=1")["complete"]
     assert run_record.read(out).state != "done"
 
@@ -129,13 +165,22 @@ def wait_for_steps(out: Path, process: subprocess.Popen) -> None:
     for _ in range(1200):
         if process.poll() is not None:
             raise AssertionError(process.communicate())
-        if (out / "result.h5").is_file() and not np.isnan(series(out)[: simulate.PIECE_STEPS]).any():
+        if (out / "result.h5").is_file() and not np.isnan(
+            series(out)[: simulate.PIECE_STEPS]
+        ).any():
             return
         time.sleep(0.05)
     raise AssertionError("no steps in a minute")
 
 
-LONG = ("--set", "rolling.duration_s=0.4", "--set", "surface.width_um=128", "--set", "rolling.load_n=0.3")
+LONG = (
+    "--set",
+    "rolling.duration_s=0.4",
+    "--set",
+    "surface.width_um=128",
+    "--set",
+    "rolling.load_n=0.3",
+)
 
 
 @pytest.mark.slow
@@ -153,7 +198,8 @@ def test_ctrl_c_leaves_a_valid_part(scene: Path, tmp_path: Path, workers: str) -
     release = series(out)
     assert np.isfinite(release[: part["steps"]]).all() and np.isnan(release).any()
     pressure, _, _ = wav.read(out / "signal.wav")
-    # It does not close, so it is faded; band-limiting afterwards leaves a little at the very ends (measured 0.3 %).
+    # It does not close, so it is faded; band-limiting afterwards leaves a little at the very ends
+    # (measured 0.3 %).
     assert abs(pressure[0]) < 0.01 * np.abs(pressure).max()
     assert run_record.read(out).state != "done"
 
@@ -184,12 +230,16 @@ def test_a_killed_run_is_resumed_to_the_same_numbers(scene: Path, tmp_path: Path
 
 
 @pytest.mark.slow
-def test_a_killed_worker_fails_the_run_and_keeps_what_is_solved(scene: Path, tmp_path: Path) -> None:
+def test_a_killed_worker_fails_the_run_and_keeps_what_is_solved(
+    scene: Path, tmp_path: Path
+) -> None:
     out = tmp_path / "out"
     process = start(scene, out, *LONG, "--workers", "2")
     wait_for_steps(out, process)
     children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
-    workers = [int(pid) for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+    workers = [
+        int(pid) for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    ]
     os.kill(workers[0], signal.SIGKILL)
     _, complaint = process.communicate(timeout=60)
     assert process.returncode == 1
@@ -199,7 +249,9 @@ def test_a_killed_worker_fails_the_run_and_keeps_what_is_solved(scene: Path, tmp
 
 
 @pytest.mark.slow
-def test_a_full_disk_keeps_what_was_written(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
+def test_a_full_disk_keeps_what_was_written(
+    scene: Path, tmp_path: Path, monkeypatch, capsys
+) -> None:
     out = tmp_path / "out"
     inner, calls = result_file.write_bytes, []
 
@@ -221,22 +273,36 @@ def test_a_full_disk_keeps_what_was_written(scene: Path, tmp_path: Path, monkeyp
 
 
 @pytest.mark.law("Speed: a speed times c multiplies the release power by c, without a new solve.")
-def test_resound_solves_nothing_and_speed_scales(scene: Path, tmp_path: Path, monkeypatch, capsys) -> None:
+def test_resound_solves_nothing_and_speed_scales(
+    scene: Path, tmp_path: Path, monkeypatch, capsys
+) -> None:
     first, fast, far = tmp_path / "first", tmp_path / "fast", tmp_path / "far"
     assert cli.main(["run", str(scene), "--out", str(first), "--workers", "1"]) == 0
     monkeypatch.setattr(solver, "solve_contact", None)
-    assert cli.main(["resound", str(first), "--set", "rolling.speed_m_s=0.2", "--out", str(fast)]) == 0
+    assert (
+        cli.main(["resound", str(first), "--set", "rolling.speed_m_s=0.2", "--out", str(fast)]) == 0
+    )
     slow, quick = summary(first), summary(fast)
-    # Speed times 2: power times 2, half the time, spectrum at twice the frequency (DESIGN: scaling laws).
-    assert quick["release_power_mean_w"] == pytest.approx(2 * slow["release_power_mean_w"], rel=1e-12)
+    # Speed times 2: power times 2, half the time, spectrum at twice the frequency (DESIGN: scaling
+    # laws).
+    assert quick["release_power_mean_w"] == pytest.approx(
+        2 * slow["release_power_mean_w"], rel=1e-12
+    )
     assert quick["duration_s"] == pytest.approx(slow["duration_s"] / 2, rel=1e-12)
-    assert quick["steady_level_db"] == pytest.approx(slow["steady_level_db"] + 10 * np.log10(2), abs=1e-9)
+    assert quick["steady_level_db"] == pytest.approx(
+        slow["steady_level_db"] + 10 * np.log10(2), abs=1e-9
+    )
     assert np.array_equal(series(first), series(fast))
     assert quick["sound_seconds"] < 1.0
     assert cli.main(["resound", str(fast), "--set", "sound.distance_m=10", "--out", str(far)]) == 0
     assert summary(far)["level_db"] == pytest.approx(quick["level_db"] - 20, abs=1e-6)
     capsys.readouterr()
-    assert cli.main(["resound", str(first), "--set", "rolling.load_n=2", "--out", str(tmp_path / "no")]) == 2
+    assert (
+        cli.main(
+            ["resound", str(first), "--set", "rolling.load_n=2", "--out", str(tmp_path / "no")]
+        )
+        == 2
+    )
     message = capsys.readouterr().err
     assert "rolling.load_n" in message and "rolling.speed_m_s" in message
     assert not (tmp_path / "no").exists()
@@ -245,7 +311,8 @@ def test_resound_solves_nothing_and_speed_scales(scene: Path, tmp_path: Path, mo
 def test_laps_of_a_file_are_solved_once(scene: Path, tmp_path: Path) -> None:
     np.save(tmp_path / "z.npy", np.random.default_rng(1).standard_normal((40, 60)) * 2e-8)
     text = SCENE.replace(SCENE.splitlines()[3], "surface: {kind: file, path: z.npy, spacing_um: 2}")
-    scene.write_text(text.replace("load_n: 1", "load_n: 0.2").replace("0.009", "0.0016"))  # 160 um: 2 laps
+    # 160 um: 2 laps
+    scene.write_text(text.replace("load_n: 1", "load_n: 0.2").replace("0.009", "0.0016"))
     out = tmp_path / "out"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 0
     release, approach = series(out), series(out, "approach")
@@ -254,7 +321,12 @@ def test_laps_of_a_file_are_solved_once(scene: Path, tmp_path: Path) -> None:
     with h5py.File(out / "result.h5") as file:
         assert file.attrs["solved_steps"] == 40
     # The run folder finds the heights again, from wherever the command is given.
-    assert cli.main(["resound", str(out), "--set", "sound.distance_m=2", "--out", str(tmp_path / "a" / "b")]) == 0
+    assert (
+        cli.main(
+            ["resound", str(out), "--set", "sound.distance_m=2", "--out", str(tmp_path / "a" / "b")]
+        )
+        == 0
+    )
     assert cli.main(["resume", str(tmp_path / "a" / "b")]) == 0
     assert "path: ../../z.npy" in (tmp_path / "a" / "b" / "resolved.yaml").read_text()
     # Back where it began, the contact is the same within the tolerance.
@@ -275,12 +347,28 @@ def test_a_smooth_ball_that_accelerates_is_silent(tmp_path: Path) -> None:
     speed = scene_file.read_scene(out / "resolved.yaml").motion.distance(0.004) / 0.004
     power = closed_forms.smooth_release_power(5, speed, 5e-3, 210e9 / 0.91)
     # 0.3 % of release at a / spacing = 22, and a track rounded to whole nodes
-    assert found["steady_level_db"] == pytest.approx(10 * np.log10(power / (4 * np.pi * 1e-12)), abs=0.02)
+    assert found["steady_level_db"] == pytest.approx(
+        10 * np.log10(power / (4 * np.pi * 1e-12)), abs=0.02
+    )
 
 
 def test_result_is_dimensioned_and_provenance_names_no_path(scene: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    assert cli.main(["run", str(scene), "--set", "rolling.duration_s=0.002", "--out", str(out), "--workers", "1"]) == 0
+    assert (
+        cli.main(
+            [
+                "run",
+                str(scene),
+                "--set",
+                "rolling.duration_s=0.002",
+                "--out",
+                str(out),
+                "--workers",
+                "1",
+            ]
+        )
+        == 0
+    )
     with h5py.File(out / "result.h5") as file:
         speed = 0.1
         assert np.allclose(file["release_power"], file["release_per_metre"][:] * speed, rtol=1e-12)
@@ -293,7 +381,9 @@ def test_result_is_dimensioned_and_provenance_names_no_path(scene: Path, tmp_pat
     assert resolved.track.steps == 100
 
 
-def test_workers_pin_their_threads_and_leave_the_environment(scene: Path, tmp_path: Path, monkeypatch) -> None:
+def test_workers_pin_their_threads_and_leave_the_environment(
+    scene: Path, tmp_path: Path, monkeypatch
+) -> None:
     monkeypatch.setenv("OMP_NUM_THREADS", "7")
     report = commands.run(scene, ["rolling.duration_s=0.01"], tmp_path / "out", workers=2)
     assert report.exit_code == 0
@@ -301,7 +391,9 @@ def test_workers_pin_their_threads_and_leave_the_environment(scene: Path, tmp_pa
 
 
 def test_pressure_maps_carry_the_load_whatever_the_pieces(scene: Path, tmp_path: Path) -> None:
-    """Along the track and resumed from a file: each map's pressures add up to the load, single precision apart."""
+    """Along the track and resumed from a file: each map's pressures add up to the load, single
+    precision apart.
+    """
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
     result = result_file.load(tmp_path / "out" / "result.h5")
     assert list(result.maps) == simulate.mapped_positions(STEPS).tolist()
@@ -334,4 +426,6 @@ def test_a_write_that_is_interrupted_leaves_nothing_half_done(tmp_path: Path, mo
     monkeypatch.setattr(files.os, "fsync", interrupt)
     with pytest.raises(KeyboardInterrupt):
         files.write_bytes(path, b"after")
-    assert path.read_bytes() == b"before" and [one.name for one in tmp_path.iterdir()] == ["signal.wav"]
+    assert path.read_bytes() == b"before" and [one.name for one in tmp_path.iterdir()] == [
+        "signal.wav"
+    ]

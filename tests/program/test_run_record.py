@@ -1,4 +1,6 @@
-"""run.json: it comes back as it was written, and nothing that was damaged, changed or is foreign passes for it."""
+"""run.json: it comes back as it was written, and nothing that was damaged, changed or is foreign
+passes for it.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ from rolling.folders.run_record import RunRecord
 RECORDS = {
     "new run": run_record.new("run"),
     "running sweep": run_record.new("sweep", ["load_n=5", "load_n=20"]).with_state("running"),
-    "failed study": run_record.new("study", ["as-stated/a", "as-stated/b"]).with_state("failed", "2 of 2 cases"),
+    "failed study": run_record.new("study", ["as-stated/a", "as-stated/b"]).with_state(
+        "failed", "2 of 2 cases"
+    ),
     "adopted": replace(run_record.new("accuracy", adopted=True), replaces="f" * 32),
 }
 
@@ -71,8 +75,14 @@ def text() -> str:
         (changed(kind="holiday"), "damaged: kind"),
         (changed(process=None), "only while the state is running"),
         (changed(state="done"), "only while the state is running"),
-        (changed(process={"host": "h", "pid": -1, "started": "", "birth": ""}), "damaged: process.pid"),
-        (changed(process={"host": "h", "pid": "12", "started": "", "birth": ""}), "damaged: process.pid"),
+        (
+            changed(process={"host": "h", "pid": -1, "started": "", "birth": ""}),
+            "damaged: process.pid",
+        ),
+        (
+            changed(process={"host": "h", "pid": "12", "started": "", "birth": ""}),
+            "damaged: process.pid",
+        ),
         (changed(id="x"), "damaged: id"),
         (changed(sources=None), "damaged: sources"),
         (changed(later="a key"), "damaged: later"),
@@ -84,7 +94,9 @@ def text() -> str:
         (changed(runs=["seed=1E5", "seed=1e5"]), "runs that share a folder"),
     ],
 )
-def test_a_damaged_or_foreign_file_gives_one_message(content: str, words: str, tmp_path: Path) -> None:
+def test_a_damaged_or_foreign_file_gives_one_message(
+    content: str, words: str, tmp_path: Path
+) -> None:
     (tmp_path / "run.json").write_text(content)
     with pytest.raises(FolderError, match=words) as error:
         run_record.read(tmp_path)
@@ -102,9 +114,13 @@ def test_what_is_no_file_gives_one_message(tmp_path: Path) -> None:
             run_record.read(tmp_path / name)
 
 
-@settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(position=st.integers(0, 2000), byte=st.integers(0, 255), cut=st.booleans())
-def test_random_damage_never_gives_a_traceback(tmp_path: Path, position: int, byte: int, cut: bool) -> None:
+def test_random_damage_never_gives_a_traceback(
+    tmp_path: Path, position: int, byte: int, cut: bool
+) -> None:
     content = bytearray(text().encode())
     position %= len(content)
     content[position] = byte
@@ -115,14 +131,19 @@ def test_random_damage_never_gives_a_traceback(tmp_path: Path, position: int, by
         assert str(tmp_path) in str(error)
 
 
-# ---- who made it -----------------------------------------------------------------------------------------------------
+# ---- who made it
+# -----------------------------------------------------------------------------------------------------
 
 
 def test_the_digest_follows_every_module_and_asset(tmp_path: Path) -> None:
-    """In a copy: equal as it is, another after a change of one byte in a module, a nested module or an asset, or a new module."""
+    """In a copy: equal as it is, another after a change of one byte in a module, a nested module or
+    an asset, or a new module.
+    """
     root = Path(program.__file__).parents[2]
     for package in ("rolling", "acoustics"):
-        shutil.copytree(root / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(
+            root / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__")
+        )
 
     def digest() -> str:
         code = "from rolling.folders import program; print(program.sources_digest())"
@@ -132,7 +153,11 @@ def test_the_digest_follows_every_module_and_asset(tmp_path: Path) -> None:
 
     digests = [digest()]
     assert digests[0] == program.sources_digest()
-    for name in ("rolling/lee2025/study.py", "rolling/report/assets/report.css", "acoustics/new.py"):
+    for name in (
+        "rolling/lee2025/study.py",
+        "rolling/report/assets/report.css",
+        "acoustics/new.py",
+    ):
         with (tmp_path / name).open("a") as file:
             file.write("\n")
         digests.append(digest())
@@ -147,11 +172,14 @@ def test_the_identity_names_the_commit_of_a_checkout(monkeypatch: pytest.MonkeyP
     assert program._checkout() == (None, None)
 
 
-# ---- processes -------------------------------------------------------------------------------------------------------
+# ---- processes
+# -------------------------------------------------------------------------------------------------------
 
 
 def test_processes_are_recognised(monkeypatch: pytest.MonkeyPatch) -> None:
-    """This one lives; an ended one, one of its number born at another time and one before the last boot do not."""
+    """This one lives; an ended one, one of its number born at another time and one before the last
+    boot do not.
+    """
     own = process.this_process()
     assert own.pid == os.getpid() and own.started and process.is_alive(own) is True
     boot, space, ticks = own.birth.split()
@@ -174,7 +202,9 @@ def test_processes_are_recognised(monkeypatch: pytest.MonkeyPatch) -> None:
     assert process.is_alive(there) is False
 
 
-def test_processes_are_recognised_without_proc(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_processes_are_recognised_without_proc(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     """As on systems that have no /proc, by the start that `ps` prints."""
     if shutil.which("ps") is None:
         pytest.skip("no ps here")

@@ -47,7 +47,11 @@ def test_scene_runs(path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert code == 0, printed.err
     resolved = scene_file.read_scene(out / "resolved.yaml")
     for values, one in resolved.runs():
-        folder = out if not values else next(f for f in out.iterdir() if f.is_dir() and matches(f, one.load, values))
+        folder = (
+            out
+            if not values
+            else next(f for f in out.iterdir() if f.is_dir() and matches(f, one.load, values))
+        )
         summary = json.loads((folder / "summary.json").read_text())
         assert summary["complete"] and summary["steps"] >= 9
         assert summary["energy_balance_error"] < (1e-12 if not left_end(one) else 10)
@@ -61,7 +65,15 @@ def test_scene_runs(path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[st
             assert again == pytest.approx(summary["laeq_db"], abs=1e-3)
         listened, _, _ = wav.read(folder / "listen.wav")
         assert np.abs(listened).max() <= 1.0
-        for picture in ("spectrum", "psd", "third_octaves", "spectrogram", "release_power", "surface", "contact"):
+        for picture in (
+            "spectrum",
+            "psd",
+            "third_octaves",
+            "spectrogram",
+            "release_power",
+            "surface",
+            "contact",
+        ):
             assert (folder / f"{picture}.png").stat().st_size > 5000
         assert run_record.read(folder).state == "done" and (folder / "provenance.json").is_file()
         with h5py.File(folder / "result.h5") as file:
@@ -73,12 +85,16 @@ def test_scene_runs(path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[st
                 assert energy == pytest.approx(file["release_energy"][:].sum(), rel=1e-12)
             else:
                 assert "events" not in file
-    assert own_files.foreign(out, run_record.read(out)) == []  # --force knows every file that a run writes
+    # --force knows every file that a run writes
+    assert own_files.foreign(out, run_record.read(out)) == []
     assert "LAeq" in printed.out and str(out) in printed.out
 
 
 def matches(folder: Path, load: float, values: dict[str, float]) -> bool:
-    return all(f"{key.rpartition('.')[2]}={value:g}" in folder.name.split(",") for key, value in values.items())
+    return all(
+        f"{key.rpartition('.')[2]}={value:g}" in folder.name.split(",")
+        for key, value in values.items()
+    )
 
 
 def left_end(scene) -> bool:
@@ -87,5 +103,12 @@ def left_end(scene) -> bool:
 
 def test_there_is_a_scene_for_every_capability() -> None:
     names = {path.stem for path in SCENES}
-    assert {"quickstart", "smooth", "elastic-sphere", "measured-surface", "accelerating", "events"} <= names
+    assert {
+        "quickstart",
+        "smooth",
+        "elastic-sphere",
+        "measured-surface",
+        "accelerating",
+        "events",
+    } <= names
     assert math.isinf(scene_file.read_scene(SCENES[0].parent / "smooth.yaml").hardness)

@@ -1,4 +1,6 @@
-"""What a run leaves to be heard and read: two WAV files, what is said of them, levels with their uncertainty."""
+"""What a run leaves to be heard and read: two WAV files, what is said of them, levels with their
+uncertainty.
+"""
 
 from __future__ import annotations
 
@@ -25,10 +27,13 @@ from rolling.simulation import sound_files, summary
 from rolling.sound import ContactSound, contact_sound
 
 STEP = 2e-6
-SCENE = scene_file.loads(PLAIN.replace("duration_s: 0.01", "duration_s: 0.5"))  # 0.1 m/s: 25000 steps
+# 0.1 m/s: 25000 steps
+SCENE = scene_file.loads(PLAIN.replace("duration_s: 0.01", "duration_s: 0.5"))
 
 
-def sound_of(release: np.ndarray, closed: bool = True, scene=SCENE, lap_steps: int | None = None) -> ContactSound:
+def sound_of(
+    release: np.ndarray, closed: bool = True, scene=SCENE, lap_steps: int | None = None
+) -> ContactSound:
     return contact_sound(scene, release, STEP, closed, lap_steps)
 
 
@@ -65,29 +70,50 @@ def test_the_numbers_beside_a_file_are_those_of_the_file(closed, tmp_path: Path)
     for name in ("signal", "listen"):
         samples, rate, comment = wav.read(tmp_path / "a" / f"{name}.wav")
         beside = json.loads((tmp_path / "a" / f"{name}.json").read_text())
-        assert (beside["scene"], beside["run"], beside["sample_rate_hz"]) == ("trial", "load 20 N", rate)
+        assert (beside["scene"], beside["run"], beside["sample_rate_hz"]) == (
+            "trial",
+            "load 20 N",
+            rate,
+        )
         assert len(samples) / rate == beside["duration_s"] == 0.5
         pressure = samples * beside["pascal_per_full_scale"]
         # Rounding to 24 bits lies 126 dB below the record.
         assert laeq_db(pressure, rate) == pytest.approx(beside["laeq_db"], abs=1e-4)
-        assert 20.0 * math.log10(peak_pressure(pressure) / P_REF_PA) == pytest.approx(beside["lz_peak_db"], abs=1e-4)
+        assert 20.0 * math.log10(peak_pressure(pressure) / P_REF_PA) == pytest.approx(
+            beside["lz_peak_db"], abs=1e-4
+        )
         gain = beside["gain_full_scale_per_pa"]
         assert gain * beside["pascal_per_full_scale"] == pytest.approx(1.0, rel=1e-15)
         assert beside["gain_db_re_1_per_pa"] == pytest.approx(20.0 * math.log10(gain), abs=1e-12)
         assert beside["loops"] is closed and beside["caveats"] == CAVEATS
-        assert beside["factor_pa_per_w_m2"] == sound.factor and (beside["distance_m"], beside["q"]) == (1.0, 1.0)
-        for said in (f"{sound.factor:.6g} Pa per W/m2", "distance 1 m", "q 1", "loops" if closed else "faded"):
+        assert beside["factor_pa_per_w_m2"] == sound.factor and (
+            beside["distance_m"],
+            beside["q"],
+        ) == (1.0, 1.0)
+        for said in (
+            f"{sound.factor:.6g} Pa per W/m2",
+            "distance 1 m",
+            "q 1",
+            "loops" if closed else "faded",
+        ):
             assert said in comment
         with soundfile.SoundFile(tmp_path / "a" / f"{name}.wav") as file:
             assert file.title == "trial, load 20 N"
-            assert beside["format"] == f"WAV, mono, {'32-bit float' if file.subtype == 'FLOAT' else '24-bit PCM'}"
+            assert (
+                beside["format"]
+                == f"WAV, mono, {'32-bit float' if file.subtype == 'FLOAT' else '24-bit PCM'}"
+            )
     assert f"{gain:.6g} full scale per Pa" in comment
 
 
 def test_silence_is_written_with_no_level(tmp_path: Path) -> None:
     content = written(tmp_path / "a", sound_of(SILENT))
     beside = json.loads(content["listen.json"])
-    assert beside["laeq_db"] is None and beside["lz_peak_db"] is None and beside["gain_db_re_1_per_pa"] == 0.0
+    assert (
+        beside["laeq_db"] is None
+        and beside["lz_peak_db"] is None
+        and beside["gain_db_re_1_per_pa"] == 0.0
+    )
 
 
 def test_a_record_below_hearing_says_that_its_gain_is_bounded(tmp_path: Path) -> None:
@@ -97,8 +123,14 @@ def test_a_record_below_hearing_says_that_its_gain_is_bounded(tmp_path: Path) ->
     assert sound.levels.laeq_db is not None and -30 < sound.levels.laeq_db < 0
     content = written(tmp_path / "a", sound, far)
     beside = json.loads(content["listen.json"])
-    assert beside["gain_full_scale_per_pa"] == wav.MOST_GAIN and "stays quieter than others" in beside["meaning"]
-    assert b"the largest gain" in content["listen.wav"] and b"equal loudness" not in content["listen.wav"]
+    assert (
+        beside["gain_full_scale_per_pa"] == wav.MOST_GAIN
+        and "stays quieter than others" in beside["meaning"]
+    )
+    assert (
+        b"the largest gain" in content["listen.wav"]
+        and b"equal loudness" not in content["listen.wav"]
+    )
 
 
 def test_no_half_file_is_left_by_a_full_disk(tmp_path: Path) -> None:
@@ -117,22 +149,34 @@ def test_no_half_file_is_left_by_a_full_disk(tmp_path: Path) -> None:
 
 
 def test_levels_spread_over_seeds_as_a_run_states() -> None:
-    """The whole chain with its own factor, whose rms takes half of LZeq's spread away; 150 seeds are good to 6 %, three of
-    these. White power to 22.4 kHz holds 11000 lines."""
+    """The whole chain with its own factor, whose rms takes half of LZeq's spread away; 150 seeds
+    are good to 6 %, three of these. White power to 22.4 kHz holds 11000 lines.
+    """
     found = [sound_of(noise(seed)) for seed in range(150)]
     stated = [
-        (s.uncertainty.level_db, s.uncertainty.laeq_db, s.uncertainty.third_octave_db["1000"], s.steady_uncertainty)
+        (
+            s.uncertainty.level_db,
+            s.uncertainty.laeq_db,
+            s.uncertainty.third_octave_db["1000"],
+            s.steady_uncertainty,
+        )
         for s in found
     ]
-    levels = [(s.levels.level_db, s.levels.laeq_db, s.levels.third_octave_db["1000"], s.steady_level) for s in found]
+    levels = [
+        (s.levels.level_db, s.levels.laeq_db, s.levels.third_octave_db["1000"], s.steady_level)
+        for s in found
+    ]
     ratio = np.std(levels, axis=0, ddof=1) / np.sqrt(np.mean(np.square(stated), axis=0))
     assert np.all((ratio > 0.8) & (ratio < 1.2)), ratio
-    # White step means are those of a density that rises as 1/sinc^2: half of 4.34/sqrt(N) with N = T (int S)^2 / int S^2.
+    # White step means are those of a density that rises as 1/sinc^2: half of 4.34/sqrt(N) with N =
+    # T (int S)^2 / int S^2.
     density = 1.0 / np.sinc(np.arange(18.0, 22387.0) / 50000.0) ** 2
     lines = 0.5 * density.sum() ** 2 / np.sum(density**2)
     assert np.mean(stated, axis=0)[0] == pytest.approx(0.5 * 4.343 / math.sqrt(lines), rel=0.005)
     fixed = scene_file.loads(PLAIN.replace("0.01", "0.5"), ["sound.gain_pa_per_w_m2=10"])
-    assert sound_of(noise(1), scene=fixed).uncertainty.level_db == pytest.approx(2.0 * stated[1][0], rel=1e-9)
+    assert sound_of(noise(1), scene=fixed).uncertainty.level_db == pytest.approx(
+        2.0 * stated[1][0], rel=1e-9
+    )
 
 
 def test_a_track_gone_round_twice_is_known_no_better() -> None:
@@ -141,12 +185,16 @@ def test_a_track_gone_round_twice_is_known_no_better() -> None:
     once, twice = sound_of(lap, scene=short), sound_of(np.tile(lap, 2), lap_steps=12500)
     assert twice.steady_uncertainty == pytest.approx(once.steady_uncertainty, rel=1e-9)
     assert twice.uncertainty.laeq_db == pytest.approx(once.uncertainty.laeq_db, rel=1e-6)
-    assert twice.uncertainty.third_octave_db["100"] == pytest.approx(once.uncertainty.third_octave_db["100"], rel=1e-6)
+    assert twice.uncertainty.third_octave_db["100"] == pytest.approx(
+        once.uncertainty.third_octave_db["100"], rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("steps", [2, 3, 50])
 @pytest.mark.parametrize("closed", [True, False])
-def test_what_is_solved_of_an_interrupted_run_has_its_numbers(steps, closed, tmp_path: Path) -> None:
+def test_what_is_solved_of_an_interrupted_run_has_its_numbers(
+    steps, closed, tmp_path: Path
+) -> None:
     sound = sound_of(noise(4, steps), closed)
     assert len(sound.pressure) >= 2
     content = written(tmp_path / "a", sound)
@@ -156,11 +204,20 @@ def test_what_is_solved_of_an_interrupted_run_has_its_numbers(steps, closed, tmp
 
 def test_summary_and_table_hold_levels_with_uncertainty(tmp_path: Path, capsys) -> None:
     path, out = tmp_path / "s.yaml", tmp_path / "out"
-    path.write_text(PLAIN.replace("load_n: 20", "load_n: 1").replace("width_um: 64", "width_um: 200"))
+    path.write_text(
+        PLAIN.replace("load_n: 20", "load_n: 1").replace("width_um: 64", "width_um: 200")
+    )
     settings = ["--set", "rolling.duration_s=0.004", "--out", str(out), "--workers", "1"]
     assert cli.main(["run", str(path), *settings]) == 0
     found = json.loads((out / "summary.json").read_text())
-    assert list(found["uncertainty_db"]) == ["laeq", "level", "laf_max", "las_max", "lz_peak", "steady"]
+    assert list(found["uncertainty_db"]) == [
+        "laeq",
+        "level",
+        "laf_max",
+        "las_max",
+        "lz_peak",
+        "steady",
+    ]
     assert all(value > 0.0 for value in found["uncertainty_db"].values())
     assert list(found["third_octave_uncertainty_db"]) == list(BAND_NAMES)
     for name, level in found["third_octave_db"].items():
@@ -176,7 +233,12 @@ def test_summary_and_table_hold_levels_with_uncertainty(tmp_path: Path, capsys) 
 
 
 def test_a_table_of_silence_has_no_uncertainty() -> None:
-    numbers = {"laeq_db": None, "level_db": None, "steady_level_db": 70.0, "uncertainty_db": {"laeq": None}}
+    numbers = {
+        "laeq_db": None,
+        "level_db": None,
+        "steady_level_db": 70.0,
+        "uncertainty_db": {"laeq": None},
+    }
     numbers |= {"plastic_ratio": 0.1, "steps": 5, "complete": True, "step_ms": 1.0, "caveats": []}
     numbers["surface"] = dict.fromkeys(("ra", "rq", "skewness", "kurtosis", "rms_slope"), 0.0)
     row = summary.table([("run", "folder", numbers)]).splitlines()[1]

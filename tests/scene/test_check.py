@@ -1,4 +1,6 @@
-"""The check against numbers worked out by hand; every warning fires when it should and is silent when it should be."""
+"""The check against numbers worked out by hand; every warning fires when it should and is silent
+when it should be.
+"""
 
 import math
 import time
@@ -36,7 +38,10 @@ def test_numbers_by_hand() -> None:
     assert got["Hertz radius"].value == "68.8 um"
     # p0 = 3 W / (2 pi a^2) = 60 / (2 pi 4.7267e-9) = 2.020 GPa.
     assert got["Hertz pressure"].value == "2.02 GPa"
-    assert got["hardness"].value == "2.1 GPa, above the Hertz pressure of a smooth sphere; asperities may yield"
+    assert (
+        got["hardness"].value
+        == "2.1 GPa, above the Hertz pressure of a smooth sphere; asperities may yield"
+    )
     assert got["steps"].value == "25000 of 2 um"
     assert got["surface"].value == "50 mm x 512 um, 25000 x 256 nodes"
     assert got["distance rolled"].value == "50 mm"
@@ -52,7 +57,9 @@ def test_numbers_by_hand() -> None:
     assert got["rms slope"].value == "0.025"
 
 
-@pytest.mark.parametrize(("load_n", "frequency"), [(5, "11.1 kHz"), (20, "14 kHz"), (100, "18.3 kHz")])
+@pytest.mark.parametrize(
+    ("load_n", "frequency"), [(5, "11.1 kHz"), (20, "14 kHz"), (100, "18.3 kHz")]
+)
 def test_resonance_of_the_articles_ball(load_n: float, frequency: str) -> None:
     # 4.11 g on 2 E* a: at 20 N 3.173e7 N/m, sqrt(k/m) / 2 pi = 13.98 kHz.
     got = found(f"rolling.load_n={load_n}")["contact resonance"]
@@ -77,8 +84,18 @@ def test_the_usual_scene_is_warned_of_its_resonance_and_record_only() -> None:
 @pytest.mark.parametrize(
     ("what", "silent", "loud", "says"),
     [
-        ("window", "rolling.load_n=100", "surface.width_um=200", "choose a larger surface.width_um, at least"),
-        ("window", "rolling.load_n=100", "rolling.duration_s=0.001", "choose a larger rolling.duration_s, at least"),
+        (
+            "window",
+            "rolling.load_n=100",
+            "surface.width_um=200",
+            "choose a larger surface.width_um, at least",
+        ),
+        (
+            "window",
+            "rolling.load_n=100",
+            "rolling.duration_s=0.001",
+            "choose a larger rolling.duration_s, at least",
+        ),
         (
             "capacity",
             "plate.hardness_gpa=0.0008",
@@ -156,8 +173,14 @@ def test_warning(what: str, silent: str, loud: str, says: str) -> None:
 
 
 def test_following_the_advice_silences_the_warning() -> None:
-    assert found("numerics.step_nodes=2", "rolling.speed_m_s=0.16")["simulated Nyquist"].warning is None
-    assert found("rolling.load_n=0.4", "surface.spacing_um=1.6")["nodes per Hertz radius"].warning is None
+    assert (
+        found("numerics.step_nodes=2", "rolling.speed_m_s=0.16")["simulated Nyquist"].warning
+        is None
+    )
+    assert (
+        found("rolling.load_n=0.4", "surface.spacing_um=1.6")["nodes per Hertz radius"].warning
+        is None
+    )
     assert found("rolling.duration_s=1.1")["certain third octaves"].value == "31 of 31"
 
 
@@ -167,7 +190,9 @@ def test_steps_below_a_node() -> None:
     assert (quiet.value, quiet.warning) == ("50 kHz", None)
     warning = found("numerics.step_nodes=0.5", "rolling.speed_m_s=0.03")["tone of the grid"].warning
     assert warning is not None
-    assert "at 15 kHz: choose numerics.step_nodes 1 or a surface.spacing_um of at most 1.5" in warning
+    assert (
+        "at 15 kHz: choose numerics.step_nodes 1 or a surface.spacing_um of at most 1.5" in warning
+    )
 
 
 def test_memory(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -180,15 +205,20 @@ def test_memory(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("law", sorted(surface.AUTOCORRELATIONS))
 def test_roughness_is_that_of_the_surface_made(law: str) -> None:
-    scene = loads(TEXT, [f"surface.autocorrelation={law}", "surface.correlation_length_across_um=20"])
-    made = surface.statistics(surface.gaussian((2048, 512), 2e-6, 1e-7, (10e-6, 20e-6), law, 1), 2e-6)
+    scene = loads(
+        TEXT, [f"surface.autocorrelation={law}", "surface.correlation_length_across_um=20"]
+    )
+    made = surface.statistics(
+        surface.gaussian((2048, 512), 2e-6, 1e-7, (10e-6, 20e-6), law, 1), 2e-6
+    )
     # A sample of some 10^4 correlation areas: 1 to 2 %.
     assert roughness(scene) == pytest.approx((made.rq, made.rms_slope), rel=0.03)
 
 
 def test_window_is_about_what_a_solved_contact_needs() -> None:
-    # Blocks of {e < approach} of solved contacts (spacing 2 um, this surface): 98 nodes at 20 N smooth, 100 at Ra 0.1
-    # um, 150 at Ra 1 um, 240 at Ra 1 um and 100 N. An estimate: a quarter is allowed.
+    # Blocks of {e < approach} of solved contacts (spacing 2 um, this surface): 98 nodes at 20 N
+    # smooth, 100 at Ra 0.1 um, 150 at Ra 1 um, 240 at Ra 1 um and 100 N. An estimate: a quarter is
+    # allowed.
     for overrides, nodes in (
         (["surface.roughness_ra_um=0.0001"], 98),
         ([], 100),
@@ -229,7 +259,9 @@ def test_the_sample_rate_is_that_of_the_files() -> None:
 
 def file_scene(folder: Path, heights: np.ndarray, *overrides: str) -> Scene:
     np.save(folder / "heights.npy", heights)
-    text = TEXT[: TEXT.index("surface:")] + "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
+    text = (
+        TEXT[: TEXT.index("surface:")] + "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
+    )
     return loads(text + "rolling: {load_n: 20, speed_m_s: 0.1}\n", overrides, folder=folder)
 
 
@@ -243,7 +275,8 @@ def test_files_are_measured(tmp_path: Path) -> None:
     assert slope == pytest.approx(2e-6 * 2 * math.sin(math.pi / 10) / math.sqrt(2) / 2e-6, rel=1e-9)
     got = {finding.quantity: finding for finding in findings(scene)}
     assert got["steps"].value == "200 of 2 um"
-    # cos(2 pi l / 10) falls to 1/e at l = 1.92; in a straight line from lag 1 (0.809) to lag 2 (0.309) at 1.88.
+    # cos(2 pi l / 10) falls to 1/e at l = 1.92; in a straight line from lag 1 (0.809) to lag 2
+    # (0.309) at 1.88.
     assert got["nodes per correlation length"].value == "1.88"
     assert "filter the shortest wavelengths" in str(got["rms slope"].warning)
 
@@ -251,13 +284,18 @@ def test_files_are_measured(tmp_path: Path) -> None:
 def test_bad_heights(tmp_path: Path) -> None:
     heights = np.zeros((20, 20))
     heights[3, 4] = np.nan
-    with pytest.raises(SceneError, match=r"surface\.path: .*heights\.npy: 1 of 400 heights are not numbers"):
+    with pytest.raises(
+        SceneError, match=r"surface\.path: .*heights\.npy: 1 of 400 heights are not numbers"
+    ):
         findings(file_scene(tmp_path, heights))
 
 
 def test_a_ball_that_stops_on_a_file(tmp_path: Path) -> None:
     scene = file_scene(
-        tmp_path, np.zeros((100, 16)), "rolling.speed_m_s=[[0, 0.1], [0.001, 0]]", "rolling.duration_s=1"
+        tmp_path,
+        np.zeros((100, 16)),
+        "rolling.speed_m_s=[[0, 0.1], [0.001, 0]]",
+        "rolling.duration_s=1",
     )
     got = {finding.quantity: finding.value for finding in findings(scene)}
     assert (got["steps"], got["duration"]) == ("25 of 2 um", "1 ms")
@@ -270,7 +308,9 @@ def test_report() -> None:
     assert "steps                         25000 of 2 um" in shared.splitlines()
     assert "load_n=5" in runs.splitlines()[0]
     assert "load_n=100" in runs.splitlines()[0]
-    assert next(line for line in runs.splitlines() if line.startswith("Hertz radius")).split()[2:] == [
+    assert next(line for line in runs.splitlines() if line.startswith("Hertz radius")).split()[
+        2:
+    ] == [
         *("43.3", "um"),
         *("68.8", "um"),
         *("118", "um"),
@@ -284,13 +324,17 @@ def test_report() -> None:
 
 def test_report_of_one_run_and_of_many() -> None:
     assert str(check_scene(loads(TEXT), solve=False)).startswith("steps")
-    many = str(check_scene(loads(TEXT, [f"sweep.rolling.load_n={list(range(1, 13))}"]), solve=False))
+    many = str(
+        check_scene(loads(TEXT, [f"sweep.rolling.load_n={list(range(1, 13))}"]), solve=False)
+    )
     assert len([line for line in many.splitlines() if line.startswith("Hertz radius")]) == 3
 
 
 @pytest.mark.slow
 def test_quickstart_is_within_its_budget() -> None:
-    """Ten seconds of computing, of which three were measured; compilation, once per installation, is not in them."""
+    """Ten seconds of computing, of which three were measured; compilation, once per installation,
+    is not in them.
+    """
     scene = read_scene(Path(__file__).parents[2] / "scenarios" / "quickstart.yaml")
     str(check_scene(loads(TEXT, ["rolling.duration_s=0.002"])))
     began = time.process_time()

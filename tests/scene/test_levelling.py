@@ -1,4 +1,6 @@
-"""Tilt and seam of heights: periodic surfaces of every kind keep theirs, crops and tilts of larger ones are recognised."""
+"""Tilt and seam of heights: periodic surfaces of every kind keep theirs, crops and tilts of larger
+ones are recognised.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ def dents(shape: tuple[int, int], across: bool, rng: np.random.Generator) -> np.
         aside = np.abs(columns - rng.integers(shape[1]))
         along, aside = np.minimum(along, shape[0] - along), np.minimum(aside, shape[1] - aside)
         width = rng.uniform(1, max(2, min(shape) / 6))
-        heights -= rng.exponential(1e-6) * np.exp(-(along**2 + (0 if across else 1) * aside**2) / width**2)
+        heights -= rng.exponential(1e-6) * np.exp(
+            -(along**2 + (0 if across else 1) * aside**2) / width**2
+        )
     return heights
 
 
@@ -49,14 +53,24 @@ def spikes(shape: tuple[int, int], rng: np.random.Generator) -> np.ndarray:
 
 def periodic(shape: tuple[int, int], rng: np.random.Generator) -> list[np.ndarray]:
     seed = int(rng.integers(1 << 30))
-    random = [made(shape, lengths, law, seed) for law in surface.AUTOCORRELATIONS for lengths in LENGTHS]
-    others = [dents(shape, False, rng), dents(shape, True, rng), plateaus(shape, rng), spikes(shape, rng)]
+    random = [
+        made(shape, lengths, law, seed) for law in surface.AUTOCORRELATIONS for lengths in LENGTHS
+    ]
+    others = [
+        dents(shape, False, rng),
+        dents(shape, True, rng),
+        plateaus(shape, rng),
+        spikes(shape, rng),
+    ]
     return [*random, *others, 1e-7 * rng.standard_normal(shape)]
 
 
 def test_hardly_any_periodic_surface_is_called_seamed() -> None:
-    """4,200 seams of random, pitted, grooved, stepped and spiky surfaces. Ten times as many held 12 false ones (3e-4), 9 of them
-    with eight rows. From a mean of 1.2, more than five have a likelihood of 2e-3; of the longer ones, more than two of 4e-3."""
+    """4,200 seams of random, pitted, grooved, stepped and spiky surfaces.
+
+    Ten times as many held 12 false ones (3e-4), 9 of them with eight rows. From a mean of 1.2, more
+    than five have a likelihood of 2e-3; of the longer ones, more than two of 4e-3.
+    """
     rng = np.random.default_rng(3)
     surfaces = [heights for shape in SHAPES for _ in range(20) for heights in periodic(shape, rng)]
     rows = [heights.shape[axis] for heights in surfaces for axis in (0, 1)]
@@ -67,19 +81,27 @@ def test_hardly_any_periodic_surface_is_called_seamed() -> None:
 
 
 def test_quanta_of_the_instrument_are_no_seam() -> None:
-    """Medians of quantized heights are zero or a whole quantum: 1,200 seams, 0.3 to 30 quanta per Rq. Seven thousand held none."""
+    """Medians of quantized heights are zero or a whole quantum: 1,200 seams, 0.3 to 30 quanta per
+    Rq. Seven thousand held none.
+    """
     rng = np.random.default_rng(5)
     false = 0
     for _ in range(300):
-        heights = made((60, 40), LENGTHS[rng.integers(len(LENGTHS))], "gaussian", int(rng.integers(1 << 30)))
+        heights = made(
+            (60, 40), LENGTHS[rng.integers(len(LENGTHS))], "gaussian", int(rng.integers(1 << 30))
+        )
         for quanta in rng.uniform([0.3, 3, 1, 10], [3, 30, 10, 30]):
-            false += levelling.seam(np.round(heights / heights.std() * quanta), int(rng.integers(2))).stands_out
+            false += levelling.seam(
+                np.round(heights / heights.std() * quanta), int(rng.integers(2))
+            ).stands_out
     assert false <= 1
 
 
 @pytest.mark.parametrize("law", ["gaussian", "exponential"])
 def test_crops_of_larger_surfaces_are_recognised(law: str) -> None:
-    """At 5 nodes per correlation length, trials missed 4 % of crops of 32 x 32 nodes, 0 to 2 % of those of 64 x 64."""
+    """At 5 nodes per correlation length, trials missed 4 % of crops of 32 x 32 nodes, 0 to 2 % of
+    those of 64 x 64.
+    """
     seen = []
     for seed in range(20):
         larger = made((160, 140), (5, 5), law, seed)
@@ -88,7 +110,9 @@ def test_crops_of_larger_surfaces_are_recognised(law: str) -> None:
 
 
 def test_a_tilted_crop_is_levelled_along_its_tilt_only() -> None:
-    """1 um over 4 mm on Ra 0.1 um, as on a real measuring table; slopes are those of the tilt but for the crop's own random one."""
+    """1 um over 4 mm on Ra 0.1 um, as on a real measuring table; slopes are those of the tilt but
+    for the crop's own random one.
+    """
     larger = surface.gaussian((2400, 180), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 4)
     crop = larger[:2000, :128] - larger[:2000, :128].mean()
     tilt = 1e-6 * (np.arange(2000) / 1999 - 0.5)
@@ -97,8 +121,9 @@ def test_a_tilted_crop_is_levelled_along_its_tilt_only() -> None:
     assert abs(how.rises[0] - 1e-6) < 3e-8
     assert how.ra_before > 2.5 * how.ra_after
     assert how.ra_after == pytest.approx(np.abs(crop).mean(), rel=5e-3)
-    # A crop of a random surface keeps a seam: heights that know nothing of each other, sqrt 2 Rq apart. The 128 columns hold some
-    # 14 independent pairs, 19 % of uncertainty; three times that is allowed.
+    # A crop of a random surface keeps a seam: heights that know nothing of each other, sqrt 2 Rq
+    # apart. The 128 columns hold some 14 independent pairs, 19 % of uncertainty; three times that
+    # is allowed.
     assert how.seams[0].stands_out
     assert how.seams[0].step == pytest.approx(np.sqrt(2) * crop.std(), rel=0.57)
     turned, back = levelling.level((crop + tilt[:, None]).T, SPACING, "auto")
@@ -110,7 +135,8 @@ def test_spikes_of_the_instrument_do_not_hide_the_tilt() -> None:
     """Single nodes 20 um high: the rms of their rows is above the seam's, their median is not."""
     rng = np.random.default_rng(0)
     heights = (
-        surface.gaussian((400, 100), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 4) + np.linspace(0, 1e-6, 400)[:, None]
+        surface.gaussian((400, 100), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 4)
+        + np.linspace(0, 1e-6, 400)[:, None]
     )
     heights[rng.integers(0, 400, 5), rng.integers(0, 100, 5)] += 20e-6
     heights -= heights.mean()
@@ -134,7 +160,9 @@ def test_plane_is_always_taken_off() -> None:
     heights = surface.gaussian((60, 50), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 3)
     level, how = levelling.level(heights, SPACING, "plane")
     assert all(how.taken)
-    assert max(abs(levelling.slope(level, SPACING, axis)) for axis in (0, 1)) < 1e-12 * max(map(abs, how.taken))
+    assert max(abs(levelling.slope(level, SPACING, axis)) for axis in (0, 1)) < 1e-12 * max(
+        map(abs, how.taken)
+    )
     assert max(np.abs(np.diff(heights - level, 2, axis)).max() for axis in (0, 1)) < 1e-20
     assert abs(level.mean()) < 1e-20
 

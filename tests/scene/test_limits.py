@@ -34,7 +34,9 @@ def scene_of(folder: Path, surface: str, rest: str) -> Path:
     return path
 
 
-def refusal(arguments: Sequence[str | Path], folder: Path, capsys: pytest.CaptureFixture[str]) -> str:
+def refusal(
+    arguments: Sequence[str | Path], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> str:
     """Message of a command that ends with 2 and leaves the folder as it was."""
     before = sorted(folder.rglob("*"))
     assert cli.main([str(argument) for argument in arguments]) == 2
@@ -42,7 +44,8 @@ def refusal(arguments: Sequence[str | Path], folder: Path, capsys: pytest.Captur
     return capsys.readouterr().err
 
 
-# ---- the machine -----------------------------------------------------------------------------------------------------
+# ---- the machine
+# -----------------------------------------------------------------------------------------------------
 
 
 def group(folder: Path, files: dict[str, str], lines: str) -> float:
@@ -56,10 +59,17 @@ def group(folder: Path, files: dict[str, str], lines: str) -> float:
     return machine.group_limit(of_process, folder / "sys")
 
 
-def test_limit_of_a_control_group_of_version_2_is_the_smallest_on_the_way_up(tmp_path: Path) -> None:
-    files = {"sys/a/b/memory.max": "max\n", "sys/a/memory.max": "3000\n", "sys/memory.max": "5000\n"}
+def test_limit_of_a_control_group_of_version_2_is_the_smallest_on_the_way_up(
+    tmp_path: Path,
+) -> None:
+    files = {
+        "sys/a/b/memory.max": "max\n",
+        "sys/a/memory.max": "3000\n",
+        "sys/memory.max": "5000\n",
+    }
     assert group(tmp_path, files, "0::/a/b\n") == 3000
-    assert group(tmp_path, {}, "0::/elsewhere\n") == 5000  # a container that sees the path of its host
+    # a container that sees the path of its host
+    assert group(tmp_path, {}, "0::/elsewhere\n") == 5000
     assert group(tmp_path, {"sys/memory.max": "max\n"}, "0::/\n") == math.inf
 
 
@@ -79,13 +89,17 @@ def test_control_groups_that_say_nothing_are_no_limit(tmp_path: Path) -> None:
 
 
 def test_free_disk_is_that_of_the_nearest_folder_there_is(tmp_path: Path) -> None:
-    assert machine.free_disk(tmp_path / "no" / "such" / "folder") == pytest.approx(machine.free_disk(tmp_path), rel=0.1)
+    assert machine.free_disk(tmp_path / "no" / "such" / "folder") == pytest.approx(
+        machine.free_disk(tmp_path), rel=0.1
+    )
 
 
-# ---- the estimate ----------------------------------------------------------------------------------------------------
+# ---- the estimate
+# ----------------------------------------------------------------------------------------------------
 
-# Measured: the peak of the resident memory of all processes, and the size of the folder without the copy of result.h5 that
-# stands beside it while it is written [MB]. The constants were fitted to the first nine; the others were predicted.
+# Measured: the peak of the resident memory of all processes, and the size of the folder without the
+# copy of result.h5 that stands beside it while it is written [MB]. The constants were fitted to the
+# first nine; the others were predicted.
 LAPS = "{load_n: 0.5, speed_m_s: %s, duration_s: %s}"
 FORTY = f"sweep: {{rolling.load_n: {[round(0.01 * k, 2) for k in range(1, 41)]}}}"
 MEASURED = [
@@ -101,11 +115,27 @@ MEASURED = [
         1194,
         5,
     ),
-    ("wide", MADE.replace("200", "20000"), "{load_n: 1, speed_m_s: 0.1, duration_s: 0.02}", 2, 1360, 3),
-    ("wide, smooth", "surface: {kind: smooth, spacing_um: 2, width_um: 40000}\n", LAPS % (0.1, 0.02), 2, 608, 2),
+    (
+        "wide",
+        MADE.replace("200", "20000"),
+        "{load_n: 1, speed_m_s: 0.1, duration_s: 0.02}",
+        2,
+        1360,
+        3,
+    ),
+    (
+        "wide, smooth",
+        "surface: {kind: smooth, spacing_um: 2, width_um: 40000}\n",
+        LAPS % (0.1, 0.02),
+        2,
+        608,
+        2,
+    ),
     (
         "large window",
-        MADE.replace("0.1, corr", "1, corr").replace("_um: 2,", "_um: 0.5,").replace("width_um: 200", "width_um: 640"),
+        MADE.replace("0.1, corr", "1, corr")
+        .replace("_um: 2,", "_um: 0.5,")
+        .replace("width_um: 200", "width_um: 640"),
         "{load_n: 100, speed_m_s: 0.1, duration_s: 0.0064}\nnumerics: {step_nodes: 16}",
         1,
         662,
@@ -121,12 +151,35 @@ MEASURED = [
     ),
     ("one short run", MADE, "{load_n: 1, speed_m_s: 0.1, duration_s: 0.009}", 2, 626, 2),
     ("loudness", FILE, LAPS % (0.02, 60) + "\nsound: {loudness: true}", 1, 1061, 182),
-    ("eight runs", FILE, LAPS % (0.1, 3) + "\nsweep: {rolling.load_n: [1, 2, 3, 4, 5, 6, 7, 8]}", 1, 542, 289),
-    ("forty runs", MADE.replace("200", "100"), "{load_n: 1, speed_m_s: 0.1, duration_s: 0.003}\n" + FORTY, 2, 643, 50),
-    ("wider", MADE.replace("200", "40000"), "{load_n: 1, speed_m_s: 0.1, duration_s: 0.04}", 2, 4162, 3),
+    (
+        "eight runs",
+        FILE,
+        LAPS % (0.1, 3) + "\nsweep: {rolling.load_n: [1, 2, 3, 4, 5, 6, 7, 8]}",
+        1,
+        542,
+        289,
+    ),
+    (
+        "forty runs",
+        MADE.replace("200", "100"),
+        "{load_n: 1, speed_m_s: 0.1, duration_s: 0.003}\n" + FORTY,
+        2,
+        643,
+        50,
+    ),
+    (
+        "wider",
+        MADE.replace("200", "40000"),
+        "{load_n: 1, speed_m_s: 0.1, duration_s: 0.04}",
+        2,
+        4162,
+        3,
+    ),
     (
         "coarse",
-        MADE.replace("0.1, corr", "0.05, corr").replace("_um: 10", "_um: 40").replace("_um: 2,", "_um: 8,"),
+        MADE.replace("0.1, corr", "0.05, corr")
+        .replace("_um: 10", "_um: 40")
+        .replace("_um: 2,", "_um: 8,"),
         "{load_n: 0.2, speed_m_s: 0.4, duration_s: 1}",
         2,
         714,
@@ -145,7 +198,9 @@ def test_estimate_is_the_measured_size_to_twice_of_it(
 ) -> None:
     np.save(tmp_path / "heights.npy", np.random.default_rng(1).standard_normal((64, 64)) * 2e-8)
     scene = scene_file.read_scene(scene_of(tmp_path, surface, rest))
-    needed = demand.of_scenes([(single, cost.roughness(single)[0]) for _, single in scene.runs()], workers)
+    needed = demand.of_scenes(
+        [(single, cost.roughness(single)[0]) for _, single in scene.runs()], workers
+    )
     assert memory_mb <= needed.memory.total / 1e6 <= 2 * memory_mb
     if disk_mb > 100:
         assert disk_mb <= needed.disk.total / 1e6 <= 2 * disk_mb
@@ -158,7 +213,9 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of some steps."""
     folder = tmp_path_factory.mktemp("limits")
     commands.run(
-        scene_of(folder, MADE, "{load_n: 1, speed_m_s: 0.1, duration_s: 0.002}"), out=folder / "run", workers=1
+        scene_of(folder, MADE, "{load_n: 1, speed_m_s: 0.1, duration_s: 0.002}"),
+        out=folder / "run",
+        workers=1,
     )
     return folder / "run"
 
@@ -183,12 +240,17 @@ def test_numbers_that_the_estimate_shares_with_slow_modules() -> None:
 
 
 def largest_parts(text: str) -> list[tuple[str, float]]:
-    scene = scene_file.loads(text, ["recovery.events=true", "rolling.speed_m_s=[[0, 0.1], [1, 1000]]"])
-    needed = demand.of_scenes([(single, cost.roughness(single)[0]) for _, single in scene.runs()], 2)
+    scene = scene_file.loads(
+        text, ["recovery.events=true", "rolling.speed_m_s=[[0, 0.1], [1, 1000]]"]
+    )
+    needed = demand.of_scenes(
+        [(single, cost.roughness(single)[0]) for _, single in scene.runs()], 2
+    )
     return [*needed.memory.parts, *needed.disk.parts, *needed.process.parts]
 
 
-# ---- the refusal -----------------------------------------------------------------------------------------------------
+# ---- the refusal
+# -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -201,7 +263,11 @@ def largest_parts(text: str) -> list[tuple[str, float]]:
         ),
         (FILE, LAPS % (0.0001, 1e5), ("for the sound", "rolling.duration_s")),
         (FILE, LAPS % (1.0, 1000), ("for the steps", "rolling.duration_s", "disk: needs about")),
-        (FILE, LAPS % ("[[0, 0.001], [99.9, 0.001], [100, 1000]]", 100), ("oversampling", "rolling.speed_m_s")),
+        (
+            FILE,
+            LAPS % ("[[0, 0.001], [99.9, 0.001], [100, 1000]]", 100),
+            ("oversampling", "rolling.speed_m_s"),
+        ),
         (
             FILE,
             LAPS % (0.1, 20) + f"\nsweep: {{rolling.start_um: {list(range(1000))}}}",
@@ -211,31 +277,47 @@ def largest_parts(text: str) -> list[tuple[str, float]]:
     ids=["surface", "samples", "laps", "oversampling", "sweep"],
 )
 def test_run_refuses_what_does_not_fit_into_memory_or_on_disk(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], surface: str, rest: str, says: tuple[str, ...], monkeypatch
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    surface: str,
+    rest: str,
+    says: tuple[str, ...],
+    monkeypatch,
 ) -> None:
     monkeypatch.setattr(machine, "memory", lambda: 32e9)
     monkeypatch.setattr(machine, "free_disk", lambda folder: 50e9)
     np.save(tmp_path / "heights.npy", np.random.default_rng(1).standard_normal((64, 64)) * 2e-8)
-    message = refusal(["run", scene_of(tmp_path, surface, rest), "--out", tmp_path / "out"], tmp_path, capsys)
+    message = refusal(
+        ["run", scene_of(tmp_path, surface, rest), "--out", tmp_path / "out"], tmp_path, capsys
+    )
     for part in says:
         assert part in message
-    assert "allowed: 26 GB, 80 % of the 32 GB" in message or "allowed: 40 GB, 80 % of the 50 GB" in message
+    assert (
+        "allowed: 26 GB, 80 % of the 32 GB" in message
+        or "allowed: 40 GB, 80 % of the 50 GB" in message
+    )
 
 
 def test_resume_resound_and_accuracy_refuse_alike(
     finished: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(machine, "memory", lambda: 4e8)  # 320 MB are allowed, less than the program takes
+    # 320 MB are allowed, less than the program takes
+    monkeypatch.setattr(machine, "memory", lambda: 4e8)
     for command in (
         ["resume", finished],
         ["resound", finished, "--out", finished.parent / "other"],
         ["accuracy", finished / "scene.yaml", "--out", finished.parent / "accuracy"],
     ):
         message = refusal(command, finished.parent, capsys)
-        assert "allowed: 320 MB, 80 % of the 400 MB this machine allows; give fewer --workers" in message
+        assert (
+            "allowed: 320 MB, 80 % of the 400 MB this machine allows; give fewer --workers"
+            in message
+        )
 
 
-def test_resume_does_not_ask_for_disk_twice(finished: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_resume_does_not_ask_for_disk_twice(
+    finished: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     scene, needed, written = estimate_and_files(finished)
     monkeypatch.setattr(machine, "free_disk", lambda folder: needed / machine.SHARE - written / 2)
     refusals.refuse_what_cannot_fit(scene, 1, finished)
@@ -272,7 +354,9 @@ sys.exit(cli.main(sys.argv[1:]))
 def test_height_file_of_50_gb_is_refused_by_its_header(tmp_path: Path, command: str) -> None:
     """Within 3 GB of address space: were the file read or mapped, the process would fail otherwise."""
     with (tmp_path / "heights.npy").open("wb") as stream:
-        np.lib.format.write_array_header_1_0(stream, {"descr": "<f8", "fortran_order": False, "shape": (62500, 100000)})
+        np.lib.format.write_array_header_1_0(
+            stream, {"descr": "<f8", "fortran_order": False, "shape": (62500, 100000)}
+        )
         stream.truncate(stream.tell() + 50_000_000_000)
     path = scene_of(tmp_path, FILE, LAPS % (0.1, 0.01))
     done = subprocess.run(
@@ -294,7 +378,8 @@ def test_height_file_of_50_gb_is_refused_by_its_header(tmp_path: Path, command: 
     assert not (tmp_path / "out").exists()
 
 
-# ---- scene files -----------------------------------------------------------------------------------------------------
+# ---- scene files
+# -----------------------------------------------------------------------------------------------------
 
 
 def fault_of(path: Path) -> str:
@@ -322,7 +407,9 @@ def test_only_regular_files_are_scenes(tmp_path: Path) -> None:
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
     assert fault_of(tmp_path / "pipe") == f"{tmp_path / 'pipe'}: is a pipe, a scene file is needed"
     assert fault_of(tmp_path / "link") == f"{tmp_path / 'link'}: is a pipe, a scene file is needed"
-    assert fault_of(tmp_path / "zero") == f"{tmp_path / 'zero'}: is a device, a scene file is needed"
+    assert (
+        fault_of(tmp_path / "zero") == f"{tmp_path / 'zero'}: is a device, a scene file is needed"
+    )
     assert "not readable" in fault_of(tmp_path / "loop")
 
 
@@ -349,8 +436,14 @@ def test_height_file_shorter_than_its_header_is_refused(tmp_path: Path) -> None:
     np.save(tmp_path / "heights.npy", np.zeros((64, 64)))
     content = (tmp_path / "heights.npy").read_bytes()
     (tmp_path / "heights.npy").write_bytes(content[:-1])
-    with pytest.raises(SceneError, match="its header says 32,768 bytes of heights, it holds 32,767"):
-        str(findings.check_scene(scene_file.read_scene(scene_of(tmp_path, FILE, LAPS % (0.1, 0.01)))))
+    with pytest.raises(
+        SceneError, match="its header says 32,768 bytes of heights, it holds 32,767"
+    ):
+        str(
+            findings.check_scene(
+                scene_file.read_scene(scene_of(tmp_path, FILE, LAPS % (0.1, 0.01)))
+            )
+        )
 
 
 def test_scene_file_of_more_than_a_megabyte_is_refused(tmp_path: Path) -> None:
@@ -358,12 +451,17 @@ def test_scene_file_of_more_than_a_megabyte_is_refused(tmp_path: Path) -> None:
     path.write_text(PLAIN + "#" * (1_000_000 - len(PLAIN)))
     scene_file.read_scene(path)
     path.write_text(PLAIN + "#" * (1_000_001 - len(PLAIN)))
-    assert fault_of(path) == f"{path}: is larger than 1,000,000 bytes, allowed: a scene file of at most that size"
+    assert (
+        fault_of(path)
+        == f"{path}: is larger than 1,000,000 bytes, allowed: a scene file of at most that size"
+    )
 
 
 def bomb(letter: str = "*") -> str:
     """Four lists of a hundred, each of the one before: 10^8 values in 2 kB."""
-    lists = "".join(f"{b}: &{b} [{', '.join([f'{letter}{a}'] * 100)}]\n" for a, b in ("ab", "bc", "cd"))
+    lists = "".join(
+        f"{b}: &{b} [{', '.join([f'{letter}{a}'] * 100)}]\n" for a, b in ("ab", "bc", "cd")
+    )
     return f"a: &a [{', '.join(['x'] * 100)}]\n{lists}"
 
 
@@ -379,11 +477,16 @@ def test_aliases_count_as_what_they_stand_for() -> None:
     assert faults("a: &a [1, *a]\n") == ["s.yaml:1: an alias of what it stands in"]
 
 
-def test_scene_whose_resolved_form_could_not_be_read_again_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(yaml_text, "MAX_VALUES", 45)  # the scene holds 41 keys and values, with its defaults over 60
+def test_scene_whose_resolved_form_could_not_be_read_again_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # the scene holds 41 keys and values, with its defaults over 60
+    monkeypatch.setattr(yaml_text, "MAX_VALUES", 45)
     scene_file.loads(PLAIN)
     monkeypatch.setattr(scene_file, "_LONG_TEXT", 10)
-    assert faults(PLAIN)[0].startswith("s.yaml: with every default filled in: more than 45 keys and values")
+    assert faults(PLAIN)[0].startswith(
+        "s.yaml: with every default filled in: more than 45 keys and values"
+    )
 
 
 def test_stumbles_of_the_reader_are_refusals() -> None:
@@ -396,18 +499,32 @@ def test_deep_nesting_is_refused(opening: str) -> None:
 
 
 def test_long_whole_numbers_are_refused() -> None:
-    # Python refuses to write whole numbers of more than 4,300 digits: the resolved scene could not be kept.
+    # Python refuses to write whole numbers of more than 4,300 digits: the resolved scene could not
+    # be kept.
     for value in ("0x" + "f" * 5000, "1" * 400):
-        assert "a whole number of more than 301 digits" in faults(PLAIN.replace("seed: 1", f"seed: {value}"))[0]
+        assert (
+            "a whole number of more than 301 digits"
+            in faults(PLAIN.replace("seed: 1", f"seed: {value}"))[0]
+        )
 
 
 def swept(values: int, number: str = "{}") -> str:
-    return PLAIN + "sweep: {rolling.load_n: [" + ", ".join(number.format(k + 1) for k in range(values)) + "]}\n"
+    return (
+        PLAIN
+        + "sweep: {rolling.load_n: ["
+        + ", ".join(number.format(k + 1) for k in range(values))
+        + "]}\n"
+    )
 
 
 def test_number_of_runs_is_limited_before_any_of_them_is_made(monkeypatch) -> None:
     assert faults(swept(10_001)) == ["s.yaml:19: sweep: got 10001 runs, allowed: at most 10000"]
-    text = PLAIN + "sweep: {rolling.load_n: [1, 1], sphere.radius_mm: [" + ", ".join(map(str, range(1, 5002))) + "]}\n"
+    text = (
+        PLAIN
+        + "sweep: {rolling.load_n: [1, 1], sphere.radius_mm: ["
+        + ", ".join(map(str, range(1, 5002)))
+        + "]}\n"
+    )
     assert faults(text) == ["s.yaml:19: sweep: got 10002 runs, allowed: at most 10000"]
 
 
@@ -422,5 +539,8 @@ def test_faults_of_many_runs_are_named_up_to_a_hundred() -> None:
 
 
 def test_words_of_a_value_are_short() -> None:
-    assert all(len(fault) < 300 for fault in faults(PLAIN.replace("load_n: 20", "load_n: [" + "1, " * 5000 + "1]")))
+    assert all(
+        len(fault) < 300
+        for fault in faults(PLAIN.replace("load_n: 20", "load_n: [" + "1, " * 5000 + "1]"))
+    )
     assert all(len(fault) < 300 for fault in faults(PLAIN + '"' + "k" * 5000 + '": 1\n'))

@@ -1,4 +1,6 @@
-"""Heights from a file through check and run: tilt, seam and resolution in numbers; a record over a seam does not loop."""
+"""Heights from a file through check and run: tilt, seam and resolution in numbers; a record over a
+seam does not loop.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ rolling: {load_n: 0.5, speed_m_s: 0.1}
 
 
 def gaussian(rows: int, columns: int, nodes: float = 6.0, seed: int = 3) -> np.ndarray:
-    return surface.gaussian((rows, columns), SPACING, 1e-7, (nodes * SPACING, nodes * SPACING), "gaussian", seed)
+    return surface.gaussian(
+        (rows, columns), SPACING, 1e-7, (nodes * SPACING, nodes * SPACING), "gaussian", seed
+    )
 
 
 def tilted_crop() -> np.ndarray:
@@ -41,10 +45,13 @@ def scene(folder: Path, heights: np.ndarray, *overrides: str) -> Scene:
 
 
 def found(folder: Path, heights: np.ndarray, *overrides: str) -> dict[str, Finding]:
-    return {finding.key: finding for finding in findings.findings(scene(folder, heights, *overrides))}
+    return {
+        finding.key: finding for finding in findings.findings(scene(folder, heights, *overrides))
+    }
 
 
-# ---- Tilt and seam ---------------------------------------------------------------------------------------------------
+# ---- Tilt and seam
+# ---------------------------------------------------------------------------------------------------
 
 
 def test_check_says_what_was_taken_off_and_what_stays(tmp_path: Path) -> None:
@@ -56,8 +63,13 @@ def test_check_says_what_was_taken_off_and_what_stays(tmp_path: Path) -> None:
     assert "Ra " in got["level"].value and " before, " in got["level"].value
     warning = got["seam"].warning
     assert warning is not None
-    assert "between neighbouring rows" in warning and "does not loop" in warning and "blend the end" in warning
-    # The contact, 0.0402 mm wide by Hertz (a^3 = 3 W R / (4 E*) gives a = 20.1 um), crosses the seam once on 0.4 mm at 0.1 m/s.
+    assert (
+        "between neighbouring rows" in warning
+        and "does not loop" in warning
+        and "blend the end" in warning
+    )
+    # The contact, 0.0402 mm wide by Hertz (a^3 = 3 W R / (4 E*) gives a = 20.1 um), crosses the
+    # seam once on 0.4 mm at 0.1 m/s.
     assert "402 us of the record's 4 ms (10 %)" in warning
 
 
@@ -74,9 +86,9 @@ def test_periodic_heights_have_no_finding_but_values(tmp_path: Path) -> None:
     heights = gaussian(200, 80)
     got = found(tmp_path, heights)
     assert got["level"].value.startswith("nothing taken off, the plane has ")
-    assert {key: got[key].warning for key in ("level", "seam", "form", "correlation_nodes")} == dict.fromkeys(
-        ("level", "seam", "form", "correlation_nodes")
-    )
+    assert {
+        key: got[key].warning for key in ("level", "seam", "form", "correlation_nodes")
+    } == dict.fromkeys(("level", "seam", "form", "correlation_nodes"))
     read = surface.read(tmp_path / "heights.npy")
     for mode in ("auto", "none"):
         given = file.loads(TEXT, [f"surface.level={mode}"], folder=tmp_path)
@@ -84,7 +96,9 @@ def test_periodic_heights_have_no_finding_but_values(tmp_path: Path) -> None:
 
 
 def test_all_numbers_are_of_the_levelled_heights(tmp_path: Path) -> None:
-    """Roughness for the window and the slope, statistics and march read the same heights, and none reads them again."""
+    """Roughness for the window and the slope, statistics and march read the same heights, and none
+    reads them again.
+    """
     given = scene(tmp_path, tilted_crop())
     heights = scene_surface.heights(given)
     rq, slope = cost.roughness(given)
@@ -96,21 +110,25 @@ def test_all_numbers_are_of_the_levelled_heights(tmp_path: Path) -> None:
 
 def test_a_file_written_again_is_read_again(tmp_path: Path) -> None:
     before = scene_surface.heights(scene(tmp_path, gaussian(200, 80))).copy()
-    assert not np.array_equal(scene_surface.heights(scene(tmp_path, gaussian(200, 80, seed=4))), before)
+    assert not np.array_equal(
+        scene_surface.heights(scene(tmp_path, gaussian(200, 80, seed=4))), before
+    )
 
 
 def test_none_says_that_a_plane_passes_for_roughness(tmp_path: Path) -> None:
     got = found(tmp_path, tilted_crop(), "surface.level=none")
     assert got["level"].value.startswith("nothing taken off, the plane has 2.")
-    assert "a plane and a parabola make up 8" in str(got["form"].warning) and "surface.level plane" in str(
+    assert "a plane and a parabola make up 8" in str(
         got["form"].warning
-    )
+    ) and "surface.level plane" in str(got["form"].warning)
     barrel = 1e-6 * np.linspace(-1, 1, 200)[:, None] ** 2 + gaussian(200, 80)
     assert found(tmp_path, barrel)["form"].warning is not None
 
 
 def test_level_is_a_key_with_three_values(tmp_path: Path) -> None:
-    assert found(tmp_path, gaussian(200, 80), "surface.level=plane")["level"].value.startswith("plane taken off")
+    assert found(tmp_path, gaussian(200, 80), "surface.level=plane")["level"].value.startswith(
+        "plane taken off"
+    )
     with pytest.raises(Exception, match=r"surface\.level: got \"plain\", allowed: .*plane"):
         scene(tmp_path, gaussian(200, 80), "surface.level=plain")
     assert "level" in json.dumps(file.schema())
@@ -123,7 +141,15 @@ def test_run_over_a_seam_says_so_and_does_not_loop(
     scene(tmp_path, tilted_crop())
     (tmp_path / "measured.yaml").write_text(TEXT)
     out = tmp_path / "out"
-    command = ["run", str(tmp_path / "measured.yaml"), "--out", str(out), "--workers", "1", "--no-report"]
+    command = [
+        "run",
+        str(tmp_path / "measured.yaml"),
+        "--out",
+        str(out),
+        "--workers",
+        "1",
+        "--no-report",
+    ]
     assert cli.main(command) == 0
     printed = capsys.readouterr().out
     assert "tilt: plane taken off: 2." in printed and "belongs to the cut" in printed
@@ -150,18 +176,23 @@ def test_levels_over_a_seam_are_those_of_the_closed_record(tmp_path: Path) -> No
     assert (plain.ends, seamed.ends) == ("loops", "does not loop, the surface has a seam")
 
 
-# ---- Resolution ------------------------------------------------------------------------------------------------------
+# ---- Resolution
+# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("law", sorted(surface.AUTOCORRELATIONS))
 def test_correlation_length_is_that_of_the_law(law: str) -> None:
-    """1/e of exp(-d (r/L)^k) is at L d^(-1/k). Some 5,000 correlation areas: 2 %, and the chord of the interpolation."""
+    """1/e of exp(-d (r/L)^k) is at L d^(-1/k).
+
+    Some 5,000 correlation areas: 2 %, and the chord of the interpolation.
+    """
     decay, exponent = surface.AUTOCORRELATIONS[law]
     heights = surface.gaussian((1500, 400), SPACING, 1e-7, (8 * SPACING, 5 * SPACING), law, 1)
     for axis, length in ((0, 8 * SPACING), (1, 5 * SPACING)):
         got = surface.correlation(heights, SPACING, axis)
         assert got.length == pytest.approx(length * decay ** (-1 / exponent), rel=0.08)
-        # A straight line through lags 1 and 2 meets lag 0 below 1 by (1 - exp(-d/L))^2 with an exponential law.
+        # A straight line through lags 1 and 2 meets lag 0 below 1 by (1 - exp(-d/L))^2 with an
+        # exponential law.
         cusp = (1 - np.exp(-decay * SPACING / length)) ** 2 if exponent == 1 else 0.0
         assert got.noise == pytest.approx(cusp, abs=0.02)
 
@@ -205,7 +236,9 @@ def pits(width: float) -> np.ndarray:
     ],
     ids=["random", "pits", "white noise", "noise on a fine surface"],
 )
-def test_files_too_coarse_are_warned(tmp_path: Path, fine: np.ndarray, coarse: np.ndarray, says: str) -> None:
+def test_files_too_coarse_are_warned(
+    tmp_path: Path, fine: np.ndarray, coarse: np.ndarray, says: str
+) -> None:
     assert found(tmp_path, fine)["correlation_nodes"].warning is None
     warning = found(tmp_path, coarse)["correlation_nodes"].warning
     assert warning is not None and says in warning

@@ -1,4 +1,6 @@
-"""Scene texts broken at random: each is read and checked, or refused in words, and quickly; nothing else ever happens."""
+"""Scene texts broken at random: each is read and checked, or refused in words, and quickly; nothing
+else ever happens.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,21 @@ VALUES = [
         "1e400",
         "999999999999999999999999",
     ),
-    *("0x10", "0o7", "1_000", "12:30", "2001-01-01", ".inf", "-.inf", ".nan", "~", "true", "no", "'20'", "''"),
+    *(
+        "0x10",
+        "0o7",
+        "1_000",
+        "12:30",
+        "2001-01-01",
+        ".inf",
+        "-.inf",
+        ".nan",
+        "~",
+        "true",
+        "no",
+        "'20'",
+        "''",
+    ),
     *("[]", "{}", "[1]", "{a: 1}", "*r", "&r", "!t", "|-", ">", "<<"),
 ]
 LINES = (
@@ -54,7 +70,9 @@ LINES = (
 
 
 def mutated(text: str, chance: random.Random) -> str:
-    """A text with one to three changes: of a letter, of a value, of a line, or of a part that moves elsewhere."""
+    """A text with one to three changes: of a letter, of a value, of a line, or of a part that moves
+    elsewhere.
+    """
     for _ in range(chance.randint(1, 3)):
         at = chance.randrange(len(text) + 1)
         lines = text.split("\n")
@@ -106,6 +124,7 @@ def test_mutated_scenes_are_read_or_refused_in_words_and_quickly(seed: int) -> N
         began = time.process_time()
         outcomes.append(outcome(text))
         assert time.process_time() - began < SECONDS, text
-        # The solved positions have a budget of their own (test_check); here they must not end in a traceback.
+        # The solved positions have a budget of their own (test_check); here they must not end in a
+        # traceback.
         assert outcomes[-1] == "refused" or outcome(text, solve=True) in ("read", "refused")
     assert set(outcomes) == {"read", "refused"}  # neither is rare, so both ways are tried

@@ -1,4 +1,6 @@
-"""The solved positions of check against marches of the same scene; scenes that Hertz calls elastic yield at their asperities."""
+"""The solved positions of check against marches of the same scene; scenes that Hertz calls elastic
+yield at their asperities.
+"""
 
 from __future__ import annotations
 
@@ -52,30 +54,39 @@ def test_a_scene_below_the_hertz_limit_yields_at_its_asperities() -> None:
 
 
 def test_numbers_are_those_of_a_march() -> None:
-    """Every solved position is one that the march passes; its areas differ by the march's start, a thousandth. The mean of the
-    march, over 400 positions, lies within the range of the eight."""
+    """Every solved position is one that the march passes; its areas differ by the march's start, a
+    thousandth. The mean of the march, over 400 positions, lies within the range of the eight.
+    """
     given = scene()
     (got,) = probe.probes([given])
     contact = contact_of_scene.rolling_contact(given)
-    states = list(march.march(contact, 0, 399, simulate._half_space(contact.spacing, contact.contact_modulus)))
+    states = list(
+        march.march(contact, 0, 399, simulate._half_space(contact.spacing, contact.contact_modulus))
+    )
     places = np.arange(8) * 400 // 8
     for name in ("contact_area", "plastic_area", "max_pressure"):
         values, marched = getattr(got, name), np.array([getattr(state, name) for state in states])
         np.testing.assert_allclose(values, marched[places], rtol=0.02)
         assert values.min() * (1 - 1e-9) <= marched.mean() <= values.max() * (1 + 1e-9)
     windows = np.array([(state.window.rows, state.window.columns) for state in states])
-    assert (np.abs(got.window.mean(axis=0) - windows.mean(axis=0)) < 0.15 * windows.mean(axis=0)).all()
+    assert (
+        np.abs(got.window.mean(axis=0) - windows.mean(axis=0)) < 0.15 * windows.mean(axis=0)
+    ).all()
 
 
 def test_time_of_a_step_is_that_of_a_run() -> None:
-    """Times of a busy machine vary; compilation or the first transforms would be off by a factor of ten and more."""
+    """Times of a busy machine vary; compilation or the first transforms would be off by a factor of
+    ten and more.
+    """
     given = scene("rolling.duration_s=0.004")
     (got,) = probe.probes([given])
     piece = simulate.simulate_piece(given, 0, 100)
     assert 1 / 4 < np.median(got.step_ms) / (1e3 * np.median(piece.steps["step_time"])) < 4
     finding = next(f for f in got.findings(given) if f.key == "expected_time")
     cores = cost.cores()
-    assert finding.seconds == pytest.approx(got.step_ms.mean() * 1e-3 * given.track.solved_steps / cores)
+    assert finding.seconds == pytest.approx(
+        got.step_ms.mean() * 1e-3 * given.track.solved_steps / cores
+    )
 
 
 def test_positions_that_fail_are_said(capsys: pytest.CaptureFixture[str]) -> None:
@@ -116,7 +127,11 @@ def test_fast_solves_nothing(
     assert cli.main(["check", str(path), "--fast"]) == 0
     printed = capsys.readouterr().out
     assert "asperities may yield" in printed
-    assert "stays elastic" not in printed and "contact area" not in printed and "positions solved" not in printed
+    assert (
+        "stays elastic" not in printed
+        and "contact area" not in printed
+        and "positions solved" not in printed
+    )
     assert any("nodes per" in line for line in printed.splitlines())
     assert not any("positions" in str(f.warning) for f in summary.findings.findings(scene()))
 
@@ -130,7 +145,12 @@ def test_large_surfaces_are_left_out_with_the_limit() -> None:
     told = {finding.key: finding for finding in findings.findings(larger, got)}
     assert told["positions"].value == f"none: {got.left_out}"
     assert "asperities may yield" in told["hardness"].value
-    slow = scene("rolling.load_n=2000", "surface.spacing_um=0.05", "rolling.duration_s=0.0004", "surface.width_um=100")
+    slow = scene(
+        "rolling.load_n=2000",
+        "surface.spacing_um=0.05",
+        "rolling.duration_s=0.0004",
+        "surface.width_um=100",
+    )
     (reason,) = probe._left_out([slow])
     assert reason.startswith("it would take about ") and reason.endswith("the limit is 60 s")
 
@@ -147,7 +167,10 @@ def test_runs_that_share_a_surface_make_it_once(monkeypatch: pytest.MonkeyPatch)
     made, make = [], scene_surface._make
     monkeypatch.setattr(scene_surface, "_make", lambda given: made.append(given) or make(given))
     monkeypatch.setattr(scene_surface, "_kept", {})
-    runs = [single for _, single in scene("sweep.rolling.load_n=[1, 2]", "sweep.surface.seed=[1, 2]").runs()]
+    runs = [
+        single
+        for _, single in scene("sweep.rolling.load_n=[1, 2]", "sweep.surface.seed=[1, 2]").runs()
+    ]
     got = probe.probes(runs)
     assert len(made) == 2
     # In the order of the runs: seeds fastest.

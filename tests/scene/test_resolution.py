@@ -1,4 +1,6 @@
-"""A record is heard only above the solver's error: smooth spheres are silent, real surfaces are not."""
+"""A record is heard only above the solver's error: smooth spheres are silent, real surfaces are
+not.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,8 @@ rolling: {load_n: 5, speed_m_s: 0.12, duration_s: 0.0055}
 ROUGH = SMOOTH.replace(
     "kind: smooth", "kind: gaussian, seed: 1, correlation_length_um: 12, roughness_ra_um: RA"
 ).replace("0.0055", "0.003")
-BELOW_A_NODE = ("numerics.step_nodes=0.5", "rolling.duration_s=0.003")  # a tone of the grid at 40 kHz
+# a tone of the grid at 40 kHz
+BELOW_A_NODE = ("numerics.step_nodes=0.5", "rolling.duration_s=0.003")
 YIELDING = "plate.hardness_gpa=0.9"  # 1.27 GPa of Hertz pressure
 
 
@@ -67,15 +70,29 @@ def test_a_smooth_sphere_is_silent(overrides: tuple[str, ...]) -> None:
     assert sound.steady_level is not None and sound.mean_power > 0
 
 
-def test_the_sphere_of_the_scenarios_is_silent_at_the_default_tolerance(tmp_path: Path, monkeypatch) -> None:
+def test_the_sphere_of_the_scenarios_is_silent_at_the_default_tolerance(
+    tmp_path: Path, monkeypatch
+) -> None:
     """It had -37.6 dB(A), and rounding at -14 dB of full scale in the listening version."""
     path = Path(__file__).parents[2] / "scenarios" / "smooth.yaml"
     out = tmp_path / "out"
     monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
-    settings = ["--set", "numerics.tolerance=1e-4", "--workers", "1", "--no-report", "--out", str(out)]
+    settings = [
+        "--set",
+        "numerics.tolerance=1e-4",
+        "--workers",
+        "1",
+        "--no-report",
+        "--out",
+        str(out),
+    ]
     assert cli.main(["run", str(path), *settings]) == 0
     summary = json.loads((out / "summary.json").read_text())
-    assert summary["laeq_db"] is None and summary["level_db"] is None and summary["factor_pa_per_w_m2"] == 0
+    assert (
+        summary["laeq_db"] is None
+        and summary["level_db"] is None
+        and summary["factor_pa_per_w_m2"] == 0
+    )
     samples, _, comment = wav.read(out / "listen.wav")
     assert not samples.any() and "silence" in comment
     beside = json.loads((out / "listen.json").read_text())
@@ -83,8 +100,12 @@ def test_the_sphere_of_the_scenarios_is_silent_at_the_default_tolerance(tmp_path
 
 
 @pytest.mark.parametrize(("ra_um", "tolerance"), [(1e-6, 1e-8), (1e-4, 1e-6), (1e-2, 1e-4)])
-def test_roughness_of_atoms_and_less_is_heard_where_it_is_resolved(ra_um: float, tolerance: float) -> None:
-    """Solved ten times tighter the level is the same: the error is 39 dB below or more, which leaves 0.1 dB."""
+def test_roughness_of_atoms_and_less_is_heard_where_it_is_resolved(
+    ra_um: float, tolerance: float
+) -> None:
+    """Solved ten times tighter the level is the same: the error is 39 dB below or more, which
+    leaves 0.1 dB.
+    """
     level, tighter = (
         heard(loads(ROUGH.replace("RA", f"{ra_um:f}"), [f"numerics.tolerance={t}"])).levels.level_db
         for t in (tolerance, tolerance / 10)
@@ -99,7 +120,9 @@ def test_what_is_not_resolved_is_silent_and_said() -> None:
     sound = heard(scene)
     assert sound.levels.level_db is None
     doubt = resolution.doubt(scene, sound.audible_rms, sound.resolved_rms)
-    assert doubt is not None and "counts as silent; a lower numerics.tolerance, 0.0001 here" in doubt
+    assert (
+        doubt is not None and "counts as silent; a lower numerics.tolerance, 0.0001 here" in doubt
+    )
 
 
 def test_doubts_by_the_distance_from_the_error() -> None:
@@ -114,10 +137,14 @@ def test_doubts_by_the_distance_from_the_error() -> None:
     "speed", ["0.01", "0.12", "3", "[[0, 0.1], [0.05, 3]]", "[[0, 0], [0.01, 0.5], [0.011, 0.02]]"]
 )
 @pytest.mark.parametrize("closed", [True, False])
-def test_an_error_that_is_white_along_the_track_is_known_in_the_band(speed: str, closed: bool) -> None:
-    """White noise of twice the resolved rms is audible, of half of it silent, at any speed; 5000 steps leave 3 % of spread.
+def test_an_error_that_is_white_along_the_track_is_known_in_the_band(
+    speed: str, closed: bool
+) -> None:
+    """White noise of twice the resolved rms is audible, of half of it silent, at any speed; 5000
+    steps leave 3 % of spread.
 
-    The band from 20 Hz, fades of a tenth and few lines within hearing change the rms by up to a fifth.
+    The band from 20 Hz, fades of a tenth and few lines within hearing change the rms by up to a
+    fifth.
     """
     scene = loads(SMOOTH, [f"rolling.speed_m_s={speed}", "rolling.duration_s=1"])
     noise = np.random.default_rng(1).standard_normal(5000)
@@ -129,10 +156,14 @@ def test_an_error_that_is_white_along_the_track_is_known_in_the_band(speed: str,
 
 
 def test_blended_edges_resolve_less_where_the_plate_yields() -> None:
-    """Their restarts leave a part that no tolerance takes away: 1e-5 of the mean, 1e-3 in steps below a node."""
+    """Their restarts leave a part that no tolerance takes away: 1e-5 of the mean, 1e-3 in steps
+    below a node.
+    """
 
     def resolved(*overrides: str) -> float:
-        return resolution.resolved_fluctuation(loads(SMOOTH, ["numerics.tolerance=1e-8", *overrides]))
+        return resolution.resolved_fluctuation(
+            loads(SMOOTH, ["numerics.tolerance=1e-8", *overrides])
+        )
 
     assert resolved() == pytest.approx(2e-7)
     assert resolved("plate.hardness_gpa=1.3") == pytest.approx(2e-7)  # stays elastic
@@ -148,4 +179,5 @@ def test_a_quiet_scene_is_not_a_silent_one() -> None:
     far = Scene.from_dict(scene.to_dict() | {"sound": {"distance_m": 1e4, "q": 1e-6}})
     near, distant = (contact_sound(one, energy, 2e-6, True) for one in (scene, far))
     assert near.audible_rms == pytest.approx(distant.audible_rms, rel=1e-12)
-    assert distant.levels.level_db == pytest.approx(near.levels.level_db - 140, abs=1e-6)  # 10 lg of 1e-14
+    # 10 lg of 1e-14
+    assert distant.levels.level_db == pytest.approx(near.levels.level_db - 140, abs=1e-6)

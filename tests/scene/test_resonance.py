@@ -1,4 +1,6 @@
-"""The ball on its contact: its frequency by hand, and a warning that weighs speed, surface and the simulated band."""
+"""The ball on its contact: its frequency by hand, and a warning that weighs speed, surface and the
+simulated band.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,8 @@ def warning(*overrides: str) -> str | None:
 
 
 def test_frequency_by_hand() -> None:
-    # 2 E* a = 2 x 230.77 GPa x 68.75 um = 3.173e7 N/m; 7850 kg/m3 x 4/3 pi (5 mm)^3 = 4.110 g; sqrt(k/m) / 2 pi = 13.98 kHz.
+    # 2 E* a = 2 x 230.77 GPa x 68.75 um = 3.173e7 N/m; 7850 kg/m3 x 4/3 pi (5 mm)^3 = 4.110 g;
+    # sqrt(k/m) / 2 pi = 13.98 kHz.
     assert frequency() == pytest.approx(13.98e3, rel=1e-3)
 
 
@@ -39,21 +42,33 @@ def test_frequency_falls_with_the_root_of_the_density(density: float) -> None:
 
 
 def test_stiffness_is_of_both_bodies_and_elastic() -> None:
-    # Two bodies of steel: E* halves, a grows by 2^(1/3), the stiffness falls by 2^(2/3), the frequency by 2^(1/3).
+    # Two bodies of steel: E* halves, a grows by 2^(1/3), the stiffness falls by 2^(2/3), the
+    # frequency by 2^(1/3).
     both = frequency("sphere.youngs_modulus_gpa=210", "sphere.poissons_ratio=0.3")
     assert both == pytest.approx(frequency() / 2 ** (1 / 3), rel=1e-12)
     assert frequency("plate.hardness_gpa=0.5") == frequency("plate.hardness_gpa=") == frequency()
 
 
 def test_message_says_which_density_was_taken() -> None:
-    assert "a free ball as if of steel, 7850 kg/m3 (sphere.density_kg_m3) would bounce" in str(warning())
+    assert "a free ball as if of steel, 7850 kg/m3 (sphere.density_kg_m3) would bounce" in str(
+        warning()
+    )
     glass = str(warning("sphere.density_kg_m3=2500", "rolling.load_n=5"))
-    assert "a free ball of 2500 kg/m3 would bounce on its contact at 19.7 kHz" in glass and "steel" not in glass
+    assert (
+        "a free ball of 2500 kg/m3 would bounce on its contact at 19.7 kHz" in glass
+        and "steel" not in glass
+    )
 
 
 def test_warning_weighs_the_speed() -> None:
-    """By the model of the contact's dynamics at 20 N: -44 dB of the sound at 0.1 m/s, -25 at 0.3, -6 at 1 m/s."""
-    for speed, part in ((0.1, "30 dB or more below"), (0.3, "its part is heard"), (1, "a large part of the sound")):
+    """By the model of the contact's dynamics at 20 N: -44 dB of the sound at 0.1 m/s, -25 at 0.3,
+    -6 at 1 m/s.
+    """
+    for speed, part in (
+        (0.1, "30 dB or more below"),
+        (0.3, "its part is heard"),
+        (1, "a large part of the sound"),
+    ):
         text = str(warning(f"rolling.speed_m_s={speed}"))
         assert f"at {speed} m/s" in text and part in text
     assert "waves of 7.15 um" in str(warning())  # 0.1 m/s over 13.98 kHz
@@ -63,8 +78,12 @@ def test_warning_weighs_the_speed() -> None:
 
 
 def test_warning_weighs_the_surface() -> None:
-    """Without waves of the resonance there is little to feed it: at 1 m/s and 100 um the model says -23 dB."""
-    assert "its part is heard" in str(warning("rolling.speed_m_s=1", "surface.correlation_length_um=100"))
+    """Without waves of the resonance there is little to feed it: at 1 m/s and 100 um the model says
+    -23 dB.
+    """
+    assert "its part is heard" in str(
+        warning("rolling.speed_m_s=1", "surface.correlation_length_um=100")
+    )
 
 
 @pytest.mark.parametrize(
@@ -73,7 +92,8 @@ def test_warning_weighs_the_surface() -> None:
         ("numerics.step_nodes=4",),  # the steps carry 6.25 kHz
         ("sphere.radius_mm=2",),  # 35 kHz
         ("sphere.density_kg_m3=2500",),  # 24.8 kHz
-        ("rolling.speed_m_s=[[0, 0.05], [1, 0.05], [2, 1]]",),  # 12.5 kHz at the speed that is reached
+        # 12.5 kHz at the speed that is reached
+        ("rolling.speed_m_s=[[0, 0.05], [1, 0.05], [2, 1]]",),
     ],
 )
 def test_no_warning_where_the_record_does_not_hold_it(overrides: tuple[str, ...]) -> None:
@@ -84,4 +104,6 @@ def test_density_is_a_key_of_the_scene_and_absent_by_default() -> None:
     assert "density_kg_m3" not in loads(TEXT).to_dict()["sphere"]
     scene = loads(TEXT, ["sphere.density_kg_m3=2500", "sweep.sphere.density_kg_m3=[2500, 7850]"])
     assert scene.sweep == {"sphere.density_kg_m3": (2500, 7850)}
-    assert loads(TEXT, ["sphere.density_kg_m3=3200"]).mass == pytest.approx(3200 * 4 / 3 * math.pi * 1.25e-7)
+    assert loads(TEXT, ["sphere.density_kg_m3=3200"]).mass == pytest.approx(
+        3200 * 4 / 3 * math.pi * 1.25e-7
+    )

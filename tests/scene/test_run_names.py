@@ -1,4 +1,6 @@
-"""Names of the runs of a sweep: different whatever the values, as before where they were short and different."""
+"""Names of the runs of a sweep: different whatever the values, as before where they were short and
+different.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,9 @@ def test_long_names_are_shortened_to_different_ones() -> None:
             "surface.roughness_ra_um", "surface.correlation_length_um", "surface.seed", "rolling.load_n", "rolling.speed_m_s",
             "rolling.duration_s", "sound.distance_m", "sound.q"]  # fmt: skip
     values = [
-        dict.fromkeys(keys, 0.123456789) | {"sound.q": q, "rolling.load_n": w} for q in (0.1, 0.2) for w in (1, 2)
+        dict.fromkeys(keys, 0.123456789) | {"sound.q": q, "rolling.load_n": w}
+        for q in (0.1, 0.2)
+        for w in (1, 2)
     ]
     names = run_names(values)
     assert len({*names}) == 4 and names == run_names(values)  # the same every time
@@ -50,7 +54,9 @@ NUMBERS = st.one_of(
     st.integers(-(10**18), 10**18),
     st.integers(10**15, 10**300),
     st.floats(-1e299, 1e299, allow_nan=False),
-    st.sampled_from([2**53, 2**53 + 1, float(2**53), 10**16, 10**16 + 1, 1e16, 0.1, 0.1 + 2**-55, 1e-320]),
+    st.sampled_from(
+        [2**53, 2**53 + 1, float(2**53), 10**16, 10**16 + 1, 1e16, 0.1, 0.1 + 2**-55, 1e-320]
+    ),
 )
 SWEPT = ["rolling.load_n", "surface.seed", "plate.poissons_ratio", "sphere.poissons_ratio"]
 KEYS = st.lists(st.sampled_from(SWEPT), min_size=1, max_size=3, unique=True)

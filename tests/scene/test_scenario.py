@@ -1,4 +1,6 @@
-"""Scenes: every fault of a value is read here; properties in SI, sweeps, track rounding, the scenes in scenarios/."""
+"""Scenes: every fault of a value is read here; properties in SI, sweeps, track rounding, the scenes
+in scenarios/.
+"""
 
 import math
 import pickle
@@ -25,7 +27,8 @@ NAME = "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit 
 SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recovery, sound, sweep"
 
 
-# ---- Messages --------------------------------------------------------------------------------------------------------
+# ---- Messages
+# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -35,10 +38,26 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
         ("name: trial", "name: ../x", f's.yaml:1: name: got "../x", allowed: {NAME}'),
         ("name: trial", "name: 2024", f"s.yaml:1: name: got 2024, allowed: {NAME}"),
         ("name: trial\n", "\n", f"s.yaml:1: name: missing, allowed: {NAME}"),
-        ("name: trial", "name: trial\ndescription: 3", "s.yaml:2: description: got 3, allowed: text"),
-        ("radius_mm: 5", "radius_mm: 0", "s.yaml:2: sphere.radius_mm: got 0, allowed: a number > 0"),
-        ("radius_mm: 5", 'radius_mm: "5"', 's.yaml:2: sphere.radius_mm: got "5", allowed: a number > 0'),
-        ("radius_mm: 5", "radius_mm: .nan", "s.yaml:2: sphere.radius_mm: got .nan, allowed: a number > 0"),
+        (
+            "name: trial",
+            "name: trial\ndescription: 3",
+            "s.yaml:2: description: got 3, allowed: text",
+        ),
+        (
+            "radius_mm: 5",
+            "radius_mm: 0",
+            "s.yaml:2: sphere.radius_mm: got 0, allowed: a number > 0",
+        ),
+        (
+            "radius_mm: 5",
+            'radius_mm: "5"',
+            's.yaml:2: sphere.radius_mm: got "5", allowed: a number > 0',
+        ),
+        (
+            "radius_mm: 5",
+            "radius_mm: .nan",
+            "s.yaml:2: sphere.radius_mm: got .nan, allowed: a number > 0",
+        ),
         (
             "radius_mm: 5",
             "radius_mm: 1e300",
@@ -49,7 +68,11 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
             "speed_m_s: 1e-300",
             "s.yaml:16: rolling.speed_m_s: got 1e-300, allowed: a size from 1e-15 to 1e+15",
         ),
-        ("radius_mm: 5", "radius_mm: [5]", "s.yaml:2: sphere.radius_mm: got [5], allowed: a number > 0"),
+        (
+            "radius_mm: 5",
+            "radius_mm: [5]",
+            "s.yaml:2: sphere.radius_mm: got [5], allowed: a number > 0",
+        ),
         (
             "radius_mm: 5",
             "radius_mm: 5, youngs_modulus_gpa: 210",
@@ -62,11 +85,31 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
             "s.yaml:2: sphere.youngs_modulus_gpa: missing beside poissons_ratio; an elastic sphere needs both, a"
             " rigid one neither",
         ),
-        ("sphere: {radius_mm: 5}\n", "", "s.yaml:1: sphere: missing, allowed: a section of keys (radius_mm)"),
-        ("sphere: {radius_mm: 5}", "sphere: 5", "s.yaml:2: sphere: got 5, allowed: a section of keys (radius_mm)"),
-        ("sphere: {radius_mm: 5}", "sphere:", "s.yaml:2: sphere: missing, allowed: a section of keys (radius_mm)"),
-        ("ratio: 0.3", "ratio: 0.6", "s.yaml:5: plate.poissons_ratio: got 0.6, allowed: a number >= 0 and <= 0.5"),
-        ("ratio: 0.3", "ratio: -0.1", "s.yaml:5: plate.poissons_ratio: got -0.1, allowed: a number >= 0 and <= 0.5"),
+        (
+            "sphere: {radius_mm: 5}\n",
+            "",
+            "s.yaml:1: sphere: missing, allowed: a section of keys (radius_mm)",
+        ),
+        (
+            "sphere: {radius_mm: 5}",
+            "sphere: 5",
+            "s.yaml:2: sphere: got 5, allowed: a section of keys (radius_mm)",
+        ),
+        (
+            "sphere: {radius_mm: 5}",
+            "sphere:",
+            "s.yaml:2: sphere: missing, allowed: a section of keys (radius_mm)",
+        ),
+        (
+            "ratio: 0.3",
+            "ratio: 0.6",
+            "s.yaml:5: plate.poissons_ratio: got 0.6, allowed: a number >= 0 and <= 0.5",
+        ),
+        (
+            "ratio: 0.3",
+            "ratio: -0.1",
+            "s.yaml:5: plate.poissons_ratio: got -0.1, allowed: a number >= 0 and <= 0.5",
+        ),
         (
             "hardness_gpa",
             "hardnes_gpa",
@@ -79,7 +122,11 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
             "s.yaml:6: plate.load_n: unknown key, nearest: rolling.load_n, allowed: youngs_modulus_gpa, poissons_ratio,"
             " hardness_gpa",
         ),
-        ("hardness_gpa: 2.1", "hardness_gpa: .inf", "s.yaml:6: plate.hardness_gpa: got .inf, allowed: a number > 0"),
+        (
+            "hardness_gpa: 2.1",
+            "hardness_gpa: .inf",
+            "s.yaml:6: plate.hardness_gpa: got .inf, allowed: a number > 0",
+        ),
         (
             "kind: gaussian",
             "kind: gausian",
@@ -90,18 +137,34 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
             "kind: [smooth]",
             's.yaml:8: surface.kind: got ["smooth"], allowed: gaussian, smooth or file',
         ),
-        ("  kind: gaussian\n", "", "s.yaml:7: surface.kind: missing, allowed: gaussian, smooth or file"),
+        (
+            "  kind: gaussian\n",
+            "",
+            "s.yaml:7: surface.kind: missing, allowed: gaussian, smooth or file",
+        ),
         (
             "kind: gaussian",
             "kind: gaussian\n  autocorrelation: exponental",
             's.yaml:9: surface.autocorrelation: got "exponental", allowed: gaussian, gaussian_10pct, exponential or'
             " exponential_10pct, nearest: exponential",
         ),
-        ("ra_um: 0.1", "ra_um: 1001", "s.yaml:9: surface.roughness_ra_um: got 1001, allowed: a number > 0 and <= 1000"),
-        ("ra_um: 0.1", "ra_um: 0", "s.yaml:9: surface.roughness_ra_um: got 0, allowed: a number > 0 and <= 1000"),
+        (
+            "ra_um: 0.1",
+            "ra_um: 1001",
+            "s.yaml:9: surface.roughness_ra_um: got 1001, allowed: a number > 0 and <= 1000",
+        ),
+        (
+            "ra_um: 0.1",
+            "ra_um: 0",
+            "s.yaml:9: surface.roughness_ra_um: got 0, allowed: a number > 0 and <= 1000",
+        ),
         ("seed: 1", "seed: 1.5", "s.yaml:13: surface.seed: got 1.5, allowed: a whole number >= 0"),
         ("seed: 1", "seed: -1", "s.yaml:13: surface.seed: got -1, allowed: a whole number >= 0"),
-        ("seed: 1", "seed: true", "s.yaml:13: surface.seed: got true, allowed: a whole number >= 0"),
+        (
+            "seed: 1",
+            "seed: true",
+            "s.yaml:13: surface.seed: got true, allowed: a whole number >= 0",
+        ),
         (
             "width_um: 64",
             "width_um: 65",
@@ -117,9 +180,17 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
             "width_um: 1e12",
             "s.yaml:12: surface.width_um: got 1000000000000, allowed: less than 1e+09 nodes",
         ),
-        ("load_n: 20", "load_n: true", "s.yaml:15: rolling.load_n: got true, allowed: a number > 0"),
+        (
+            "load_n: 20",
+            "load_n: true",
+            "s.yaml:15: rolling.load_n: got true, allowed: a number > 0",
+        ),
         ("load_n: 20", "load_n:", "s.yaml:15: rolling.load_n: missing, allowed: a number > 0"),
-        ("load_n: 20", "load_n: !big 20", "s.yaml:15: rolling.load_n: got the tag !big, allowed: plain values"),
+        (
+            "load_n: 20",
+            "load_n: !big 20",
+            "s.yaml:15: rolling.load_n: got the tag !big, allowed: plain values",
+        ),
         ("load_n: 20", "load_n: [[[1]]]", "s.yaml:15: rolling.load_n[0][0][0]: nested too deeply"),
         (
             "load_n: 20",
@@ -173,7 +244,11 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
             "s.yaml:16: rolling.speed_m_s: the sphere comes to rest after 5 um, the shortest track is 16 um: give it"
             " more speed",
         ),
-        ("  duration_s: 0.01\n", "", "s.yaml:14: rolling.duration_s: missing, allowed: a number > 0"),
+        (
+            "  duration_s: 0.01\n",
+            "",
+            "s.yaml:14: rolling.duration_s: missing, allowed: a number > 0",
+        ),
         (
             "duration_s: 0.01",
             "duration_s: 1.0e-4",
@@ -223,7 +298,11 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
             "recovery: {rule: left}",
             's.yaml:18: recovery.rule: got "left", allowed: mean or left_end, nearest: left_end',
         ),
-        ("numerics: {step_nodes: 1}", "sound: {q: 1.5}", "s.yaml:18: sound.q: got 1.5, allowed: a number > 0 and <= 1"),
+        (
+            "numerics: {step_nodes: 1}",
+            "sound: {q: 1.5}",
+            "s.yaml:18: sound.q: got 1.5, allowed: a number > 0 and <= 1",
+        ),
         (
             "numerics: {step_nodes: 1}",
             "sound: {gain_pa_per_w_m2: 0}",
@@ -239,13 +318,41 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
             "rolling.lod_n: [",
             "s.yaml:20: sweep.rolling.lod_n: unknown key, nearest: rolling.load_n",
         ),
-        ("rolling.load_n: [", "load_n: [", "s.yaml:20: sweep.load_n: unknown key, nearest: rolling.load_n"),
-        ("rolling.load_n: [", "surface.kind: [", "s.yaml:20: sweep.surface.kind: cannot be swept, only numbers can"),
-        ("[5, 20, 100]", "[]", "s.yaml:20: sweep.rolling.load_n: got [], allowed: a list of numbers, at least one"),
-        ("[5, 20, 100]", "5", "s.yaml:20: sweep.rolling.load_n: got 5, allowed: a list of numbers, at least one"),
-        ("[5, 20, 100]", "[5, x]", 's.yaml:20: sweep.rolling.load_n[1]: got "x", allowed: a number'),
-        ("[5, 20, 100]", "[5, 6, 5.0]", "s.yaml:20: sweep.rolling.load_n[2]: got 5.0 twice, allowed: different values"),
-        ("[5, 20, 100]", "\n  - 5\n  - -2", "s.yaml:22: sweep.rolling.load_n[1]: got -2, allowed: a number > 0"),
+        (
+            "rolling.load_n: [",
+            "load_n: [",
+            "s.yaml:20: sweep.load_n: unknown key, nearest: rolling.load_n",
+        ),
+        (
+            "rolling.load_n: [",
+            "surface.kind: [",
+            "s.yaml:20: sweep.surface.kind: cannot be swept, only numbers can",
+        ),
+        (
+            "[5, 20, 100]",
+            "[]",
+            "s.yaml:20: sweep.rolling.load_n: got [], allowed: a list of numbers, at least one",
+        ),
+        (
+            "[5, 20, 100]",
+            "5",
+            "s.yaml:20: sweep.rolling.load_n: got 5, allowed: a list of numbers, at least one",
+        ),
+        (
+            "[5, 20, 100]",
+            "[5, x]",
+            's.yaml:20: sweep.rolling.load_n[1]: got "x", allowed: a number',
+        ),
+        (
+            "[5, 20, 100]",
+            "[5, 6, 5.0]",
+            "s.yaml:20: sweep.rolling.load_n[2]: got 5.0 twice, allowed: different values",
+        ),
+        (
+            "[5, 20, 100]",
+            "\n  - 5\n  - -2",
+            "s.yaml:22: sweep.rolling.load_n[1]: got -2, allowed: a number > 0",
+        ),
         (
             "rolling.load_n: [5, 20, 100]",
             "surface.spacing_um: [2, 3]",
@@ -286,13 +393,18 @@ def test_errors_pass_between_processes() -> None:
     assert pickle.loads(pickle.dumps(error)).faults == ["a", "b"]
 
 
-# ---- Properties ------------------------------------------------------------------------------------------------------
+# ---- Properties
+# ------------------------------------------------------------------------------------------------------
 
 
 def test_si() -> None:
-    scene = loads(PLAIN, ["sphere.youngs_modulus_gpa=100", "sphere.poissons_ratio=0.2", "rolling.start_um=-3"])
+    scene = loads(
+        PLAIN, ["sphere.youngs_modulus_gpa=100", "sphere.poissons_ratio=0.2", "rolling.start_um=-3"]
+    )
     assert scene.radius == pytest.approx(5e-3)
-    assert 1 / scene.contact_modulus == pytest.approx((1 - 0.3**2) / 210e9 + (1 - 0.2**2) / 100e9, rel=1e-15)
+    assert 1 / scene.contact_modulus == pytest.approx(
+        (1 - 0.3**2) / 210e9 + (1 - 0.2**2) / 100e9, rel=1e-15
+    )
     assert scene.hardness == pytest.approx(2.1e9)
     assert (scene.spacing, scene.step, scene.load) == pytest.approx((2e-6, 2e-6, 20))
     assert scene.start == pytest.approx(-3e-6)
@@ -313,7 +425,8 @@ def test_scenes_are_frozen_and_folders_do_not_count() -> None:
     assert scene != loads(PLAIN, ["rolling.load_n=21"])
 
 
-# ---- The sweep -------------------------------------------------------------------------------------------------------
+# ---- The sweep
+# -------------------------------------------------------------------------------------------------------
 
 
 def test_sweep_product() -> None:
@@ -337,13 +450,18 @@ def test_no_sweep_is_one_run() -> None:
 
 
 def test_any_number_can_be_swept() -> None:
-    scene = loads(PLAIN, ["sweep={surface.seed: [1, 2], numerics.step_nodes: [2, 0.5], plate.hardness_gpa: [1, 2]}"])
+    scene = loads(
+        PLAIN,
+        ["sweep={surface.seed: [1, 2], numerics.step_nodes: [2, 0.5], plate.hardness_gpa: [1, 2]}"],
+    )
     last = scene.runs()[-1][1]
     assert last.surface.seed == 2  # type: ignore[union-attr]
     assert (last.numerics.step_nodes, last.plate.hardness_gpa) == (0.5, 2)
     assert len({run_name(values) for values, _ in scene.runs()}) == 8
     across = loads(PLAIN, ["sweep.surface.correlation_length_um=[5, 20]"])
-    assert all("correlation_length_across_um" not in run.to_dict()["surface"] for _, run in across.runs())
+    assert all(
+        "correlation_length_across_um" not in run.to_dict()["surface"] for _, run in across.runs()
+    )
 
 
 def test_run_names() -> None:
@@ -354,14 +472,21 @@ def test_run_names() -> None:
     assert run_name({}) == ""
 
 
-# ---- The track -------------------------------------------------------------------------------------------------------
+# ---- The track
+# -------------------------------------------------------------------------------------------------------
 
 
 @settings(deadline=None, max_examples=200)
 @given(
-    st.floats(0.01, 10), st.sampled_from(STEP_NODES), st.floats(0.001, 10), st.floats(0.01, 1.0), st.floats(0.1, 10.0)
+    st.floats(0.01, 10),
+    st.sampled_from(STEP_NODES),
+    st.floats(0.001, 10),
+    st.floats(0.01, 1.0),
+    st.floats(0.1, 10.0),
 )
-def test_made_tracks_close(spacing: float, step_nodes: float, speed: float, duration: float, start: float) -> None:
+def test_made_tracks_close(
+    spacing: float, step_nodes: float, speed: float, duration: float, start: float
+) -> None:
     data: dict[str, Any] = loads(PLAIN).to_dict()
     data["surface"] |= {"spacing_um": spacing, "width_um": 16 * spacing}
     data["rolling"] |= {"speed_m_s": speed, "duration_s": duration, "start_um": start}
@@ -384,7 +509,9 @@ def test_made_tracks_close(spacing: float, step_nodes: float, speed: float, dura
 def test_the_shortest_track_that_is_named_is_enough() -> None:
     scene = loads(PLAIN, ["rolling.duration_s=0.00016"])
     assert scene.track.n_along == 8
-    assert loads(PLAIN, ["rolling.duration_s=0.00016", "numerics.step_nodes=0.25"]).track.steps == 32
+    assert (
+        loads(PLAIN, ["rolling.duration_s=0.00016", "numerics.step_nodes=0.25"]).track.steps == 32
+    )
     coarse = loads(PLAIN, ["numerics.step_nodes=64", "rolling.duration_s=0.0013"]).track
     assert (coarse.n_along, coarse.steps) == (64, 1)
 
@@ -398,19 +525,36 @@ def test_a_sphere_that_stops_is_not_asked_for_more() -> None:
 
 def file_scene(folder: Path, heights: Any, *overrides: str) -> Scene:
     np.save(folder / "heights.npy", heights)
-    text = PLAIN[: PLAIN.index("surface:")] + "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
+    text = (
+        PLAIN[: PLAIN.index("surface:")]
+        + "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
+    )
     text += "rolling: {load_n: 20, speed_m_s: 0.1}\n"
     return loads(text, overrides, folder=folder)
 
 
 @pytest.mark.parametrize(
     ("step_nodes", "lap_steps", "steps", "closed"),
-    [(1, 100, 100, True), (2, 50, 50, True), (3, 100, 33, False), (0.5, 200, 200, True), (8, 25, 12, False)],
+    [
+        (1, 100, 100, True),
+        (2, 50, 50, True),
+        (3, 100, 33, False),
+        (0.5, 200, 200, True),
+        (8, 25, 12, False),
+    ],
 )
-def test_once_round_a_file(tmp_path: Path, step_nodes: float, lap_steps: int, steps: int, closed: bool) -> None:
+def test_once_round_a_file(
+    tmp_path: Path, step_nodes: float, lap_steps: int, steps: int, closed: bool
+) -> None:
     scene = file_scene(tmp_path, np.zeros((100, 16)), f"numerics.step_nodes={step_nodes}")
     way = scene.track
-    assert (way.n_along, way.n_across, way.lap_steps, way.steps, way.closed) == (100, 16, lap_steps, steps, closed)
+    assert (way.n_along, way.n_across, way.lap_steps, way.steps, way.closed) == (
+        100,
+        16,
+        lap_steps,
+        steps,
+        closed,
+    )
     assert not (lap_steps * step_nodes) % 100
 
 
@@ -426,9 +570,18 @@ def test_a_file_goes_round_again(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("heights", "message"),
     [
-        (np.zeros(10), "got 1-D float64, allowed: one 2-D array of real heights in m, (along track, across)"),
-        (np.zeros((9, 9), dtype=complex), "got 2-D complex128, allowed: one 2-D array of real heights in m, "),
-        (np.zeros((9, 9), dtype=bool), "got 2-D bool, allowed: one 2-D array of real heights in m, "),
+        (
+            np.zeros(10),
+            "got 1-D float64, allowed: one 2-D array of real heights in m, (along track, across)",
+        ),
+        (
+            np.zeros((9, 9), dtype=complex),
+            "got 2-D complex128, allowed: one 2-D array of real heights in m, ",
+        ),
+        (
+            np.zeros((9, 9), dtype=bool),
+            "got 2-D bool, allowed: one 2-D array of real heights in m, ",
+        ),
         (np.zeros((9, 7)), "got 9 x 7 nodes, allowed: at least 8 each way"),
     ],
 )
@@ -475,7 +628,8 @@ def test_an_absolute_path_stays(tmp_path: Path) -> None:
     assert loads(dump(scene), folder=Path("elsewhere")).height_path == tmp_path / "heights.npy"
 
 
-# ---- The scenes ------------------------------------------------------------------------------------------------------
+# ---- The scenes
+# ------------------------------------------------------------------------------------------------------
 
 
 def test_the_laws_are_those_of_the_surface_module() -> None:

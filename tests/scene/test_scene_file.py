@@ -1,4 +1,6 @@
-"""Scene files: faults of text and overrides with their lines, round trips, new sound for a stored scene, the schema."""
+"""Scene files: faults of text and overrides with their lines, round trips, new sound for a stored
+scene, the schema.
+"""
 
 import math
 import pickle
@@ -16,20 +18,35 @@ from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
 
-# ---- Messages --------------------------------------------------------------------------------------------------------
+# ---- Messages
+# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "s.yaml: empty, a scene needs at least name, sphere, plate, surface, rolling"),
-        ("# only a comment\n", "s.yaml: empty, a scene needs at least name, sphere, plate, surface, rolling"),
-        ("- name: x\n", 's.yaml:1: got [{"name": "x"}], allowed: a scene of keys and values, the first being name'),
-        ("hello", 's.yaml:1: got "hello", allowed: a scene of keys and values, the first being name'),
-        ("name: x\nsphere: {radius_mm: 5\n", "s.yaml:3: not YAML: expected ',' or '}', but got 'the end'"),
+        (
+            "# only a comment\n",
+            "s.yaml: empty, a scene needs at least name, sphere, plate, surface, rolling",
+        ),
+        (
+            "- name: x\n",
+            's.yaml:1: got [{"name": "x"}], allowed: a scene of keys and values, the first being name',
+        ),
+        (
+            "hello",
+            's.yaml:1: got "hello", allowed: a scene of keys and values, the first being name',
+        ),
+        (
+            "name: x\nsphere: {radius_mm: 5\n",
+            "s.yaml:3: not YAML: expected ',' or '}', but got 'the end'",
+        ),
         ("name: x\nname: y\n", "s.yaml:2: name: given twice in the section that begins in line 1"),
         (
-            PLAIN.replace("  poissons_ratio: 0.3\n", "  poissons_ratio: 0.3\n  poissons_ratio: 0.2\n"),
+            PLAIN.replace(
+                "  poissons_ratio: 0.3\n", "  poissons_ratio: 0.3\n  poissons_ratio: 0.2\n"
+            ),
             "s.yaml:6: poissons_ratio: given twice in the section that begins in line 4",
         ),
         ("name: x\n---\nname: y\n", "s.yaml:2: not YAML: but found another document"),
@@ -73,7 +90,9 @@ def test_messages_of_files(tmp_path: Path) -> None:
 
 
 def test_aliases_and_merges_keep_a_line() -> None:
-    text = PLAIN.replace("sphere: {radius_mm: 5}", "sphere: {radius_mm: &r -5}").replace("load_n: 20", "load_n: *r")
+    text = PLAIN.replace("sphere: {radius_mm: 5}", "sphere: {radius_mm: &r -5}").replace(
+        "load_n: 20", "load_n: *r"
+    )
     assert faults(text) == [
         "s.yaml:2: sphere.radius_mm: got -5, allowed: a number > 0",
         "s.yaml:15: rolling.load_n: got -5, allowed: a number > 0",
@@ -87,11 +106,16 @@ def test_aliases_cannot_grow_without_end() -> None:
     assert faults(text) == ["s.yaml:1: d[0][0][0][0]: nested too deeply"]
 
 
-# ---- Reading and writing ---------------------------------------------------------------------------------------------
+# ---- Reading and writing
+# ---------------------------------------------------------------------------------------------
 
 
 def test_numbers_of_yaml() -> None:
-    scene = loads(PLAIN.replace("gpa: 210", "gpa: 210e0").replace("step_nodes: 1", "step_nodes: 1, tolerance: 1e-3"))
+    scene = loads(
+        PLAIN.replace("gpa: 210", "gpa: 210e0").replace(
+            "step_nodes: 1", "step_nodes: 1, tolerance: 1e-3"
+        )
+    )
     assert scene.plate.youngs_modulus_gpa == 210.0
     assert scene.numerics.tolerance == 1e-3
 
@@ -109,7 +133,13 @@ def test_dump_fills_in_defaults_and_no_folder(tmp_path: Path) -> None:
     path = tmp_path / "s.yaml"
     path.write_text(PLAIN)
     text = dump(read_scene(path))
-    for line in ("tolerance: 0.0001", "rule: mean", "events: false", "distance_m: 1.0", "autocorrelation: gaussian"):
+    for line in (
+        "tolerance: 0.0001",
+        "rule: mean",
+        "events: false",
+        "distance_m: 1.0",
+        "autocorrelation: gaussian",
+    ):
         assert line in text
     assert str(tmp_path) not in text
 
@@ -122,7 +152,9 @@ def test_dump_fills_in_defaults_and_no_folder(tmp_path: Path) -> None:
     st.text(st.characters(codec="utf-8", exclude_categories=["Cs", "Cc"]), max_size=50),
     st.from_regex(r"\A[A-Za-z0-9][A-Za-z0-9._-]{0,63}\Z"),
 )
-def test_round_trip_of_any_value(load_n: float, step_nodes: float, description: str, name: str) -> None:
+def test_round_trip_of_any_value(
+    load_n: float, step_nodes: float, description: str, name: str
+) -> None:
     data = loads(PLAIN).to_dict()
     data["rolling"]["load_n"], data["numerics"]["step_nodes"] = load_n, step_nodes
     data["name"], data["description"] = name, description
@@ -130,18 +162,28 @@ def test_round_trip_of_any_value(load_n: float, step_nodes: float, description: 
     assert loads(dump(scene)) == scene
 
 
-# ---- Overrides -------------------------------------------------------------------------------------------------------
+# ---- Overrides
+# -------------------------------------------------------------------------------------------------------
 
 
 def test_overrides() -> None:
     scene = loads(
-        PLAIN, ["rolling.load_n = 50", "recovery.events=true", "sound={distance_m: 2}", "plate.hardness_gpa=null"]
+        PLAIN,
+        [
+            "rolling.load_n = 50",
+            "recovery.events=true",
+            "sound={distance_m: 2}",
+            "plate.hardness_gpa=null",
+        ],
     )
     assert scene.load == 50
     assert scene.recovery.events
     assert scene.sound.distance_m == 2
     assert scene.plate.hardness_gpa is None
-    assert loads(PLAIN, ["rolling.speed_m_s=[[0, 0.1], [1, 0.2]]"]).rolling.speed_m_s == ((0, 0.1), (1, 0.2))
+    assert loads(PLAIN, ["rolling.speed_m_s=[[0, 0.1], [1, 0.2]]"]).rolling.speed_m_s == (
+        (0, 0.1),
+        (1, 0.2),
+    )
 
 
 def test_overrides_of_the_sweep() -> None:
@@ -173,16 +215,31 @@ def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
         ("load_n=5", "--set: load_n: unknown key, nearest: rolling.load_n"),
         ("sond=null", "--set: sond: unknown key, nearest: sound"),
         ("zzz=1", "--set: zzz: unknown key"),
-        ("rolling.load_n", '--set: got "rolling.load_n", allowed: key=value, as in rolling.load_n=50'),
+        (
+            "rolling.load_n",
+            '--set: got "rolling.load_n", allowed: key=value, as in rolling.load_n=50',
+        ),
         ("=5", '--set: got "=5", allowed: key=value, as in rolling.load_n=50'),
         ("rolling.load_n=-1", "--set: rolling.load_n: got -1, allowed: a number > 0"),
         ("rolling.load_n=abc", '--set: rolling.load_n: got "abc", allowed: a number > 0'),
         ("rolling.load_n=", "--set: rolling.load_n: missing, allowed: a number > 0"),
-        ("numerics.step_nodes=[1", "--set: numerics.step_nodes: not YAML: expected ',' or ']', but got 'the end'"),
+        (
+            "numerics.step_nodes=[1",
+            "--set: numerics.step_nodes: not YAML: expected ',' or ']', but got 'the end'",
+        ),
         ("sound={q: 2}", "--set: sound.q: got 2, allowed: a number > 0 and <= 1"),
-        ("recovery.rule=men", '--set: recovery.rule: got "men", allowed: mean or left_end, nearest: mean'),
-        ("sweep.rolling.load_n=5", "--set: sweep.rolling.load_n: got 5, allowed: a list of numbers, at least one"),
-        ("sweep.rolling.load_n=[5, -1]", "--set: sweep.rolling.load_n[1]: got -1, allowed: a number > 0"),
+        (
+            "recovery.rule=men",
+            '--set: recovery.rule: got "men", allowed: mean or left_end, nearest: mean',
+        ),
+        (
+            "sweep.rolling.load_n=5",
+            "--set: sweep.rolling.load_n: got 5, allowed: a list of numbers, at least one",
+        ),
+        (
+            "sweep.rolling.load_n=[5, -1]",
+            "--set: sweep.rolling.load_n[1]: got -1, allowed: a number > 0",
+        ),
         (
             "sweep.rolling.lod_n=[5]",
             "--set: sweep.rolling.lod_n: unknown key, nearest: sweep.rolling.load_n, allowed: load_n, speed_m_s,"
@@ -199,7 +256,8 @@ def test_message_of_override(override: str, message: str) -> None:
     assert faults(PLAIN, override) == [message]
 
 
-# ---- New sound -------------------------------------------------------------------------------------------------------
+# ---- New sound
+# -------------------------------------------------------------------------------------------------------
 
 
 def test_resound() -> None:
@@ -212,7 +270,9 @@ def test_resound() -> None:
 
 
 def test_resound_slower_than_the_shortest_track_would_take() -> None:
-    assert resound(loads(PLAIN), ["rolling.speed_m_s=1e-6"]).rolling.duration_s == pytest.approx(1000)
+    assert resound(loads(PLAIN), ["rolling.speed_m_s=1e-6"]).rolling.duration_s == pytest.approx(
+        1000
+    )
 
 
 def test_resound_refusals() -> None:
@@ -226,14 +286,18 @@ def test_resound_refusals() -> None:
         "--set: sound.q: got 0, allowed: a number > 0 and <= 1",
     ]
     with pytest.raises(
-        SceneError, match=r"^--set: rolling.speed_m_s: the sphere comes to rest after 0.0005 m and never"
+        SceneError,
+        match=r"^--set: rolling.speed_m_s: the sphere comes to rest after 0.0005 m and never",
     ):
         resound(loads(PLAIN), ["rolling.speed_m_s=[[0, 0.1], [0.01, 0]]"])
-    with pytest.raises(SceneError, match=r"^--set: rolling.speed_m_s: got -1, allowed: a number > 0"):
+    with pytest.raises(
+        SceneError, match=r"^--set: rolling.speed_m_s: got -1, allowed: a number > 0"
+    ):
         resound(loads(PLAIN), ["rolling.speed_m_s=-1"])
 
 
-# ---- The schema ------------------------------------------------------------------------------------------------------
+# ---- The schema
+# ------------------------------------------------------------------------------------------------------
 
 
 def resolved(node: dict[str, Any], root: dict[str, Any]) -> list[dict[str, Any]]:
@@ -255,15 +319,21 @@ def accepts(node: dict[str, Any], value: Any, root: dict[str, Any]) -> bool:
                 continue
             known = leaf.get("properties", {})
             assert leaf["additionalProperties"] is False
-            if all(name in known and accepts(known[name], item, root) for name, item in value.items()):
+            if all(
+                name in known and accepts(known[name], item, root) for name, item in value.items()
+            ):
                 return True
         elif kind == "array":
-            if isinstance(value, list) and leaf["minItems"] <= len(value) <= leaf.get("maxItems", math.inf):
+            if isinstance(value, list) and leaf["minItems"] <= len(value) <= leaf.get(
+                "maxItems", math.inf
+            ):
                 items = leaf.get("prefixItems") or [leaf["items"]] * len(value)
                 if all(accepts(item, part, root) for item, part in zip(items, value, strict=True)):
                     return True
         elif kind in ("number", "integer"):
-            if isinstance(value, int if kind == "integer" else int | float) and not isinstance(value, bool):
+            if isinstance(value, int if kind == "integer" else int | float) and not isinstance(
+                value, bool
+            ):
                 low, high = leaf.get("minimum", -math.inf), leaf.get("maximum", math.inf)
                 if low <= value <= high and value > leaf.get("exclusiveMinimum", -math.inf):
                     return True

@@ -21,7 +21,9 @@ def built(**keys: Any) -> Scene:
     sections: dict[str, Any] = {
         "sphere": Sphere(radius_mm=5),
         "plate": Plate(youngs_modulus_gpa=210, poissons_ratio=0.3, hardness_gpa=2.1),
-        "surface": Gaussian(spacing_um=2, width_um=256, roughness_ra_um=0.1, correlation_length_um=20, seed=1),
+        "surface": Gaussian(
+            spacing_um=2, width_um=256, roughness_ra_um=0.1, correlation_length_um=20, seed=1
+        ),
         "rolling": Rolling(load_n=20, speed_m_s=0.1, duration_s=0.01),
     }
     return Scene(**(sections | keys))
@@ -33,7 +35,8 @@ def faults(build: Callable[[], object]) -> list[str]:
     return error.value.faults
 
 
-# ---- building --------------------------------------------------------------------------------------------------------
+# ---- building
+# --------------------------------------------------------------------------------------------------------
 
 
 def test_a_built_scene_is_the_scene_of_its_file() -> None:
@@ -45,7 +48,11 @@ def test_a_built_scene_is_the_scene_of_its_file() -> None:
 
 def test_values_of_numpy_and_paths_are_taken() -> None:
     surface = Gaussian(
-        spacing_um=np.float64(2), width_um=256, roughness_ra_um=0.1, correlation_length_um=20, seed=int(np.int64(3))
+        spacing_um=np.float64(2),
+        width_um=256,
+        roughness_ra_um=0.1,
+        correlation_length_um=20,
+        seed=int(np.int64(3)),
     )
     scene = built(surface=surface, sweep={"rolling.load_n": np.linspace(5, 20, 4)})
     assert scene.sweep == {"rolling.load_n": (5.0, 10.0, 15.0, 20.0)}
@@ -97,7 +104,8 @@ def test_sections_take_keys_by_name() -> None:
         Sphere(5)  # type: ignore[misc]
 
 
-# ---- changing --------------------------------------------------------------------------------------------------------
+# ---- changing
+# --------------------------------------------------------------------------------------------------------
 
 
 def test_bare_keys_stand_for_dotted_ones() -> None:
@@ -109,7 +117,9 @@ def test_bare_keys_stand_for_dotted_ones() -> None:
 
 def test_none_removes_an_optional_key() -> None:
     assert built().with_(hardness_gpa=None).hardness == np.inf
-    assert faults(lambda: built().with_(load_n=None)) == ["scene: rolling.load_n: missing, allowed: a number > 0"]
+    assert faults(lambda: built().with_(load_n=None)) == [
+        "scene: rolling.load_n: missing, allowed: a number > 0"
+    ]
 
 
 def test_a_set_key_leaves_the_sweep() -> None:
@@ -122,7 +132,9 @@ def test_a_set_key_leaves_the_sweep() -> None:
 
 def test_sections_and_the_folder_are_kept() -> None:
     scene = Scene.from_dict(built().to_dict(), folder=Path("somewhere"))
-    changed = scene.with_(surface=HeightFile(path="heights.npy", spacing_um=1), sphere=Sphere(radius_mm=1))
+    changed = scene.with_(
+        surface=HeightFile(path="heights.npy", spacing_um=1), sphere=Sphere(radius_mm=1)
+    )
     assert changed.height_path == Path("somewhere/heights.npy")
     assert changed.radius == 1e-3
 
@@ -151,24 +163,36 @@ def test_a_copy_with_other_numerics_has_a_track_of_its_own() -> None:
     """The track is kept once it is known; a copy must not take it along."""
     scene = built()
     assert scene.track.steps == 500
-    coarse = scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"step_nodes": 2.0})})
+    coarse = scene.model_copy(
+        update={"numerics": scene.numerics.model_copy(update={"step_nodes": 2.0})}
+    )
     assert (coarse.track.steps, scene.track.steps) == (250, 500)
 
 
-# ---- checking --------------------------------------------------------------------------------------------------------
+# ---- checking
+# --------------------------------------------------------------------------------------------------------
 
 
 def test_check_is_a_sequence_and_a_table() -> None:
     checked = built().check(solve=False)
     assert checked == check_scene(built(), solve=False)
     assert len(checked) == len(list(checked)) and checked[0].key == "steps"
-    assert str(checked).startswith("steps") and all(f"warning: {line}" in str(checked) for line in checked.warnings)
+    assert str(checked).startswith("steps") and all(
+        f"warning: {line}" in str(checked) for line in checked.warnings
+    )
     page = checked._repr_html_()
-    assert page.startswith("<table><tr><td>steps</td>") and page.count("<li>") == len(checked.warnings) > 0
+    assert (
+        page.startswith("<table><tr><td>steps</td>")
+        and page.count("<li>") == len(checked.warnings) > 0
+    )
 
 
 def test_check_of_a_sweep_has_a_column_per_run() -> None:
     checked = built().with_(sweep={"rolling.load_n": [5, 20]}).check(solve=False)
     assert [run.name for run in checked.runs] == ["load_n=5", "load_n=20"]
-    assert [name for name, _ in checked.of_all] == ["expected time of all", "memory of all", "disk of all"]
+    assert [name for name, _ in checked.of_all] == [
+        "expected time of all",
+        "memory of all",
+        "disk of all",
+    ]
     assert "<td>load_n=20</td>" in checked._repr_html_()

@@ -1,4 +1,6 @@
-"""Generated surfaces against the statistics asked for; files that are not heights refused with readable messages."""
+"""Generated surfaces against the statistics asked for; files that are not heights refused with
+readable messages.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ def generate(
 
 @pytest.mark.law("Surface: Ra is the value asked for, the mean is zero.")
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize(("ra", "shape"), [(1e-12, (101, 64)), (1e-7, (64, 101)), (5e-6, (1000, 37))])
+@pytest.mark.parametrize(
+    ("ra", "shape"), [(1e-12, (101, 64)), (1e-7, (64, 101)), (5e-6, (1000, 37))]
+)
 def test_ra_is_exact_and_the_mean_zero(law: str, ra: float, shape: tuple[int, int]) -> None:
     heights = generate(law, shape, ra)
     assert heights.shape == shape
@@ -37,10 +41,17 @@ def test_ra_is_exact_and_the_mean_zero(law: str, ra: float, shape: tuple[int, in
 
 @pytest.mark.law("Surface: the autocorrelation follows its law along and across.")
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("lengths", [(8e-6, 8e-6), (16e-6, 5e-6)], ids=["isotropic", "longer along"])
-def test_autocorrelation_follows_its_law_along_and_across(law: str, lengths: tuple[float, float]) -> None:
-    """Mean over 24 surfaces of the circular autocorrelation. One surface holds about A / (pi Lx Ly) independent patches, so its
-    estimate is uncertain by up to sqrt(2 pi Lx Ly / A); five times that over sqrt(24) is allowed at each of 60 lags."""
+@pytest.mark.parametrize(
+    "lengths", [(8e-6, 8e-6), (16e-6, 5e-6)], ids=["isotropic", "longer along"]
+)
+def test_autocorrelation_follows_its_law_along_and_across(
+    law: str, lengths: tuple[float, float]
+) -> None:
+    """Mean over 24 surfaces of the circular autocorrelation.
+
+    One surface holds about A / (pi Lx Ly) independent patches, so its estimate is uncertain by up
+    to sqrt(2 pi Lx Ly / A); five times that over sqrt(24) is allowed at each of 60 lags.
+    """
     shape, count = (240, 180), 24
     total = np.zeros(shape)
     for seed in range(count):
@@ -60,8 +71,9 @@ def test_autocorrelation_follows_its_law_along_and_across(law: str, lengths: tup
 
 @pytest.mark.law("Surface: the heights are Gaussian.")
 def test_heights_are_gaussian() -> None:
-    """About 43200 / (2 pi 9) = 760 independent heights: skewness 0 +- 0.09, kurtosis 3 +- 0.18 (one sigma); three allowed.
-    Ra / Rq of a Gaussian is sqrt(2 / pi)."""
+    """About 43200 / (2 pi 9) = 760 independent heights: skewness 0 +- 0.09, kurtosis 3 +- 0.18 (one
+    sigma); three allowed. Ra / Rq of a Gaussian is sqrt(2 / pi).
+    """
     got = surface.statistics(generate(lengths=(3e-6, 3e-6)), SPACING)
     assert abs(got.skewness) < 0.27
     assert abs(got.kurtosis - 3) < 0.54
@@ -71,7 +83,9 @@ def test_heights_are_gaussian() -> None:
 @pytest.mark.law("Surface: a generated surface is periodic.")
 @pytest.mark.parametrize("axis", [0, 1])
 def test_the_seam_is_like_the_interior(axis: int) -> None:
-    """Differences across the seam, over 40 surfaces, have the variance of those inside; about 40 * 9 independent ones: 15 %."""
+    """Differences across the seam, over 40 surfaces, have the variance of those inside; about 40 *
+    9 independent ones: 15 %.
+    """
     inside, seam = [], []
     for seed in range(40):
         z = generate(shape=(90, 90), seed=seed)
@@ -95,7 +109,9 @@ def test_correlation_length_beyond_the_surface_is_refused() -> None:
 
 
 def test_statistics_of_a_sine() -> None:
-    """Rq = A / sqrt 2, Ra = 2 A / pi, kurtosis 3/2, skewness 0; slope A k sinc over one spacing / sqrt 2. Even sampling: exact."""
+    """Rq = A / sqrt 2, Ra = 2 A / pi, kurtosis 3/2, skewness 0; slope A k sinc over one spacing /
+    sqrt 2. Even sampling: exact.
+    """
     n, amplitude = 4096, 1e-6
     z = amplitude * np.sin(2 * np.pi * (np.arange(n) + 0.5) / n)[:, None] + np.zeros(7)
     got = surface.statistics(z + 5e-3, SPACING)
@@ -103,13 +119,18 @@ def test_statistics_of_a_sine() -> None:
     assert got.ra == pytest.approx(2 * amplitude / np.pi, rel=1e-6)
     assert got.skewness == pytest.approx(0, abs=1e-8)
     assert got.kurtosis == pytest.approx(1.5, rel=1e-8)
-    assert got.rms_slope == pytest.approx(amplitude * 2 * np.sin(np.pi / n) / SPACING / np.sqrt(2), rel=1e-6)
+    assert got.rms_slope == pytest.approx(
+        amplitude * 2 * np.sin(np.pi / n) / SPACING / np.sqrt(2), rel=1e-6
+    )
     assert got.highest == pytest.approx(amplitude, rel=1e-6)
     assert got.lowest == pytest.approx(-amplitude, rel=1e-6)
 
 
 def test_statistics_of_a_checkerboard_and_of_nothing() -> None:
-    """+-A: Ra = Rq = A, kurtosis 1; each slope 2 A / spacing, the gradient's norm sqrt 2 times it. Flat: zeros, no division."""
+    """+-A: Ra = Rq = A, kurtosis 1; each slope 2 A / spacing, the gradient's norm sqrt 2 times it.
+
+    Flat: zeros, no division.
+    """
     z = 1e-6 * (-1.0) ** np.add.outer(np.arange(8), np.arange(6))
     got = surface.statistics(z, SPACING)
     assert (got.ra, got.rq, got.kurtosis) == pytest.approx((1e-6, 1e-6, 1.0))
@@ -119,8 +140,9 @@ def test_statistics_of_a_checkerboard_and_of_nothing() -> None:
 
 
 def test_rms_slope_of_a_gaussian_surface() -> None:
-    """exp(-(r / L)^2): rms slope sqrt 2 Rq / L each way, 2 Rq / L for the norm (L = 10 nodes: differences miss 0.3 %).
-    10 % is 3 sigma of the 137 independent patches."""
+    """exp(-(r / L)^2): rms slope sqrt 2 Rq / L each way, 2 Rq / L for the norm (L = 10 nodes:
+    differences miss 0.3 %). 10 % is 3 sigma of the 137 independent patches.
+    """
     z = generate()
     got = surface.statistics(z, SPACING)
     assert got.rms_slope == pytest.approx(2 * got.rq / 10e-6, rel=0.1)
@@ -159,9 +181,15 @@ def test_files_that_are_not_heights_are_refused_readably(tmp_path: Path) -> None
     assert "1-D float64" in refused(saved(tmp_path, z[0]))
     assert "3-D float64" in refused(saved(tmp_path, z[None]))
     assert "2-D complex128" in refused(saved(tmp_path, z + 0j))
-    assert "not a readable .npy" in refused(saved(tmp_path, np.array([[{}, 1]], dtype=object), allow_pickle=True))
+    assert "not a readable .npy" in refused(
+        saved(tmp_path, np.array([[{}, 1]], dtype=object), allow_pickle=True)
+    )
     message = refused(saved(tmp_path, z * 1e6))
-    assert "Ra would be" in message and "more than 0.001 m" in message and "multiply by 1e-6" in message
+    assert (
+        "Ra would be" in message
+        and "more than 0.001 m" in message
+        and "multiply by 1e-6" in message
+    )
     (tmp_path / "heights.npy").write_text("0.1 0.2\n0.3 0.4\n")
     assert "not a readable .npy" in refused(tmp_path / "heights.npy")
     np.savez(tmp_path / "two.npz", z, z)

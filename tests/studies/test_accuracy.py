@@ -1,4 +1,6 @@
-"""Speed against error: errors fall as theory says, what is recommended keeps its limits, nothing is lost or overwritten."""
+"""Speed against error: errors fall as theory says, what is recommended keeps its limits, nothing is
+lost or overwritten.
+"""
 
 from __future__ import annotations
 
@@ -57,13 +59,19 @@ def found(folder: Path) -> dict[str, Any]:
 
 
 def rows(found: dict[str, Any], **settings: Any) -> list[dict[str, Any]]:
-    return [row for row in found["variants"] if all(row[name] == value for name, value in settings.items())]
+    return [
+        row
+        for row in found["variants"]
+        if all(row[name] == value for name, value in settings.items())
+    ]
 
 
 def test_files(folder: Path, found: dict[str, Any]) -> None:
     for name in ("accuracy.md", "accuracy.png", "accuracy.svg", "scene.yaml", "run.json"):
         assert (folder / name).stat().st_size > 20
-    assert {f.stem for f in (folder / "variants").iterdir()} == {row["name"] for row in found["variants"]}
+    assert {f.stem for f in (folder / "variants").iterdir()} == {
+        row["name"] for row in found["variants"]
+    }
     record = run_record.read(folder)
     assert record is not None and record.kind == "accuracy" and record.state == "done"
     assert own_files.foreign(folder, record) == []  # --force knows every file
@@ -87,9 +95,15 @@ def test_text_has_every_section(folder: Path) -> None:
 
 def test_errors_are_finite_and_the_references_are_zero(found: dict[str, Any]) -> None:
     for row in found["variants"]:
-        assert all(row["errors"][name] is not None for name in ERRORS if not name.startswith("plastic"))
+        assert all(
+            row["errors"][name] is not None for name in ERRORS if not name.startswith("plastic")
+        )
         if row["highest_hz"] >= 20e3:
-            assert all(row["errors"][band] is not None for band in BANDS if rows(found)[0]["third_octave_db"][band])
+            assert all(
+                row["errors"][band] is not None
+                for band in BANDS
+                if rows(found)[0]["third_octave_db"][band]
+            )
         assert row["seconds_per_second"] > 0 and row["convolutions"] >= row["iterations"] > 0
     (reference,) = rows(found, name=found["reference"])
     assert not any(reference["errors"].values())
@@ -98,12 +112,19 @@ def test_errors_are_finite_and_the_references_are_zero(found: dict[str, Any]) ->
 
 
 def test_errors_fall_with_the_spacing(found: dict[str, Any]) -> None:
-    """The elastic release is second order (1.9 here); the contact area, counted in whole nodes, is first order (0.95 here)."""
+    """The elastic release is second order (1.9 here); the contact area, counted in whole nodes, is
+    first order (0.95 here).
+    """
     orders = found["orders"]["spacing, sharp edges"]
     assert orders["signal"] > 1.5 and orders["contact_area_percent"] > 0.8
-    own, fine = (rows(found, times=t, step_nodes=1, tolerance=1e-4 / t, precision="single")[0] for t in (1, 2))
+    own, fine = (
+        rows(found, times=t, step_nodes=1, tolerance=1e-4 / t, precision="single")[0]
+        for t in (1, 2)
+    )
     assert fine["errors"]["signal"] < 0.5 * own["errors"]["signal"]
-    assert abs(fine["errors"]["contact_area_percent"]) < 0.6 * abs(own["errors"]["contact_area_percent"])
+    assert abs(fine["errors"]["contact_area_percent"]) < 0.6 * abs(
+        own["errors"]["contact_area_percent"]
+    )
 
 
 def test_errors_fall_with_the_tolerance(found: dict[str, Any]) -> None:
@@ -116,7 +137,9 @@ def test_errors_fall_with_the_tolerance(found: dict[str, Any]) -> None:
     assert found["orders"]["tolerance"]["signal"] > 0.7
 
 
-def test_steps_too_long_for_hearing_are_marked_and_not_recommended(folder: Path, found: dict[str, Any]) -> None:
+def test_steps_too_long_for_hearing_are_marked_and_not_recommended(
+    folder: Path, found: dict[str, Any]
+) -> None:
     (long,) = rows(found, step_nodes=4)
     assert long["highest_hz"] == pytest.approx(6250) and long["errors"]["16000"] is None
     assert "| 8* " in (folder / "accuracy.md").read_text()
@@ -128,11 +151,15 @@ def test_refining_keeps_the_nodes() -> None:
     fine = variants.refined(
         heights, 3
     )  # an odd refinement moves the surface by whole fine nodes: every third is an old one
-    assert np.allclose(np.roll(fine, -1, axis=1)[::3, ::3], heights, atol=1e-13 * np.abs(heights).max())
+    assert np.allclose(
+        np.roll(fine, -1, axis=1)[::3, ::3], heights, atol=1e-13 * np.abs(heights).max()
+    )
 
 
 def test_refining_keeps_the_line_of_the_sphere() -> None:
-    """A ridge symmetric about mid-width stays so, also when the refinement is even and mid-width lies between nodes."""
+    """A ridge symmetric about mid-width stays so, also when the refinement is even and mid-width
+    lies between nodes.
+    """
     across = np.arange(64) - 31.5
     ridge = np.tile(np.cos(2 * np.pi * across / 64), (16, 1))
     fine = variants.refined(ridge, 4)
@@ -172,17 +199,24 @@ def test_nothing_is_recommended_when_nothing_keeps_the_limits() -> None:
 
 def test_loosest_tolerance_stays_below_grid_and_limit() -> None:
     off = {1e-2: 0.2, 1e-3: 0.02, 1e-4: 0.002, 1e-5: 0.0002}
-    assert errors.loosest_tolerance(off, grid_error=0.5) == 1e-4  # 1e-3 is 28 dB below the grid's, but above -40 dB
+    # 1e-3 is 28 dB below the grid's, but above -40 dB
+    assert errors.loosest_tolerance(off, grid_error=0.5) == 1e-4
     assert errors.loosest_tolerance(off, grid_error=0.003) == 1e-5
     assert errors.loosest_tolerance(off, grid_error=0.0) is None
 
 
 def test_the_scene_of_a_yielding_plate_is_tried_with_both_edges(scene: Path) -> None:
-    hard = file.read_scene(scene, ["rolling.load_n=1", "plate.hardness_gpa=2.1", "numerics.step_nodes=3"])
+    hard = file.read_scene(
+        scene, ["rolling.load_n=1", "plate.hardness_gpa=2.1", "numerics.step_nodes=3"]
+    )
     what = variants.study_of(hard, 0.045, 8)
     assert what.nodes % 12 == 0  # whole numbers of the scene's step and of the longest one tried
     every = what.variants()
-    assert every[0] == what.reference("blended") and every[0].times == 8 and len(set(every)) == len(every)
+    assert (
+        every[0] == what.reference("blended")
+        and every[0].times == 8
+        and len(set(every)) == len(every)
+    )
     assert {v.edges for v in every if v.times == 4} == {"sharp", "blended"}
 
 
@@ -222,11 +256,14 @@ def test_interrupted_keeps_what_is_there(
     assert cli.main(["accuracy", str(scene), *QUICK, "--out", str(out)]) == 130
     kept = json.loads((out / "accuracy.json").read_text())["variants"]
     assert len(kept) == whole == len([*(out / "variants").iterdir()])
-    assert (out / "accuracy.png").exists() == (whole > 1)  # of the reference alone there is nothing to draw
+    # of the reference alone there is nothing to draw
+    assert (out / "accuracy.png").exists() == (whole > 1)
     assert run_record.read(out).state != "done"
 
 
-def test_nothing_is_overwritten(scene: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_is_overwritten(
+    scene: Path, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     before = (folder / "accuracy.json").read_bytes()
     assert cli.main(["accuracy", str(scene), *QUICK, "--out", str(folder)]) == 2
     assert "--force" in capsys.readouterr().err
@@ -245,7 +282,12 @@ def test_nothing_is_overwritten(scene: Path, folder: Path, capsys: pytest.Captur
     ],
 )
 def test_bad_usage(
-    arguments: list[str], words: str, scene: Path, tmp_path: Path, monkeypatch, capsys: pytest.CaptureFixture[str]
+    arguments: list[str],
+    words: str,
+    scene: Path,
+    tmp_path: Path,
+    monkeypatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "small.yaml").write_bytes(scene.read_bytes())
@@ -272,5 +314,20 @@ def test_refined_by_powers_of_two_only(capsys: pytest.CaptureFixture[str]) -> No
 def test_hard_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple] = []
     monkeypatch.setattr(judge, "main_report", lambda *arguments: asked.append(arguments) or 1)
-    assert cli.main(["accuracy", "--hard", "--random", "4", "--workers", "2", "--out", str(tmp_path), "--long"]) == 1
+    assert (
+        cli.main(
+            [
+                "accuracy",
+                "--hard",
+                "--random",
+                "4",
+                "--workers",
+                "2",
+                "--out",
+                str(tmp_path),
+                "--long",
+            ]
+        )
+        == 1
+    )
     assert asked == [(tmp_path, 4, 2, True)]

@@ -1,4 +1,6 @@
-"""Oracle: the cases and the solved contacts themselves: a figure holds their numbers, says its units and where theory ends."""
+"""Oracle: the cases and the solved contacts themselves: a figure holds their numbers, says its
+units and where theory ends.
+"""
 
 from __future__ import annotations
 
@@ -57,8 +59,12 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> Reading:
     return figure_data.gather("small", runs, results, cases)
 
 
-def case(roughness: float, load: float, seed: int = 1, length: float = 10.0, **others: float) -> Case:
-    """A case whose numbers follow from what it is: level 60 + load + seed, plastic ratio 0.1 Ra seed."""
+def case(
+    roughness: float, load: float, seed: int = 1, length: float = 10.0, **others: float
+) -> Case:
+    """A case whose numbers follow from what it is: level 60 + load + seed, plastic ratio 0.1 Ra
+    seed.
+    """
     maximum = 60.0 + load / 10 + 2 * seed
     line_hz = 20.0 * 2 ** (np.arange(100) / 12)
     return replace(
@@ -72,7 +78,12 @@ def case(roughness: float, load: float, seed: int = 1, length: float = 10.0, **o
 
 @pytest.fixture(scope="module")
 def synthetic() -> Reading:
-    cases = [case(ra, load, seed) for ra in (0.1, 1.0, 5.0) for load in (5.0, 20.0, 100.0) for seed in (1, 2, 3)]
+    cases = [
+        case(ra, load, seed)
+        for ra in (0.1, 1.0, 5.0)
+        for load in (5.0, 20.0, 100.0)
+        for seed in (1, 2, 3)
+    ]
     return Reading("synthetic", cases, {(0.1, 10.0): 0.03, (1.0, 10.0): 0.25, (5.0, 10.0): 1.23})
 
 
@@ -107,19 +118,26 @@ def test_every_figure_of_a_solved_reading_is_there_and_draws(solved: Reading) ->
         assert picture.png()[:4] == b"\x89PNG" and picture.svg().startswith(b"<?xml")
 
 
-def test_every_figure_with_ra_5_says_that_theory_ends_there(solved: Reading, synthetic: Reading) -> None:
+def test_every_figure_with_ra_5_says_that_theory_ends_there(
+    solved: Reading, synthetic: Reading
+) -> None:
     for picture in [*drawn(solved).values(), *drawn(synthetic).values()]:
-        assert re.search(r"Ra 5 µm: rms slope .* along each direction, norm .* > 0\.3: half-space", words(picture))
+        assert re.search(
+            r"Ra 5 µm: rms slope .* along each direction, norm .* > 0\.3: half-space",
+            words(picture),
+        )
         assert "half-space theory does not hold" in picture.alt
 
 
 def test_warning_is_of_the_slope_measured_on_the_surface(solved: Reading, tmp_path: Path) -> None:
     (tmp_path / "s.yaml").write_text(SCENE)
-    scene = file.read_scene(tmp_path / "s.yaml", ["surface.roughness_ra_um=5", "rolling.load_n=0.5"])
+    scene = file.read_scene(
+        tmp_path / "s.yaml", ["surface.roughness_ra_um=5", "rolling.load_n=0.5"]
+    )
     norm = surface.statistics(scene_surface.heights(scene), scene.spacing).rms_slope
     assert solved.slopes[5.0, 10.0] == norm
-    # Ra 5 um, Gaussian with 1/e at 10 um: Rq sqrt(2)/length = 0.89 along each direction; half a percent less over one
-    # spacing, and a tenth for a surface as small as this one.
+    # Ra 5 um, Gaussian with 1/e at 10 um: Rq sqrt(2)/length = 0.89 along each direction; half a
+    # percent less over one spacing, and a tenth for a surface as small as this one.
     assert norm / np.sqrt(2) == pytest.approx(0.88, rel=0.1)
     assert f"norm {norm:.2g} > 0.3" in words(drawn(solved)["fig9_maximum_level"])
 
@@ -144,7 +162,10 @@ def test_axes_are_named_with_units(solved: Reading, synthetic: Reading) -> None:
         ("fig7_plastic_ratio", "load [N]", "plastic area / Hertz area"),
         ("fig9_maximum_level", "load [N]", "maximum A-weighted line level [dB re 1 pW/m²]"),
     ):
-        assert (pictures[name].figure.axes[0].get_xlabel(), pictures[name].figure.axes[0].get_ylabel()) == (x, y)
+        assert (
+            pictures[name].figure.axes[0].get_xlabel(),
+            pictures[name].figure.axes[0].get_ylabel(),
+        ) == (x, y)
     panels = pictures["fig8_spectra"].figure.axes
     assert panels[0].get_ylabel() == "A-weighted line level\n[dB re 1 pW/m²]"
     assert panels[2].get_xlabel() == "frequency [Hz]"
@@ -155,8 +176,12 @@ def test_plastic_ratio_is_mean_and_deviation_over_surfaces(synthetic: Reading) -
     assert columns["load [N]"] == [5, 20, 100]
     # Ratios 0.1 Ra (1, 2, 3): mean 0.2 Ra, deviation 0.1 Ra; nine digits are written.
     for ra in (0.1, 1, 5):
-        assert columns[f"Ra {ra} µm: plastic area / Hertz area [1]"] == pytest.approx([0.2 * ra] * 3, rel=1e-8)
-        assert columns[f"Ra {ra} µm: standard deviation [1]"] == pytest.approx([0.1 * ra] * 3, rel=1e-8)
+        assert columns[f"Ra {ra} µm: plastic area / Hertz area [1]"] == pytest.approx(
+            [0.2 * ra] * 3, rel=1e-8
+        )
+        assert columns[f"Ra {ra} µm: standard deviation [1]"] == pytest.approx(
+            [0.1 * ra] * 3, rel=1e-8
+        )
     one = replace(synthetic, cases=synthetic.at(seed=1))
     assert table(drawn(one)["fig7_plastic_ratio"])["Ra 5 µm: standard deviation [1]"] == [None] * 3
     assert "no error bars" in note(drawn(one)["fig7_plastic_ratio"])
@@ -165,8 +190,11 @@ def test_plastic_ratio_is_mean_and_deviation_over_surfaces(synthetic: Reading) -
 def test_maximum_levels_and_their_doubles(synthetic: Reading) -> None:
     picture = drawn(synthetic)["fig9_maximum_level"]
     columns = table(picture)
-    # 60 + load/10 + 2 seed: mean 64 + load/10, deviation 2; 20 lg doubles, from that of Ra 1 um at 20 N.
-    assert columns["Ra 0.1 µm: maximum A-weighted line level [dB re 1 pW/m²]"] == pytest.approx([64.5, 66, 74])
+    # 60 + load/10 + 2 seed: mean 64 + load/10, deviation 2; 20 lg doubles, from that of Ra 1 um at
+    # 20 N.
+    assert columns["Ra 0.1 µm: maximum A-weighted line level [dB re 1 pW/m²]"] == pytest.approx(
+        [64.5, 66, 74]
+    )
     assert columns["Ra 0.1 µm: standard deviation [dB]"] == pytest.approx([2, 2, 2])
     assert columns["Ra 0.1 µm, 20 lg: relative to Ra 1 µm, 20 N [dB]"] == pytest.approx([-3, 0, 16])
     assert columns["Ra 0.1 µm, 20 lg: standard deviation [dB]"] == pytest.approx([4, 4, 4])
@@ -215,13 +243,21 @@ def test_what_is_compared_has_the_same_axes(synthetic: Reading) -> None:
 
 
 def test_missing_cases_leave_gaps(synthetic: Reading, solved: Reading) -> None:
-    few = replace(synthetic, cases=[one for one in synthetic.cases if (one.roughness_um, one.load_n) != (1.0, 20.0)])
+    few = replace(
+        synthetic,
+        cases=[one for one in synthetic.cases if (one.roughness_um, one.load_n) != (1.0, 20.0)],
+    )
     pictures = drawn(few)
     columns = table(pictures["fig9_maximum_level"])
-    assert columns["Ra 1 µm: maximum A-weighted line level [dB re 1 pW/m²]"] == [pytest.approx(64.5), None, 74]
+    assert columns["Ra 1 µm: maximum A-weighted line level [dB re 1 pW/m²]"] == [
+        pytest.approx(64.5),
+        None,
+        74,
+    ]
     assert "no axis of 20 lg: Ra 1 µm, 20 N is not solved" in note(pictures["fig8_spectra"])
     assert not pictures["fig9_maximum_level"].figure.axes[0].child_axes
-    smooth = [one for one in synthetic.cases if one.roughness_um > 0.1 or one.load_n < 100]  # none of 100 N at Ra 0.1
+    # none of 100 N at Ra 0.1
+    smooth = [one for one in synthetic.cases if one.roughness_um > 0.1 or one.load_n < 100]
     on = figure_data.scales([replace(synthetic, cases=[*synthetic.cases, case(1.0, 50.0)])])
     (legend,) = drawn(replace(synthetic, cases=smooth), on)["fig8_spectra"].figure.legends
     assert [text.get_text() for text in legend.get_texts()][:-1] == ["5 N", "20 N", "100 N"]
@@ -229,7 +265,10 @@ def test_missing_cases_leave_gaps(synthetic: Reading, solved: Reading) -> None:
     pressure = drawn(replace(solved, contacts=contacts))["fig5_contact_pressure"]
     assert "Ra 1 µm, 0.2 N: not solved" in words(pressure)
     pressure.png()
-    silent = [replace(one, maximum_db=-np.inf, line_db=np.full(100, -300.0)) for one in synthetic.at(seed=1)]
+    silent = [
+        replace(one, maximum_db=-np.inf, line_db=np.full(100, -300.0))
+        for one in synthetic.at(seed=1)
+    ]
     for picture in drawn(replace(synthetic, cases=silent)).values():
         picture.png()
         assert b"inf" not in picture.csv()
@@ -242,12 +281,15 @@ def test_maps_are_of_the_solved_contact(solved: Reading) -> None:
         assert f"{load:g} N: maximum {contact.pressure.max() * 1e-9:.2f} GPa" in words(
             pictures["fig5_contact_pressure"]
         )
-        assert f"{load:g} N: maximum {contact.deflection.max() * 1e6:.2f} µm" in words(pictures["fig6_deflection"])
+        assert f"{load:g} N: maximum {contact.deflection.max() * 1e6:.2f} µm" in words(
+            pictures["fig6_deflection"]
+        )
         # The load is the pressure over the nodes' area, met to 1e-12.
         assert contact.pressure.sum() * 2e-6**2 == pytest.approx(load, rel=1e-9)
-        # Over the deflected plate the sphere, a parabola of 1 mm that stands at the end of the 200 steps, is nowhere lower
-        # than where it presses. One node off would change that by the rms difference of neighbours; a tenth of it is for
-        # blended edges, which bear a share of their pressure before they touch.
+        # Over the deflected plate the sphere, a parabola of 1 mm that stands at the end of the 200
+        # steps, is nowhere lower than where it presses. One node off would change that by the rms
+        # difference of neighbours; a tenth of it is for blended edges, which bear a share of their
+        # pressure before they touch.
         heights = solved.patches[ra].heights
         rows = np.rint((contact.along + 400e-6) / 2e-6).astype(int) % heights.shape[0]
         columns = np.rint((contact.across + 199e-6) / 2e-6).astype(int) % heights.shape[1]
@@ -266,7 +308,9 @@ def test_correlation_lengths_have_a_figure_of_their_own() -> None:
     assert columns["correlation length [µm]"][:3] == [2, 10, 40]
     assert columns["LAeq [dB re 20 µPa]"][:3] == [78, 70, 40]
     assert columns["maximum line [dB re 1 pW/m²]"][:3] == [64, 64, 64]
-    assert columns["length 40 µm [dB re 1 pW/m²]"] == pytest.approx(cases[2].line_db.tolist(), rel=1e-8)
+    assert columns["length 40 µm [dB re 1 pW/m²]"] == pytest.approx(
+        cases[2].line_db.tolist(), rel=1e-8
+    )
     left, right = picture.figure.axes[:2]
     assert left.get_xlabel() == "frequency [Hz]" and right.get_xlabel() == "correlation length [µm]"
     assert "Ra 0.1 µm, length 2 µm: rms slope 0.28" in words(picture)
@@ -281,12 +325,16 @@ def test_page_has_a_column_for_each_reading_and_asks_for_nothing(synthetic: Read
         Judgement(HOSTILE, None, Finding("partly", "")),
     )
     caution = HOSTILE + "1.6 at 2 µm, 1.2 at 0.5 µm"
-    claim = Claim("k", "section 3", HOSTILE, "3 dB", lambda cases: Finding("partly", ""), caution=caution)
+    claim = Claim(
+        "k", "section 3", HOSTILE, "3 dB", lambda cases: Finding("partly", ""), caution=caution
+    )
     scores = (Score("synthetic", 10, 1.0, 2.5, {"reproduced": 1}),)
     extent = Extent("variation", assumptions="x", departs=(HOSTILE,), lacks=("50 N",))
     table = Table({"synthetic": extent}, claims=(JudgedClaim(claim, judgements),), scores=scores)
     pictures = [*drawn(synthetic).values()]
-    html = page.page(["synthetic", HOSTILE], table, {"synthetic": pictures, HOSTILE: pictures}).decode()
+    html = page.page(
+        ["synthetic", HOSTILE], table, {"synthetic": pictures, HOSTILE: pictures}
+    ).decode()
     assert HOSTILE not in html and "<img src=x" not in html
     assert html.count("data:image/svg+xml") == 2 * len(pictures)
     assert html.count("data:text/csv") == 2 * len(pictures)
@@ -296,9 +344,21 @@ def test_page_has_a_column_for_each_reading_and_asks_for_nothing(synthetic: Read
     assert policy and policy[1].startswith("default-src 'none'")
     assert "<script" not in html and not re.search(r"<link|@import|url\(", html)
     assert '<p class="caution">' in html and "1.6 at 2 µm, 1.2 at 0.5 µm</p>" in html
-    assert '<th scope="col" class="variation">synthetic<span class="kind">variation</span></th>' in html
-    assert '</span> undecided <span class="scale">(the grid)</span>' in html and "<td>1 to 2.5</td>" in html
-    for text in ("✓</span> reproduced", "◐</span> partly", "○</span> not run", "10 lg", "not solved: 50 N"):
+    assert (
+        '<th scope="col" class="variation">synthetic<span class="kind">variation</span></th>'
+        in html
+    )
+    assert (
+        '</span> undecided <span class="scale">(the grid)</span>' in html
+        and "<td>1 to 2.5</td>" in html
+    )
+    for text in (
+        "✓</span> reproduced",
+        "◐</span> partly",
+        "○</span> not run",
+        "10 lg",
+        "not solved: 50 N",
+    ):
         assert text in html
 
 

@@ -1,6 +1,8 @@
-"""Scenes that break contact solvers: each must solve within its iteration budget and hold the contact conditions, or be refused.
+"""Scenes that break contact solvers: each must solve within its iteration budget and hold the
+contact conditions, or be refused.
 
-What any case must hold is in rolling.hard_cases and checked by its judge; here it is asked for, with what single cases know.
+What any case must hold is in rolling.hard_cases and checked by its judge; here it is asked for,
+with what single cases know.
 """
 
 from __future__ import annotations
@@ -52,7 +54,9 @@ def names(pattern: str) -> list[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMED)
 def test_named_case(name: str) -> None:
-    """Every state against its own convolution, the ledger, the iterations against the budget; or the refusal that is due."""
+    """Every state against its own convolution, the ledger, the iterations against the budget; or
+    the refusal that is due.
+    """
     case = NAMED[name]
     outcome, states = judged(name)
     assert not outcome.violated
@@ -76,7 +80,9 @@ def test_roughness_of_a_picometre() -> None:
 
 @pytest.mark.parametrize("nodes", [1, 9, 21, 100])
 def test_everything_plastic_with_no_node_left_free(nodes: int) -> None:
-    """The approach is free over an interval; it must stay between the highest capped and the lowest open gap."""
+    """The approach is free over an interval; it must stay between the highest capped and the lowest
+    open gap.
+    """
     track, states = solved(f"all plastic, {nodes} nodes")
     for state in states:
         assert state.contact_area == pytest.approx(nodes * 4e-12, rel=1e-12)
@@ -87,22 +93,31 @@ def test_everything_plastic_with_no_node_left_free(nodes: int) -> None:
 
 @pytest.mark.law("Rigid-plastic limit: the contact area tends to W / H.")
 def test_rigid_plastic_limit_of_the_area() -> None:
-    """As E* rises or H falls the contact area tends to W / H: never below it, above it by the nodes that are not yet at H."""
+    """As E* rises or H falls the contact area tends to W / H: never below it, above it by the nodes
+    that are not yet at H.
+    """
     load, hardness = 0.2, 2e8  # 250 nodes
     excess = []
     for stiffer in (1, 10, 1000):
         track, states = solved(f"nearly rigid-plastic, {stiffer} E*")
-        assert (track.load, track.hardness, track.contact_modulus) == (load, hardness, stiffer * STEEL)
+        assert (track.load, track.hardness, track.contact_modulus) == (
+            load,
+            hardness,
+            stiffer * STEEL,
+        )
         excess.append(states[0].contact_area / (load / hardness) - 1)
     assert excess[0] > excess[1] > excess[2] >= 0
-    assert excess[2] < 0.01  # at 1000 times steel's modulus fewer than 3 of 250 nodes are between the bounds
+    # at 1000 times steel's modulus fewer than 3 of 250 nodes are between the bounds
+    assert excess[2] < 0.01
 
 
 @pytest.mark.law("Capacity: a load above H times the area of one period is refused with the limit.")
 @pytest.mark.parametrize("share", ["1", "1.001", "1e+06"])
 def test_load_above_capacity_is_refused_with_the_limit(share: str) -> None:
     message = judged(f"load {share} of the capacity")[0].message
-    assert re.search(r"can carry: hardness 1e\+06 Pa .*2.4e-09 m2 is 0.0024 N.*lower load", message), message
+    assert re.search(
+        r"can carry: hardness 1e\+06 Pa .*2.4e-09 m2 is 0.0024 N.*lower load", message
+    ), message
 
 
 def test_load_just_below_capacity_is_refused_with_the_width() -> None:
@@ -112,7 +127,9 @@ def test_load_just_below_capacity_is_refused_with_the_width() -> None:
 
 def test_contact_wider_than_the_surface_is_refused_with_the_width() -> None:
     message = judged("contact wider than the surface")[0].message  # Hertz: 86.6 um on 60 by 40
-    assert re.search(r"86\.\d+ um wide along the track.*\(60 um\).*rolling\.duration_s", message), message
+    assert re.search(r"86\.\d+ um wide along the track.*\(60 um\).*rolling\.duration_s", message), (
+        message
+    )
 
 
 @pytest.mark.parametrize("name", names("cliff along, .*"))
@@ -137,7 +154,9 @@ def test_first_touch_on_one_node() -> None:
         assert state.contact_area == track.spacing**2
         own = 4 * np.log(1 + np.sqrt(2)) * track.load / (np.pi * STEEL * track.spacing)
         assert state.deflection.max() == pytest.approx(own, rel=1e-12)
-        assert state.approach == pytest.approx(track.gap(state.position, state.window).min() + own, rel=1e-12)
+        assert state.approach == pytest.approx(
+            track.gap(state.position, state.window).min() + own, rel=1e-12
+        )
 
 
 @pytest.mark.parametrize("name", EXTREMES)
@@ -157,7 +176,9 @@ def test_ridges_make_windows_that_are_not_square(name: str) -> None:
 
 @pytest.mark.law("Periodic surface: the contact crosses the seam as any other place.")
 def test_seam_of_the_periodic_surface() -> None:
-    """Contact across the seam along and, by a start half a surface away, not: the same answer at the same heights moved."""
+    """Contact across the seam along and, by a start half a surface away, not: the same answer at
+    the same heights moved.
+    """
     across_it, inside = solved("seam")[1], solved("seam moved away")[1]
     assert across_it[0].loaded.row < 60 <= across_it[0].loaded.row + across_it[0].loaded.rows - 1
     for one, other in zip(across_it, inside, strict=True):
@@ -190,7 +211,9 @@ def test_all_but_a_trace_of_the_load_on_capped_nodes(name: str) -> None:
 
 
 def test_random_scenes_are_solved_or_refused() -> None:
-    """150 of the 5,000 scenes that were tried by hand, the seeds that ever failed among them; the share solved is on record."""
+    """150 of the 5,000 scenes that were tried by hand, the seeds that ever failed among them; the
+    share solved is on record.
+    """
     results, iterations = Counter(), []
     for seed in [*FAILED_ONCE, *range(1000, 1140)]:
         outcome = judge(random_case("random", seed))
@@ -206,7 +229,9 @@ def test_random_scenes_are_solved_or_refused() -> None:
 
 @pytest.mark.parametrize("generator", ["odd", "blended"])
 def test_odd_and_blended_scenes_are_solved_or_refused(generator: str) -> None:
-    """50 scenes of ties, equal gaps by the hundred and long thin plates; 50 of all kinds whose plate yields with blended edges."""
+    """50 scenes of ties, equal gaps by the hundred and long thin plates; 50 of all kinds whose
+    plate yields with blended edges.
+    """
     results = Counter()
     for seed in range(50):
         outcome = judge(random_case(generator, seed))
@@ -217,7 +242,9 @@ def test_odd_and_blended_scenes_are_solved_or_refused(generator: str) -> None:
 
 @pytest.mark.parametrize("case", found_cases(), ids=lambda case: case.name)
 def test_scenes_found_by_search(case: HardCase) -> None:
-    """What an earlier solver failed on: one in two thousand odd scenes, one in twenty thousand random ones."""
+    """What an earlier solver failed on: one in two thousand odd scenes, one in twenty thousand
+    random ones.
+    """
     outcome = judge(case)
     assert not outcome.violated, outcome
 
@@ -240,7 +267,9 @@ def test_judge_notices_a_wrong_load() -> None:
 
 
 def test_judge_notices_a_pressure_off_its_bounds() -> None:
-    assert "above" in broken_state(pressure=lambda s: s.pressure * (1 + 1e-15 * (s.pressure == s.pressure.max())))
+    assert "above" in broken_state(
+        pressure=lambda s: s.pressure * (1 + 1e-15 * (s.pressure == s.pressure.max()))
+    )
     assert "lowest" in broken_state(pressure=lambda s: np.where(s.pressure == 0, -1e-9, s.pressure))
 
 
@@ -258,7 +287,9 @@ def test_judge_notices_deflection_energy_and_areas_that_do_not_belong() -> None:
 
 
 def test_judge_notices_contact_cut_off_far_outside_the_window() -> None:
-    """A hill 90 um ahead of a contact 20 um wide: solved on a plate without it, the state holds but for what it overlooked."""
+    """A hill 90 um ahead of a contact 20 um wide: solved on a plate without it, the state holds but
+    for what it overlooked.
+    """
     heights = np.zeros((160, 80))
     without = make_track(heights.copy(), load=0.5, tolerance=1e-7)
     heights[44:47, 38:42] = 1e-6
@@ -278,7 +309,9 @@ def test_judge_fails_what_is_over_its_budget_or_not_the_right_outcome() -> None:
     case = NAMED["seam"]
     assert "budget 1" in failing(case, budget=1)
     assert failing(case, right=(CAPACITY,)).startswith("solved, expected: load above capacity")
-    assert failing(NAMED["load 1 of the capacity"], right=(SOLVED,)).startswith("load above capacity, expected: solved")
+    assert failing(NAMED["load 1 of the capacity"], right=(SOLVED,)).startswith(
+        "load above capacity, expected: solved"
+    )
 
 
 def test_judge_fails_warnings_errors_and_drift(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -304,7 +337,9 @@ def test_judge_stops_at_the_time_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "time:" in failing(NAMED["seam"])
 
 
-def test_report_shows_failures_and_counts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_report_shows_failures_and_counts(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     cases = [NAMED["seam"], replace(NAMED["first touch"], budget=-1, name="first touch in no time")]
     report = hard_cases.judge_all(cases, random=4, odd=2, blended=0)
     data = report.to_dict()

@@ -1,4 +1,6 @@
-"""The command that reproduces the article, shortened, on the article's own scenes: killed, gone on with, answered in full."""
+"""The command that reproduces the article, shortened, on the article's own scenes: killed, gone on
+with, answered in full.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ from rolling.simulation import result_file, simulate
 
 pytestmark = pytest.mark.slow
 
-SHORT = study.Part(seeds=1, loads=(5, 10), duration_s=0.01, strides=2)  # a track longer than contact is wide
+# a track longer than contact is wide
+SHORT = study.Part(seeds=1, loads=(5, 10), duration_s=0.01, strides=2)
 READINGS = ("as-stated", "hardness-3y-exponential")
 TWIN = "elastic-gaussian"  # 5 N at two roughnesses
 COMMAND = ("reproduce", "lee2025", "--quick", "--readings", *READINGS, TWIN, "--workers", "1")
@@ -34,13 +37,23 @@ FIGURES = (
 
 def complete(out: Path) -> dict[Path, bytes]:
     """Results that are whole, by file; a file that is being replaced is looked at again."""
-    return {file: file.read_bytes() for file in out.rglob("result.h5") if result_file.load(file).complete}
+    return {
+        file: file.read_bytes()
+        for file in out.rglob("result.h5")
+        if result_file.load(file).complete
+    }
 
 
-def test_a_killed_study_goes_on_and_answers_for_each_statement(tmp_path: Path, monkeypatch, capsys) -> None:
+def test_a_killed_study_goes_on_and_answers_for_each_statement(
+    tmp_path: Path, monkeypatch, capsys
+) -> None:
     out = tmp_path / "out"
-    shortened = f"from rolling import cli; from rolling.lee2025 import study; study.QUICK = study.{SHORT}; "
-    process = subprocess.Popen([sys.executable, "-c", f"{shortened}cli.main({[*COMMAND, '--out', str(out)]})"])
+    shortened = (
+        f"from rolling import cli; from rolling.lee2025 import study; study.QUICK = study.{SHORT}; "
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", f"{shortened}cli.main({[*COMMAND, '--out', str(out)]})"]
+    )
     deadline = time.monotonic() + 120
     while not (out.is_dir() and (before := complete(out))):
         assert process.poll() is None and time.monotonic() < deadline
@@ -61,19 +74,27 @@ def test_a_killed_study_goes_on_and_answers_for_each_statement(tmp_path: Path, m
     monkeypatch.setattr(study, "QUICK", SHORT)
     assert cli.main([*COMMAND, "--out", str(out)]) == 0
     printed = capsys.readouterr().out
-    assert "18 cases. " in printed and "judged statements" in printed and str(out / "index.html") in printed
+    assert (
+        "18 cases. " in printed
+        and "judged statements" in printed
+        and str(out / "index.html") in printed
+    )
     assert len(set(solved)) == 18 - len(before) < 18
     assert all(file.read_bytes() == content for file, content in before.items())
 
     table = json.loads((out / "claims.json").read_text())
-    assert [claim["key"] for claim in table["claims"]] == [claim.key for claim in (*CLAIMS, *OUTLOOK)]
+    assert [claim["key"] for claim in table["claims"]] == [
+        claim.key for claim in (*CLAIMS, *OUTLOOK)
+    ]
     assert len(CLAIMS) >= 16
     for claim in table["claims"]:
         found = claim["findings"]
         assert {one["reading"] for one in found} == set(READINGS)
         assert all(one["verdict"] in WORDS and one["measured"] for one in found)
     # 5 and 10 N are enough to judge most of it; what needs more says so.
-    words = {claim["key"]: {one["verdict"] for one in claim["findings"]} for claim in table["claims"]}
+    words = {
+        claim["key"]: {one["verdict"] for one in claim["findings"]} for claim in table["claims"]
+    }
     unknown = {key for key, found in words.items() if found == {"not run"}}
     assert unknown == {
         "high-frequency-gap", "maximum-load", "maximum-flattens", "loudest-20-50", "loudest-100", "length-frequency", "length-level"
@@ -82,7 +103,8 @@ def test_a_killed_study_goes_on_and_answers_for_each_statement(tmp_path: Path, m
         one["reading"]: one["verdict"]
         for one in next(c for c in table["claims"] if c["key"] == "yielding-noise")["findings"]
     }
-    assert yielding["hardness-3y-exponential"] == "not run" != yielding["as-stated"]  # whose twin was named
+    # whose twin was named
+    assert yielding["hardness-3y-exponential"] == "not run" != yielding["as-stated"]
     assert table["twins"] == [TWIN] and not [*(out / TWIN).glob("fig*")]
     tables = (out / "tables.md").read_text()
     assert tables.startswith("<!--") and "### Readings" in tables and "Of " in tables
@@ -94,9 +116,9 @@ def test_a_killed_study_goes_on_and_answers_for_each_statement(tmp_path: Path, m
         for name in FIGURES:
             svg = (out / reading / f"{name}.svg").read_text()
             assert (out / reading / f"{name}.png").is_file()
-            assert name == "fig1_surfaces" or "Ra 5 µm (not valid: too steep)" in svg.replace("<!--", "").replace(
-                "-->", ""
-            )
+            assert name == "fig1_surfaces" or "Ra 5 µm (not valid: too steep)" in svg.replace(
+                "<!--", ""
+            ).replace("-->", "")
 
 
 def test_without_workers_of_its_own_choice_it_takes_all_cores(tmp_path: Path, monkeypatch) -> None:
@@ -108,6 +130,17 @@ def test_without_workers_of_its_own_choice_it_takes_all_cores(tmp_path: Path, mo
 
     monkeypatch.setattr(study, "solve_all", remember)
     assert (
-        cli.main(["reproduce", "lee2025", "--quick", "--readings", "as-stated", "--out", str(tmp_path / "out")]) == 130
+        cli.main(
+            [
+                "reproduce",
+                "lee2025",
+                "--quick",
+                "--readings",
+                "as-stated",
+                "--out",
+                str(tmp_path / "out"),
+            ]
+        )
+        == 130
     )
     assert asked == [0]  # one process per core

@@ -1,4 +1,6 @@
-"""The part of benchmarks/speed.py that no machine changes: iterations and convolutions per step, its check, its table."""
+"""The part of benchmarks/speed.py that no machine changes: iterations and convolutions per step,
+its check, its table.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,11 @@ TOLERANCES = {"A": 1e-5, "B": 1e-5, "C": 1e-6}  # at which speed.py compares us 
 
 def assert_guarded(name: str, iterations: float, convolutions: float) -> None:
     most_iterations, most_convolutions = GUARDS[name]
-    assert iterations <= most_iterations and convolutions <= most_convolutions, (name, iterations, convolutions)
+    assert iterations <= most_iterations and convolutions <= most_convolutions, (
+        name,
+        iterations,
+        convolutions,
+    )
 
 
 def test_counts_of_the_scene() -> None:
@@ -53,13 +59,16 @@ def test_peers_are_given_the_gaps_we_solve() -> None:
 
 @pytest.mark.parametrize("name", ["A", "B"])
 def test_check_sees_a_wrong_pressure(name: str) -> None:
-    """The right one has what the solver says of it, a little more by another approach; wrong ones far more."""
+    """The right one has what the solver says of it, a little more by another approach; wrong ones
+    far more.
+    """
     k, tolerance = 1, 1e-6
     state = roll(sequence_track(name, tolerance), 0, k)[k]
     right = on_full_grid(state)
     error = sequences.violation(name, k, right)
     assert error < 2 * tolerance * state.deflection.max()
-    # One node aside, one too far along, 0.1 % too much everywhere (in B above the hardness), a loaded node forgotten, tension.
+    # One node aside, one too far along, 0.1 % too much everywhere (in B above the hardness), a
+    # loaded node forgotten, tension.
     forgotten, pulled = right.copy(), right.copy()
     forgotten[np.unravel_index(right.argmax(), right.shape)] = 0.0
     pulled[0, 0] = -1e-3 * right.max()

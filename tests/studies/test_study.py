@@ -1,4 +1,6 @@
-"""The study of the article: its readings are what they say, cases are solved once, a stopped study goes on to the same numbers."""
+"""The study of the article: its readings are what they say, cases are solved once, a stopped study
+goes on to the same numbers.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,8 @@ pytestmark = pytest.mark.slow
 SCENES = Path(__file__).parents[2] / "scenarios" / "lee2025"
 READINGS = sorted(folder.name for folder in SCENES.iterdir())
 VARIATIONS = ("two-bodies-gaussian", "two-bodies-gaussian-10pct")
-TWINS = {"elastic-gaussian": "as-stated", "elastic-exponential": "hardness-3y-exponential"}  # of which reading
+# of which reading
+TWINS = {"elastic-gaussian": "as-stated", "elastic-exponential": "hardness-3y-exponential"}
 TEXT = """\
 name: small
 sphere: {radius_mm: 5}
@@ -59,14 +62,18 @@ def surface(scene: Scene) -> Gaussian:
 
 
 def test_readings_are_the_articles_cases() -> None:
-    """Four roughnesses, five loads, in two readings five surfaces; 256 nodes across at 2 um or more where contact is wider."""
+    """Four roughnesses, five loads, in two readings five surfaces; 256 nodes across at 2 um or more
+    where contact is wider.
+    """
     assert len(READINGS) == 8
     for name in READINGS:
         scenes = study.scenes(SCENES / name)
         if name in TWINS:
             continue
         assert all(one.name == f"lee2025-{name}" for one in scenes)
-        assert all(one.motion.fastest(0.05) == 0.1 and one.rolling.duration_s == 0.05 for one in scenes)
+        assert all(
+            one.motion.fastest(0.05) == 0.1 and one.rolling.duration_s == 0.05 for one in scenes
+        )
         if name == "correlation-length":
             assert [surface(one).correlation_length_um for one in scenes] == [2, 5, 10, 20, 40]
             assert all(surface(one).spacing_um <= 2 / 5 for one in scenes)
@@ -74,7 +81,10 @@ def test_readings_are_the_articles_cases() -> None:
         full = name in ("as-stated", "hardness-3y-exponential")
         cases = {(surface(one).roughness_ra_um, one.load, surface(one).seed) for one in scenes}
         expected = {
-            (ra, w, s) for ra in (0.01, 0.1, 1, 5) for w in (5, 10, 20, 50, 100) for s in range(1, 6 if full else 2)
+            (ra, w, s)
+            for ra in (0.01, 0.1, 1, 5)
+            for w in (5, 10, 20, 50, 100)
+            for s in range(1, 6 if full else 2)
         }
         assert cases == expected and len(scenes) == len(cases)
         for one in scenes:
@@ -83,7 +93,9 @@ def test_readings_are_the_articles_cases() -> None:
 
 
 def test_variations_are_told_by_the_scenes_themselves() -> None:
-    """The article states a rigid sphere of 10 mm diameter: a reading that has another one is a variation, and says so."""
+    """The article states a rigid sphere of 10 mm diameter: a reading that has another one is a
+    variation, and says so.
+    """
     departures = {name: study.departures(study.scenes(SCENES / name)) for name in READINGS}
     for name, found in departures.items():
         if name in VARIATIONS:
@@ -91,16 +103,22 @@ def test_variations_are_told_by_the_scenes_themselves() -> None:
                 "a radius of 10 mm (stated: a diameter of 10 mm)",
                 "an elastic sphere (stated: a rigid one)",
             ]
-            assert study.description(SCENES / name).startswith("A variation: a radius of 10 mm, two elastic bodies")
+            assert study.description(SCENES / name).startswith(
+                "A variation: a radius of 10 mm, two elastic bodies"
+            )
         else:
             assert found == (["no hardness (stated: 2.1 GPa)"] if name in TWINS else [])
 
 
 def test_twins_are_scenes_of_a_reading_without_hardness() -> None:
-    """Ra 0.1 and 1 um at 5, 20 and 100 N, on the same surfaces: nothing but hardness and tolerance differs."""
+    """Ra 0.1 and 1 um at 5, 20 and 100 N, on the same surfaces: nothing but hardness and tolerance
+    differs.
+    """
     for name, of in TWINS.items():
         scenes = study.scenes(SCENES / name)
-        assert [study.varied(one)[:3] for one in scenes] == [(ra, w, 1) for ra in (0.1, 1) for w in (5, 20, 100)]
+        assert [study.varied(one)[:3] for one in scenes] == [
+            (ra, w, 1) for ra in (0.1, 1) for w in (5, 20, 100)
+        ]
         others = {study.varied(one): one for one in study.scenes(SCENES / of)}
         for one in scenes:
             ours, theirs = one.to_dict(), others[study.varied(one)].to_dict()
@@ -112,9 +130,15 @@ def test_twins_are_scenes_of_a_reading_without_hardness() -> None:
 
 def test_each_reading_says_what_it_takes_for_granted(tmp_path: Path) -> None:
     said = {name: study.description(SCENES / name) for name in READINGS}
-    assert all(len(words) > 20 and words.endswith(".") for words in said.values()) and len({*said.values()}) == 8
+    assert (
+        all(len(words) > 20 and words.endswith(".") for words in said.values())
+        and len({*said.values()}) == 8
+    )
     for name in READINGS:  # all files of a reading say the same
-        firsts = {file.read_text(encoding="utf-8").splitlines()[0] for file in (SCENES / name).glob("*.yaml")}
+        firsts = {
+            file.read_text(encoding="utf-8").splitlines()[0]
+            for file in (SCENES / name).glob("*.yaml")
+        }
         assert firsts == {f"# {said[name]}"}
     (tmp_path / "bare.yaml").write_text(TEXT)
     assert study.description(tmp_path) == ""
@@ -122,14 +146,21 @@ def test_each_reading_says_what_it_takes_for_granted(tmp_path: Path) -> None:
 
 def test_quick_takes_one_surface_and_three_loads() -> None:
     scenes = study.scenes(SCENES / "as-stated", study.QUICK)
-    assert {(one.load, surface(one).seed) for one in scenes} == {(5, 1), (20, 1), (100, 1)} and len(scenes) == 12
-    assert all(one.rolling.duration_s == study.QUICK.duration_s and one.step == pytest.approx(6e-6) for one in scenes)
+    assert {(one.load, surface(one).seed) for one in scenes} == {(5, 1), (20, 1), (100, 1)} and len(
+        scenes
+    ) == 12
+    assert all(
+        one.rolling.duration_s == study.QUICK.duration_s and one.step == pytest.approx(6e-6)
+        for one in scenes
+    )
     lengths = study.scenes(SCENES / "correlation-length", study.QUICK)
     assert len(lengths) == 5 and all(one.step == pytest.approx(6e-6) for one in lengths)
 
 
 def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
-    """Against the run it is made of: areas over Hertz's, and fluctuations that add up over the bands."""
+    """Against the run it is made of: areas over Hertz's, and fluctuations that add up over the
+    bands.
+    """
     done = reproduce.reproduce("lee2025", out=tmp_path / "out", workers=1)
     assert done.exit_code == 0 and len(done.cases) == 4
     (one, *_) = study.runs(tmp_path / "out" / "only", study.scenes(small))
@@ -137,29 +168,40 @@ def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
     case = done.cases[0]
     assert (case.reading, case.load_n, case.seed, case.nodes_across) == ("only", 0.5, 1, 64)
     hertz = np.pi * closed_forms.hertz_radius(0.5, 5e-3, one.scene.contact_modulus) ** 2
-    assert case.plastic_ratio == pytest.approx(result.series["plastic_area"][:-1].mean() / hertz, rel=0.02)
+    assert case.plastic_ratio == pytest.approx(
+        result.series["plastic_area"][:-1].mean() / hertz, rel=0.02
+    )
     assert case.max_pressure == result.series["max_pressure"].max()
-    sound = contact_sound(one.scene, result.whole("release_energy"), result.step, True, result.solved_steps)
+    sound = contact_sound(
+        one.scene, result.whole("release_energy"), result.step, True, result.solved_steps
+    )
     frequency, square = line_spectrum(sound.power, len(sound.power) / sound.duration)
     heard = square[(frequency >= 17.8) & (frequency < 22387)].sum()
     # The bands' own lines, which undo the mean over a step: 0.6 dB at 10 kHz, little of the whole.
     assert np.nansum(np.square(case.band_w)) == pytest.approx(heard, rel=0.05)
     assert case.laeq_db == sound.levels.laeq_db and case.maximum_db < case.laeq_db + 5
-    # With 20 lg the level doubles, its weighting does not: 20 lg of each line, weighted, again from the power.
+    # With 20 lg the level doubles, its weighting does not: 20 lg of each line, weighted, again from
+    # the power.
     line_hz, line_db = article_line_level_db(sound.power, len(sound.power) / sound.duration, 1.0)
     inside = (line_hz >= 17.8) & (line_hz < 22387)
     unweighted = line_db - a_weighting_db(line_hz)
-    assert case.maximum_20_db == pytest.approx((2 * unweighted + a_weighting_db(line_hz))[inside].max(), abs=1e-9)
+    assert case.maximum_20_db == pytest.approx(
+        (2 * unweighted + a_weighting_db(line_hz))[inside].max(), abs=1e-9
+    )
     # Mean over all positions, not one of them; each is the greatest of its window.
     assert case.deflection == result.series["max_deflection"].mean()
-    assert result.snapshot and result.snapshot.deflection.max() == result.series["max_deflection"][200]
+    assert (
+        result.snapshot and result.snapshot.deflection.max() == result.series["max_deflection"][200]
+    )
     assert 0 < case.laeq_uncertainty_db < case.weighted_uncertainty_db
     stored = json.loads((tmp_path / "out" / "cases.json").read_text())
     assert len(stored) == 4 and stored[0]["plastic_ratio"] == case.plastic_ratio
 
 
 def test_a_result_without_deflections_is_read_and_has_none(small: Path, tmp_path: Path) -> None:
-    """Files of version 0.1.0 lack the series: the rest of the case is there, and no deflection is made up."""
+    """Files of version 0.1.0 lack the series: the rest of the case is there, and no deflection is
+    made up.
+    """
     out = tmp_path / "out"
     first = reproduce.reproduce("lee2025", out=out, workers=1).cases
     for file in (out / "only").rglob("result.h5"):
@@ -172,8 +214,12 @@ def test_a_result_without_deflections_is_read_and_has_none(small: Path, tmp_path
     assert words["deflection-roughest"] == words["deflection-roughness"] == {"not run"}
 
 
-def test_keys_that_came_with_a_later_version_do_not_make_another_case(small: Path, tmp_path: Path) -> None:
-    """A resolved scene that lacks a key with a default, and one with another comment or title, is the same case."""
+def test_keys_that_came_with_a_later_version_do_not_make_another_case(
+    small: Path, tmp_path: Path
+) -> None:
+    """A resolved scene that lacks a key with a default, and one with another comment or title, is
+    the same case.
+    """
     out = tmp_path / "out"
     reproduce.reproduce("lee2025", out=out, workers=1)
     for file in (out / "only").rglob("resolved.yaml"):
@@ -188,10 +234,13 @@ def test_what_is_solved_is_not_solved_again(small: Path, tmp_path: Path, monkeyp
     first = reproduce.reproduce("lee2025", out=out, workers=1)
     solved: list[int] = []
     inner = simulate.simulate_piece
-    monkeypatch.setattr(simulate, "simulate_piece", lambda *a, **k: (solved.append(a[2] - a[1]), inner(*a, **k))[1])
+    monkeypatch.setattr(
+        simulate, "simulate_piece", lambda *a, **k: (solved.append(a[2] - a[1]), inner(*a, **k))[1]
+    )
     again = reproduce.reproduce("lee2025", out=out, workers=1)
     assert solved == [] and [c.laeq_db for c in again.cases] == [c.laeq_db for c in first.cases]
-    shutil.rmtree(next(one for one in (out / "only").iterdir() if "seed=2" in one.name))  # as if stopped before it
+    # as if stopped before it
+    shutil.rmtree(next(one for one in (out / "only").iterdir() if "seed=2" in one.name))
     assert len(reproduce.reproduce("lee2025", out=out, workers=1).cases) == 4
     assert solved == [200]
 
@@ -208,10 +257,15 @@ def test_a_case_of_another_scene_is_not_overwritten(small: Path, tmp_path: Path,
     assert {file: file.read_bytes() for file in out.rglob("*") if file.is_file()} == before
 
 
-def test_bad_input_is_refused_before_anything_is_written(small: Path, tmp_path: Path, capsys) -> None:
+def test_bad_input_is_refused_before_anything_is_written(
+    small: Path, tmp_path: Path, capsys
+) -> None:
     out = tmp_path / "out"
     assert cli.main(["reproduce", "lee2025", "--readings", "onli", "--out", str(out)]) == 2
-    assert capsys.readouterr().err == "--readings: got onli, allowed: only, nearest: only\n" and not out.exists()
+    assert (
+        capsys.readouterr().err == "--readings: got onli, allowed: only, nearest: only\n"
+        and not out.exists()
+    )
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "letter.txt").write_text("mine")
     assert cli.main(["reproduce", "lee2025", "--out", str(tmp_path / "full")]) == 2
@@ -223,23 +277,36 @@ def test_power_levels() -> None:
     """1 W at 1 m is 1/(4 pi) W/m2, 109 dB; a tenth of the power is 10 or 20 dB less."""
     assert study.power_level_db(1.0, 10) == pytest.approx(109.0, abs=0.01)
     for factor in (10, 20):
-        assert study.power_level_db(1.0, factor) - study.power_level_db(0.1, factor) == pytest.approx(factor)
+        assert study.power_level_db(1.0, factor) - study.power_level_db(
+            0.1, factor
+        ) == pytest.approx(factor)
 
 
 @pytest.mark.parametrize(
-    ("reading", "roughness"), [("as-stated", 0.01), ("as-stated", 0.1), ("hardness-3y-exponential", 0.1)]
+    ("reading", "roughness"),
+    [("as-stated", 0.01), ("as-stated", 0.1), ("hardness-3y-exponential", 0.1)],
 )
 def test_the_articles_own_method_agrees(reading: str, roughness: float) -> None:
-    """Influence matrix and active set (its Fig. 3) at 5 N, edges sharp as there: pressures within 1e-6 of the peak."""
-    (scene,) = (one for one in study.scenes(SCENES / reading, study.QUICK) if _is(one, roughness, 5))
+    """Influence matrix and active set (its Fig. 3) at 5 N, edges sharp as there: pressures within
+    1e-6 of the peak.
+    """
+    (scene,) = (
+        one for one in study.scenes(SCENES / reading, study.QUICK) if _is(one, roughness, 5)
+    )
     contact = replace(contact_of_scene.rolling_contact(scene), blended=False, tolerance=1e-9)
     (state,) = march(contact, 0, 0, HalfSpace(contact.spacing, contact.contact_modulus))
     w = state.loaded
     block = Window(w.row - 2, w.column - 2, w.rows + 4, w.columns + 4)
     pressure, approach = dense_contact(
-        contact.gap(0, block), contact.load, contact.spacing, contact.contact_modulus, contact.hardness
+        contact.gap(0, block),
+        contact.load,
+        contact.spacing,
+        contact.contact_modulus,
+        contact.hardness,
     )
-    assert np.abs(state.window.moved(state.pressure, block) - pressure).max() < 1e-6 * pressure.max()
+    assert (
+        np.abs(state.window.moved(state.pressure, block) - pressure).max() < 1e-6 * pressure.max()
+    )
     assert state.approach == pytest.approx(approach, rel=1e-7)
 
 

@@ -1,4 +1,6 @@
-"""Scenes small enough to test on, and a check of a contact state that shares no code with the solver."""
+"""Scenes small enough to test on, and a check of a contact state that shares no code with the
+solver.
+"""
 
 from __future__ import annotations
 
@@ -41,10 +43,14 @@ def step_energies(
     return [recovery.step_energy(old, new, space, left_end) for old, new in pairwise(states)]
 
 
-def releases(track: RollingContact, states: list[ContactState], left_end: bool = False) -> np.ndarray:
+def releases(
+    track: RollingContact, states: list[ContactState], left_end: bool = False
+) -> np.ndarray:
     return np.array([step.release for step in step_energies(track, states, left_end)])
 
 
 def assert_solved(track: RollingContact, state: ContactState, allowance: float = 1.5) -> None:
-    """The state holds the contact conditions within the tolerance, the bounds exactly and the load to 1e-12."""
+    """The state holds the contact conditions within the tolerance, the bounds exactly and the load
+    to 1e-12.
+    """
     assert not optimality.broken(track, state, allowance)

@@ -28,9 +28,14 @@ def save_old(path: Path, result: Result, deflection: bool) -> None:
         if result.snapshot is not None:
             group = file.create_group("snapshot")
             group.attrs.update(
-                distance_m=result.snapshot.distance, along_m=result.snapshot.along, across_m=result.snapshot.across
+                distance_m=result.snapshot.distance,
+                along_m=result.snapshot.along,
+                across_m=result.snapshot.across,
             )
-            group["pressure"], group["deflection"] = result.snapshot.pressure, result.snapshot.deflection
+            group["pressure"], group["deflection"] = (
+                result.snapshot.pressure,
+                result.snapshot.deflection,
+            )
         maps = [result.maps[position] for position in sorted(result.maps)]
         if maps:
             group = file.create_group("pressure_maps")
@@ -40,7 +45,9 @@ def save_old(path: Path, result: Result, deflection: bool) -> None:
             flat = np.concatenate([one.pressure.ravel() for one in maps])
             group.create_dataset("pressure", data=flat, compression="gzip", shuffle=True)
         tables = result.event_pieces.items()
-        for first, columns in [("events", result.events() or {})] if result.complete and tables else tables:
+        for first, columns in (
+            [("events", result.events() or {})] if result.complete and tables else tables
+        ):
             group = file.create_group(first if result.complete else f"event_pieces/{first}")
             for column, values in columns.items():
                 group[column] = values

@@ -1,4 +1,6 @@
-"""Real processes for tests of folders: forked, so that nothing is imported anew, and killed without a chance to tidy up."""
+"""Real processes for tests of folders: forked, so that nothing is imported anew, and killed without
+a chance to tidy up.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ from contextlib import suppress
 
 
 class Child:
-    """A forked process that runs a function; `say` and `hear` pass lines of text between it and this one."""
+    """A forked process that runs a function; `say` and `hear` pass lines of text between it and
+    this one.
+    """
 
     def __init__(self, function: Callable[[Child], object]) -> None:
         down, up = os.pipe(), os.pipe()

@@ -1,4 +1,6 @@
-"""Run folders small enough to report on in tests: a third of a second of solving each, with up to a second of sound."""
+"""Run folders small enough to report on in tests: a third of a second of solving each, with up to a
+second of sound.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,9 @@ class Runs:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.heights = folder / "z<i>.npy"
-        np.save(self.heights, heights.gaussian((STEPS, 100), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 3))
+        np.save(
+            self.heights, heights.gaussian((STEPS, 100), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 3)
+        )
 
     def _made(self, name: str, text: str, *settings: str) -> Path:
         out = self.folder / name
@@ -46,7 +50,8 @@ class Runs:
             scene = self.folder / f"{name}.yaml"
             scene.write_text(text.replace("PATH", f"'{self.heights}'"))
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr(commands, "_write_pictures", lambda *_: [])  # files beside the page, not in it
+                # files beside the page, not in it
+                patch.setattr(commands, "_write_pictures", lambda *_: [])
                 assert commands.run(scene, settings, out, workers=1, page=False).exit_code == 0
         return out
 
@@ -82,7 +87,9 @@ class Runs:
                 result.series[name][200:] = np.nan
             for name in simulate.STATE_SERIES:
                 result.series[name][201:] = np.nan
-            result.maps = {position: one for position, one in result.maps.items() if position <= 200}
+            result.maps = {
+                position: one for position, one in result.maps.items() if position <= 200
+            }
             batch.keep(run_of, result)
             run_record.write(out, run_record.new("run"))
         return out

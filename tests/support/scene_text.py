@@ -1,4 +1,6 @@
-"""A scene for the tests of scenes: its text, the faults of its variants, and the scenes of scenarios/."""
+"""A scene for the tests of scenes: its text, the faults of its variants, and the scenes of
+scenarios/.
+"""
 
 from pathlib import Path
 

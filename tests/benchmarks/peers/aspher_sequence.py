@@ -1,6 +1,9 @@
-"""aspher (elastic only) over a sequence: its FFT solver with its own preconditioner, warm-started. Needs numpy and aspher.
+"""aspher (elastic only) over a sequence: its FFT solver with its own preconditioner, warm-started.
 
-python aspher_sequence.py A 1e-6 20 out.npz    (CPU seconds, convolutions and pressures of every position)
+Needs numpy and aspher.
+
+python aspher_sequence.py A 1e-6 20 out.npz    (CPU seconds, convolutions and pressures of every
+position)
 """
 
 from time import process_time
@@ -16,10 +19,14 @@ start, seconds, convolutions, pressures = None, [], [], []
 for k in range(steps + 1):
     shape = gap(name, k).ravel()
     began = process_time()
-    solved = solver.solve(shape, SEQUENCES[name].load / width**2, tol=tolerance, precond="fourier", p_init=start)
+    solved = solver.solve(
+        shape, SEQUENCES[name].load / width**2, tol=tolerance, precond="fourier", p_init=start
+    )
     seconds.append(process_time() - began)
     if not solved.converged:
-        raise SystemExit(f"aspher did not converge at position {k} of sequence {name}, tolerance {tolerance:g}")
+        raise SystemExit(
+            f"aspher did not converge at position {k} of sequence {name}, tolerance {tolerance:g}"
+        )
     convolutions.append(solved.matvec_count)
     pressures.append(np.array(solved.pressure).reshape(N, N))
     start = moved_on(pressures[-1]).ravel()

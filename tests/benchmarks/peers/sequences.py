@@ -1,7 +1,9 @@
-"""Rolling sequences that we and the public solvers solve on identical gaps, and a check of the answers. Needs numpy only.
+"""Rolling sequences that we and the public solvers solve on identical gaps, and a check of the
+answers. Needs numpy only.
 
-SI; arrays are (along the track, across), N x N nodes. The sphere's apex is on node N / 2 along and half way across, between two
-nodes; at position k it has rolled on by k nodes, seen from the sphere: the plate has moved back under it.
+SI; arrays are (along the track, across), N x N nodes. The sphere's apex is on node N / 2 along and
+half way across, between two nodes; at position k it has rolled on by k nodes, seen from the sphere:
+the plate has moved back under it.
 """
 
 from __future__ import annotations
@@ -17,12 +19,15 @@ N, SPACING, RADIUS = 256, 2e-6, 5e-3
 YOUNGS_MODULUS, POISSONS_RATIO = 210e9, 0.3
 CONTACT_MODULUS = YOUNGS_MODULUS / (1 - POISSONS_RATIO**2)
 CORRELATION_LENGTH = 10e-6
-NEGLIGIBLE = 1e-9  # pressure over the highest (or off the hardness, over the hardness) that counts as none
+# pressure over the highest (or off the hardness, over the hardness) that counts as none
+NEGLIGIBLE = 1e-9
 
 
 @dataclass(frozen=True)
 class Sequence:
-    """A plate of this Ra [m], made from this seed, that bears at most the hardness [Pa], under a load [N]."""
+    """A plate of this Ra [m], made from this seed, that bears at most the hardness [Pa], under a
+    load [N].
+    """
 
     ra: float
     seed: int
@@ -63,7 +68,9 @@ def moved_on(pressure: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=1)
 def _influence() -> np.ndarray:
-    """Transform of Love's coefficients [m/Pa] on the doubled grid: the mixed difference of a corner function."""
+    """Transform of Love's coefficients [m/Pa] on the doubled grid: the mixed difference of a corner
+    function.
+    """
     corner = np.arange(-N, N + 1) - 0.5  # of squares around nodes -N ... N - 1
     s, t = corner[:, None], corner[None, :]
     potential = s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))
@@ -80,14 +87,21 @@ def deflection(pressure: np.ndarray) -> np.ndarray:
 def violation(name: str, k: int, pressure: np.ndarray) -> float:
     """Gap error [m] of pressures (N, N): the worst violation of the contact conditions.
 
-    The approach is the mean over the nodes that are neither unloaded nor capped: there the gap must be closed. Unloaded nodes
-    must not interpenetrate, capped ones must not stand apart.
+    The approach is the mean over the nodes that are neither unloaded nor capped: there the gap must
+    be closed. Unloaded nodes must not interpenetrate, capped ones must not stand apart.
     """
     hardness = SEQUENCES[name].hardness
-    unloaded, capped = pressure <= NEGLIGIBLE * pressure.max(), pressure >= hardness * (1 - NEGLIGIBLE)
+    unloaded, capped = (
+        pressure <= NEGLIGIBLE * pressure.max(),
+        pressure >= hardness * (1 - NEGLIGIBLE),
+    )
     between = ~unloaded & ~capped
     open_by = gap(name, k) + deflection(pressure)
-    approach = open_by[between].mean() if between.any() else (open_by[unloaded].min() + open_by[capped].max()) / 2
+    approach = (
+        open_by[between].mean()
+        if between.any()
+        else (open_by[unloaded].min() + open_by[capped].max()) / 2
+    )
     open_by -= approach
     wrong = np.where(unloaded, -open_by, np.where(capped, open_by, np.abs(open_by)))
     beyond = max(-pressure.min(), pressure.max() - hardness)

@@ -1,7 +1,9 @@
-"""slippy over a sequence: its conjugate gradients bounded by 0 and the hardness at a given approach, a secant in the approach for
-the load, warm-started in pressure, approach and slope. Needs numpy and slippy.
+"""slippy over a sequence: its conjugate gradients bounded by 0 and the hardness at a given
+approach, a secant in the approach for the load, warm-started in pressure, approach and slope. Needs
+numpy and slippy.
 
-python slippy_sequence.py B 1e-5 20 out.npz    (CPU seconds, convolutions and pressures of every position)
+python slippy_sequence.py B 1e-5 20 out.npz    (CPU seconds, convolutions and pressures of every
+position)
 """
 
 import contextlib
@@ -10,7 +12,16 @@ import warnings
 from time import process_time
 
 import numpy as np
-from sequences import POISSONS_RATIO, SEQUENCES, SPACING, YOUNGS_MODULUS, N, arguments, gap, moved_on
+from sequences import (
+    POISSONS_RATIO,
+    SEQUENCES,
+    SPACING,
+    YOUNGS_MODULUS,
+    N,
+    arguments,
+    gap,
+    moved_on,
+)
 
 warnings.simplefilter("ignore")
 import slippy  # noqa: E402
@@ -19,15 +30,20 @@ from slippy.core import plan_convolve  # noqa: E402
 
 slippy.CORES = 1
 MAX_SECANTS, MAX_ITERATIONS = 15, 2000
-LOAD_TOLERANCE = 10  # times the tolerance: the load need not be met better than the pressures are known
+# times the tolerance: the load need not be met better than the pressures are known
+LOAD_TOLERANCE = 10
 
 
 class Deflection:
     """slippy's own convolution with Love's coefficients, counted."""
 
     def __init__(self) -> None:
-        steel = Elastic("steel", {"E": YOUNGS_MODULUS, "v": POISSONS_RATIO}, use_frequency_domain=False)
-        love = steel.influence_matrix(components=["zz"], grid_spacing=[SPACING] * 2, span=(2 * N, 2 * N))["zz"]
+        steel = Elastic(
+            "steel", {"E": YOUNGS_MODULUS, "v": POISSONS_RATIO}, use_frequency_domain=False
+        )
+        love = steel.influence_matrix(
+            components=["zz"], grid_spacing=[SPACING] * 2, span=(2 * N, 2 * N)
+        )["zz"]
         everywhere = np.ones((N, N), dtype=bool)
         self.convolve = plan_convolve(np.zeros((N, N)), love, everywhere, circular=(False, False))
         self.count = 0
@@ -38,12 +54,15 @@ class Deflection:
 
 
 class Rolling:
-    """What one position hands on to the next: pressure, approach and the slope of the load over the approach."""
+    """What one position hands on to the next: pressure, approach and the slope of the load over the
+    approach.
+    """
 
     def __init__(self, load: float, hardness: float, shape: np.ndarray) -> None:
         self.load, self.hardness, self.deflect = load, hardness, Deflection()
         self.pressure = np.zeros(N * N)
-        # A first guess: as many nodes overlap as carry the load at the hardness, and Hertz's approach on top (1 um at 50 N).
+        # A first guess: as many nodes overlap as carry the load at the hardness, and Hertz's
+        # approach on top (1 um at 50 N).
         nodes = int(load / min(hardness, 5e9) / SPACING**2)
         hertz = 1e-6 * (load / 50) ** (2 / 3)
         self.approach = np.sort(shape)[nodes] + hertz
@@ -70,7 +89,9 @@ class Rolling:
                 self.slope = (load - before[1]) / (self.approach - before[0])
             before = (self.approach, load)
             self.approach += (self.load - load) / self.slope
-        raise SystemExit(f"slippy did not meet the load within {MAX_SECANTS} secants at tolerance {tolerance:g}")
+        raise SystemExit(
+            f"slippy did not meet the load within {MAX_SECANTS} secants at tolerance {tolerance:g}"
+        )
 
 
 name, tolerance, steps, out = arguments()
