@@ -13,15 +13,14 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from acoustics.bands import BAND_NAMES
+from rolling._typing import Array
 from rolling.accuracy.variants import Study, Variant
 from rolling.scene.sections import Numerics
 from rolling.simulation import simulate
-from rolling.sound import contact_sound
+from rolling.sound.contact_sound import contact_sound
 
-Array = NDArray[np.float64]
 Errors = dict[str, float]  # by ERRORS and BANDS; NaN: unknown, inf: lost
 
 BANDS = tuple(name for name in BAND_NAMES if 100 <= float(name) <= 16000)

@@ -46,7 +46,6 @@ OFFSETS = (
     (0, -18),
     (18, 12),
     (18, -12),
-    # pixels from a point to its label  # fmt: skip
     (-18, 12),
     (-18, -12),
     (0, 30),

@@ -12,14 +12,12 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
 from rolling.simulation import pool, simulate
 from rolling.surface import contact_of_scene
-
-Array = NDArray[np.float64]
 
 TOLERANCES = (1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6)
 FINE_TOLERANCES = (1e-3, 1e-4)  # on finer grids
@@ -283,7 +281,7 @@ def march_piece(
 
 def _step_cost(variant: Variant) -> float:
     """Return the expected time of a step, relative to the scene's own grid at tolerance 1e-4."""
-    return variant.times**2.3 * max(0.5, -math.log10(variant.tolerance) / 4)
+    return float(variant.times**2.3) * max(0.5, -math.log10(variant.tolerance) / 4)
 
 
 def tasks(study: Study, variants: Sequence[Variant]) -> list[pool.Task]:

@@ -75,7 +75,7 @@ def expected_step_ms(window_nodes: float) -> float:
     at 180 x 180. Rough surfaces need fewer iterations: at Ra 1 um 9 ms at 230 x 230 (the law says
     11).
     """
-    return 1.1 * (window_nodes / 70) ** 1.95
+    return 1.1 * float((window_nodes / 70) ** 1.95)
 
 
 def expected_seconds(scene: Scene) -> float:

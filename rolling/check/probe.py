@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from rolling._typing import Array
 from rolling.check import cost
 from rolling.check.finding import Finding, clock, on_cores, si
 from rolling.contact.half_space import HalfSpace
@@ -28,8 +29,6 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
 from rolling.surface import scene_surface
 from rolling.surface.contact_of_scene import rolling_contact
-
-Array = NDArray[np.float64]
 
 POSITIONS = 8
 WARM_STEPS = 3  # after each cold start, for the time of a step

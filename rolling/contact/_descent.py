@@ -10,6 +10,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.contact import _projection, _solver_kernels
 from rolling.contact._system import (
     Direction,
@@ -23,8 +24,6 @@ from rolling.contact._system import (
     pack,
 )
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace, love
-
-Array = NDArray[np.float64]
 
 MAX_ITERATIONS = 1000
 # of the tolerance: the rest is for the difference between the deflection carried along and one

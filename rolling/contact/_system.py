@@ -14,7 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rolling._typing import Array
+
 Indices = NDArray[np.uint32]
 
 

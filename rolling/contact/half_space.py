@@ -9,9 +9,8 @@ from functools import lru_cache
 import numpy as np
 import pyfftw
 from numba import njit
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rolling._typing import Array
 
 # Padded lengths that are quick for their size, by a trial of the products of 2, 3, 5 and 7: any
 # length between costs more than the next one here.
@@ -177,7 +176,8 @@ class HalfSpace:
         convolution.real[:m, :n] = pressure
         convolution.apply(m)
         self.count += 1
-        return convolution.real[:m, :n] * self.unit
+        deflection: Array = convolution.real[:m, :n] * self.unit
+        return deflection
 
     def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
         """Return the transforms for nodes at most so many rows and columns apart; the caller that
@@ -262,7 +262,8 @@ class Convolution:
 
     def head(self, rows: int) -> Array:
         """Return a view of the first `rows` rows and of those that `apply` takes along with them."""
-        return self.real[: rows + 8]
+        view: Array = self.real[: rows + 8]
+        return view
 
     def apply(self, rows: int) -> None:
         """Replace the pressure on the first `rows` rows by their deflection; the rows below are of

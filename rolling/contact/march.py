@@ -10,15 +10,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.contact import _march_kernels, closed_forms, solver
 from rolling.contact.half_space import MOST_NODES, HalfSpace
 from rolling.contact.solver import Contact, ContactError, SolverOptions, Trend, WarmStart
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.window import Window
-
-Array = NDArray[np.float64]
 
 # Nodes. Up to such a step a window reaches over the next position as well, whose deflection is then
 # known in advance.

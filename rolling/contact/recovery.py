@@ -16,12 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.contact import _recovery_kernels
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.state import ContactState
 from rolling.contact.window import Window
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -16,14 +16,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.contact import _projection, _solver_kernels
 from rolling.contact._descent import Candidates, Descent, Effort
 from rolling.contact._system import Limits, Sets
 from rolling.contact.half_space import HalfSpace
-
-Array = NDArray[np.float64]
 
 # candidates for contact have a gap below this share of the largest deflection; 0.001 to 0.1 take
 # the same iterations

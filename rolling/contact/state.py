@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.contact import _march_kernels
 from rolling.contact.window import Window
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -49,7 +47,8 @@ class RollingContact:
     @cached_property
     def row_highest(self) -> Array:
         """Maximum height of each row, an (along,) array [m]."""
-        return self.heights.max(axis=1)
+        highest: Array = self.heights.max(axis=1)
+        return highest
 
     @cached_property
     def highest(self) -> float:
@@ -66,7 +65,7 @@ class RollingContact:
     @property
     def mid_width(self) -> float:
         """Place of the sphere across the track [m]."""
-        return (self.heights.shape[1] - 1) / 2 * self.spacing
+        return float((self.heights.shape[1] - 1) / 2 * self.spacing)
 
     def position(self, k: int) -> float:
         """Return the distance along the track of the sphere's centre at position k [m]."""

@@ -6,11 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.contact import _march_kernels
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,10 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Colormap
-from numpy.typing import NDArray
 
 from acoustics.plots import COLOURS
+from rolling._typing import Array
 from rolling.simulation.simulate import Snapshot
-
-Array = NDArray[np.float64]
 
 SHOWN_M = 0.8e-3  # length of a track that a map shows, so that single asperities can be seen
 _MOST_DOTS = 110_000  # of a map of heights: a file of 150 kB holds that many

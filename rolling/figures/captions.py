@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.simulation import caveats
 from rolling.simulation.run_result import RunResult
-
-Array = NDArray[np.float64]
 
 _NAMED_SCENES = 4  # in a title; more scenes are counted
 

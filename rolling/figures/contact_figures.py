@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
-from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.contact.recovery import EventStatistics
 from rolling.figures import axes, captions
 from rolling.figures.picture import (
@@ -28,8 +28,6 @@ from rolling.figures.picture import (
 from rolling.simulation.run_result import RunResult
 from rolling.simulation.simulate import Snapshot
 from rolling.surface import scene_surface
-
-Array = NDArray[np.float64]
 
 _MAP_SIDE_IN = 2.7  # of pressure and of deflection
 _TALLEST_SURFACE_IN, _PROFILE_IN = 3.6, 1.1

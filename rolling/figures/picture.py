@@ -21,12 +21,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
-from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.folders.files import write_bytes
 from rolling.simulation.labels import printable
-
-Array = NDArray[np.float64]
 
 DPI = 110
 WIDTH_IN = 8.5

@@ -10,7 +10,6 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from acoustics import plots as sound_plots
 from acoustics.bands import BAND_NAMES, MID_HZ
@@ -19,6 +18,7 @@ from acoustics.plots import Lines
 from acoustics.spectrogram import Spectrogram, spectrogram
 from acoustics.spectrum import Psd, article_line_level_db, line_spectrum, welch
 from acoustics.weighting import a_weighting_db
+from rolling._typing import Array
 from rolling.figures import captions
 from rolling.figures.picture import (
     BAR_IN,
@@ -36,7 +36,6 @@ from rolling.figures.picture import (
 from rolling.simulation import labels
 from rolling.simulation.run_result import RunResult
 
-Array = NDArray[np.float64]
 # label, levels [dB], standard uncertainty [dB]
 LevelCurve = tuple[str, list[float | None], list[float | None]]
 

@@ -13,17 +13,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
-from numpy.typing import NDArray
 
 from acoustics import plots as sound_plots
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, LEAST_BT, reliable
 from acoustics.plots import COLOURS, LINE_STYLES, MARKERS, Lines
+from rolling._typing import Array
 from rolling.figures.picture import BOTTOM_IN, LEFT_IN, RIGHT_IN, WIDTH_IN, Picture, blank
 from rolling.lee2025.figure_data import NOTHING_DB, Reading, Scales
 from rolling.lee2025.figure_layout import WARNING, Place, finish, panel_title, steep
 from rolling.lee2025.study import Case
-
-Array = NDArray[np.float64]
 
 # Ra [um] and load [N] whose maximum line level is the reference of 20 lg levels
 SCALE_REFERENCE = (1.0, 20.0)

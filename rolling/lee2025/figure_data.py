@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from acoustics import plots as sound_plots
+from rolling._typing import Array
 from rolling.lee2025.study import Case
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
@@ -17,8 +17,6 @@ from rolling.simulation.batch import Run
 from rolling.simulation.result_file import Result
 from rolling.surface import heights as surface
 from rolling.surface import scene_surface
-
-Array = NDArray[np.float64]
 
 PATCH_M = 512e-6  # side of the surfaces of the article's Fig. 1
 NOTHING_DB = -300.0  # levels from here down mean no sound

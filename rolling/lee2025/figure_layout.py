@@ -8,13 +8,12 @@ from typing import cast
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.check.validity import MAX_SLOPE
 from rolling.figures.picture import SIDE_IN, WIDTH_IN, Picture, lay_out
 from rolling.lee2025.figure_data import Reading
 
-Array = NDArray[np.float64]
 Place = tuple[float, float, float, float]
 
 WARNING = "#B34400"

@@ -7,14 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from acoustics.bands import MID_HZ
 from acoustics.weighting import a_weighting_db
+from rolling._typing import Array
 from rolling.lee2025.grid_error import GridError
 from rolling.lee2025.study import Case, power_level_db
-
-Array = NDArray[np.float64]
 
 HIGH_HZ = 5000.0
 

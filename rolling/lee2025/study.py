@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from acoustics import level, uncertainty
 from acoustics import plots as sound_plots
@@ -22,6 +21,7 @@ from acoustics.bands import third_octave_mean_square
 from acoustics.level import I_REF_W_M2
 from acoustics.spectrum import article_line_level_db, line_spectrum
 from acoustics.weighting import a_weighting_db
+from rolling._typing import Array
 from rolling.contact import closed_forms
 from rolling.folders import files as run_folder
 from rolling.folders import run_record
@@ -34,9 +34,7 @@ from rolling.simulation import batch
 from rolling.simulation.batch import Run
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
-from rolling.sound import ContactSound, contact_sound
-
-Array = NDArray[np.float64]
+from rolling.sound.contact_sound import ContactSound, contact_sound
 
 
 @dataclass(frozen=True)

@@ -15,13 +15,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]
-from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.figures.picture import SIDE_IN, WIDTH_IN, Picture, blank
 from rolling.lee2025.figure_data import PATCH_M, Contact, Reading, Scales, positions
 from rolling.lee2025.figure_layout import Place, finish, panel_title
 
-Array = NDArray[np.float64]
 # positions along (m,) and across (n,) and values (m, n), as drawn
 Sheet = tuple[Array, Array, Array]
 
@@ -226,7 +225,7 @@ def _within(contact: Contact, reach: float) -> Contact:
 
 def _stride(values: Array) -> int:
     """Return the number of nodes per drawn cell along a side."""
-    return -(-max(values.shape) // _CELLS)
+    return int(-(-max(values.shape) // _CELLS))
 
 
 def _thinned(along: Array, across: Array, values: Array) -> Sheet:
@@ -240,7 +239,8 @@ def _blocks(values: Array, every: int) -> Array:
     rows, columns = (-(-count // every) for count in values.shape)
     whole = np.zeros((rows * every, columns * every))
     whole[: values.shape[0], : values.shape[1]] = values
-    return whole.reshape(rows, every, columns, every).max(axis=(1, 3))
+    highest: Array = whole.reshape(rows, every, columns, every).max(axis=(1, 3))
+    return highest
 
 
 def _drawn(nodes: set[int], every: str, noun: str) -> str:

@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from rolling._typing import Array
 from rolling.scene.motion import Motion
 from rolling.simulation.simulate import PressureMap
-
-Array = NDArray[np.float64]
 
 COLOUR_MAP = "magma"  # perceptually uniform, and black where nothing presses
 SHADES = 255  # of pressure; entry 0 of the palette is no pressure at all

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from rolling._typing import Array
 
 ROUNDING = 1e-9  # relative; a distance this little beyond the last one reached is that one
 
@@ -146,7 +146,8 @@ class Motion:
         both = speeds[k] + root
         tau = np.divide(2 * ahead, both, out=np.zeros_like(both), where=both > 0)
         lasting = np.append(np.diff(times), np.inf)
-        return times[k] + np.minimum(tau, lasting[k])
+        reached: Array = times[k] + np.minimum(tau, lasting[k])
+        return reached
 
     def duration(self, distance: float) -> float:
         """Return the time [s] to roll a distance [m]; raise ValueError as `time` does."""

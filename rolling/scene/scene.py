@@ -215,7 +215,8 @@ class Scene(Section):
         data = self.model_dump(exclude_none=True)
         if not self.sweep:
             del data["sweep"]
-        return _listed(data)
+        listed: dict[str, Any] = _listed(data)
+        return listed
 
     # ---- changes, runs, findings ----
 

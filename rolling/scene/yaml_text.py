@@ -176,7 +176,7 @@ class _Counted(Composer):
         if len(self._open) >= _MAX_DEPTH:
             raise _BeyondLimit("nested too deeply", line)
         self._open.append(1)
-        node = super().compose_node(parent, index)
+        node: Node = super().compose_node(parent, index)
         size = self._open.pop()
         if alias:
             if id(node) not in self._sizes:  # still being read

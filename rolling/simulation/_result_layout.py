@@ -21,7 +21,7 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
 from rolling.simulation.result import Result
 from rolling.simulation.whole_series import whole_series
-from rolling.sound import ContactSound
+from rolling.sound.contact_sound import ContactSound
 
 FORMAT = 2
 CHUNK_BYTES = 1 << 19
@@ -69,7 +69,7 @@ def image(result: Result, scene: Scene, scene_text: str, sound: ContactSound | N
         if sound is not None:
             _sound(file, sound)
         file.flush()
-        return file.id.get_file_image()
+        return bytes(file.id.get_file_image())
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,11 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.scene.identity import STEPS, Identity
 from rolling.simulation._result_layout import FORMAT
 from rolling.simulation.result import Result
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, PressureMap, Snapshot
-
-Array = NDArray[np.float64]
 
 MOST_STEPS = 10**9
 SIGNED = {"approach", "energy_defect"}  # no other series is ever negative

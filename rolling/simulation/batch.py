@@ -16,7 +16,7 @@ from rolling.simulation import labels, result_file, simulate, solving
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.solving import BAR
-from rolling.sound import ContactSound
+from rolling.sound.contact_sound import ContactSound
 
 __all__ = [
     "BAR",

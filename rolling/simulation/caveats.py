@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rolling.check import resolution
 from rolling.check.finding import Finding
 from rolling.scene.scene import Scene
-from rolling.sound import ContactSound
+from rolling.sound import solver_error
+from rolling.sound.contact_sound import ContactSound
 
 SHORT_S = 0.3  # a record or a track that repeats sooner is heard as a tone
 # belong beside every level
@@ -76,7 +76,7 @@ def caveats(
     result += [
         Caveat(each.key, f"{each.quantity}: {each.warning}") for each in findings if each.warning
     ]
-    hidden = resolution.doubt(scene, sound.audible_rms, sound.resolved_rms)
+    hidden = solver_error.doubt(scene, sound.audible_rms, sound.resolved_rms)
     return [*result, Caveat("solver", f"solver: {hidden}")] if hidden else result
 
 

@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.contact.recovery import join_events
 from rolling.scene.identity import Identity
 from rolling.scene.track import Track
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, Piece, PressureMap, Snapshot
-
-Array = NDArray[np.float64]
 
 
 @dataclass
@@ -78,14 +77,13 @@ class Result:
 
     def whole(self, name: str) -> Array:
         """Return a series of the whole run, laps repeated."""
-        values = self.series[name]
+        values: Array = self.series[name]
         if name in STEP_SERIES:
-            return values[np.arange(self.steps) % self.solved_steps]
-        return values[
-            np.append(
-                np.arange(self.steps) % self.solved_steps, (self.steps - 1) % self.solved_steps + 1
-            )
-        ]
+            shown: Array = values[np.arange(self.steps) % self.solved_steps]
+        else:
+            last = (self.steps - 1) % self.solved_steps + 1
+            shown = values[np.append(np.arange(self.steps) % self.solved_steps, last)]
+        return shown
 
     def events(self) -> dict[str, NDArray[Any]] | None:
         """Return the table of recovery events on the solved steps; None when none were asked for."""

@@ -21,7 +21,7 @@ from rolling.scene.scene import Scene
 from rolling.simulation import _hdf5_probe, _result_layout, _result_reading
 from rolling.simulation._result_layout import UNITS
 from rolling.simulation.result import Result
-from rolling.sound import ContactSound
+from rolling.sound.contact_sound import ContactSound
 
 __all__ = ["UNITS", "Result", "load", "save"]
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics import wav
+from rolling._typing import Array
 from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.folders import files
 from rolling.scene import file
@@ -26,13 +27,12 @@ from rolling.simulation import _result_layout, labels
 from rolling.simulation import summary as numbers_of
 from rolling.simulation.result import Result
 from rolling.simulation.whole_series import WholeSeries, whole_series
-from rolling.sound import ContactSound, contact_sound
+from rolling.sound.contact_sound import ContactSound, contact_sound
 from rolling.surface.scene_surface import scene_surface
 
 if TYPE_CHECKING:
     import xarray
 
-Array = NDArray[np.float64]
 Writer = Callable[["RunResult", Path, bool, bool], Path]  # run, folder, force, report
 _LEVELS = (  # name, key of the summary and of its uncertainty, unit
     ("LAeq", "laeq_db", "laeq", "dB(A)"),

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import EventTable, step_energy
@@ -26,8 +27,6 @@ from rolling.scene.scene import Scene
 from rolling.simulation import pool
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import scene_surface
-
-Array = NDArray[np.float64]
 
 PIECE_STEPS = (
     # a cold start costs about three steps, seven with blended edges and their run-in: 1.5 and 3.5 %

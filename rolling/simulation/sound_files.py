@@ -10,7 +10,7 @@ from typing import Any
 from acoustics import wav
 from rolling.folders import files as run_folder
 from rolling.scene.scene import Scene
-from rolling.sound import ContactSound
+from rolling.sound.contact_sound import ContactSound
 
 
 def write(

@@ -21,7 +21,7 @@ from rolling.scene.scene import Scene
 from rolling.simulation import caveats, simulate
 from rolling.simulation.labels import printable
 from rolling.simulation.result import Result
-from rolling.sound import ContactSound
+from rolling.sound.contact_sound import ContactSound
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import scene_surface
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.scene.scene import Scene
 from rolling.simulation.result import Result
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES
-from rolling.sound import middle_speeds
-
-Array = NDArray[np.float64]
+from rolling.sound.contact_sound import middle_speeds
 
 
 @dataclass(frozen=True, eq=False)

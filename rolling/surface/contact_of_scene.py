@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rolling._typing import Array
 from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
 from rolling.surface.scene_surface import heights
-
-Array = NDArray[np.float64]
 
 
 def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:

@@ -10,9 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rolling._typing import Array
 
 # A seam that stands out is above the maximum difference between neighbouring rows by this factor
 # plus 4 / rows.

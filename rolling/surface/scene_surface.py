@@ -10,9 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rolling._typing import Array
 from rolling.scene.identity import heights_digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -21,8 +19,6 @@ from rolling.surface import heights as surface
 from rolling.surface import levelling
 from rolling.surface.heights import Correlation, Statistics
 from rolling.surface.levelling import Levelling
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,13 +12,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.contact import closed_forms
 from rolling.contact.state import RollingContact
 from rolling.surface import heights as surface
-
-Array = NDArray[np.float64]
 
 STEEL = 210e9 / (1 - 0.3**2)  # E* [Pa] of the plate under a rigid sphere
 CELL = 4e-12  # [m2], a node at the spacing of 2 um that the named scenes share

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.signal import fftconvolve
 
+from rolling._typing import Array
 from rolling.contact.state import ContactState, RollingContact
 
-Array = NDArray[np.float64]
 Nodes = NDArray[np.signedinteger]
 
 # relative; the excess allows for another order of summation than in the solver
@@ -78,7 +78,8 @@ def _gap(track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes
     x = rows * track.spacing - (track.start + state.position * track.step)
     y = (columns - (across - 1) / 2) * track.spacing
     heights = track.heights[np.ix_(rows % along, columns % across)]
-    return (x[:, None] ** 2 + y[None, :] ** 2) / (2 * track.radius) - heights
+    gap: Array = (x[:, None] ** 2 + y[None, :] ** 2) / (2 * track.radius) - heights
+    return gap
 
 
 def violations(

@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rolling._typing import Array
 from rolling.contact import closed_forms
 from rolling.contact.state import RollingContact
 from rolling.verification.hard_cases import CAPACITY, SOLVED, WIDTH, HardCase, make_track, rough
-
-Array = NDArray[np.float64]
 
 # Seeds of random_scene on which an earlier solver failed.
 FAILED_ONCE = (8, 115, 136, 214, 232, 677, 715, 723, 805, 1290, 1548)

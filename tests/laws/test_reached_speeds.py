@@ -14,7 +14,7 @@ from rolling.check import findings
 from rolling.scene.file import loads, read_scene
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
-from rolling.sound import ContactSound, contact_sound, oversampling
+from rolling.sound.contact_sound import ContactSound, contact_sound, oversampling
 
 STEP = 2e-6
 LATER = "[[0, 0.1], [0.02, 0.1], [20, 100]]"

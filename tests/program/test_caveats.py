@@ -24,7 +24,7 @@ from rolling.scene import file
 from rolling.simulation import caveats, result_file, summary
 from rolling.simulation.caveats import Caveat, Remark
 from rolling.simulation.run_result import RunResult
-from rolling.sound import ContactSound, contact_sound
+from rolling.sound.contact_sound import ContactSound, contact_sound
 
 STEP = 2e-6  # 0.1 m/s: 50,000 steps a second
 

@@ -21,7 +21,7 @@ from rolling.figures.picture import DPI, SIDE_IN, Picture
 from rolling.scene.scene import Scene
 from rolling.simulation import labels, result_file
 from rolling.simulation.run_result import RunResult, hear
-from rolling.sound import contact_sound
+from rolling.sound.contact_sound import contact_sound
 
 pytestmark = pytest.mark.slow
 

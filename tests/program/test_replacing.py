@@ -366,7 +366,6 @@ def test_ten_swept_keys_have_a_folder_that_can_be_made(scene, tmp_path) -> None:
         "rolling.load_n": 0.123456789,
         "rolling.speed_m_s": 0.1123456789,
         "rolling.duration_s": 0.002123456789,
-        # fmt: skip
         "sound.distance_m": 1.123456789,
         "sound.q": 0.5123456789,
         "numerics.tolerance": 1.123456e-4,

@@ -24,7 +24,7 @@ from rolling.folders import files
 from rolling.scene import file as scene_file
 from rolling.scene.scene import Scene
 from rolling.simulation import sound_files, summary
-from rolling.sound import ContactSound, contact_sound
+from rolling.sound.contact_sound import ContactSound, contact_sound
 
 STEP = 2e-6
 # 0.1 m/s: 25000 steps

@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling import cli, commands, sound
+from rolling import cli, commands
 from rolling.check import cost, findings
 from rolling.check.finding import Finding
 from rolling.scene import file
 from rolling.scene.scene import Scene
+from rolling.sound import contact_sound as sound
 from rolling.surface import heights as surface
 from rolling.surface import scene_surface
 

@@ -25,7 +25,7 @@ from rolling.lee2025 import reproduce, study
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
 from rolling.simulation import result_file, simulate
-from rolling.sound import contact_sound
+from rolling.sound.contact_sound import contact_sound
 from rolling.surface import contact_of_scene
 from rolling.verification.dense import dense_contact
 

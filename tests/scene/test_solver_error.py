@@ -12,11 +12,11 @@ import pytest
 
 from acoustics import wav
 from rolling import cli, commands
-from rolling.check import resolution
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
 from rolling.simulation import simulate
-from rolling.sound import ContactSound, contact_sound
+from rolling.sound import solver_error
+from rolling.sound.contact_sound import ContactSound, contact_sound
 
 SMOOTH = """\
 name: smooth
@@ -119,7 +119,7 @@ def test_what_is_not_resolved_is_silent_and_said() -> None:
     scene = loads(ROUGH.replace("RA", "0.000001"))
     sound = heard(scene)
     assert sound.levels.level_db is None
-    doubt = resolution.doubt(scene, sound.audible_rms, sound.resolved_rms)
+    doubt = solver_error.doubt(scene, sound.audible_rms, sound.resolved_rms)
     assert (
         doubt is not None and "counts as silent; a lower numerics.tolerance, 0.0001 here" in doubt
     )
@@ -127,10 +127,10 @@ def test_what_is_not_resolved_is_silent_and_said() -> None:
 
 def test_doubts_by_the_distance_from_the_error() -> None:
     rough, smooth = loads(ROUGH.replace("RA", "0.1")), loads(SMOOTH)
-    assert "stands 6 dB above the solver's error" in str(resolution.doubt(rough, 2.0, 1.0))
-    assert "counts as silent" in str(resolution.doubt(rough, 1.0, 1.0))
-    assert resolution.doubt(rough, 3.2, 1.0) is None
-    assert resolution.doubt(smooth, 0.5, 1.0) is None
+    assert "stands 6 dB above the solver's error" in str(solver_error.doubt(rough, 2.0, 1.0))
+    assert "counts as silent" in str(solver_error.doubt(rough, 1.0, 1.0))
+    assert solver_error.doubt(rough, 3.2, 1.0) is None
+    assert solver_error.doubt(smooth, 0.5, 1.0) is None
 
 
 @pytest.mark.parametrize(
@@ -149,7 +149,7 @@ def test_an_error_that_is_white_along_the_track_is_known_in_the_band(
     scene = loads(SMOOTH, [f"rolling.speed_m_s={speed}", "rolling.duration_s=1"])
     noise = np.random.default_rng(1).standard_normal(5000)
     for factor in (0.5, 2.0):
-        energy = 1e-9 * (1 + factor * resolution.resolved_fluctuation(scene) * noise)
+        energy = 1e-9 * (1 + factor * solver_error.resolved_fluctuation(scene) * noise)
         sound = contact_sound(scene, energy, 3e-6, closed)
         assert sound.audible_rms == pytest.approx(factor * sound.resolved_rms, rel=0.2)
         assert (sound.levels.level_db is None) == (factor < 1)
@@ -161,7 +161,7 @@ def test_blended_edges_resolve_less_where_the_plate_yields() -> None:
     """
 
     def resolved(*overrides: str) -> float:
-        return resolution.resolved_fluctuation(
+        return solver_error.resolved_fluctuation(
             loads(SMOOTH, ["numerics.tolerance=1e-8", *overrides])
         )
 

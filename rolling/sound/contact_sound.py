@@ -9,15 +9,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from acoustics import level, radiation, resampling, uncertainty, wav
 from acoustics.bands import AUDIBLE_HZ
-from rolling.check.resolution import resolved_fluctuation
+from rolling._typing import Array
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
-
-Array = NDArray[np.float64]
+from rolling.sound.solver_error import resolved_fluctuation
 
 FADE_S = 0.01  # at either end of a record that does not close, or a tenth of it when it is short
 
