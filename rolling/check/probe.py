@@ -25,6 +25,7 @@ from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
+from rolling.contact.subcells import half_space_of
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
 from rolling.surface import scene_surface
@@ -176,7 +177,7 @@ def probe(
     progress : callable
         Function that is called with 1 after each of POSITIONS positions.
     """
-    half_space = HalfSpace(contact.spacing, contact.contact_modulus)
+    half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
     places = np.arange(POSITIONS) * steps // POSITIONS
     solved: dict[int, tuple[ContactState, float]] = {}
     failures: dict[int, str] = {}

@@ -71,21 +71,22 @@ class Candidates:
     columns: int
 
     @classmethod
-    def below(cls, pressure: Array, gap: Array, deflection: Array, highest: float) -> Candidates:
+    def below(
+        cls, pressure: Array, gap: Array, deflection: Array, highest: float, subcells: int = 1
+    ) -> Candidates:
         """Find the nodes that are loaded or lie lower than `highest` [m] before the approach is
-        taken off.
+        taken off, and a block of whole cells that holds them.
         """
         listed = np.empty(pressure.size, dtype=np.int64)
         count, first_row, last_row, first_column, last_column = _solver_kernels.candidates(
             pressure, gap, deflection, highest, listed
         )
-        return cls(
-            listed[:count],
-            first_row,
-            first_column,
-            last_row - first_row + 1,
-            last_column - first_column + 1,
+        first_row, first_column = (k // subcells * subcells for k in (first_row, first_column))
+        rows, columns = (
+            -(-(last - first + 1) // subcells) * subcells
+            for first, last in ((first_row, last_row), (first_column, last_column))
         )
+        return cls(listed[:count], first_row, first_column, rows, columns)
 
 
 class Descent:
@@ -132,6 +133,7 @@ class Descent:
         row_length = candidates.columns + 2
         in_image, in_grid = np.empty(node.size, np.uint32), np.empty(node.size, np.uint32)
         corner = candidates.first_row, candidates.first_column
+        self._listed = self.transforms.cells_of(node, gap.shape[1], corner)
         row_lengths = self.transforms.real.shape[1], row_length
         _solver_kernels.places(node, gap.shape[1], corner, row_lengths, in_image, in_grid)
         unit = 1.0 / half_space.unit
@@ -211,6 +213,6 @@ class Descent:
         np.clip(p, 0.0, self.limits.hardness, out=p)
 
     def _convolve(self, effort: Effort) -> None:
-        self.transforms.apply(self.rows)
+        self.transforms.apply(self.rows, self._listed)
         self.half_space.count += 1
         effort.iterations += 1

@@ -118,66 +118,36 @@ def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend
 
 
 @njit(cache=True)
-def cell_ranges(gap, u, u_trend, p, share, most, out):
-    """Set out to a share of half the range [m] of the deflected gap over the cells of loaded nodes
-    and their neighbours.
+def cell_ranges(shape, u, levelled, before, out):
+    """Set out to half of the range [m] of the deflected gap over each cell; return the largest
+    change from `before`.
 
-    `u_trend` is the expected change of the deflection, empty for none; no range exceeds `most` [m].
+    The range is that of a uniform distribution with the variance of the gaps: the gradient times a
+    side of the cell. Pressures below the hardness level a small range: up to `levelled` [m] it does not count, from
+    twice that on it counts in full.
     """
-    rows, columns = p.shape
-    for j in range(columns):
-        out[0, j] = out[rows - 1, j] = 0.0
+    rows, columns = u.shape
+    moved = 0.0
+    out[:] = 0.0
     for i in range(1, rows - 1):
-        out[i, 0] = out[i, columns - 1] = 0.0
         for j in range(1, columns - 1):
-            out[i, j] = 0.0
-            if (
-                p[i, j] > 0.0
-                or p[i - 1, j] > 0.0
-                or p[i + 1, j] > 0.0
-                or p[i, j - 1] > 0.0
-                or p[i, j + 1] > 0.0
-            ):
-                along = gap[i + 1, j] + u[i + 1, j] - gap[i - 1, j] - u[i - 1, j]
-                across = gap[i, j + 1] + u[i, j + 1] - gap[i, j - 1] - u[i, j - 1]
-                if u_trend.size:
-                    along += u_trend[i + 1, j] - u_trend[i - 1, j]
-                    across += u_trend[i, j + 1] - u_trend[i, j - 1]
-                out[i, j] = min(0.25 * share * (abs(along) + abs(across)), most)
+            along = shape[i + 1, j] + u[i + 1, j] - shape[i - 1, j] - u[i - 1, j]
+            across = shape[i, j + 1] + u[i, j + 1] - shape[i, j - 1] - u[i, j - 1]
+            half = 0.25 * np.sqrt(along * along + across * across)
+            out[i, j] = max(min(half, 2.0 * (half - levelled)), 0.0)
+            moved = max(moved, abs(out[i, j] - before[i, j]))
+    return moved
 
 
 @njit(cache=True)
-def beside_open(pressure, i, j):
-    """Tell whether one of the four neighbours of a node is open; nodes outside the window are."""
-    rows, columns = pressure.shape
-    if i == 0 or j == 0 or i == rows - 1 or j == columns - 1:
-        return True
-    return not (
-        pressure[i - 1, j] > 0
-        and pressure[i + 1, j] > 0
-        and pressure[i, j - 1] > 0
-        and pressure[i, j + 1] > 0
-    )
-
-
-@njit(cache=True)
-def beside_bound(pressure, i, j, hardness):
-    """Tell whether one of the eight nodes around a node is at the hardness."""
-    for a in range(max(0, i - 1), min(pressure.shape[0], i + 2)):
-        for b in range(max(0, j - 1), min(pressure.shape[1], j + 2)):
-            if pressure[a, b] >= hardness:
-                return True
-    return False
-
-
-@njit(cache=True)
-def loaded(pressure, deflection, hardness, blended):
+def loaded(pressure, deflection, hardness, edge, levelled):
     """Return the numbers of nodes in contact and at the hardness, maximum pressure, sum of p u,
     block of the loaded nodes.
 
-    Where edges are blended, a node between open nodes and one at the hardness is a partial cell: it
-    counts with the share of its cell that bears the hardness. An edge beside no node at the
-    hardness is elastic.
+    A cell that the edge of a patch crosses is in contact on its share of the hardness and half of
+    the strip between open and yielding parts, and at the hardness on that share less the other half.
+    It counts so as far as its range of gaps counts (see `cell_ranges`), and as an elastic node for
+    the rest. An empty `edge` means sharp edges.
     """
     count = 0.0
     capped = 0.0
@@ -191,13 +161,11 @@ def loaded(pressure, deflection, hardness, blended):
                 if p >= hardness:
                     count += 1.0
                     capped += 1.0
-                elif (
-                    blended
-                    and beside_open(pressure, i, j)
-                    and beside_bound(pressure, i, j, hardness)
-                ):
-                    count += p / hardness
-                    capped += p / hardness
+                elif edge.size and edge[i, j] > 0.0:
+                    crossed = edge[i, j] / max(edge[i, j], 0.5 * edge[i, j] + levelled)
+                    between = min(levelled / edge[i, j], 0.5)
+                    count += 1.0 - crossed * max(1.0 - p / hardness - between, 0.0)
+                    capped += crossed * max(p / hardness - between, 0.0)
                 else:
                     count += 1.0
                 maximum = max(maximum, p)

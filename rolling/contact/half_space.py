@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 import pyfftw
 from numba import njit
+from numpy.typing import NDArray
 
 from rolling._typing import Array
 
@@ -130,6 +131,7 @@ class HalfSpace:
     ----------
     unit : float, m/Pa. Deflection per pressure and coefficient.
     count : int. Convolutions done, a cost that does not depend on the machine.
+    subcells : int. Nodes along the side of a cell of the transforms, 1 here.
 
     Examples
     --------
@@ -150,6 +152,7 @@ class HalfSpace:
         self.unit = spacing / (np.pi * contact_modulus)
         self._convolutions: dict[tuple[int, int, bool], Convolution] = {}
         self.count = 0
+        self.subcells = 1
 
     def deflection(self, pressure: Array) -> Array:
         """Compute the deflection of the nodes of a window by the pressure on them; all outside is
@@ -183,10 +186,18 @@ class HalfSpace:
         """Return the transforms for nodes at most so many rows and columns apart; the caller that
         applies them adds to `count`.
         """
-        key = (padded_length(row_reach, single), padded_length(column_reach, single), single)
+        key = (self._length(row_reach, single), self._length(column_reach, single), single)
         if key not in self._convolutions:
-            self._convolutions[key] = Convolution(*key)
+            self._convolutions[key] = self._make(*key)
         return self._convolutions[key]
+
+    def _make(self, m: int, n: int, single: bool) -> Convolution:
+        """Make the transforms of a padded size."""
+        return Convolution(m, n, single, _love_spectrum(m, n))
+
+    def _length(self, reach: int, single: bool) -> int:
+        """Return the padded length for nodes up to `reach` spacings from one another."""
+        return padded_length(reach, single)
 
 
 @njit(cache=True)
@@ -228,6 +239,7 @@ class Convolution:
     m, n : int. Padded lengths along and across.
     single : bool. Whether transforms are of single precision, about 1e-7 of the maximum deflection
         off and up to twice as fast.
+    spectrum : (m, n // 2 + 1) array. Transform of the wrapped coefficients.
 
     Attributes
     ----------
@@ -235,18 +247,16 @@ class Convolution:
         spacing / (pi E*) after.
     """
 
-    def __init__(self, m: int, n: int, single: bool) -> None:
+    def __init__(self, m: int, n: int, single: bool, spectrum: Array) -> None:
         real, both = ("float32", "complex64") if single else ("float64", "complex128")
         self.single = single
-        self.real = pyfftw.zeros_aligned((m, n), real)
+        self.real = self._image = pyfftw.zeros_aligned((m, n), real)
         self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
         self._as_pairs = self._lines.view(real)
         # Each coefficient stands twice, for the real and the imaginary part of its line.
         # Coefficients are even along the columns: half of the rows is enough and leaves the cache
         # to the lines.
-        self._coefficients = np.repeat(
-            _love_spectrum(m, n)[: m // 2 + 1] / (m * n), 2, axis=1
-        ).astype(real)
+        self._coefficients = np.repeat(spectrum[: m // 2 + 1] / (m * n), 2, axis=1).astype(real)
         # FFTW_ESTIMATE, because plans chosen by timing differ from run to run, and with them the
         # last digits.
         flags = ("FFTW_ESTIMATE",)
@@ -265,13 +275,23 @@ class Convolution:
         view: Array = self.real[: rows + 8]
         return view
 
-    def apply(self, rows: int) -> None:
+    def cells_of(
+        self, node: NDArray[np.int64], columns: int, corner: tuple[int, int]
+    ) -> NDArray[np.int64] | None:
+        """List the cells of nodes for `apply`; None, because each node is a cell."""
+        return None
+
+    def apply(self, rows: int, listed: NDArray[np.int64] | None = None) -> None:
         """Replace the pressure on the first `rows` rows by their deflection; the rows below are of
         no use afterwards.
         """
-        rows = min(-8 * (-rows // 8), self.real.shape[0])
+        self._transform(rows)
+
+    def _transform(self, rows: int) -> None:
+        """Convolve the first `rows` rows of the array of the transforms."""
+        rows = min(-8 * (-rows // 8), self._image.shape[0])
         if rows not in self._row_plans:
-            head, lines = self.real[:rows], self._lines[:rows]
+            head, lines = self._image[:rows], self._lines[:rows]
             backward = {
                 "direction": "FFTW_BACKWARD",
                 "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"),

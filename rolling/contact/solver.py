@@ -18,15 +18,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact import _projection, _solver_kernels
+from rolling.contact import _march_kernels, _projection, _solver_kernels
 from rolling.contact._descent import Candidates, Descent, Effort
 from rolling.contact._system import Limits, Sets
-from rolling.contact.half_space import HalfSpace
+from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
 
 # candidates for contact have a gap below this share of the largest deflection; 0.001 to 0.1 take
 # the same iterations
 NEAR = 0.01
 SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the largest deflection, serves no tighter one
+# Of a node's deflection by the hardness on its own cell: pressures below the hardness level such a
+# half range of gaps within the cell. At 0.15 to 0.3 elastic scenes stay as they are with sharp edges;
+# at 0 their rims grow soft.
+LEVELLED = 0.2
+# of the tolerance, a change of edges that leaves a solution as good as it is
+STEADY = 0.5
 
 
 class ContactError(RuntimeError):
@@ -47,6 +53,8 @@ class Contact:
     residual : float. KKT residual: maximum violation of the contact conditions over the maximum
         deflection, from a deflection computed afresh.
     iterations : int. Iterations that the solve took.
+    edge : (m, n) array, m, or None. Half of the range of gaps over the cell of each node, where
+        edges are blended.
     """
 
     pressure: Array
@@ -54,6 +62,7 @@ class Contact:
     approach: float
     residual: float
     iterations: int
+    edge: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -105,6 +114,11 @@ class SolverOptions:
     single: bool = True
 
 
+def levelled_range(half_space: HalfSpace, hardness: float) -> float:
+    """Return half of the range of gaps over a cell [m] that pressures below the hardness level."""
+    return float(LEVELLED * half_space.unit * OWN_COEFFICIENT * hardness)
+
+
 def foundation(
     gap: Array, load: float, spacing: float, stiffness: float, hardness: float = np.inf
 ) -> Array:
@@ -154,13 +168,44 @@ def _cold_start(half_space: HalfSpace, gap: Array, load: float, hardness: float)
     return WarmStart(foundation(gap, load, half_space.spacing, stiffness, hardness))
 
 
+class _Edges:
+    """The edges of patches within cells, found from the deflection that they belong to.
+
+    Parameters
+    ----------
+    shape : (m, n) array, m. Undeformed gap as it runs within cells.
+    half_space : HalfSpace. Of the nodes.
+    hardness : float, Pa. Largest pressure.
+
+    Attributes
+    ----------
+    edge : (m, n) array, m. Half of the range of gaps over the cell of each node, less the part that
+        pressures below the hardness level.
+    """
+
+    def __init__(self, shape: Array, half_space: HalfSpace, hardness: float) -> None:
+        self._shape = shape
+        self._levelled = levelled_range(half_space, hardness)
+        self.edge = np.zeros_like(shape)
+
+    def find(self, deflection: Array, change: Array | None = None) -> float:
+        """Find the edges by a deflection and its expected change [m]; return how far they moved
+        [m].
+        """
+        edge = np.empty_like(self._shape)
+        expected = deflection if change is None else deflection + change
+        moved = _march_kernels.cell_ranges(self._shape, expected, self._levelled, self.edge, edge)
+        self.edge = edge
+        return float(moved)
+
+
 def solve_contact(
     half_space: HalfSpace,
     gap: Array,
     load: float,
     start: WarmStart | None = None,
     hardness: float = np.inf,
-    edge: Array | None = None,
+    shape: Array | None = None,
     options: SolverOptions | None = None,
 ) -> Contact:
     """Solve one contact under a normal load on a window of nodes.
@@ -174,10 +219,9 @@ def solve_contact(
     load : float, N. Normal load.
     start : WarmStart or None. Default: a Winkler foundation.
     hardness : float, Pa. Largest pressure. Default: infinite, purely elastic.
-    edge : (m, n) array, m, or None. Half of the range of gaps over the cell of a node, where a
-        patch at the hardness may end within the cell: a node with the share s of its cell in
-        contact bears s * hardness at a gap of edge * (1 - 2 s). Default: a cell is in contact as a
-        whole or not at all.
+    shape : (m, n) array, m, or None. Undeformed gap as it runs within cells, for blended edges: a
+        patch at the hardness then ends within a cell, where the gap of its own solution says
+        (`cell_ranges`). Default: a cell is in contact as a whole or not at all.
     options : SolverOptions or None. Default: SolverOptions().
 
     Returns
@@ -213,18 +257,24 @@ def solve_contact(
             f"the start has pressures of shape {p.shape}, the gap has shape {gap.shape}"
         )
     u = half_space.deflection(p) if start.deflection is None else start.deflection
-    compliance = None
-    if edge is not None:
-        # A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives 2
-        # edge / H by itself.
-        gap, compliance = gap - edge, 2 * edge / hardness
+    edges = None
+    if shape is not None:
+        ahead = None if start.trend is None else start.trend.deflection
+        edges = _Edges(shape, half_space, hardness)
+        edges.find(u, ahead)
     near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
+    steady = True
     effort = Effort()
     while True:
-        v = u if compliance is None else u + compliance * p
-        flat = p.ravel(), gap.ravel(), v.ravel(), limits.hardness
+        # A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives 2
+        # edge / H by itself.
+        e, v, compliance = gap, u, None
+        if edges is not None:
+            e, compliance = gap - edges.edge, edges.edge * (2 / hardness)
+            v = u + compliance * p
+        flat = p.ravel(), e.ravel(), v.ravel(), limits.hardness
         approach, u_max = _solver_kernels.state_of(*flat)
-        u_max = u_max if edge is None else float(u.max())
+        u_max = u_max if edges is None else float(u.max())
         worst = _solver_kernels.violation(*flat, approach) if fresh else np.nan
         if not np.isfinite(approach) or not 0 < u_max < np.inf or worst == np.inf:
             raise ContactError(
@@ -235,25 +285,26 @@ def solve_contact(
             and worst <= options.tolerance * u_max
             and abs(p.sum() / limits.total - 1) <= 1e-12
         ):
-            return Contact(p, u, float(approach), float(worst / u_max), effort.iterations)
+            edge = None if edges is None else edges.edge
+            return Contact(p, u, float(approach), float(worst / u_max), effort.iterations, edge)
         if effort.is_spent:
             raise ContactError(
                 f"the contact solve stopped after {effort.iterations} iterations at a residual of {worst / u_max:.2g},"
                 f" {options.tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {effort.restarts} restarts,"
                 f" {effort.plain_steps} plain gradient steps)"
             )
-        candidates = Candidates.below(p, gap, v, approach + near * u_max)
+        candidates = Candidates.below(p, e, v, approach + near * u_max, half_space.subcells)
         # Not converged though no new node came into sight: single precision is not enough.
         precise = (
             not options.single
             or options.tolerance < SINGLE_TOLERANCE
-            or (fresh and candidates.node.size <= seen)
+            or (fresh and candidates.node.size <= seen and steady)
         )
         descent = Descent(
             half_space,
             candidates,
             p,
-            gap + v,
+            e + v,
             compliance,
             limits,
             options.tolerance * u_max,
@@ -266,3 +317,4 @@ def solve_contact(
         p.ravel()[candidates.node] = descent.pressure
         u, fresh = half_space.deflection(p), True
         near, seen = NEAR, candidates.node.size
+        steady = edges is None or edges.find(u) <= STEADY * options.tolerance * u_max

@@ -30,6 +30,10 @@ class RollingContact:
     single : bool. Whether to iterate on deflections of single precision. Default: True.
     blended : bool. Whether nodes at the edge of yielding patches bear the share of their cell in
         contact. Default: False.
+    subcells : int. Nodes along the side of a cell of the transforms; nodes are sub-cells where it
+        is more than 1. Cells begin at node 0, and their centre is a place of the track. Default: 1.
+    slopes : bool. Whether the heights between nodes run on from one to the next; if not, each cell
+        is flat. Default: True.
     """
 
     heights: Array
@@ -43,6 +47,8 @@ class RollingContact:
     tolerance: float
     single: bool = True
     blended: bool = False
+    subcells: int = 1
+    slopes: bool = True
 
     @cached_property
     def row_highest(self) -> Array:
@@ -71,6 +77,22 @@ class RollingContact:
         """Return the distance along the track of the sphere's centre at position k [m]."""
         return self.start + k * self.step
 
+    @property
+    def cell_spacing(self) -> float:
+        """Side of a cell [m]."""
+        return self.spacing * self.subcells
+
+    @property
+    def cell_shape(self) -> tuple[int, int]:
+        """Numbers of cells of the surface along and across."""
+        along, across = self.heights.shape
+        return along // self.subcells, across // self.subcells
+
+    @property
+    def off_centre(self) -> float:
+        """Distance from the first node of a cell to the centre of the cell [m]."""
+        return (self.subcells - 1) / 2 * self.spacing
+
     def overlap(self, k: int, approach: float) -> Window | None:
         """Find the window where the undeformed gap is below the approach [m] at position k, or
         None.
@@ -83,7 +105,7 @@ class RollingContact:
             self.highest,
             self.spacing,
             self.radius,
-            self.position(k),
+            self.position(k) + self.off_centre,
             self.mid_width,
             approach,
         )
@@ -91,12 +113,23 @@ class RollingContact:
 
     def gap(self, k: int, window: Window) -> Array:
         """Compute the undeformed gap on a window at position k, a (rows, columns) array [m]."""
+        return self._gap(k, window, self.heights)
+
+    def shape(self, k: int, window: Window, gap: Array) -> Array | None:
+        """Return the gap as it runs within cells, for blended edges: that of the sphere alone where
+        cells are flat; None for sharp edges.
+        """
+        if not self.has_blended_edges:
+            return None
+        return gap if self.slopes else self._gap(k, window, np.zeros((1, 1)))
+
+    def _gap(self, k: int, window: Window, heights: Array) -> Array:
         out = np.empty((window.rows, window.columns))
         _march_kernels.undeformed_gap(
-            self.heights,
+            heights,
             self.spacing,
             self.radius,
-            self.position(k),
+            self.position(k) + self.off_centre,
             self.mid_width,
             window.row,
             window.column,
@@ -124,8 +157,8 @@ class ContactState:
     stored_energy : float, J. Elastic energy.
     residual : float. KKT residual.
     iterations, convolutions : int. Cost of the solve.
-    edge : (rows, columns) array, m, or None. Half of the range of gaps over the cells where a patch
-        may end, of a blended march.
+    edge : (rows, columns) array, m, or None. Half of the range of gaps over the cells, of a march
+        with blended edges.
     sphere_share : float. Share of the initial pressures that moved with the sphere; all others
         stayed with the plate.
     """

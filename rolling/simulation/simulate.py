@@ -21,6 +21,7 @@ from rolling.contact.march import march
 from rolling.contact.recovery import EventTable, step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
+from rolling.contact.subcells import cell_means, half_space_of
 from rolling.scene.identity import Identity, other_surface
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -29,8 +30,7 @@ from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import scene_surface
 
 PIECE_STEPS = (
-    # a cold start costs about three steps, seven with blended edges and their run-in: 1.5 and 3.5 %
-    # of a piece
+    # a cold start costs about three steps: 1.5 % of a piece
     200
 )
 MAPS = 120  # pressure maps of a run: about as many as the eye follows in ten seconds
@@ -117,8 +117,8 @@ def surface_fault(scene: Scene, solved: str | None) -> str | None:
 
 
 @lru_cache(maxsize=4)
-def _half_space(spacing: float, contact_modulus: float) -> HalfSpace:
-    return HalfSpace(spacing, contact_modulus)
+def _half_space(spacing: float, contact_modulus: float, subcells: int) -> HalfSpace:
+    return half_space_of(spacing, contact_modulus, subcells)
 
 
 def pieces(steps: int) -> list[tuple[int, int]]:
@@ -133,24 +133,31 @@ def mapped_positions(steps: int) -> NDArray[np.int64]:
     return np.unique(np.arange(MAPS) * steps // MAPS)
 
 
-def pressure_map(state: ContactState, distance: float, spacing: float) -> PressureMap:
+def pressure_map(state: ContactState, contact: RollingContact) -> PressureMap:
     """Return the pressure map of a state, with as many nodes per cell as keep it small."""
-    loaded, window = state.loaded, state.window
+    r = contact.subcells
+    spacing, window = contact.cell_spacing, state.window.cells(r)
+    loaded = state.loaded.whole(r).cells(r)
     across = max(loaded.rows, loaded.columns)
     nodes = -(-across // MAP_CELLS)
     # Whole cells: the last ones reach over nodes that bear nothing.
     rows, columns = (-(-count // nodes) for count in (loaded.rows, loaded.columns))
     pressure = np.zeros((rows * nodes, columns * nodes))
-    pressure[: loaded.rows, : loaded.columns] = window.moved(state.pressure, loaded)
+    pressure[: loaded.rows, : loaded.columns] = window.moved(cell_means(state.pressure, r), loaded)
     means = pressure.reshape(rows, nodes, columns, nodes).mean(axis=(1, 3))
     corner = (loaded.row - 0.5) * spacing, (loaded.column - 0.5) * spacing
+    distance = contact.position(state.position)
     return PressureMap(state.position, distance, *corner, nodes * spacing, means.astype(np.float32))
 
 
 def _snapshot(state: ContactState, contact: RollingContact) -> Snapshot:
-    """Return pressure and deflection of a state with the place of its window."""
-    row, column = state.window.row * contact.spacing, state.window.column * contact.spacing
-    return Snapshot(contact.position(state.position), row, column, state.pressure, state.deflection)
+    """Return pressure and deflection of a state, means of cells, with the place of its window."""
+    window = state.window.cells(contact.subcells)
+    row, column = window.row * contact.cell_spacing, window.column * contact.cell_spacing
+    pressure, deflection = (
+        cell_means(values, contact.subcells) for values in (state.pressure, state.deflection)
+    )
+    return Snapshot(contact.position(state.position), row, column, pressure, deflection)
 
 
 def simulate_piece(
@@ -178,10 +185,10 @@ def simulate_piece(
     Interrupted : `stopped` said so.
     """
     contact = contact or rolling_contact(scene)
-    half_space = _half_space(contact.spacing, contact.contact_modulus)
+    half_space = _half_space(contact.spacing, contact.contact_modulus, contact.subcells)
     left_end = scene.recovery is not None and scene.recovery.rule == "left_end"
     table = (
-        EventTable(contact.heights.shape)
+        EventTable(contact.cell_shape)
         if scene.recovery is not None and scene.recovery.events
         else None
     )
@@ -199,7 +206,7 @@ def simulate_piece(
         if old is not None:
             energy = step_energy(old, state, half_space, left_end)
             if table is not None:
-                table.add(k - 1, energy)
+                table.add(k - 1, energy, contact.subcells)
             now = time.perf_counter()
             values = (energy.release, energy.loading, energy.defect, now - began)
             for name, value in zip(STEP_SERIES, values, strict=True):
@@ -210,7 +217,7 @@ def simulate_piece(
             for name in STATE_SERIES:
                 states[name][k - first - (first > 0)] = getattr(state, name)
             if k in kept_positions:
-                maps.append(pressure_map(state, contact.position(k), contact.spacing))
+                maps.append(pressure_map(state, contact))
         if k == last and first == 0:
             snapshot = _snapshot(state, contact)
         old = state

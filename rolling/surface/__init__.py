@@ -4,6 +4,8 @@ heights
     makes random and flat heights, reads files, and computes roughness statistics
 levelling
     finds tilt and seam of measured heights and takes the tilt off
+refinement
+    gives heights between the nodes, on finer grids and on sub-cells
 scene_surface
     gives the one surface of a scene, with its statistics and its digest
 contact_of_scene

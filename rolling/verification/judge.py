@@ -24,6 +24,7 @@ from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
+from rolling.contact.subcells import half_space_of
 from rolling.folders import files
 from rolling.simulation import lifeline
 from rolling.verification import hard_cases, optimality
@@ -93,7 +94,7 @@ class _Trial:
 
     def march(self, track: RollingContact) -> None:
         """March the case and judge each state, each step and the laps."""
-        half_space = HalfSpace(track.spacing, track.contact_modulus)
+        half_space = half_space_of(track.spacing, track.contact_modulus, track.subcells)
         states = march(track, self.case.first, self.case.first + self.case.steps, half_space)
         limit = TIME_LIMIT + 0.1 * self.case.steps
         old: ContactState | None = None
