@@ -124,17 +124,20 @@ def cell_ranges(shape, u, levelled, before, out):
 
     The range is that of a uniform distribution with the variance of the gaps: the gradient times a
     side of the cell. Pressures below the hardness level a small range: up to `levelled` [m] it does not count, from
-    twice that on it counts in full.
+    twice that on it counts in full. A deflection of zero is one that is not known.
     """
     rows, columns = u.shape
     moved = 0.0
     out[:] = 0.0
     for i in range(1, rows - 1):
         for j in range(1, columns - 1):
-            along = shape[i + 1, j] + u[i + 1, j] - shape[i - 1, j] - u[i - 1, j]
-            across = shape[i, j + 1] + u[i, j + 1] - shape[i, j - 1] - u[i, j - 1]
-            half = 0.25 * np.sqrt(along * along + across * across)
-            out[i, j] = max(min(half, 2.0 * (half - levelled)), 0.0)
+            west, east, south, north = u[i - 1, j], u[i + 1, j], u[i, j - 1], u[i, j + 1]
+            if west != 0.0 and east != 0.0 and south != 0.0 and north != 0.0:
+                along = shape[i + 1, j] + east - shape[i - 1, j] - west
+                across = shape[i, j + 1] + north - shape[i, j - 1] - south
+                half = 0.25 * np.sqrt(along * along + across * across)
+                if half > levelled:
+                    out[i, j] = min(half, 2.0 * (half - levelled))
             moved = max(moved, abs(out[i, j] - before[i, j]))
     return moved
 
@@ -163,7 +166,7 @@ def loaded(pressure, deflection, hardness, edge, levelled):
                     capped += 1.0
                 elif edge.size and edge[i, j] > 0.0:
                     crossed = edge[i, j] / max(edge[i, j], 0.5 * edge[i, j] + levelled)
-                    between = min(levelled / edge[i, j], 0.5)
+                    between = min(levelled / (3.0 * edge[i, j]), 0.5)
                     count += 1.0 - crossed * max(1.0 - p / hardness - between, 0.0)
                     capped += crossed * max(p / hardness - between, 0.0)
                 else:

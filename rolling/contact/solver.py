@@ -31,6 +31,10 @@ SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the largest deflection, ser
 # half range of gaps within the cell. At 0.15 to 0.3 elastic scenes stay as they are with sharp edges;
 # at 0 their rims grow soft.
 LEVELLED = 0.2
+# Edges move after each descent: the first one with predicted edges goes to this residual, the next
+# ones to this share of the residual that the moved edges left.
+FIRST_EDGES = 1e-3
+TO_GO = 0.1
 # of the tolerance, a change of edges that leaves a solution as good as it is
 STEADY = 0.5
 
@@ -199,6 +203,13 @@ class _Edges:
         return float(moved)
 
 
+def _goal(tolerance: float, residual: float, blended: bool, fresh: bool) -> float:
+    """Return the tolerance of a descent: looser where its edges will move all the same."""
+    if not blended:
+        return tolerance
+    return max(tolerance, TO_GO * residual if fresh else FIRST_EDGES)
+
+
 def solve_contact(
     half_space: HalfSpace,
     gap: Array,
@@ -307,7 +318,7 @@ def solve_contact(
             e + v,
             compliance,
             limits,
-            options.tolerance * u_max,
+            _goal(options.tolerance, worst / u_max, edges is not None, fresh) * u_max,
             not precise,
         )
         if start.trend is not None and not fresh:
