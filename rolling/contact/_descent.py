@@ -14,6 +14,7 @@ from rolling._typing import Array
 from rolling.contact import _projection, _solver_kernels
 from rolling.contact._system import (
     Direction,
+    Edges,
     Limits,
     Nodes,
     Stencil,
@@ -26,6 +27,11 @@ from rolling.contact._system import (
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace, love
 
 MAX_ITERATIONS = 1000
+# Edges move after each descent: the first one, with predicted edges, goes to this share of the
+# maximum deflection, the next ones to this share of the violation that the moved edges left.
+FIRST_EDGES = 1e-3
+TO_GO = 0.1
+MAX_MOVES = 100  # of the edges in a solve, before they stay
 # of the tolerance: the rest is for the difference between the deflection carried along and one
 # computed afresh
 AIM = 0.98
@@ -50,6 +56,7 @@ class Effort:
     plain_steps: int = 0
     stuck: int = 0
     rounds: int = 0
+    moves: int = 0
     snapping: bool = True
 
     @property
@@ -72,13 +79,20 @@ class Candidates:
 
     @classmethod
     def below(
-        cls, pressure: Array, gap: Array, deflection: Array, highest: float, subcells: int = 1
+        cls,
+        pressure: Array,
+        gap: Array,
+        deflection: Array,
+        highest: float,
+        subcells: int = 1,
+        neighbours: bool = False,
     ) -> Candidates:
         """Find the nodes that are loaded or lie lower than `highest` [m] before the approach is
-        taken off, and a block of whole cells that holds them.
+        taken off, with their neighbours if asked for, and a block of whole cells that holds them.
         """
+        find = _solver_kernels.with_neighbours if neighbours else _solver_kernels.candidates
         listed = np.empty(pressure.size, dtype=np.int64)
-        count, first_row, last_row, first_column, last_column = _solver_kernels.candidates(
+        count, first_row, last_row, first_column, last_column = find(
             pressure, gap, deflection, highest, listed
         )
         first_row, first_column = (k // subcells * subcells for k in (first_row, first_column))
@@ -87,6 +101,42 @@ class Candidates:
             for first, last in ((first_row, last_row), (first_column, last_column))
         )
         return cls(listed[:count], first_row, first_column, rows, columns)
+
+
+class BlendedEdges:
+    """The edges of patches within the cells of a window, found from the deflection that they belong
+    to.
+
+    Parameters
+    ----------
+    gap, shape : (m, n) arrays, m. Undeformed gap of the nodes, and as it runs within cells.
+    levelled : float, m. Half range of gaps over a cell that elastic pressures level.
+
+    Attributes
+    ----------
+    edge : (m, n) array, m. Half of the range of gaps over the cell of each node.
+    u_max : float, m. Maximum deflection.
+    """
+
+    def __init__(self, gap: Array, shape: Array, levelled: float) -> None:
+        self._gap, self._shape, self.levelled = gap, shape, levelled
+        self.edge = np.empty_like(gap)
+        self.u_max = 0.0
+
+    def find(self, deflection: Array, change: Array | None = None) -> None:
+        """Find the edges by a deflection and its expected change [m]."""
+        # what was returned with a solution must not change
+        self.edge = np.empty_like(self._gap)
+        self.u_max = float(deflection.max())
+        expected = deflection if change is None else deflection + change
+        _solver_kernels.cell_ranges(self._shape, expected, self.levelled, self.edge)
+
+    def between_nodes(self, node: NDArray[np.int64]) -> Array:
+        """Return the gap as it runs within cells less that of the nodes, at candidates [m]."""
+        if self._shape is self._gap:
+            return np.zeros(node.size)
+        difference: Array = self._shape.ravel()[node] - self._gap.ravel()[node]
+        return difference
 
 
 class Descent:
@@ -99,8 +149,7 @@ class Descent:
     candidates : Candidates. Nodes that may be in contact.
     pressure, gap : (m, n) arrays on the window, Pa and m. Start, and its gaps before the approach
         is taken off.
-    compliance : (m, n) array, m/Pa, or None. Closing of a node's gap by its own pressure beside the
-        deflection.
+    edges : BlendedEdges or None. Edges within cells, which `gap` has in it.
     limits : Limits. Hardness and sum of pressures.
     allowed : float, m. Largest violation of the contact conditions.
     single : bool. Whether transforms are of single precision.
@@ -118,7 +167,7 @@ class Descent:
         candidates: Candidates,
         pressure: Array,
         gap: Array,
-        compliance: Array | None,
+        edges: BlendedEdges | None,
         limits: Limits,
         allowed: float,
         single: bool,
@@ -126,6 +175,7 @@ class Descent:
         node = candidates.node
         self.half_space, self.node, self.limits = half_space, node, limits
         self.allowed, self.goal = allowed, AIM * allowed
+        self.first_goal = None if edges is None else AIM * FIRST_EDGES * edges.u_max
         self.rows = candidates.rows
         self.transforms = half_space.convolution(
             candidates.rows - 1, candidates.columns - 1, single=single
@@ -138,7 +188,8 @@ class Descent:
         _solver_kernels.places(node, gap.shape[1], corner, row_lengths, in_image, in_grid)
         unit = 1.0 / half_space.unit
         stiffness = float(unit / OWN_COEFFICIENT)
-        soft = np.empty(0) if compliance is None else compliance.ravel()[node]
+        edge = np.empty(0) if edges is None else edges.edge.ravel()[node]
+        soft = edge * (2 / limits.hardness)
         trial, d, r, r_before = (np.zeros(node.size) for _ in range(4))
         grid = np.zeros((candidates.rows + 2) * row_length)
         self.system = System(
@@ -149,6 +200,12 @@ class Descent:
             Stencil(_inverse_stencil() * unit, grid, in_grid, row_length, stiffness),
             Work(trial, d, r, r_before, np.empty(node.size, np.uint32)),
             limits,
+            Edges(
+                edge,
+                edge if edges is None else edges.between_nodes(node),
+                np.empty(0) if edges is None else np.full(grid.size, np.nan),
+                0.0 if edges is None else edges.levelled,
+            ),
         )
         self.packed = pack(self.system)
         self.direction = Direction(0.0, 0.0, 0.0, 1.0)
@@ -174,12 +231,12 @@ class Descent:
         share = self.node.size
         if self.direction.slope < 0:  # the direction of `lead`
             self._convolve(effort)
+        goal = self.goal if self.first_goal is None else max(self.goal, self.first_goal)
         while True:
             last = effort.iterations >= MAX_ITERATIONS
-            step, direction = _solver_kernels.iterate(
-                self.packed, tuple(self.direction), snap / share, np.inf if last else self.goal
-            )
-            self.step, self.direction = Step(*step), Direction(*direction)
+            self._step(snap / share, np.inf if last else goal)
+            if not last and self.first_goal is not None and not self.step.worst > goal:
+                goal = self._move_edges(effort)
             if last or not self.step.worst > self.goal:
                 break
             share = max(self.step.bound, 1)
@@ -190,6 +247,23 @@ class Descent:
                 break
             effort.stuck = 0
             self._convolve(effort)
+
+    def _step(self, snap: float, goal: float) -> None:
+        """Step along the direction and find the next one, unless the violation is within `goal`
+        [m].
+        """
+        step, direction = _solver_kernels.iterate(self.packed, tuple(self.direction), snap, goal)
+        self.step, self.direction = Step(*step), Direction(*direction)
+
+    def _move_edges(self, effort: Effort) -> float:
+        """Move the edges to where the gaps at hand put them; return the violation to go on to."""
+        effort.moves += 1
+        _solver_kernels.move_edges(self.packed)
+        self.direction = Direction(0.0, 0.0, 0.0, 1.0)
+        self._step(0.0, self.goal)
+        if effort.moves > MAX_MOVES:
+            return self.goal
+        return max(self.goal, TO_GO * self.step.worst)
 
     def settle(self, effort: Effort) -> None:
         """Make the pressures carry the load exactly, or, where no step descends, replace them by a

@@ -1,5 +1,4 @@
-"""Compiled passes of the march: gap, overlap, edges within cells, trends, and the measures of a
-solved window.
+"""Compiled passes of the march: gap, overlap, trends, and the measures of a solved window.
 
 Rows and columns are those of the unrolled plate; heights repeat with their period.
 """
@@ -115,31 +114,6 @@ def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend
             a, b = i + row_offset, j + column_offset
             p_trend[a, b] -= p_before[i, j]
             u_trend[a, b] = u[a, b] - u_before[i, j]
-
-
-@njit(cache=True)
-def cell_ranges(shape, u, levelled, before, out):
-    """Set out to half of the range [m] of the deflected gap over each cell; return the largest
-    change from `before`.
-
-    The range is that of a uniform distribution with the variance of the gaps: the gradient times a
-    side of the cell. Pressures below the hardness level a small range: up to `levelled` [m] it does not count, from
-    twice that on it counts in full. A deflection of zero is one that is not known.
-    """
-    rows, columns = u.shape
-    moved = 0.0
-    out[:] = 0.0
-    for i in range(1, rows - 1):
-        for j in range(1, columns - 1):
-            west, east, south, north = u[i - 1, j], u[i + 1, j], u[i, j - 1], u[i, j + 1]
-            if west != 0.0 and east != 0.0 and south != 0.0 and north != 0.0:
-                along = shape[i + 1, j] + east - shape[i - 1, j] - west
-                across = shape[i, j + 1] + north - shape[i, j - 1] - south
-                half = 0.25 * np.sqrt(along * along + across * across)
-                if half > levelled:
-                    out[i, j] = min(half, 2.0 * (half - levelled))
-            moved = max(moved, abs(out[i, j] - before[i, j]))
-    return moved
 
 
 @njit(cache=True)

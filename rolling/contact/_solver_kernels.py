@@ -2,7 +2,7 @@
 
 r is the residual, the gap left open or overlapped on a free node [m]; z the preconditioned
 residual, d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
-direction. `violation` and `candidates` look at a whole window; all others at its candidates, the
+direction. `violation`, `candidates` and `cell_ranges` look at a whole window; all others at its candidates, the
 nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead` and `carry_load`.
 """
 
@@ -92,6 +92,33 @@ def candidates(p, e, u, highest, node):
             last_row = i
             first_column = min(first_column, node[before] - i * columns)
             last_column = max(last_column, node[count - 1] - i * columns)
+    return count, first_row, last_row, first_column, last_column
+
+
+@njit(cache=True)
+def with_neighbours(p, e, u, highest, node):
+    """List the nodes as `candidates` does, and the neighbours of each along and across."""
+    rows, columns = p.shape
+    listed = np.zeros((rows + 2, columns + 2), np.uint8)
+    for i in range(rows):
+        for j in range(columns):
+            if p[i, j] > 0.0 or e[i, j] + u[i, j] < highest:
+                listed[i + 1, j + 1] |= 1
+                listed[i, j + 1] |= 2
+                listed[i + 2, j + 1] |= 2
+                listed[i + 1, j] |= 2
+                listed[i + 1, j + 2] |= 2
+    count = 0
+    first_row, last_row, first_column, last_column = rows, -1, columns, -1
+    for i in range(rows):
+        for j in range(columns):
+            if listed[i + 1, j + 1]:
+                node[count] = i * columns + j
+                count += 1
+                first_row = min(first_row, i)
+                last_row = i
+                first_column = min(first_column, j)
+                last_column = max(last_column, j)
     return count, first_row, last_row, first_column, last_column
 
 
@@ -280,6 +307,60 @@ def find_direction(nodes, stencil, work, limits, approach, free, bound, directio
 
 
 @njit(cache=True)
+def half_range(along, across, levelled):
+    """Return half of the range [m] of the gap over a cell, from its differences over two cells.
+
+    The range is that of a uniform distribution with the variance of the gaps: the gradient times a
+    side of the cell. Pressures below the hardness level a small range: up to `levelled` [m] it does
+    not count, from twice that on it counts in full.
+    """
+    half = 0.25 * np.sqrt(along * along + across * across)
+    return max(min(half, 2.0 * (half - levelled)), 0.0)
+
+
+@njit(cache=True)
+def cell_ranges(shape, u, levelled, out):
+    """Set out to half of the range [m] of the deflected gap over each cell; it is zero on the
+    border of the window and where a deflection is zero, which means that it is not known.
+    """
+    rows, columns = u.shape
+    for j in range(columns):
+        out[0, j] = out[rows - 1, j] = 0.0
+    for i in range(1, rows - 1):
+        out[i, 0] = out[i, columns - 1] = 0.0
+        for j in range(1, columns - 1):
+            along = shape[i + 1, j] + u[i + 1, j] - shape[i - 1, j] - u[i - 1, j]
+            across = shape[i, j + 1] + u[i, j + 1] - shape[i, j - 1] - u[i, j - 1]
+            known = u[i + 1, j] * u[i - 1, j] * u[i, j + 1] * u[i, j - 1] != 0.0
+            out[i, j] = half_range(along, across, levelled) if known else 0.0
+
+
+@njit(cache=True)
+def move_edges(packed):
+    """Move the edges of the candidates to where the gaps at hand put them.
+
+    The edge of a node beside one that is no candidate stays.
+    """
+    system = unpack(packed)
+    p, g, compliance, softening = system.nodes
+    edge, between_nodes, field, levelled = system.edges
+    place, row_length = system.stencil.node, system.stencil.row_length
+    for k in range(p.size):
+        field[place[k]] = g[k] + edge[k] - compliance[k] * p[k] + between_nodes[k]
+    per_hardness = 2.0 / system.limits.hardness
+    for k in range(p.size):
+        at = place[k]
+        along = field[at + row_length] - field[at - row_length]
+        across = field[at + 1] - field[at - 1]
+        if along == along and across == across:
+            moved = half_range(along, across, levelled)
+            g[k] += (edge[k] - moved) * (1.0 - per_hardness * p[k])
+            edge[k] = moved
+            compliance[k] = per_hardness * moved
+            softening[k] = 1.0 / np.sqrt(1.0 + compliance[k] * system.stencil.stiffness)
+
+
+@njit(cache=True)
 def scatter(transform, d):
     """Write the direction into the array of the transforms, in units that make its image a
     deflection.
@@ -361,7 +442,7 @@ def lead(packed, p_trend, u_trend):
 @njit(cache=True)
 def carry_load(packed, approach, free):
     """Shift the free nodes so that the pressures carry the load exactly."""
-    nodes, _, _, work, limits = unpack(packed)
+    nodes, _, _, work, limits, _ = unpack(packed)
     work.trial[:] = nodes.p
     project(nodes.p, nodes.g, approach, work.trial, Sets(work.active, free, 0), limits, work.d)
     nodes.p[:] += work.d

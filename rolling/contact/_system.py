@@ -117,6 +117,24 @@ class Work(NamedTuple):
     active: Indices
 
 
+class Edges(NamedTuple):
+    """The edges within the cells of candidates; arrays are empty where edges are sharp.
+
+    Parameters
+    ----------
+    edge : half of the range of gaps over the cell, m.
+    between_nodes : undeformed gap as it runs within cells less the gap of the nodes, m.
+    field : flat array, m. Grid as that of the stencil, for the gap as it runs within cells; it is
+        not a number off the candidates.
+    levelled : float, m. Half range that elastic pressures level.
+    """
+
+    edge: Array
+    between_nodes: Array
+    field: Array
+    levelled: float
+
+
 class System(NamedTuple):
     """One descent: its candidates and all that stays where it is in memory."""
 
@@ -125,6 +143,7 @@ class System(NamedTuple):
     stencil: Stencil
     work: Work
     limits: Limits
+    edges: Edges
 
 
 def pack(system: System) -> tuple[tuple[Any, ...], ...]:
@@ -135,9 +154,14 @@ def pack(system: System) -> tuple[tuple[Any, ...], ...]:
 @njit(cache=True)
 def unpack(packed):
     """Make the System again from its plain tuples."""
-    nodes, transform, stencil, work, limits = packed
+    nodes, transform, stencil, work, limits, edges = packed
     return System(
-        Nodes(*nodes), Transform(*transform), Stencil(*stencil), Work(*work), Limits(*limits)
+        Nodes(*nodes),
+        Transform(*transform),
+        Stencil(*stencil),
+        Work(*work),
+        Limits(*limits),
+        Edges(*edges),
     )
 
 

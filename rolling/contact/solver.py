@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact import _march_kernels, _projection, _solver_kernels
-from rolling.contact._descent import Candidates, Descent, Effort
+from rolling.contact import _projection, _solver_kernels
+from rolling.contact._descent import BlendedEdges, Candidates, Descent, Effort
 from rolling.contact._system import Limits, Sets
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
 
@@ -31,12 +31,6 @@ SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the largest deflection, ser
 # half range of gaps within the cell. At 0.15 to 0.3 elastic scenes stay as they are with sharp edges;
 # at 0 their rims grow soft.
 LEVELLED = 0.2
-# Edges move after each descent: the first one with predicted edges goes to this residual, the next
-# ones to this share of the residual that the moved edges left.
-FIRST_EDGES = 1e-3
-TO_GO = 0.1
-# of the tolerance, a change of edges that leaves a solution as good as it is
-STEADY = 0.5
 
 
 class ContactError(RuntimeError):
@@ -172,44 +166,6 @@ def _cold_start(half_space: HalfSpace, gap: Array, load: float, hardness: float)
     return WarmStart(foundation(gap, load, half_space.spacing, stiffness, hardness))
 
 
-class _Edges:
-    """The edges of patches within cells, found from the deflection that they belong to.
-
-    Parameters
-    ----------
-    shape : (m, n) array, m. Undeformed gap as it runs within cells.
-    half_space : HalfSpace. Of the nodes.
-    hardness : float, Pa. Largest pressure.
-
-    Attributes
-    ----------
-    edge : (m, n) array, m. Half of the range of gaps over the cell of each node, less the part that
-        pressures below the hardness level.
-    """
-
-    def __init__(self, shape: Array, half_space: HalfSpace, hardness: float) -> None:
-        self._shape = shape
-        self._levelled = levelled_range(half_space, hardness)
-        self.edge = np.zeros_like(shape)
-
-    def find(self, deflection: Array, change: Array | None = None) -> float:
-        """Find the edges by a deflection and its expected change [m]; return how far they moved
-        [m].
-        """
-        edge = np.empty_like(self._shape)
-        expected = deflection if change is None else deflection + change
-        moved = _march_kernels.cell_ranges(self._shape, expected, self._levelled, self.edge, edge)
-        self.edge = edge
-        return float(moved)
-
-
-def _goal(tolerance: float, residual: float, blended: bool, fresh: bool) -> float:
-    """Return the tolerance of a descent: looser where its edges will move all the same."""
-    if not blended:
-        return tolerance
-    return max(tolerance, TO_GO * residual if fresh else FIRST_EDGES)
-
-
 def solve_contact(
     half_space: HalfSpace,
     gap: Array,
@@ -271,18 +227,17 @@ def solve_contact(
     edges = None
     if shape is not None:
         ahead = None if start.trend is None else start.trend.deflection
-        edges = _Edges(shape, half_space, hardness)
+        edges = BlendedEdges(gap, shape, levelled_range(half_space, hardness))
         edges.find(u, ahead)
     near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
-    steady = True
     effort = Effort()
     while True:
         # A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives 2
         # edge / H by itself.
-        e, v, compliance = gap, u, None
+        e, v = gap, u
         if edges is not None:
-            e, compliance = gap - edges.edge, edges.edge * (2 / hardness)
-            v = u + compliance * p
+            e = gap - edges.edge
+            v = u + edges.edge * (p * (2 / hardness))
         flat = p.ravel(), e.ravel(), v.ravel(), limits.hardness
         approach, u_max = _solver_kernels.state_of(*flat)
         u_max = u_max if edges is None else float(u.max())
@@ -304,21 +259,22 @@ def solve_contact(
                 f" {options.tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {effort.restarts} restarts,"
                 f" {effort.plain_steps} plain gradient steps)"
             )
-        candidates = Candidates.below(p, e, v, approach + near * u_max, half_space.subcells)
+        highest = approach + near * u_max
+        candidates = Candidates.below(p, e, v, highest, half_space.subcells, edges is not None)
         # Not converged though no new node came into sight: single precision is not enough.
         precise = (
             not options.single
             or options.tolerance < SINGLE_TOLERANCE
-            or (fresh and candidates.node.size <= seen and steady)
+            or (fresh and candidates.node.size <= seen and (edges is None or effort.rounds > 4))
         )
         descent = Descent(
             half_space,
             candidates,
             p,
             e + v,
-            compliance,
+            edges,
             limits,
-            _goal(options.tolerance, worst / u_max, edges is not None, fresh) * u_max,
+            options.tolerance * u_max,
             not precise,
         )
         if start.trend is not None and not fresh:
@@ -328,4 +284,5 @@ def solve_contact(
         p.ravel()[candidates.node] = descent.pressure
         u, fresh = half_space.deflection(p), True
         near, seen = NEAR, candidates.node.size
-        steady = edges is None or edges.find(u) <= STEADY * options.tolerance * u_max
+        if edges is not None:
+            edges.find(u)
