@@ -112,9 +112,14 @@ class SolverOptions:
     single: bool = True
 
 
+def own_deflection(half_space: HalfSpace, hardness: float) -> float:
+    """Return the deflection of a node [m] by the hardness on its own cell."""
+    return float(half_space.unit * OWN_COEFFICIENT * hardness)
+
+
 def levelled_range(half_space: HalfSpace, hardness: float) -> float:
     """Return half of the range of gaps over a cell [m] that pressures below the hardness level."""
-    return float(LEVELLED * half_space.unit * OWN_COEFFICIENT * hardness)
+    return LEVELLED * own_deflection(half_space, hardness)
 
 
 def foundation(

@@ -61,12 +61,14 @@ def own_block(subcells: int) -> Array:
     both = np.einsum("ak,bl->abkl", weights, weights).reshape(r * r, 9)
     place = np.arange(r)
     distance = np.abs(place[:, None] - place[None, :])
-    exact = love(np.arange(r), np.arange(r))[
-        distance[:, None, :, None], distance[None, :, None, :]
-    ].reshape(r * r, r * r)
+    near = np.arange(float(r))
+    exact = love(near, near)[distance[:, None, :, None], distance[None, :, None, :]].reshape(
+        r * r, r * r
+    )
     cell = np.arange(3)
     apart = np.abs(cell[:, None] - cell[None, :])
-    between = mean_coefficients(np.arange(3), np.arange(3), r)[
+    around = np.arange(3.0)
+    between = mean_coefficients(around, around, r)[
         apart[:, None, :, None], apart[None, :, None, :]
     ].reshape(9, 9)
     return np.ascontiguousarray(exact - both @ between @ both.T / r**2)
@@ -75,8 +77,8 @@ def own_block(subcells: int) -> Array:
 @lru_cache(maxsize=32)
 def _mean_spectrum(m: int, n: int, subcells: int) -> Array:
     """Compute the transform (m, n // 2 + 1) of the wrapped coefficients between cells."""
-    distances = [np.minimum(np.arange(k), k - np.arange(k)) for k in (m, n)]
-    return np.ascontiguousarray(np.fft.rfft2(mean_coefficients(*distances, subcells)).real)
+    rows, columns = (np.minimum(np.arange(k), k - np.arange(k)).astype(float) for k in (m, n))
+    return np.ascontiguousarray(np.fft.rfft2(mean_coefficients(rows, columns, subcells)).real)
 
 
 class SubcellSpace(HalfSpace):

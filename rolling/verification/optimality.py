@@ -97,7 +97,7 @@ def _sphere(track: RollingContact, state: ContactState, rows: Nodes, columns: No
 def _levelled(track: RollingContact) -> float:
     """Return half of the range of gaps over a cell [m] that elastic pressures level."""
     own = 4 * np.log(1 + np.sqrt(2)) * track.spacing / (np.pi * track.contact_modulus)
-    return solver.LEVELLED * own * track.hardness
+    return float(solver.LEVELLED * own * track.hardness)
 
 
 def edges(track: RollingContact, state: ContactState, gap: Array, u: Array, around: int) -> Array:

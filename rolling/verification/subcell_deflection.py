@@ -9,9 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
 from rolling._typing import Array
+
+Distances = NDArray[np.signedinteger]
+Coefficients = Callable[[Distances, Distances], Array]
 
 
 def interpolation(r: int) -> Array:
@@ -27,7 +31,7 @@ def interpolation(r: int) -> Array:
     return weights
 
 
-def deflection(p: Array, r: int, coefficients: Callable[[Array, Array], Array]) -> Array:
+def deflection(p: Array, r: int, coefficients: Coefficients) -> Array:
     """Compute the deflection of sub-cells, for pi E* = spacing of sub-cells = 1.
 
     Parameters
@@ -56,7 +60,7 @@ def _matrix(cells: int, r: int) -> Array:
     return matrix
 
 
-def _between(m: int, n: int, r: int, coefficients: Callable[[Array, Array], Array]) -> Array:
+def _between(m: int, n: int, r: int, coefficients: Coefficients) -> Array:
     """Return the mean deflection of a cell by the mean pressure of another, for all distances
     within (m, n) cells.
     """
@@ -69,7 +73,7 @@ def _between(m: int, n: int, r: int, coefficients: Callable[[Array, Array], Arra
     return picked[: 2 * m - 1, : 2 * n - 1]
 
 
-def _within(p: Array, r: int, coefficients: Callable[[Array, Array], Array]) -> Array:
+def _within(p: Array, r: int, coefficients: Coefficients) -> Array:
     """Return the deflections by the pressures within the same cell, exact less those by way of the
     cells.
     """
