@@ -97,7 +97,8 @@ class RollingContact:
         """Find the window where the undeformed gap is below the approach [m] at position k, or
         None.
 
-        Contact at this approach or a smaller one lies inside.
+        Contact at this approach or a smaller one lies inside, with blended edges as well: a node
+        that lies higher may bear the part of its cell beside a lower one.
         """
         block = _march_kernels.overlap_block(
             self.heights,
@@ -109,7 +110,10 @@ class RollingContact:
             self.mid_width,
             approach,
         )
-        return Window.spanning([block]) if block[1] >= block[0] else None
+        if block[1] < block[0]:
+            return None
+        window = Window.spanning([block])
+        return window.bordered() if self.has_blended_edges else window
 
     def gap(self, k: int, window: Window) -> Array:
         """Compute the undeformed gap on a window at position k, a (rows, columns) array [m]."""
