@@ -51,9 +51,23 @@ class RollingContact:
     slopes: bool = True
 
     @cached_property
+    def tops(self) -> Array:
+        """Height that the surface reaches within the cell of each node, an (along, across) array
+        [m].
+
+        With blended edges a cell rises above its node by half of its range.
+        """
+        if not (self.has_blended_edges and self.slopes):
+            return self.heights
+        z = self.heights
+        along, across = (np.roll(z, -1, axis) - np.roll(z, 1, axis) for axis in (0, 1))
+        tops: Array = z + 0.25 * np.hypot(along, across)
+        return tops
+
+    @cached_property
     def row_highest(self) -> Array:
         """Maximum height of each row, an (along,) array [m]."""
-        highest: Array = self.heights.max(axis=1)
+        highest: Array = self.tops.max(axis=1)
         return highest
 
     @cached_property
@@ -97,11 +111,12 @@ class RollingContact:
         """Find the window where the undeformed gap is below the approach [m] at position k, or
         None.
 
-        Contact at this approach or a smaller one lies inside, with blended edges as well: a node
-        that lies higher may bear the part of its cell beside a lower one.
+        Contact at this approach or a smaller one lies inside. With blended edges a node may bear
+        part of its cell: the gap then is that of the top of each cell, and a border of one node
+        allows for the slope that the sphere adds.
         """
         block = _march_kernels.overlap_block(
-            self.heights,
+            self.tops,
             self.row_highest,
             self.highest,
             self.spacing,
