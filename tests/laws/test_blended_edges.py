@@ -101,10 +101,10 @@ def test_no_start_of_the_march_is_remembered(ra: float, subcells: int) -> None:
 @pytest.mark.law("Blended edges: the second lap equals the first.")
 @pytest.mark.parametrize("subcells", [1, 2])
 def test_second_lap_equals_the_first(subcells: int) -> None:
-    track = make_track(rough(40, 60, 3e-7), load=0.05, hardness=HARDNESS, tolerance=1e-7)
+    track = make_track(rough(50, 60, 1e-7), load=0.1, hardness=HARDNESS, tolerance=1e-7)
     track = blended(track, subcells)
-    signal = releases(track, roll(track, 0, 80))
-    assert error_db(signal[40:], signal[:40]) < -60
+    signal = releases(track, roll(track, 0, 100))
+    assert error_db(signal[50:], signal[:50]) < -60
 
 
 @pytest.mark.law("Blended edges: the mirrored track releases what the track takes up.")
@@ -135,7 +135,8 @@ def test_a_hardness_that_is_nowhere_near_changes_nothing() -> None:
     track = make_track(rough(60, 60, 1e-8), load=0.3, hardness=1e15, tolerance=1e-8)
     for sharp, soft in zip(roll(track, 0, 3), roll(blended(track), 0, 3), strict=True):
         assert not soft.edge.any()
-        assert np.abs(soft.pressure - sharp.pressure).max() < 1e-6 * sharp.max_pressure
+        pressure = soft.window.moved(soft.pressure, sharp.window)  # its window is wider
+        assert np.abs(pressure - sharp.pressure).max() < 1e-6 * sharp.max_pressure
         assert soft.contact_area == sharp.contact_area and soft.plastic_area == 0
 
 
