@@ -121,10 +121,9 @@ def loaded(pressure, deflection, hardness, edge, levelled):
     """Return the numbers of nodes in contact and at the hardness, maximum pressure, sum of p u,
     block of the loaded nodes.
 
-    A cell that the edge of a patch crosses is in contact on its share of the hardness and half of
-    the strip between open and yielding parts, and at the hardness on that share less the other half.
-    It counts so as far as its range of gaps counts (see `cell_ranges`), and as an elastic node for
-    the rest. An empty `edge` means sharp edges.
+    A cell that the edge of a patch crosses is in contact and at the hardness on its share of the
+    hardness. It counts so as far as its range of gaps counts (see `cell_ranges`), and as an elastic
+    node for the rest. An empty `edge` means sharp edges.
     """
     count = 0.0
     capped = 0.0
@@ -140,9 +139,8 @@ def loaded(pressure, deflection, hardness, edge, levelled):
                     capped += 1.0
                 elif edge.size and edge[i, j] > 0.0:
                     crossed = edge[i, j] / max(edge[i, j], 0.5 * edge[i, j] + levelled)
-                    between = min(levelled / (3.0 * edge[i, j]), 0.5)
-                    count += 1.0 - crossed * max(1.0 - p / hardness - between, 0.0)
-                    capped += crossed * max(p / hardness - between, 0.0)
+                    count += 1.0 - crossed * (1.0 - p / hardness)
+                    capped += crossed * p / hardness
                 else:
                     count += 1.0
                 maximum = max(maximum, p)

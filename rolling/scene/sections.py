@@ -381,8 +381,8 @@ class Numerics(Section):
     )
     subcells: Literal["auto", 1, 2, 4] = Field(
         default="auto",
-        description="Sub-cells along the side of each node's cell, with heights, pressures and bounds of their own; auto takes 2 where"
-        " a plate yields with blended edges, else 1",
+        description="Sub-cells along the side of each node's cell, with heights, pressures and bounds of their own; auto takes 2 on"
+        " steep surfaces that yield with blended edges, else 1",
     )
     precision: Literal["single", "double"] = Field(
         default="single",

@@ -155,11 +155,9 @@ def violations(
     own = _levelled(track)
     between = (p > 0) & (p < track.hardness) & (edge > 0)
     c, s = edge[between], p[between] / track.hardness
-    crossed, strip = np.minimum(1, 2 * c / (c + 2 * own)), np.minimum(own / (3 * c), 0.5)
-    touching = np.count_nonzero(p > 0) - float((crossed * np.clip(1 - s - strip, 0, 1)).sum())
-    capped = np.count_nonzero(p >= track.hardness) + float(
-        (crossed * np.clip(s - strip, 0, 1)).sum()
-    )
+    crossed = np.minimum(1, 2 * c / (c + 2 * own))
+    touching = np.count_nonzero(p > 0) - float((crossed * (1 - s)).sum())
+    capped = np.count_nonzero(p >= track.hardness) + float((crossed * s).sum())
     stored = 0.5 * float(np.vdot(p, u)) * cell
     return {
         "conditions": float(max(wrong.max(), 0.0) / u.max()),

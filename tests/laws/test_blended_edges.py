@@ -85,7 +85,6 @@ def test_share_of_a_cell_and_its_gap(coarse: RollingContact) -> None:
     assert (gap <= expected + rounding)[state.pressure == HARDNESS].all()
 
 
-
 @pytest.mark.law("Blended edges: a march that begins anywhere has the same release.")
 @pytest.mark.parametrize("subcells", [1, 2])
 @pytest.mark.parametrize("ra", [1e-7, 5e-7])
@@ -150,9 +149,7 @@ def test_no_edge_is_no_change(coarse: RollingContact) -> None:
         solver.SolverOptions(track.tolerance),
     )
     level = -sharp.deflection  # with it the deflected gap has no slope at all
-    again = solver.solve_contact(
-        space_of(track), gap, track.load, start, HARDNESS, level, options
-    )
+    again = solver.solve_contact(space_of(track), gap, track.load, start, HARDNESS, level, options)
     assert not again.edge.any()
     assert np.abs(again.pressure - sharp.pressure).max() < 1e-6 * HARDNESS
 
