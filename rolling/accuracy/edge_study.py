@@ -1,7 +1,7 @@
 """Errors of contact edges on many kinds of surface, against a fine grid of the same surface.
 
-`python -m rolling.accuracy.edge_study` prints the table of docs/accuracy.md, which takes a quarter of
-an hour of one free core; names of scenes after it choose some of them.
+`python -m rolling.accuracy.edge_study` prints the table of docs/accuracy.md, which takes five minutes
+of one free core; texts after it choose the scenes whose names hold one of them.
 """
 
 from __future__ import annotations
@@ -135,7 +135,7 @@ class Stretch:
 
 
 def finer(contact: RollingContact, times: int) -> RollingContact:
-    """Return a contact on cells `times` finer, each node of which lies in the middle of its cells."""
+    """Return a contact on cells `times` finer, with each node in the middle of its cells."""
     smooth = dies_out(contact.heights)
     spacing = contact.spacing / times
     return replace(
@@ -148,7 +148,7 @@ def finer(contact: RollingContact, times: int) -> RollingContact:
 
 
 def roll(contact: RollingContact, steps: int) -> Stretch:
-    """March a contact over a number of steps; a first step prepares compiled code and transforms."""
+    """March a contact over some steps, after one that prepares compiled code and transforms."""
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
     list(march(contact, 0, 1, half_space))
     began = time.process_time()
@@ -162,14 +162,17 @@ def roll(contact: RollingContact, steps: int) -> Stretch:
     area, plastic, convolutions = np.mean(states, axis=0)
     step_ms = 1e3 * (time.process_time() - began) / steps
     return Stretch(
-        np.array(release), float(area), float(plastic), float(convolutions), step_ms, contact.subcells
-    )  # fmt: skip
+        release=np.array(release),
+        contact_area=float(area),
+        plastic_area=float(plastic),
+        convolutions=float(convolutions),
+        step_ms=step_ms,
+        subcells=contact.subcells,
+    )
 
 
 def variants(contact: RollingContact) -> dict[str, RollingContact]:
-    """Return the contact with sharp edges, with blended ones on cells of one node, on 2 x 2
-    sub-cells, and on those that `auto` chooses.
-    """
+    """Return the contact with sharp edges and with blended ones on 1, 2 x 2 and `auto` sub-cells."""
     blended = replace(contact, blended=True)
     chosen = auto_subcells(blended)
     return {
@@ -181,8 +184,9 @@ def variants(contact: RollingContact) -> dict[str, RollingContact]:
 
 
 def reference(contact: RollingContact, times: int = FINEST) -> RollingContact:
-    """Return the contact on a fine grid, with blended edges where its surface is smooth; cells that
-    are flat end where they end.
+    """Return the contact on a fine grid, with blended edges where its surface is smooth.
+
+    Cells that are flat end where they end.
     """
     fine = replace(finer(contact, times), tolerance=REFERENCE_TOLERANCE)
     return replace(fine, blended=fine.slopes)

@@ -4,6 +4,7 @@ marched along the track.
 Public:
 
 - `half_space`: pressure to deflection, Love's coefficients and the FFT convolution (`HalfSpace`).
+- `subcells`: pressures on parts of cells, with transforms of whole ones (`SubcellSpace`).
 - `solver`: one contact under a load (`solve_contact`, `WarmStart`, `SolverOptions`, `ContactError`).
 - `window`, `state`: blocks of nodes (`Window`); the contact that rolls and its state at a position (`RollingContact`,
   `ContactState`).
@@ -14,9 +15,11 @@ Public:
 Private, and mostly compiled:
 
 - `_descent`, `_system`: one descent, and the named tuples that compiled passes take.
-- `_solver_kernels`: conjugate gradients: line search, residual, preconditioner (`precondition`), next direction.
+- `_solver_kernels`: conjugate gradients: line search, residual, preconditioner (`precondition`), next direction;
+  edges within cells (`cell_ranges`, `move_edges`).
+- `_subcell_kernels`: passes between sub-cells and cells.
 - `_projection`: pressures put within the bounds, with the load restored (`project`, `restore_load`, `settle_load`).
-- `_march_kernels`: gap, overlap, contact area, edges within cells, trends.
+- `_march_kernels`: gap, overlap, contact area, trends.
 - `_recovery_kernels`: release of each node (`node_work`) and the events it belongs to.
 
 The dense solver that all this is checked against is `rolling.verification.dense`.

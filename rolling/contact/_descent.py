@@ -175,7 +175,6 @@ class Descent:
         node = candidates.node
         self.half_space, self.node, self.limits = half_space, node, limits
         self.allowed, self.goal = allowed, AIM * allowed
-        self.first_goal = None if edges is None else AIM * FIRST_EDGES * edges.u_max
         self.rows = candidates.rows
         self.transforms = half_space.convolution(
             candidates.rows - 1, candidates.columns - 1, single=single
@@ -189,6 +188,11 @@ class Descent:
         unit = 1.0 / half_space.unit
         stiffness = float(unit / OWN_COEFFICIENT)
         edge = np.empty(0) if edges is None else edges.edge.ravel()[node]
+        self.blended = edges is not None
+        # where no edge is expected, none may have to move
+        self.first_goal = (
+            max(self.goal, AIM * FIRST_EDGES * edges.u_max) if edge.any() and edges else self.goal
+        )
         soft = edge * (2 / limits.hardness)
         trial, d, r, r_before = (np.zeros(node.size) for _ in range(4))
         grid = np.zeros((candidates.rows + 2) * row_length)
@@ -231,11 +235,11 @@ class Descent:
         share = self.node.size
         if self.direction.slope < 0:  # the direction of `lead`
             self._convolve(effort)
-        goal = self.goal if self.first_goal is None else max(self.goal, self.first_goal)
+        goal = self.first_goal
         while True:
             last = effort.iterations >= MAX_ITERATIONS
             self._step(snap / share, np.inf if last else goal)
-            if not last and self.first_goal is not None and not self.step.worst > goal:
+            if not last and self.blended and not self.step.worst > goal:
                 goal = self._move_edges(effort)
             if last or not self.step.worst > self.goal:
                 break

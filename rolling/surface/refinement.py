@@ -1,8 +1,8 @@
 """Heights between the nodes of a surface: on finer grids and on the sub-cells of cells.
 
 A surface whose spectrum has died out before the end of its grid is known between its nodes: there it
-is its trigonometric interpolation. Any other surface (pits, scratches, exponential laws) is taken
-to be flat within the cell of each node.
+is its trigonometric interpolation. Any other surface (pits, scratches, exponential laws) is taken to
+be flat within the cell of each node.
 """
 
 from __future__ import annotations

@@ -49,7 +49,8 @@ def deflection(p: Array, r: int, coefficients: Coefficients) -> Array:
     cells = along.T @ p @ across / r**2  # with a border of one cell
     between = _between(m + 2, n + 2, r, coefficients)
     smooth = fftconvolve(cells, between)[m + 1 : 2 * m + 3, n + 1 : 2 * n + 3]
-    return along @ smooth @ across.T + _within(p, r, coefficients)
+    result: Array = along @ smooth @ across.T + _within(p, r, coefficients)
+    return result
 
 
 def _matrix(cells: int, r: int) -> Array:

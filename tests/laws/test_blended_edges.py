@@ -1,5 +1,6 @@
-"""Blended edges against the sharp ones they replace: closer to a fine grid at the same cost, part of
-the solution and not of its history, and the same laws hold.
+"""Blended edges are closer to a fine grid than sharp ones, and have no history.
+
+The laws of sharp edges hold for them as well.
 """
 
 from __future__ import annotations
