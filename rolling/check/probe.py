@@ -26,6 +26,7 @@ from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import half_space_of
+from rolling.contact.window import Window
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
 from rolling.surface import scene_surface
@@ -179,7 +180,7 @@ def probe(
     """
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
     places = np.arange(POSITIONS) * steps // POSITIONS
-    solved: dict[int, tuple[ContactState, float]] = {}
+    solved: dict[int, tuple[ContactState, Window, float]] = {}
     failures: dict[int, str] = {}
     with suppress(ContactError):  # it fails once more below
         _position(contact, 0, half_space)
@@ -190,23 +191,26 @@ def probe(
         except ContactError as error:
             failures[k] = str(error)
         progress(1)
-    states = [state for state, _ in solved.values()]
+    states = [state for state, _, _ in solved.values()]
     return Probe(
         len(set(places.tolist())),
         np.array([state.contact_area for state in states]),
         np.array([state.plastic_area for state in states]),
         np.array([state.max_pressure for state in states]),
-        np.array([(state.window.rows, state.window.columns) for state in states], np.int64).reshape(
-            -1, 2
-        ),
-        np.array([ms for _, ms in solved.values()]),
+        np.array(
+            [(window.rows, window.columns) for _, window, _ in solved.values()], np.int64
+        ).reshape(-1, 2),
+        np.array([ms for _, _, ms in solved.values()]),
         tuple(failures.values()),
     )
 
 
-def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[ContactState, float]:
-    """Return the cold state at position k, and the median time [ms] of the warm steps after it with
-    their release.
+def _position(
+    contact: RollingContact, k: int, half_space: HalfSpace
+) -> tuple[ContactState, Window, float]:
+    """Return the cold state at position k, the window in cells of a warm one, and a warm step's time.
+
+    The time [ms] is the median of the steps after position k with their release.
     """
     states: list[ContactState] = []
     times: list[float] = []
@@ -216,7 +220,8 @@ def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[C
             step_energy(states[-1], state, half_space)
         times.append(time.perf_counter() - began)
         states.append(state)
-    return states[0], 1e3 * float(np.median([b - a for a, b in pairwise(times)]))
+    window = states[-1].window.cells(contact.subcells)
+    return states[0], window, 1e3 * float(np.median([b - a for a, b in pairwise(times)]))
 
 
 def _left_out(scenes: Sequence[Scene]) -> list[str]:
