@@ -107,7 +107,7 @@ class _Between:
         """
         z = self.heights
         steps = np.hypot(np.roll(z, -1, axis=0) - z, np.roll(z, -1, axis=1) - z)
-        return float(np.median(steps)) / spacing / np.sqrt(np.log(2))
+        return float(np.median(steps) / spacing / np.sqrt(np.log(2)))
 
     def on_subcells(self, subcells: int) -> Array:
         """Return the heights of sub-cells [m]."""
