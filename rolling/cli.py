@@ -86,7 +86,8 @@ def _target(sub: argparse.ArgumentParser, default: str = "outputs/NAME/TIME") ->
     sub.add_argument(
         "--force",
         action="store_true",
-        help="replace the run in --out, which stays beside it as OUT.previous until the new one is done",
+        help="replace the run in --out, which stays beside it as OUT.previous until the new one"
+        " is done",
     )
 
 
@@ -114,7 +115,8 @@ def _reported_folders(sub: argparse.ArgumentParser) -> None:
         "--out",
         type=_path,
         metavar="FILE",
-        help="page to write (default: RUN/report.html, of several RUN outputs/report/TIME/report.html)",
+        help="page to write (default: RUN/report.html, of several RUN"
+        " outputs/report/TIME/report.html)",
     )
     sub.add_argument("--force", action="store_true", help="replace the page in --out")
 
@@ -288,7 +290,8 @@ def _print_files(report: Report, page: bool) -> None:
         print(f"all on one page: {report.page}")
     elif page:
         print(
-            f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes one of those to compare"
+            f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes one of"
+            " those to compare"
         )
 
 
@@ -312,7 +315,8 @@ def _accuracy(arguments: argparse.Namespace) -> int:
         name for name, given in (of_scene if arguments.hard else of_hard).items() if given
     ]:
         _say(
-            f"rolling accuracy: {', '.join(misplaced)} {'cannot' if arguments.hard else 'can only'} go with --hard"
+            f"rolling accuracy: {', '.join(misplaced)} {'cannot' if arguments.hard else 'can only'}"
+            " go with --hard"
         )
         return BAD_INPUT
     if arguments.hard:
@@ -365,7 +369,8 @@ def _reproduce(given: argparse.Namespace) -> int:
         _say(f"{len(done.failures)} cases failed; the statements are judged without them")
     print(f"{len(done.cases)} cases. {done.headline}")
     print(
-        f"all on one page: {done.folder / reproduce.PAGE}   statements: {done.folder / reproduce.CLAIMS}"
+        f"all on one page: {done.folder / reproduce.PAGE}   statements:"
+        f" {done.folder / reproduce.CLAIMS}"
     )
     return done.exit_code
 
@@ -432,13 +437,15 @@ _COMMANDS = (
     _Command(
         "accuracy",
         _accuracy,
-        "speed against error: a scene on finer grids, with other edges, tolerances, steps; or the solver on hard cases",
+        "speed against error: a scene on finer grids, with other edges, tolerances, steps; or the"
+        " solver on hard cases",
         (_settings, _accuracy_target, _workers, _trial),
     ),
     _Command(
         "reproduce",
         _reproduce,
-        "run the study of an article in several readings and answer for its statements; again: goes on where it stopped",
+        "run the study of an article in several readings and answer for its statements; again:"
+        " goes on where it stopped",
         (_study, _workers, _take_over),
     ),
     _Command("schema", _schema, "print the JSON Schema of scene files, for editors"),

@@ -51,7 +51,10 @@ def tilt_text(levelling: Levelling) -> str:
     )
     if not taken:
         return f"nothing taken off, the plane has {each}"
-    return f"plane taken off: {each}; Ra {si(levelling.ra_before, 'm')} before, {si(levelling.ra_after, 'm')} after"
+    return (
+        f"plane taken off: {each}; Ra {si(levelling.ra_before, 'm')} before,"
+        f" {si(levelling.ra_after, 'm')} after"
+    )
 
 
 def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
@@ -63,18 +66,21 @@ def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
     warnings = []
     if nodes < 1:
         warnings.append(
-            f"neighbouring heights have nothing in common: less than 1 node per correlation length (1/e of the"
-            f" autocorrelation), {least_nodes:g} are wanted; a finer measurement is needed, or noise must be filtered out"
+            "neighbouring heights have nothing in common: less than 1 node per correlation length"
+            f" (1/e of the autocorrelation), {least_nodes:g} are wanted; a finer measurement is"
+            " needed, or noise must be filtered out"
         )
     elif round(nodes, 1) < least_nodes:
         warnings.append(
-            f"{nodes:.2g} nodes per correlation length ({si(length, 'm')}, 1/e of the autocorrelation), {least_nodes:g} are"
-            f" wanted: a finer measurement is needed, with a spacing of at most {rounded_down(length / least_nodes * 1e6)} um"
+            f"{nodes:.2g} nodes per correlation length ({si(length, 'm')}, 1/e of the"
+            f" autocorrelation), {least_nodes:g} are wanted: a finer measurement is needed, with a"
+            f" spacing of at most {rounded_down(length / least_nodes * 1e6)} um"
         )
     if noise > MAX_NOISE and nodes >= 1:
         warnings.append(
-            f"{100 * noise:.2g} % of the variance of the heights changes from each node to the next: noise of the"
-            " measurement, which must be filtered out, or detail that needs a finer measurement"
+            f"{100 * noise:.2g} % of the variance of the heights changes from each node to the"
+            " next: noise of the measurement, which must be filtered out, or detail that needs a"
+            " finer measurement"
         )
     return [
         Finding(
@@ -97,11 +103,13 @@ def _seam(scene: Scene, levelling: Levelling) -> Finding:
     if share > 0:
         on_seam, record = si(share * scene.duration, "s"), si(scene.duration, "s")
         warning = (
-            f"the step from the last row of the file to the first is {si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')}"
-            " between neighbouring rows: the file is no period of a surface. The contact is on that step for"
-            f" {on_seam} of the record's {record} ({100 * share:.2g} %); the sound of that time"
-            " belongs to the cut and may be louder than the rest, and the record does not loop. Roll over the middle of the file"
-            " only (rolling.start_um, rolling.duration_s), or blend the end of the file into its beginning"
+            f"the step from the last row of the file to the first is {si(seam.step, 'm')} rms,"
+            f" {si(seam.neighbours, 'm')} between neighbouring rows: the file is no period of a"
+            f" surface. The contact is on that step for {on_seam} of the record's {record}"
+            f" ({100 * share:.2g} %); the sound of that time belongs to the cut and may be louder"
+            " than the rest, and the record does not loop. Roll over the middle of the file only"
+            " (rolling.start_um, rolling.duration_s), or blend the end of the file into its"
+            " beginning"
         )
     return Finding("seam", "step across the seam", f"{sizes}, stands out", warning)
 
@@ -124,7 +132,8 @@ def _form(surface: SceneSurface) -> list[Finding]:
     warning = None
     if share > MAX_FORM:
         warning = (
-            f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights: if they are tilt and form of the"
-            " part, they pass for roughness; take the tilt off with surface.level plane, the form before"
+            f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights: if"
+            " they are tilt and form of the part, they pass for roughness; take the tilt off with"
+            " surface.level plane, the form before"
         )
     return [Finding("form", "plane and parabola", f"{100 * share:.2g} % of the variance", warning)]

@@ -71,7 +71,8 @@ def _fault(scene: Scene, radius: float) -> str:
     else:
         advice = f"a smaller surface.spacing_um, {longest * 1e6:.3g} at steps of one node"
     return (
-        f"numerics.step_nodes: got {scene.numerics.step_nodes:g}, steps of {scene.step * 1e6:.4g} um,"
-        f" {scene.step / radius:.3g} times the contact radius of {radius * 1e6:.3g} um; allowed: steps of at most"
-        f" {MAX_RADII:g} times the radius, {longest * 1e6:.4g} um here; nearest: {advice}"
+        f"numerics.step_nodes: got {scene.numerics.step_nodes:g}, steps of {scene.step * 1e6:.4g}"
+        f" um, {scene.step / radius:.3g} times the contact radius of {radius * 1e6:.3g} um;"
+        f" allowed: steps of at most {MAX_RADII:g} times the radius, {longest * 1e6:.4g} um here;"
+        f" nearest: {advice}"
     )

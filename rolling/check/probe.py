@@ -85,7 +85,10 @@ class Probe:
             return [Finding("positions", "positions solved", f"none: {self.left_out}")]
         failed = None
         if self.failures:
-            failed = f"{len(self.failures)} of {self.tried} positions fail, and so will the run: {self.failures[0]}"
+            failed = (
+                f"{len(self.failures)} of {self.tried} positions fail, and so will the run:"
+                f" {self.failures[0]}"
+            )
         result = [Finding("positions", "positions solved", f"{count} of {self.tried}", failed)]
         if not count:
             return result

@@ -129,7 +129,10 @@ def roughness_read_once() -> Callable[[Scene], float]:
 def amount_text(amount: demand.Amount) -> str:
     """Write a demand with the part that dominates it."""
     part, size = amount.largest
-    return f"about {byte_size(amount.total)}, {byte_size(size)} for {PURPOSES.get(part, f'the {part}')}"
+    return (
+        f"about {byte_size(amount.total)}, {byte_size(size)} for"
+        f" {PURPOSES.get(part, f'the {part}')}"
+    )
 
 
 def excess(needed: demand.Demand, folder: Path, written: float = 0.0) -> dict[str, str]:
@@ -161,8 +164,9 @@ def excess(needed: demand.Demand, folder: Path, written: float = 0.0) -> dict[st
         if amount.total > machine.SHARE * limit and key not in faults:
             part = amount.largest[0]
             faults[key] = (
-                f"needs {amount_text(amount)}, allowed: {byte_size(machine.SHARE * limit)}, {100 * machine.SHARE:.0f} % of the"
-                f" {byte_size(limit)} {words}; {demand.ADVICE[part]}"
+                f"needs {amount_text(amount)}, allowed: {byte_size(machine.SHARE * limit)},"
+                f" {100 * machine.SHARE:.0f} % of the {byte_size(limit)} {words};"
+                f" {demand.ADVICE[part]}"
             )
     return faults
 

@@ -42,8 +42,9 @@ def _hardness(scene: Scene, pressure: float) -> list[Finding]:
     warning = None
     if scene.load >= capacity:
         warning = (
-            f"the load is {scene.load:g} N, hardness times one period of the surface is {si(capacity, 'N')}:"
-            " the run will be refused; lower rolling.load_n or enlarge the surface"
+            f"the load is {scene.load:g} N, hardness times one period of the surface is"
+            f" {si(capacity, 'N')}: the run will be refused; lower rolling.load_n or enlarge the"
+            " surface"
         )
     return [
         Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}"),
@@ -57,7 +58,7 @@ def _nodes(scene: Scene, radius: float) -> Finding:
     coarse = None
     if nodes < MIN_HERTZ_NODES:
         coarse = (
-            f"{nodes:.2g} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose a surface.spacing_um of"
-            f" at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
+            f"{nodes:.2g} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose a"
+            f" surface.spacing_um of at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
         )
     return Finding("hertz_nodes", "nodes per Hertz radius", f"{nodes:.3g}", coarse)

@@ -326,8 +326,8 @@ def _room(windows: list[Window]) -> Window:
     window = Window.around(windows).bordered()
     if max(window.rows, window.columns) > MOST_NODES:
         raise ContactError(
-            f"the contact needs a window of {window.rows} by {window.columns} nodes, more than the {MOST_NODES} there is room"
-            " for; take a larger spacing"
+            f"the contact needs a window of {window.rows} by {window.columns} nodes, more than the"
+            f" {MOST_NODES} there is room for; take a larger spacing"
         )
     return window
 
@@ -339,8 +339,10 @@ def _refuse_the_impossible(contact: RollingContact) -> None:
     area = contact.heights.size * contact.spacing**2
     if contact.load >= contact.hardness * area:
         raise ContactError(
-            f"a load of {contact.load:g} N is more than the surface can carry: hardness {contact.hardness:g} Pa times one period"
-            f" of {area:.4g} m2 is {contact.hardness * area:.4g} N; take a lower load, a harder plate or a larger surface"
+            f"a load of {contact.load:g} N is more than the surface can carry: hardness"
+            f" {contact.hardness:g} Pa times one period of {area:.4g} m2 is"
+            f" {contact.hardness * area:.4g} N; take a lower load, a harder plate or a larger"
+            " surface"
         )
     # A rough or yielding contact is at least as wide as the smooth elastic one.
     width = 2 * closed_forms.hertz_radius(contact.load, contact.radius, contact.contact_modulus)
@@ -356,6 +358,7 @@ def _refuse_wide(contact: RollingContact, along: float, across: float) -> None:
         period = nodes * contact.spacing
         if needed > period:
             raise ContactError(
-                f"contact is {needed * 1e6:.4g} um wide {way}, more than one period of the surface ({period * 1e6:.4g} um);"
-                f" raise {key} to more than {needed * 1e6:.4g} um of surface"
+                f"contact is {needed * 1e6:.4g} um wide {way}, more than one period of the surface"
+                f" ({period * 1e6:.4g} um); raise {key} to more than {needed * 1e6:.4g} um of"
+                " surface"
             )

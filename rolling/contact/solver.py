@@ -130,8 +130,8 @@ def foundation(
     total = load / spacing**2
     if total > hardness * gap.size:
         raise ContactError(
-            f"a load of {load:g} N is more than the surface can carry: hardness {hardness:g} Pa times"
-            f" {gap.size * spacing**2:.4g} m2 is {hardness * gap.size * spacing**2:.4g} N"
+            f"a load of {load:g} N is more than the surface can carry: hardness {hardness:g} Pa"
+            f" times {gap.size * spacing**2:.4g} m2 is {hardness * gap.size * spacing**2:.4g} N"
         )
     e = np.ascontiguousarray(gap, dtype=float).ravel()
     limits, free = (
@@ -228,7 +228,8 @@ def solve_contact(
         worst = _solver_kernels.violation(*flat, approach) if fresh else np.nan
         if not np.isfinite(approach) or not 0 < u_max < np.inf or worst == np.inf:
             raise ContactError(
-                "the contact solve met numbers that are not finite: check units of load, modulus and heights"
+                "the contact solve met numbers that are not finite: check units of load, modulus"
+                " and heights"
             )
         if (
             fresh
@@ -238,8 +239,9 @@ def solve_contact(
             return Contact(p, u, float(approach), float(worst / u_max), effort.iterations)
         if effort.is_spent:
             raise ContactError(
-                f"the contact solve stopped after {effort.iterations} iterations at a residual of {worst / u_max:.2g},"
-                f" {options.tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {effort.restarts} restarts,"
+                f"the contact solve stopped after {effort.iterations} iterations at a residual of"
+                f" {worst / u_max:.2g}, {options.tolerance:.2g} was asked for (tried:"
+                f" preconditioned conjugate gradients, {effort.restarts} restarts,"
                 f" {effort.plain_steps} plain gradient steps)"
             )
         candidates = Candidates.below(p, gap, v, approach + near * u_max)

@@ -183,7 +183,8 @@ def _marked(folder: Path, kinds: Sequence[Kind]) -> RunRecord:
                 " take another --out, or remove it yourself"
             )
         raise FolderError(
-            f"{folder}: holds something that is no {_named(kinds)} of this program; take another --out"
+            f"{folder}: holds something that is no {_named(kinds)} of this program; take another"
+            " --out"
         )
     if record.kind not in kinds:
         raise FolderError(
@@ -222,7 +223,8 @@ def _refuse_loss(folder: Path, record: RunRecord, inputs: Sequence[Path]) -> Non
     """Raise FolderError if removing one folder would lose data."""
     if record.adopted:
         raise FolderError(
-            f"{folder}: made by version 0.1.0 and never replaced; take another --out, or remove it yourself"
+            f"{folder}: made by version 0.1.0 and never replaced; take another --out, or remove it"
+            " yourself"
         )
     for path in inputs:
         if _contains(folder, path):

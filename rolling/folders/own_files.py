@@ -141,7 +141,8 @@ def refuse_file(out: Path, force: bool, is_page: Callable[[Path], bool]) -> None
         ) from error
     if not replaceable:
         raise FolderError(
-            f"{out}: not replaced, because it is not a page that this version can tell as its own; take another --out"
+            f"{out}: not replaced, because it is not a page that this version can tell as its own;"
+            " take another --out"
         )
 
 

@@ -81,7 +81,8 @@ def loads(
     if not isinstance(data, dict):
         raise SceneError(
             [
-                f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first being name"
+                f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first"
+                " being name"
             ]
         )
     places = {key: f"{where}:{line}" for key, line in lines.items()}
@@ -198,7 +199,8 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
         if known[override] in set(all_keys(Scene)) - {*RESOUND_KEYS, "sound"}
     ]
     faults = [
-        f"--set: {known[override]}: needs a new run; without solving again allowed: {', '.join(RESOUND_KEYS)}"
+        f"--set: {known[override]}: needs a new run; without solving again allowed:"
+        f" {', '.join(RESOUND_KEYS)}"
         for override in solved
     ]
     data = scene.to_dict()

@@ -65,6 +65,7 @@ def header(path: Path) -> tuple[tuple[int, ...], np.dtype]:
     needed = math.prod(shape) * dtype.itemsize
     if needed > there:
         raise HeaderError(
-            f"no whole .npy file: its header says {needed:,} bytes of heights, it holds {max(there, 0):,}"
+            f"no whole .npy file: its header says {needed:,} bytes of heights, it holds"
+            f" {max(there, 0):,}"
         )
     return tuple(map(int, shape)), dtype

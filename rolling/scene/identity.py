@@ -113,7 +113,8 @@ def differences(
     for key, (old, new) in changed.items():
         if key == STEPS:
             lines.append(
-                f"rolling.duration_s: {result} has {shown(old)} steps, the scene asks for {shown(new)}"
+                f"rolling.duration_s: {result} has {shown(old)} steps, the scene asks for"
+                f" {shown(new)}"
             )
         else:
             lines.append(f"{key}: {result} was solved with {said(old)}, the scene says {said(new)}")
@@ -142,8 +143,8 @@ def other_surface(solved: str | None, own: str | None, height_path: Path | None)
         return None
     digests = [f"{digest[:16]}..." if digest else "none" for digest in (own, solved)]
     return (
-        f"{height_path} is another surface than the one solved: SHA-256 of its heights {digests[0]},"
-        f" of those solved {digests[1]}"
+        f"{height_path} is another surface than the one solved: SHA-256 of its heights"
+        f" {digests[0]}, of those solved {digests[1]}"
     )
 
 

@@ -79,7 +79,8 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
         of = f" of {by} {_value(data, (key[0], str(by)))}" if by else ""
         return (
             key,
-            f"unknown key{of}{nearest(str(key[-1]), siblings, elsewhere)}, allowed: {', '.join(siblings)}",
+            f"unknown key{of}{nearest(str(key[-1]), siblings, elsewhere)}, allowed:"
+            f" {', '.join(siblings)}",
         )
     if kind.startswith("union_tag") and outer:
         key = (*key, str(by))
@@ -95,7 +96,8 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
         return key, f"missing, allowed: {words}"
     return (
         key,
-        f"got {shown(value)}, allowed: {words}{nearest(value, choices) if isinstance(value, str) else ''}",
+        f"got {shown(value)}, allowed:"
+        f" {words}{nearest(value, choices) if isinstance(value, str) else ''}",
     )
 
 

@@ -133,7 +133,8 @@ class Motion:
             end = distances[-1]
             if np.any(d > end * (1 + ROUNDING)):
                 raise ValueError(
-                    f"the sphere comes to rest after {end:.6g} m and never reaches {np.max(d):.6g} m"
+                    f"the sphere comes to rest after {end:.6g} m and never reaches {np.max(d):.6g}"
+                    " m"
                 )
             d = np.minimum(d, end)
         # A stretch owns its end, not its start: so a distance the sphere rests at belongs to its

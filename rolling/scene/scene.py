@@ -60,7 +60,8 @@ from rolling.scene.track import Track, file_track, made_track
 STEEL_DENSITY = 7850.0  # [kg/m3]
 DEFAULT_NAME = "scene"  # of a scene that is built in Python
 NAME = Words(
-    "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in quotes)"
+    "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in"
+    " quotes)"
 )
 
 

@@ -123,7 +123,8 @@ class Section(BaseModel, metaclass=_SceneErrors):
         for number in np.ravel(value) if isinstance(value, float | tuple) else ():
             if number and not SMALLEST <= abs(number) <= 1 / SMALLEST:
                 raise fault(
-                    f"got {shown(float(number))}, allowed: a size from {SMALLEST:g} to {1 / SMALLEST:g}"
+                    f"got {shown(float(number))}, allowed: a size from {SMALLEST:g} to"
+                    f" {1 / SMALLEST:g}"
                 )
         return value
 
@@ -141,7 +142,8 @@ class Sphere(Section):
     density_kg_m3: float | None = Field(
         default=None,
         gt=0,
-        description="Density [kg/m3], for the mass in the check of the contact resonance; absent: 7850, as if steel",
+        description="Density [kg/m3], for the mass in the check of the contact resonance; absent:"
+        " 7850, as if steel",
     )
     youngs_modulus_gpa: float | None = Field(
         default=None, gt=0, description="Young's modulus [GPa]; absent: a rigid sphere"
@@ -175,7 +177,8 @@ class Plate(Section):
     hardness_gpa: float | None = Field(
         default=None,
         gt=0,
-        description="Hardness [GPa], the maximum pressure that the plate bears; absent: purely elastic",
+        description="Hardness [GPa], the maximum pressure that the plate bears; absent: purely"
+        " elastic",
     )
 
 
@@ -206,8 +209,8 @@ class MadeSurface(Section):
         if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
             fitting = max(MIN_NODES, round(nodes)) * self.spacing_um
             raise fault(
-                f"got {plain_number(self.width_um)}, allowed: a whole number of nodes of {self.spacing_um:g} um,"
-                f" at least {MIN_NODES}; nearest: {fitting:.10g}",
+                f"got {plain_number(self.width_um)}, allowed: a whole number of nodes of"
+                f" {self.spacing_um:g} um, at least {MIN_NODES}; nearest: {fitting:.10g}",
                 "surface",
                 "width_um",
             )
@@ -230,8 +233,9 @@ class Gaussian(MadeSurface):
     autocorrelation: Literal["gaussian", "gaussian_10pct", "exponential", "exponential_10pct"] = (
         Field(
             default="gaussian",
-            description="Law in the distance r and the correlation length L: gaussian exp(-(r/L)^2), gaussian_10pct"
-            " exp(-2.3 (r/L)^2), exponential exp(-r/L), exponential_10pct exp(-2.3 r/L)",
+            description="Law in the distance r and the correlation length L: gaussian"
+            " exp(-(r/L)^2), gaussian_10pct exp(-2.3 (r/L)^2), exponential exp(-r/L),"
+            " exponential_10pct exp(-2.3 r/L)",
         )
     )
     roughness_ra_um: float = Field(gt=0, le=1000, description="Arithmetic mean roughness Ra [um]")
@@ -265,13 +269,15 @@ class HeightFile(Section):
     )
     path: str = Field(
         min_length=1,
-        description=".npy file of heights [m], shape (along track, across), relative to the scene file",
+        description=".npy file of heights [m], shape (along track, across), relative to the scene"
+        " file",
     )
     spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
     level: Literal["auto", "plane", "none"] = Field(
         default="auto",
-        description="Tilt: auto takes the least-squares plane off where the step from the last row to the first stands out"
-        " and the plane lowers it, plane always, none never",
+        description="Tilt: auto takes the least-squares plane off where the step from the last"
+        " row to the first stands out and the plane lowers it, plane always, none"
+        " never",
     )
 
 
@@ -303,7 +309,8 @@ def _speed(value: Any) -> Any:
             raise fault(f"got {shown(pair[0])}, allowed: 0, the time of the first pair", *at, 0)
         if i and pair[0] <= value[i - 1][0]:
             raise fault(
-                f"got time {shown(pair[0])} after {shown(value[i - 1][0])}, allowed: increasing times",
+                f"got time {shown(pair[0])} after {shown(value[i - 1][0])}, allowed: increasing"
+                " times",
                 *at,
                 i,
             )
@@ -319,8 +326,8 @@ def _step_nodes(value: float) -> float:
     closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
     if abs(value / closest - 1) > 1e-5:
         raise fault(
-            f"got {plain_number(value)}, allowed: a whole number from 1 to 64, or one over a whole number down to 1/16;"
-            f" nearest: {plain_number(closest)}"
+            f"got {plain_number(value)}, allowed: a whole number from 1 to 64, or one over a whole"
+            f" number down to 1/16; nearest: {plain_number(closest)}"
         )
     return closest
 
@@ -347,13 +354,14 @@ class Rolling(Section):
 
     load_n: float = Field(gt=0, description="Normal load [N], constant")
     speed_m_s: Speed = Field(
-        description="Speed [m/s], or [time [s], speed [m/s]] pairs: times increasing from 0, linear between them,"
-        " constant after the last"
+        description="Speed [m/s], or [time [s], speed [m/s]] pairs: times increasing from 0,"
+        " linear between them, constant after the last"
     )
     duration_s: float | None = Field(
         default=None,
         gt=0,
-        description="Time rolled [s]; only with a height file it may be absent: once round the file",
+        description="Time rolled [s]; only with a height file it may be absent: once round the"
+        " file",
     )
     start_um: float = Field(default=0.0, description="Start position along the track [um]")
 
@@ -366,7 +374,8 @@ class Numerics(Section):
     step_nodes: Annotated[float, AfterValidator(_step_nodes)] = Field(
         default=1.0,
         gt=0,
-        description="Step in nodes [-]: a whole number from 1 to 64, or one over a whole number down to 1/16",
+        description="Step in nodes [-]: a whole number from 1 to 64, or one over a whole number"
+        " down to 1/16",
     )
     tolerance: float = Field(
         default=1e-4,
@@ -376,12 +385,13 @@ class Numerics(Section):
     )
     edges: Literal["sharp", "blended"] = Field(
         default="blended",
-        description="Nodes at the edge of yielding patches: sharp loads them in full or not at all, blended by the share of their"
-        " cell in contact",
+        description="Nodes at the edge of yielding patches: sharp loads them in full or not at"
+        " all, blended by the share of their cell in contact",
     )
     precision: Literal["single", "double"] = Field(
         default="single",
-        description="Precision of the transforms in the iteration; a solution is accepted after a check in double precision",
+        description="Precision of the transforms in the iteration; a solution is accepted after a"
+        " check in double precision",
     )
 
 
@@ -393,7 +403,8 @@ class Recovery(Section):
     events: bool = Field(default=False, description="Write a table of recovery events")
     rule: Literal["mean", "left_end"] = Field(
         default="mean",
-        description="Pressure of a falling node: mean of both ends of the step, or left_end, the article's",
+        description="Pressure of a falling node: mean of both ends of the step, or left_end, the"
+        " article's",
     )
 
 
@@ -409,9 +420,11 @@ class Sound(Section):
     gain_pa_per_w_m2: float | None = Field(
         default=None,
         gt=0,
-        description="Fixed factor from intensity to sound pressure [Pa per W/m2]; absent: energy-true per run",
+        description="Fixed factor from intensity to sound pressure [Pa per W/m2]; absent:"
+        " energy-true per run",
     )
     loudness: bool = Field(
         default=False,
-        description="Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package mosqito",
+        description="Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package"
+        " mosqito",
     )

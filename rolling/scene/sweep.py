@@ -34,7 +34,8 @@ def validated(sweep: Any, root: type[BaseModel]) -> dict[str, tuple[float, ...]]
     """Turn the lists of a sweep into tuples; raise its first fault at its own place."""
     if not isinstance(sweep, dict):
         raise fault(
-            f"got {shown(sweep)}, allowed: lists of numbers by dotted key, as in rolling.load_n: [5, 20]",
+            f"got {shown(sweep)}, allowed: lists of numbers by dotted key, as in rolling.load_n:"
+            " [5, 20]",
             "sweep",
         )
     keys = numeric_keys(root)

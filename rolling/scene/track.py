@@ -75,13 +75,14 @@ def made_track(
         needed = least * unit
         if needed > motion.final_distance * (1 + ROUNDING):
             raise fault(
-                f"the sphere comes to rest after {motion.final_distance * 1e6:.4g} um, the shortest track is"
-                f" {needed * 1e6:.4g} um: give it more speed",
+                f"the sphere comes to rest after {motion.final_distance * 1e6:.4g} um, the"
+                f" shortest track is {needed * 1e6:.4g} um: give it more speed",
                 *_SPEED,
             )
         raise fault(
             f"got {got}, in which the sphere rolls {distance * 1e6:.4g} um; the shortest track is"
-            f" {least * unit_nodes} nodes, {needed * 1e6:.4g} um: at least {motion.duration(needed):.4g}",
+            f" {least * unit_nodes} nodes, {needed * 1e6:.4g} um: at least"
+            f" {motion.duration(needed):.4g}",
             *_DURATION,
         )
     n_along = units * unit_nodes
@@ -102,8 +103,8 @@ def file_track(
     lap = n_along * spacing
     if duration is None and motion.final_distance * (1 + ROUNDING) < lap:
         raise fault(
-            f"the sphere comes to rest after {motion.final_distance:.4g} m, once round the height file is {lap:.4g} m:"
-            " give it more speed or set rolling.duration_s",
+            f"the sphere comes to rest after {motion.final_distance:.4g} m, once round the height"
+            f" file is {lap:.4g} m: give it more speed or set rolling.duration_s",
             *_SPEED,
         )
     distance = lap if duration is None else float(motion.distance(duration))
@@ -140,7 +141,8 @@ def _shape(path: Path, said: str) -> tuple[int, int]:
     if len(shape) != 2 or dtype.kind not in "fiu":
         got = f"{len(shape)}-D {dtype}"
         raise fault(
-            f"{said}: got {got}, allowed: one 2-D array of real heights in m, (along track, across)",
+            f"{said}: got {got}, allowed: one 2-D array of real heights in m, (along track,"
+            " across)",
             *_PATH,
         )
     if min(shape) < MIN_NODES:

@@ -83,7 +83,8 @@ def read_text(path: Path) -> str:
         ) from error
     if len(content) > MAX_BYTES:
         raise TextError(
-            f"{path}: is larger than {MAX_BYTES:,} bytes, allowed: a scene file of at most that size"
+            f"{path}: is larger than {MAX_BYTES:,} bytes, allowed: a scene file of at most that"
+            " size"
         )
     try:
         return content.decode("utf-8-sig")
@@ -135,7 +136,8 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
             second.buffer[second.pointer :][:100].split(":")[0].strip() if second.buffer else "key"
         )
         raise TextError(
-            f"{where}:{second.line + 1}: {name}: given twice in the section that begins in line {section.line + 1}"
+            f"{where}:{second.line + 1}: {name}: given twice in the section that begins in line"
+            f" {section.line + 1}"
         ) from error
     except YAMLError as error:
         mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
@@ -214,7 +216,8 @@ def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
         if isinstance(value, TaggedScalar):
             tag = shown(value.tag.value).strip('"')
             raise TextError(
-                f"{where}:{lines[key]}: {cut(dotted(key))}: got the tag {tag}, allowed: plain values"
+                f"{where}:{lines[key]}: {cut(dotted(key))}: got the tag {tag}, allowed: plain"
+                " values"
             )
         if isinstance(value, int) and value.bit_length() > _MAX_BITS:
             digits = f"a whole number of more than {_MAX_BITS * math.log10(2):.0f} digits"

@@ -60,13 +60,14 @@ def doubt(scene: Scene, audible_rms: float, resolved_rms: float) -> str | None:
         return None
     if audible_rms <= resolved_rms:
         return (
-            f"the release fluctuates by {audible_rms:.2g} W rms within hearing, no more than the solver's error of up to"
-            f" {resolved_rms:.2g} W: the record counts as silent; a lower {tolerance}, tells whether it is"
+            f"the release fluctuates by {audible_rms:.2g} W rms within hearing, no more than the"
+            f" solver's error of up to {resolved_rms:.2g} W: the record counts as silent; a lower"
+            f" {tolerance}, tells whether it is"
         )
     above = 20 * math.log10(audible_rms / resolved_rms)
     if above >= DOUBTFUL_DB:
         return None
     return (
-        f"the fluctuation within hearing stands {above:.2g} dB above the solver's error, {DOUBTFUL_DB:g} dB are wanted:"
-        f" lower {tolerance}"
+        f"the fluctuation within hearing stands {above:.2g} dB above the solver's error,"
+        f" {DOUBTFUL_DB:g} dB are wanted: lower {tolerance}"
     )

@@ -102,7 +102,8 @@ def gaussian(
         sizes = " x ".join(f"{n * spacing * 1e6:.4g}" for n in shape)
         lengths = " and ".join(f"{length * 1e6:.4g}" for length in correlation_length)
         raise SurfaceError(
-            f"no roughness left: correlation lengths of {lengths} um are far above the surface's {sizes} um; enlarge it"
+            f"no roughness left: correlation lengths of {lengths} um are far above the surface's"
+            f" {sizes} um; enlarge it"
         )
     heights *= ra / got
     return heights
@@ -150,14 +151,16 @@ def stored(path: Path) -> Array:
         if isinstance(content, np.lib.npyio.NpzFile):
             content.close()
         raise SurfaceError(
-            f"{path}: got {kind}, allowed is one 2-D array of real heights in m, (along track, across)"
+            f"{path}: got {kind}, allowed is one 2-D array of real heights in m, (along track,"
+            " across)"
         )
     heights = content.astype(np.float64)
     bad = np.argwhere(~np.isfinite(heights))
     if len(bad):
         i, j = bad[0]
         raise SurfaceError(
-            f"{path}: {len(bad)} of {heights.size} heights are not numbers, the first at ({i}, {j}); fill them in first"
+            f"{path}: {len(bad)} of {heights.size} heights are not numbers, the first at ({i},"
+            f" {j}); fill them in first"
         )
     return heights
 
