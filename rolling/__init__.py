@@ -1,5 +1,6 @@
-"""Contact noise of a sphere that rolls over a rough surface: a scene in, the released energy and
-its sound out.
+"""Contact noise of a sphere that rolls over a rough surface.
+
+A scene goes in; the released energy and its sound come out.
 
 Public names are imported when they are first used, so `import rolling` and `rolling --help` are
 instant.
@@ -46,7 +47,7 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     )
 
 _SECTIONS, _RUNS = "rolling.scene.sections", "rolling.commands.interface"
-_PLACES = {  # module and name in it; None: the module itself
+_PLACES = {  # module and name in it; None stands for the module itself
     "read_scene": ("rolling.scene.file", "read_scene"),
     "Scene": ("rolling.scene.scene", "Scene"),
     "Sphere": (_SECTIONS, "Sphere"),

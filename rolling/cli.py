@@ -1,4 +1,7 @@
-"""The command `rolling`. Each command imports its modules itself, so that --help is instant."""
+"""Command line `rolling`.
+
+Each command imports its modules itself, so that `--help` is instant.
+"""
 
 from __future__ import annotations
 
@@ -20,14 +23,15 @@ OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line; return the exit code: 0 done, 1 failed, 2 bad scene or usage, 130
-    interrupted.
+    """Run the command line and return the exit code.
+
+    The code is 0 when done, 1 after a failure, 2 for a bad scene or usage, 130 when interrupted.
     """
-    # The solve is cut into processes; threads of libraries only get in their way.
+    # The solve runs in several processes, and threads of libraries only slow them down.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     for stream in (sys.stdout, sys.stderr):
-        # a folder's name may be no UTF-8, and a terminal may lack a sign
+        # The name of a folder need not be UTF-8, and a terminal may lack a character.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     arguments = _parser().parse_args(argv)
@@ -36,10 +40,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
-    except BrokenPipeError:  # the reader of our output went away
+    except BrokenPipeError:  # the reader of the output closed the pipe
         sys.stderr.close()
         return FAILED
-    except OSError as error:  # the message says what is kept, where a run was under way
+    except OSError as error:  # the message names the files that are kept
         _say(str(error))
         return FAILED
     except Exception as error:
@@ -50,15 +54,14 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _is_bad_input(error: Exception) -> bool:
-    """Return whether an error is of the scene or the folder that a command was given."""
+    """Tell whether an error lies in the scene or the folder that a command was given."""
     from rolling.folders.files import FolderError
     from rolling.scene.messages import SceneError
 
     return isinstance(error, SceneError | FolderError)
 
 
-# ---- the arguments of the commands
-# -----------------------------------------------------------------------------------
+# ---- arguments of the commands
 
 
 def _scene(sub: argparse.ArgumentParser) -> None:
@@ -207,8 +210,7 @@ def _seconds(text: str) -> float:
     return value
 
 
-# ---- the commands
-# ----------------------------------------------------------------------------------------------------
+# ---- commands
 
 
 def _run(given: argparse.Namespace) -> int:
@@ -254,14 +256,14 @@ def _reported(report: Report, page: bool) -> int:
         _print_files(report, page)
     else:
         solved = (
-            f"what is solved is in {report.folder}" if report.solved else "nothing is solved yet"
+            f"the solved part is in {report.folder}" if report.solved else "nothing is solved yet"
         )
         _say(f"stopped early; {solved}, `rolling resume {report.folder}` goes on")
     if report.previous:
         why = (
-            "holds what this program did not write, or is in use, and stays"
+            "stays, because it is in use or holds files that this program did not write"
             if report.exit_code == OK
-            else "stays until this one is done"
+            else "stays until this run is done"
         )
         _say(f"{report.previous}, which this run replaces, {why}")
     return report.exit_code
@@ -282,7 +284,7 @@ def _print_levels(report: Report) -> None:
 
 
 def _print_files(report: Report, page: bool) -> None:
-    """Print where the files are that a person opens first."""
+    """Print the paths of the files that a person opens first."""
     print(
         f"\nlisten: {report.runs[0][0].folder / 'listen.wav'}   pictures, numbers: {report.folder}"
     )
@@ -363,7 +365,7 @@ def _reproduce(given: argparse.Namespace) -> int:
     for case, reason in done.failures.items():
         _say(f"failed: {case}: {reason}")
     if done.interrupted:
-        _say(f"stopped early; what is solved is in {done.folder}, the same command goes on")
+        _say(f"stopped early; the solved part is in {done.folder}, the same command goes on")
         return done.exit_code
     if done.failures:
         _say(f"{len(done.failures)} cases failed; the statements are judged without them")
@@ -385,7 +387,7 @@ def _schema(arguments: argparse.Namespace) -> int:
 
 
 def _say(text: str) -> None:
-    """Print a line for a person, apart from the output."""
+    """Print a line for a person on the error stream, apart from the output."""
     print(text, file=sys.stderr)
 
 
@@ -393,8 +395,16 @@ def _say(text: str) -> None:
 class _Command:
     """A command of the command line.
 
-    act : does it and returns the exit code.
-    parts : add its arguments to its parser.
+    Attributes
+    ----------
+    name : str
+        Name on the command line.
+    act : callable
+        Function that carries the command out and returns the exit code.
+    text : str
+        Description in `--help`.
+    parts : tuple of callable
+        Functions that add the arguments of the command to its parser. Default: none.
     """
 
     name: str
@@ -413,7 +423,7 @@ _COMMANDS = (
     _Command(
         "check",
         _check,
-        "validate a scene and say what it will cost and where it is doubtful",
+        "validate a scene, estimate its cost and name its doubtful numbers",
         (_scene, _settings, _fast),
     ),
     _Command(
@@ -425,13 +435,13 @@ _COMMANDS = (
     _Command(
         "resound",
         _resound,
-        "new sound from a stored run, without solving again",
+        "make a new sound from a stored run, without solving again",
         (_folder, _settings, _target, _no_page),
     ),
     _Command(
         "report",
         _report,
-        "one page to hear, see and read runs: a single HTML file that needs no network",
+        "write one page to hear, see and read runs: a single HTML file that needs no network",
         (_reported_folders,),
     ),
     _Command(

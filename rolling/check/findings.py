@@ -35,7 +35,7 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     Parameters
     ----------
     solve : bool
-        Solve a few positions of each run, which tells more than closed forms. Default true.
+        If true, solve a few positions of each run, which tell more than closed forms. Default true.
 
     Raises
     ------
@@ -71,12 +71,12 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
 
 
 def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
-    """Judge one run; the sweep of the scene is not looked at.
+    """Judge one run without regard to the sweep of its scene.
 
     Parameters
     ----------
     solved : Probe, optional
-        Solved positions, whose numbers replace those of the closed forms.
+        Solved positions, whose numbers replace the numbers of the closed forms.
 
     Raises
     ------
@@ -104,8 +104,9 @@ def _solved(scenes: Sequence[Scene], solve: bool) -> Sequence[Probe | None]:
 
 
 def _replaced(findings: Sequence[Finding], better: Sequence[Finding]) -> list[Finding]:
-    """Replace findings by better ones with the same key, whose warnings stay, and append the
-    others.
+    """Replace findings by better findings with the same key, and append the others.
+
+    The warnings of the replaced findings stay.
     """
     by_key = {finding.key: finding for finding in better}
     result: list[Finding] = []

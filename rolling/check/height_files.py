@@ -12,14 +12,14 @@ from rolling.scene.sections import HeightFile
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
-# Of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of it; noise
-# of 4 % doubles that.
+# Share of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of the
+# variance; noise of 4 % doubles that difference.
 MAX_NOISE = 0.05
-MAX_FORM = 0.5  # of the variance that a plane and a parabola may make up
+MAX_FORM = 0.5  # share of the variance that a plane and a parabola may make up
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """Judge the heights of a file; a made surface has no such findings.
+    """Judge the heights of a file; generated surfaces have no such findings.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def findings(scene: Scene) -> list[Finding]:
     if not isinstance(scene.surface, HeightFile):
         return []
     surface = scene_surface(scene)
-    assert surface.levelling is not None  # of every file
+    assert surface.levelling is not None  # every file has one
     return [
         *_resolution(surface, MIN_CORRELATION_NODES),
         Finding("level", "tilt", tilt_text(surface.levelling)),
@@ -39,8 +39,9 @@ def findings(scene: Scene) -> list[Finding]:
 
 
 def tilt_text(levelling: Levelling) -> str:
-    """Write the slopes that were taken off with the roughness before and after, or the slopes that
-    the heights keep.
+    """Write the slopes that were taken off, or the slopes that the heights keep.
+
+    The roughness before and after stands with slopes that were taken off.
     """
     taken = any(levelling.taken)
     slopes, directions = (levelling.taken if taken else levelling.plane), ("along", "across")
@@ -93,7 +94,7 @@ def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
 
 
 def _seam(scene: Scene, levelling: Levelling) -> Finding:
-    """Judge the step from the last row to the first, and how long the contact is on it."""
+    """Judge the step from the last row to the first and the time of contact on it."""
     seam = levelling.seams[0]
     sizes = f"{si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')} between neighbouring rows"
     if not seam.stands_out:

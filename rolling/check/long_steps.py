@@ -1,8 +1,8 @@
-"""Steps against the width of the contact: the release that a long step loses, and the step that is
-refused.
+"""Steps against the width of the contact: the release that long steps lose, and their refusal.
 
-The release of a step is the mean pressure at its ends times the fall between them. It is second
-order in the step, and wrong as soon as the contacts at both ends have little in common.
+The release of a step is the mean pressure at its ends times the fall between them. It is
+accurate to second order in the step, and wrong as soon as the contacts at both ends have little in
+common.
 """
 
 from __future__ import annotations
@@ -20,26 +20,27 @@ from rolling.scene.sections import STEP_NODES
 DOUBTFUL_RADII = 0.25  # step over contact radius from which a scene is warned
 MAX_RADII = 4.0  # above which it is refused: half of the release is lost
 
-# Share of the release that a smooth elastic sphere loses, marched at 32 nodes per radius. Rough and
-# yielding contacts are wider than the radius and lose the same to 0.02, or less (twelve scenes, 5
-# to 100 N, Ra 0 to 1 um, elastic and down to 0.7 GPa).
+# A smooth elastic sphere, marched at 32 nodes per radius, loses these shares of the release. Rough
+# and yielding contacts are wider than the radius and lose the same within 0.02, or less (twelve
+# scenes, 5 to 100 N, Ra 0 to 1 um, elastic and down to 0.7 GPa).
 _RADII = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
 _LOST = (0.0, 0.0045, 0.0167, 0.0368, 0.0644, 0.1393, 0.2347, 0.3344, 0.4177, 0.5383)
-# Bound of the error of the level up to the Nyquist frequency of the steps [dB per radius], read
-# from the ten rough ones of them.
+# The error of the level up to the Nyquist frequency of the steps stays below this bound [dB per
+# radius], which is read from the ten rough scenes among the twelve.
 LEVEL_ERROR_DB = 3.0
 
 
 def contact_radius(scene: Scene) -> float:
-    """Return the Hertz radius or the radius of a contact that yields everywhere [m], whichever is
-    larger.
+    """Return the radius [m] of the contact of a smooth sphere.
+
+    It is the Hertz radius or the radius of a contact that yields everywhere, whichever is larger.
     """
     elastic = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     return max(elastic, math.sqrt(scene.load / (math.pi * scene.hardness)))
 
 
 def lost_release(radii: float) -> float:
-    """Return the share of the mean release that steps of so many contact radii lose."""
+    """Estimate the share of the mean release that steps of so many contact radii lose."""
     return float(np.interp(radii, _RADII, _LOST))
 
 

@@ -1,4 +1,4 @@
-"""A few solved positions of a scene: contact areas, pressure and time of a step before it is run.
+"""A few solved positions of a scene: contact areas, pressure and time of a step.
 
 The closed forms of a smooth sphere cannot tell whether asperities yield. Eight cold starts along
 the track can, for less than a hundredth of the cost of a run.
@@ -32,11 +32,12 @@ from rolling.surface.contact_of_scene import rolling_contact
 
 POSITIONS = 8
 WARM_STEPS = 3  # after each cold start, for the time of a step
-COLD_STEPS = 8  # cost of a cold start in steps, the run-in of blended edges included
-MAX_NODES = 10_000_000  # of a surface that is made: about 4 s and 400 MB
+COLD_STEPS = 8  # cost of a cold start in steps, including the run-in of blended edges
+MAX_NODES = 10_000_000  # of a generated surface, which takes about 4 s and 400 MB
 MAX_SECONDS = 60.0  # expected time of the solved positions, of one run and of all runs of a sweep
-MAX_RUNS = 12  # of a sweep; of more, or of slow ones, the first and the last are solved
-NODE_SECONDS = 4e-7  # per node of a surface that is made
+# If a sweep has more runs, or slow runs, only its first and last runs are solved.
+MAX_RUNS = 12
+NODE_SECONDS = 4e-7  # per node of a generated surface
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class Probe:
     tried : int
         Number of positions.
     contact_area, plastic_area : (positions,) arrays, m2
-        Areas in contact and yielding.
+        Contact area and yielding area.
     max_pressure : (positions,) array, Pa
         Maximum pressure.
     window : (positions, 2) array
@@ -77,8 +78,9 @@ class Probe:
         return cls(0, nothing, nothing, nothing, np.empty((0, 2), np.int64), nothing, (), reason)
 
     def findings(self, scene: Scene) -> list[Finding]:
-        """State the numbers of the solved positions, which replace those of closed forms and cost
-        model.
+        """State the numbers of the solved positions.
+
+        They replace the numbers of closed forms and cost model.
         """
         count = len(self.contact_area)
         if self.left_out:
@@ -144,9 +146,11 @@ class Probe:
 
 
 def probes(scenes: Sequence[Scene]) -> list[Probe]:
-    """Solve positions of the runs of a sweep, for a minute at most, with a progress bar on stderr.
+    """Solve positions of the runs of a sweep, for a minute at most.
 
-    Runs that share a surface are solved one after the other, so that it is made once.
+    A progress bar is shown on stderr.
+
+    Runs that share a surface are solved in succession, so that it is made only once.
 
     Raises
     ------
@@ -168,14 +172,15 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
 def probe(
     contact: RollingContact, steps: int, progress: Callable[[int], object] = lambda count: None
 ) -> Probe:
-    """Solve positions evenly along a track of so many steps, each from a cold start, and time the
-    next steps.
+    """Solve positions evenly along a track, each from a cold start, and time warm steps.
 
-    The first position is solved once before, so that the times are without compilation. The cold
+    The first position is solved once in advance, so that the times exclude compilation. The cold
     start at each position prepares the transforms of its window.
 
     Parameters
     ----------
+    steps : int
+        Number of steps of the track.
     progress : callable
         Function that is called with 1 after each of POSITIONS positions.
     """
@@ -183,7 +188,7 @@ def probe(
     places = np.arange(POSITIONS) * steps // POSITIONS
     solved: dict[int, tuple[ContactState, float]] = {}
     failures: dict[int, str] = {}
-    with suppress(ContactError):  # it fails once more below
+    with suppress(ContactError):  # the same position fails again below
         _position(contact, 0, half_space)
     for k in places.tolist():
         try:
@@ -207,8 +212,9 @@ def probe(
 
 
 def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[ContactState, float]:
-    """Return the cold state at position k, and the median time [ms] of the warm steps after it with
-    their release.
+    """Solve position k from a cold start, then time the warm steps after it.
+
+    The time [ms] is the median over the warm steps with their release.
     """
     states: list[ContactState] = []
     times: list[float] = []
@@ -222,7 +228,7 @@ def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[C
 
 
 def _left_out(scenes: Sequence[Scene]) -> list[str]:
-    """Give for each run the reason why its positions are not solved; an empty one where they are."""
+    """Give the reason per run why its positions are not solved, empty where they are."""
     reasons: list[str] = []
     seconds: list[float] = []
     seen = set()

@@ -1,6 +1,4 @@
-"""Sampling of the contact, the surface and the sound: Nyquist frequency, step length, nodes, length
-of the record.
-"""
+"""Sampling of contact, surface and sound: Nyquist frequency, steps, nodes, length of the record."""
 
 from __future__ import annotations
 
@@ -11,12 +9,12 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
-MIN_SHARE = 0.01  # of a record: a shorter stretch that is too slow for hearing is not worth a word
+MIN_SHARE = 0.01  # of a record; a shorter stretch that is too slow for hearing is ignored
 MIN_CORRELATION_NODES = 5  # across the correlation length
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """Judge the step against hearing and contact, and the spacing against the correlation length."""
+    """Judge the step against hearing and contact, and the spacing against the heights."""
     tone = [_grid_tone(scene)] if scene.numerics.step_nodes < 1 else []
     return [_nyquist(scene), _step_length(scene), *tone, *_correlation(scene)]
 
@@ -37,8 +35,9 @@ def _correlation(scene: Scene) -> list[Finding]:
 
 
 def _nyquist(scene: Scene) -> Finding:
-    """Say up to where the steps carry sound, and for how much of the record that is below the end
-    of hearing.
+    """Judge the Nyquist frequency of the steps against the end of hearing.
+
+    At a varying speed the share of the record with a short band counts.
     """
     motion, duration = scene.motion, scene.duration
     low, high = (
@@ -82,7 +81,10 @@ def _short_band(scene: Scene, speed: float) -> str | None:
 
 
 def _usual_speed(scene: Scene, duration: float) -> float:
-    """Return the speed [m/s] below which the sphere rolls for less than `MIN_SHARE` of the record."""
+    """Return the speed [m/s] that the sphere reaches for most of the record.
+
+    It rolls more slowly for less than `MIN_SHARE` of the record.
+    """
     low, high = 0.0, scene.motion.fastest(duration)
     for _ in range(60):
         middle = (low + high) / 2
@@ -92,7 +94,7 @@ def _usual_speed(scene: Scene, duration: float) -> float:
 
 
 def _grid_tone(scene: Scene) -> Finding:
-    """Name the tone that steps below a node sound."""
+    """Name the tone of the grid that steps below a node make audible."""
     motion, duration = scene.motion, scene.duration
     low, high = (
         speed / scene.spacing for speed in (motion.slowest(duration), motion.fastest(duration))
@@ -109,7 +111,7 @@ def _grid_tone(scene: Scene) -> Finding:
 
 
 def _step_length(scene: Scene) -> Finding:
-    """Compare the step with the contact, and say what a long one costs."""
+    """Compare the step with the contact, and state the error of a long step."""
     radius = long_steps.contact_radius(scene)
     radii = scene.track.step / radius
     warning = None

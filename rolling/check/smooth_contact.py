@@ -1,6 +1,4 @@
-"""The contact of a smooth sphere by closed forms: radius, pressure, hardness, and the load that the
-surface can bear.
-"""
+"""Contact of a smooth sphere by closed forms: radius, pressure, hardness and load capacity."""
 
 from __future__ import annotations
 
@@ -14,9 +12,7 @@ MIN_HERTZ_NODES = 10  # across the Hertz radius
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """State the smooth elastic contact, how it compares with the hardness, and how many nodes
-    resolve it.
-    """
+    """State the smooth elastic contact, its hardness, and the nodes that resolve it."""
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     pressure = closed_forms.hertz_pressure(scene.load, scene.radius, scene.contact_modulus)
     return [
@@ -28,8 +24,9 @@ def findings(scene: Scene) -> list[Finding]:
 
 
 def _hardness(scene: Scene, pressure: float) -> list[Finding]:
-    """Compare the hardness with the Hertz pressure [Pa], and the load with the plastic capacity of
-    the surface.
+    """Compare the hardness with the Hertz pressure [Pa].
+
+    The load is compared with the plastic capacity of the surface.
     """
     if not math.isfinite(scene.hardness):
         return [Finding("hardness", "hardness", "none, purely elastic")]

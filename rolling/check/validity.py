@@ -47,8 +47,9 @@ def _half_space(scene: Scene, slope: float) -> list[Finding]:
 
 
 def _resonance(scene: Scene) -> Finding:
-    """Name the frequency at which the ball bounces, and weigh its part by the maximum speed, where
-    the record holds it.
+    """Name the frequency at which the ball bounces, and weigh its part of the sound.
+
+    The maximum speed decides, where the record holds the frequency.
     """
     frequency = resonance.frequency(scene)
     speed = scene.motion.fastest(scene.duration)

@@ -1,4 +1,4 @@
-"""The rolling contact of a scene for the march: surface, bodies and numerics as plain numbers."""
+"""Rolling contact of a scene for the march: surface, bodies and numerics as plain numbers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rolling.surface.scene_surface import heights
 
 
 def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
-    """Make the rolling contact of a scene, over its own heights or over others [m].
+    """Make the rolling contact of a scene over its own or other heights [m].
 
     Raises
     ------

@@ -15,7 +15,7 @@ AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent
     "exponential": (1.0, 1),
     "exponential_10pct": (2.3, 1),
 }
-LARGEST_RA = 1e-3  # [m]; anything rougher is a file in other units
+LARGEST_RA = 1e-3  # [m]; a rougher file is in other units
 
 
 class SurfaceError(ValueError):
@@ -30,8 +30,9 @@ class Correlation:
     ----------
     length : float, m
         Lag at which the autocorrelation falls to 1/e, infinite where it never does.
-    noise : float Share of the variance that one node does not share with the next, from 0 (smooth)
-        to 1 (white noise).
+    noise : float
+        Share of the variance that a node does not share with the next, from 0 (smooth) to 1 (white
+        noise).
     """
 
     length: float
@@ -40,7 +41,7 @@ class Correlation:
 
 @dataclass(frozen=True)
 class Statistics:
-    """Roughness of a surface about its mean plane: lengths in m, the rest without unit."""
+    """Roughness of a surface about its mean plane; lengths are in m, the rest has no unit."""
 
     ra: float
     rq: float
@@ -59,9 +60,9 @@ def gaussian(
     autocorrelation: str,
     seed: int,
 ) -> Array:
-    """Make periodic Gaussian heights [m] of exact Ra and zero mean.
+    """Generate periodic Gaussian heights [m] of exact Ra and zero mean.
 
-    White noise is filtered with the root of the spectrum.
+    White noise is filtered with the square root of the spectrum.
 
     Parameters
     ----------
@@ -90,14 +91,14 @@ def gaussian(
         for n, length in zip(shape, correlation_length, strict=True)
     )
     r2 = along[:, None] ** 2 + across[None, :] ** 2
-    # The law on a periodic grid can have slightly negative spectral densities, which are rounding.
+    # On a periodic grid the law can have slightly negative spectral densities from rounding.
     density = np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0)
     noise = np.random.default_rng(seed).standard_normal(shape)
     heights = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
     heights -= heights.mean()
     got = np.abs(heights).mean()
-    # A surface much smaller than its correlation length is flat to rounding: scaled up, that
-    # rounding would pass for roughness.
+    # A surface much smaller than its correlation length is flat except for rounding errors, which
+    # would pass for roughness if they were scaled up.
     if not got > 1e-6 * np.sqrt(density.max() / heights.size):
         sizes = " x ".join(f"{n * spacing * 1e6:.4g}" for n in shape)
         lengths = " and ".join(f"{length * 1e6:.4g}" for length in correlation_length)
@@ -115,23 +116,26 @@ def smooth(shape: tuple[int, int]) -> Array:
 
 
 def read(path: Path) -> Array:
-    """Read heights [m] from a .npy file, shape (along track, across), and take the mean off.
+    """Read heights [m] from a .npy file and subtract their mean.
+
+    The shape is (along, across) the track.
 
     Raises
     ------
     SurfaceError
-        The file has faults that `stored` or `usable` names.
+        `stored` or `usable` names a fault of the file.
     """
     return usable(stored(path), path)
 
 
 def stored(path: Path) -> Array:
-    """Read heights [m] from a .npy file in double precision, otherwise as they are there.
+    """Read heights [m] from a .npy file in double precision, otherwise unchanged.
 
     Raises
     ------
     SurfaceError
-        The file is no 2-D array of real numbers, or heights are not finite (the first is named).
+        The file is no 2-D array of real numbers, or heights are not finite; the first of these is
+        named.
     """
     try:
         content = np.load(path, allow_pickle=False)
@@ -166,7 +170,7 @@ def stored(path: Path) -> Array:
 
 
 def usable(heights: Array, path: Path) -> Array:
-    """Take the mean off heights [m] as they are stored in the file at `path`.
+    """Subtract the mean from heights [m] that are stored in the file at `path`.
 
     Raises
     ------
@@ -204,12 +208,11 @@ def statistics(heights: Array, spacing: float) -> Statistics:
 
 
 def correlation(heights: Array, spacing: float, axis: int) -> Correlation:
-    """Estimate the correlation of periodic heights (m, n) [m] along one axis, from the mean of all
-    lines.
+    """Estimate the correlation of periodic heights (m, n) [m] along one axis.
 
-    The length is interpolated between nodes. White noise falls to 1/e at 0.63 of a node, the
-    minimum on a grid. The noise is the drop from lag 0 to the value there of a straight line
-    through lags 1 and 2; a smooth surface has none.
+    The estimate is the mean over all lines. The length is interpolated between nodes. White noise
+    falls to 1/e at 0.63 of a node, the minimum on a grid. The noise is the difference at lag 0
+    between the autocorrelation and a straight line through lags 1 and 2; a smooth surface has none.
     """
     z = heights - heights.mean()
     n = z.shape[axis]

@@ -1,7 +1,7 @@
-"""The surface of a scene: made, or read, centred and levelled.
+"""Surface of a scene, generated or read, centred and levelled.
 
-March, statistics and pictures take the heights from here. The last surface is kept, because most
-runs of a sweep share it.
+March, statistics and pictures take the heights from this module. The last surface is kept, because
+most runs of a sweep share it.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ _kept: dict[tuple[Any, ...], SceneSurface] = {}
 
 
 def scene_surface(scene: Scene) -> SceneSurface:
-    """Make or read the surface of a scene.
+    """Generate or read the surface of a scene.
 
     Raises
     ------
@@ -100,8 +100,9 @@ def heights(scene: Scene) -> Array:
 
 
 def identity(scene: Scene) -> tuple[Any, ...]:
-    """Return values that are equal for scenes with the same surface; a file that was written again
-    is another one.
+    """Return values that are equal for scenes with the same surface.
+
+    A file that was written again counts as another file.
 
     Raises
     ------
@@ -127,9 +128,11 @@ def identity(scene: Scene) -> tuple[Any, ...]:
 def _make(scene: Scene) -> SceneSurface:
     s, spacing = scene.surface, scene.spacing
     if isinstance(s, HeightFile) and scene.height_path:
-        stored = surface.stored(scene.height_path)  # the digest is of the very array that is used
-        heights, how = levelling.level(surface.usable(stored, scene.height_path), spacing, s.level)
-        return SceneSurface(heights, spacing, how, heights_digest(stored))
+        stored = surface.stored(scene.height_path)  # the digest belongs to the array that is used
+        heights, plane = levelling.level(
+            surface.usable(stored, scene.height_path), spacing, s.level
+        )
+        return SceneSurface(heights, spacing, plane, heights_digest(stored))
     track = scene.track
     shape = track.n_along, track.n_across
     if isinstance(s, Gaussian):
