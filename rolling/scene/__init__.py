@@ -1,4 +1,4 @@
-"""The scene: its sections, its quantities in SI, its file, and its messages.
+"""Scene: its sections, its quantities in SI, its file, and its messages.
 
 sections
     sphere, plate, surface, rolling, numerics, recovery and sound, with units in the names of their

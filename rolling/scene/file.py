@@ -1,4 +1,4 @@
-"""Scenes read from YAML and written to it, overrides, and the JSON Schema for editors."""
+"""Reading of scenes from YAML, writing, overrides, and the JSON Schema for editors."""
 
 from __future__ import annotations
 
@@ -18,11 +18,10 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile, Rolling, Sound
 from rolling.scene.yaml_text import TextError
 
-_LONG_TEXT = 100_000  # letters; the resolved form of a shorter one keeps the limits
+_LONG_TEXT = 100_000  # letters; the resolved form of a shorter text keeps the limits
 
 
 # ---- reading, writing, overriding
-# ------------------------------------------------------------------------------------
 
 
 def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
@@ -32,14 +31,15 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     ----------
     path : Path or str
         File of YAML 1.2 in UTF-8.
-    overrides : sequence of str Values such as "rolling.load_n=50", written in YAML. No value (or
-        null) removes an optional key or section. A key that the scene sweeps leaves the sweep when
-        it is set; "sweep.rolling.load_n=[5, 20]" sweeps it.
+    overrides : sequence of str
+        Values such as "rolling.load_n=50", written in YAML. No value (or null) removes an optional
+        key or section. A key that the scene sweeps leaves the sweep when it is set;
+        "sweep.rolling.load_n=[5, 20]" sweeps it.
 
     Raises
     ------
     SceneError
-        File or overrides have faults; all of them are named.
+        File or overrides have faults; each is named.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def loads(
     Raises
     ------
     SceneError
-        Text or overrides have faults; all of them are named.
+        Text or overrides have faults; each is named.
     """
     try:
         data, lines = yaml_text.parse(text, where)
@@ -88,7 +88,7 @@ def loads(
     places = {key: f"{where}:{line}" for key, line in lines.items()}
     scene = Scene.from_dict(data, folder, places, _override(data, places, overrides))
     if len(text) > _LONG_TEXT or any(len(override) > _LONG_TEXT for override in overrides):
-        try:  # its resolved form, which is longer, is read again to go on with the run
+        try:  # `resume` will read the resolved form, which is longer
             yaml_text.parse(dump(scene), where)
         except TextError as error:
             beyond = str(error).removeprefix(f"{where}:").lstrip("1234567890: ")
@@ -97,7 +97,10 @@ def loads(
 
 
 def dump(scene: Scene) -> str:
-    """Write a scene as YAML text with every default filled in; `loads` gives an equal scene back."""
+    """Write a scene as YAML text with every default filled in.
+
+    `loads` makes an equal scene from the text.
+    """
     yaml = YAML(typ="rt")
     yaml.width = 4096
     stream = io.StringIO()
@@ -117,7 +120,7 @@ def _flowing(value: Any) -> Any:
 
 
 def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[str]) -> list[str]:
-    """Put overrides into `data` and `places`, and return the faults of the others."""
+    """Put overrides into `data` and `places`, and return the faults of wrong overrides."""
     faults = []
     for override in overrides:
         name, equals, text = override.partition("=")
@@ -155,7 +158,7 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
                 places[key[: depth + 1]] = "--set"
             inside = inside[part]
             if not isinstance(inside, dict):
-                # the file has something else where a section must be, which is a fault of its own
+                # The file has another value in place of the section, which is a fault by itself.
                 break
         else:
             inside[key[-1]] = value
@@ -169,20 +172,21 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
 
 
 def _split(name: str) -> tuple[str, ...]:
-    """Return the key of a dotted name, whose part after the first dot is one name."""
+    """Return the key of a dotted name, whose part after the first dot is a single name."""
     first, dot, rest = name.partition(".")
     return (first, rest) if dot else (first,)
 
 
 # ---- new sound from a stored run
-# -------------------------------------------------------------------------------------
 
 
 RESOUND_KEYS = ("rolling.speed_m_s", *(f"sound.{name}" for name in Sound.model_fields))
 
 
 def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
-    """Give the scene of a stored run another speed or sound; track and contact stay as they are.
+    """Give the scene of a stored run another speed or sound.
+
+    Track and contact stay as they are.
 
     `duration_s`, where the scene has one, becomes the time that the same track takes.
 
@@ -224,7 +228,6 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
 
 
 # ---- schema
-# ----------------------------------------------------------------------------------------------------------
 
 
 def schema() -> dict[str, Any]:

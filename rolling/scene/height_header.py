@@ -1,6 +1,4 @@
-"""Shape and type of the heights in a .npy file, from its header alone, whatever the size of the
-file.
-"""
+"""Shape and type of the heights in a .npy file, from its header alone."""
 
 from __future__ import annotations
 
@@ -14,7 +12,7 @@ from rolling.scene.yaml_text import kind_of_file, open_at_once
 
 
 class HeaderError(Exception):
-    """A reason why a file is no whole .npy file."""
+    """Reason why a file is no whole .npy file."""
 
 
 def header(path: Path) -> tuple[tuple[int, ...], np.dtype]:

@@ -1,9 +1,8 @@
-"""The sections of a scene: frozen models, units in the key names, and the checks that one section
-can make alone.
+"""Sections of a scene: frozen models, units in the key names, and checks of single sections.
 
 Lengths are in mm or um and moduli in GPa here; the properties of `Scene` are SI. Sections are built
-from Python as `Sphere(radius_mm=5)`; a value that is not allowed then raises SceneError in the
-words that a scene file would get.
+in Python as `Sphere(radius_mm=5)`; a value that is not allowed then raises SceneError with the same
+message as in a scene file.
 """
 
 from __future__ import annotations
@@ -44,18 +43,20 @@ if TYPE_CHECKING:
 else:
     ModelMetaclass = type(BaseModel)
 
-SMALLEST = 1e-15  # of any number but zero, in the units of the scene; one over it is the largest
-MAX_FAULTS = 100  # that are named
+# Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
+# maximum.
+SMALLEST = 1e-15
+MAX_FAULTS = 100  # maximum number of faults that are named
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 
 
 # ---- construction from Python
-# ----------------------------------------------------------------------------------------
 
 
 def plain(value: Any) -> Any:
-    """Turn a value typed in Python into the plain value that a scene file would hold; drop keys
-    without a value.
+    """Turn a value typed in Python into the plain value of a scene file.
+
+    Keys without a value are dropped.
     """
     if isinstance(value, BaseModel):
         value = value.model_dump()
@@ -69,7 +70,10 @@ def plain(value: Any) -> Any:
 
 
 def required_in_files(key: str) -> Any:
-    """Change the JSON Schema of a model: Python has a default for a key, a scene file must give it."""
+    """Change the JSON Schema of a model so that scene files must give a key.
+
+    In Python the key has a default.
+    """
 
     def change(schema: dict[str, Any]) -> None:
         schema["properties"][key].pop("default", None)
@@ -80,7 +84,7 @@ def required_in_files(key: str) -> Any:
 
 @dataclass_transform(kw_only_default=True, field_specifiers=(Field,))
 class _SceneErrors(ModelMetaclass):
-    """Models whose construction from Python raises SceneError instead of the errors of pydantic."""
+    """Metaclass of models that raise SceneError instead of the errors of pydantic."""
 
     def __call__(cls, *positional: Any, **values: Any) -> Any:
         if positional:
@@ -91,7 +95,7 @@ class _SceneErrors(ModelMetaclass):
 
 
 class Section(BaseModel, metaclass=_SceneErrors):
-    """A section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
+    """Section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
     SECTION: ClassVar[str] = ""  # its name in a scene
@@ -119,7 +123,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
     @field_validator("*")
     @classmethod
     def _within_reason(cls, value: Any) -> Any:
-        """Refuse sizes whose powers and quotients are no numbers any more."""
+        """Refuse sizes whose powers and quotients overflow or underflow."""
         for number in np.ravel(value) if isinstance(value, float | tuple) else ():
             if number and not SMALLEST <= abs(number) <= 1 / SMALLEST:
                 raise fault(
@@ -130,11 +134,10 @@ class Section(BaseModel, metaclass=_SceneErrors):
 
 
 # ---- sphere and plate
-# ------------------------------------------------------------------------------------------------
 
 
 class Sphere(Section):
-    """The rolling sphere: rigid unless it has a modulus."""
+    """Rolling sphere, rigid unless it has a modulus."""
 
     SECTION: ClassVar[str] = "sphere"
 
@@ -168,7 +171,7 @@ class Sphere(Section):
 
 
 class Plate(Section):
-    """The half-space that the sphere rolls on."""
+    """Half-space that the sphere rolls on."""
 
     SECTION: ClassVar[str] = "plate"
 
@@ -183,11 +186,10 @@ class Plate(Section):
 
 
 # ---- surfaces
-# --------------------------------------------------------------------------------------------------------
 
 
 class MadeSurface(Section):
-    """A surface that the program makes, of a given width."""
+    """Surface of a given width that the program generates."""
 
     SECTION: ClassVar[str] = "surface"
 
@@ -223,7 +225,7 @@ class MadeSurface(Section):
 
 
 class Gaussian(MadeSurface):
-    """A random periodic surface with Gaussian heights."""
+    """Random periodic surface with Gaussian heights."""
 
     model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
 
@@ -251,7 +253,7 @@ class Gaussian(MadeSurface):
 
 
 class Smooth(MadeSurface):
-    """A perfectly flat surface."""
+    """Perfectly flat surface."""
 
     model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
 
@@ -259,7 +261,7 @@ class Smooth(MadeSurface):
 
 
 class HeightFile(Section):
-    """A surface read from a file, which holds one period of it."""
+    """Surface read from a file, which holds one period of it."""
 
     model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
     SECTION: ClassVar[str] = "surface"
@@ -285,14 +287,16 @@ Surface = Annotated[Gaussian | Smooth | HeightFile, Field(discriminator="kind")]
 
 
 # ---- rolling, numerics, recovery, sound
-# -----------------------------------------------------------------------------
 
 
 SPEED = Words("a number > 0, or at least two [time_s, speed_m_s] pairs")
 
 
 def _speed(value: Any) -> Any:
-    """Return a speed, or pairs as tuples; raise the first fault of the pairs at its own place."""
+    """Return a speed, or pairs as tuples.
+
+    The first fault of the pairs is raised at its own place.
+    """
     at = ("rolling", "speed_m_s")
     if is_number(value) and value > 0:
         return float(value)
@@ -322,7 +326,10 @@ def _speed(value: Any) -> Any:
 
 
 def _step_nodes(value: float) -> float:
-    """Return the allowed value nearest to a rounded one: 0.333333 means a third."""
+    """Return the allowed value nearest to a rounded value.
+
+    0.333333 stands for a third, for example.
+    """
     closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
     if abs(value / closest - 1) > 1e-5:
         raise fault(

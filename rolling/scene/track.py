@@ -1,4 +1,4 @@
-"""The track of the sphere in whole nodes and whole steps, in SI."""
+"""Track of the sphere in whole nodes and whole steps, in SI."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from rolling.scene.height_header import HeaderError, header
 from rolling.scene.messages import fault, plain_number
 from rolling.scene.motion import ROUNDING, Motion
 
-MIN_NODES = 8  # along and across
-MAX_NODES = 10**9  # along the track, and steps: whatever is longer is a slip of the unit
+MIN_NODES = 8  # minimum number of nodes along and across
+MAX_NODES = 10**9  # maximum of nodes and steps along the track; more is an error of the unit
 _DURATION, _SPEED, _PATH = ("rolling", "duration_s"), ("rolling", "speed_m_s"), ("surface", "path")
 
 
@@ -25,11 +25,11 @@ class Track:
     n_along, n_across : int
         Nodes of the surface.
     steps : int
-        Steps; there is one position more.
+        Number of steps; there is one position more.
     step, spacing : float, m
         Distance between positions, and between nodes.
     closed : bool
-        The last position is the first one again.
+        If true, the last position coincides with the first.
     lap_steps : int
         Steps after which the positions repeat.
     """
@@ -44,7 +44,7 @@ class Track:
 
     @property
     def solved_steps(self) -> int:
-        """Steps that differ from each other, which have to be solved."""
+        """Number of steps that differ from each other and have to be solved."""
         return min(self.steps, self.lap_steps)
 
     @property
@@ -56,10 +56,10 @@ class Track:
 def made_track(
     n_across: int, spacing: float, step_nodes: float, motion: Motion, duration: float
 ) -> Track:
-    """Make the track over a made surface, as long as the sphere rolls, rounded so that it closes on
-    itself.
+    """Make the track over a generated surface, rounded so that it closes on itself.
 
-    A duration [s] that is too short or too long raises a fault.
+    The track is as long as the sphere rolls. A duration [s] that is too short or too long raises a
+    fault.
     """
     step_fraction = _fraction(step_nodes)
     # The track is counted in the larger of step and node; the smaller then fits in whole numbers.
@@ -95,7 +95,7 @@ def file_track(
 ) -> Track:
     """Make the track over the heights of a file, by default once round it.
 
-    `said` is the path as the scene has it. A file without heights, or a sphere that rests too
+    `said` is the path as the scene gives it. A file without heights, or a sphere that rests too
     early, raises a fault.
     """
     n_along, n_across = _shape(path, said)
@@ -117,7 +117,7 @@ def file_track(
 
 
 def _within_reach(count: int, length: float, motion: Motion) -> int:
-    """Return a count, or one less where rounding asks a sphere that stops for more."""
+    """Return a count, or one less where rounding exceeds the distance of a stopping sphere."""
     return count - 1 if count * length > motion.final_distance * (1 + ROUNDING) else count
 
 

@@ -1,4 +1,4 @@
-"""YAML text as plain values and the line of each key, within limits of size, depth and number."""
+"""YAML text as plain values with the line of each key, within limits of size and depth."""
 
 from __future__ import annotations
 
@@ -20,15 +20,14 @@ from ruamel.yaml.nodes import Node
 
 from rolling.scene.messages import Key, cut, dotted, first_line, shown
 
-MAX_BYTES = 1_000_000  # of a file
-MAX_VALUES = 100_000  # keys and values of a text, its aliases written out
-MAX_NESTING = 4  # of values in a scene
-_MAX_BITS = 1000  # of a whole number: Python refuses to write much longer ones
-# of a text: the places of what is nested deeper than scenes are is not worth naming
+MAX_BYTES = 1_000_000  # maximum size of a file
+MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded
+MAX_NESTING = 4  # maximum depth of values in a scene
+_MAX_BITS = 1000  # maximum length of a whole number; Python refuses to write much longer numbers
+# Maximum depth of a text; deeper values than in any scene are reported without their key.
 _MAX_DEPTH = 20
 
-# Errors of ruamel.yaml: it refuses some constructs, and stumbles over others, such as a directive
-# of YAML 1.164.
+# Besides its own errors ruamel.yaml raises these, for example on a directive of YAML 1.164.
 _STUMBLES = (
     ArithmeticError,
     AssertionError,
@@ -49,11 +48,11 @@ _KINDS = (
 
 
 class TextError(Exception):
-    """A fault of a text in one line, with its place."""
+    """Fault of a text in one line, with its place."""
 
 
 def kind_of_file(mode: int) -> str | None:
-    """Name the kind of a file that is no regular one, by its mode; None for a regular file."""
+    """Name the kind of an irregular file by its mode; return None for a regular file."""
     return (
         None
         if stat.S_ISREG(mode)
@@ -62,8 +61,9 @@ def kind_of_file(mode: int) -> str | None:
 
 
 def read_text(path: Path) -> str:
-    """Read a regular file of UTF-8 text, of at most MAX_BYTES; another kind of file is not even
-    opened.
+    """Read a regular file of UTF-8 text of at most MAX_BYTES.
+
+    A file of another kind is not even opened.
 
     Raises
     ------
@@ -96,8 +96,9 @@ def read_text(path: Path) -> str:
 
 
 def open_at_once(path: Path) -> io.FileIO:
-    """Open a file for reading without waiting: a pipe that took its place must not hold the program
-    up.
+    """Open a file for reading without waiting.
+
+    A pipe that took its place must not block the program.
     """
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     return io.FileIO(os.open(path, flags), "rb")
@@ -124,7 +125,7 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
         raise TextError(f"{where}: got {len(text):,} letters, allowed: at most {MAX_BYTES:,}")
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of anchors given twice, which YAML 1.2 allows
+            warnings.simplefilter("ignore")  # YAML 1.2 allows anchors that are given twice
             yaml = YAML(typ="rt")
             yaml.Composer = _Counted
             return _plain(yaml.load(text), where)
@@ -153,7 +154,7 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
 
 
 class _BeyondLimit(Exception):
-    """A text that holds too much or is nested too deeply, with the line."""
+    """Error for a text that is too long or nested too deeply, with the line."""
 
     def __init__(self, message: str, line: int) -> None:
         super().__init__(message)
@@ -161,13 +162,14 @@ class _BeyondLimit(Exception):
 
 
 class _Counted(Composer):
-    """A composer that counts the values of a text, an alias as all its values, and stops beyond a
-    limit.
+    """Composer that counts the values of a text and stops beyond a limit.
+
+    An alias counts as all its values.
     """
 
     def __init__(self, loader: Any = None) -> None:
         super().__init__(loader)
-        # values in a node that is read, by its id; the nodes live as long as this
+        # number of values in each completed node, by its id; the nodes live as long as this object
         self._sizes: dict[int, int] = {}
         self._open: list[int] = []  # values so far in each node that is being read
         self._total = 0
@@ -182,13 +184,13 @@ class _Counted(Composer):
         size = self._open.pop()
         if alias:
             if id(node) not in self._sizes:  # still being read
-                raise _BeyondLimit("an alias of what it stands in", line)
+                raise _BeyondLimit("an alias of a value that contains it", line)
             size = self._sizes[id(node)]
         self._sizes[id(node)] = size
         self._total += size if alias else 1
         if self._total > MAX_VALUES:
             raise _BeyondLimit(
-                f"more than {MAX_VALUES:,} keys and values, aliases counted as what they stand for",
+                f"more than {MAX_VALUES:,} keys and values, each alias counted with all its values",
                 line,
             )
         if self._open:
@@ -197,7 +199,7 @@ class _Counted(Composer):
 
 
 def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
-    """Turn the values of ruamel.yaml into plain ones, and list the line of every key."""
+    """Turn the values of ruamel.yaml into plain values, and list the line of every key."""
     lines: dict[Key, int] = {(): 1}
 
     def plain(value: Any, key: Key) -> Any:
@@ -205,7 +207,7 @@ def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
             raise TextError(f"{where}:{lines[key]}: {cut(dotted(key))}: nested too deeply")
         if isinstance(value, CommentedMap):
             for name in value:
-                place = (value.lc.data or {}).get(name)  # none for what a merge brought in
+                place = (value.lc.data or {}).get(name)  # None for the values of a merge
                 lines[(*key, str(name))] = place[0] + 1 if place else lines[key]
             return {str(name): plain(item, (*key, str(name))) for name, item in value.items()}
         if isinstance(value, CommentedSeq):
@@ -224,7 +226,7 @@ def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
             raise TextError(
                 f"{where}:{lines[key]}: {cut(dotted(key))}: got {digits}, allowed: shorter ones"
             )
-        # ruamel keeps how a number was written; bool before int, whose child it is.
+        # ruamel keeps the notation of a number. bool comes before int because it is a subclass.
         for kind in (bool, int, float, str):
             if isinstance(value, kind):
                 return kind(value)

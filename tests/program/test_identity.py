@@ -104,7 +104,7 @@ def test_heights_replaced_after_an_interrupt_are_refused(
     out = tmp_path / "out"
     stopped(scene, out, monkeypatch)
     np.save(tmp_path / "z.npy", made(2))
-    refused(capsys, out, "z.npy is another surface than the one solved", "SHA-256")
+    refused(capsys, out, "z.npy is not the surface that was solved", "SHA-256")
     np.save(tmp_path / "z.npy", made(1))
     assert cli.main(["resume", str(out), "--workers", "1", "--no-report"]) == 0
     whole = tmp_path / "whole"
@@ -137,7 +137,7 @@ def test_heights_that_change_during_a_run_fail_it(
     message = capsys.readouterr().err
     assert "z.npy" in message and "Traceback" not in message
     assert (
-        "another surface than the one solved" in message
+        "not the surface that was solved" in message
         or "the surface that was solved is gone" in message
     )
     result = result_file.load(out / "result.h5")
@@ -157,7 +157,7 @@ def test_worker_processes_compare_the_heights_that_they_read(scene: Path, tmp_pa
     outcome = simulate.march_pieces(
         [one], pieces, 2, lambda *_: pytest.fail("a piece was solved"), orders=[order]
     )
-    assert "another surface than the one solved" in outcome.failures[0]
+    assert "not the surface that was solved" in outcome.failures[0]
 
 
 def test_heights_replaced_in_the_last_moment_give_no_numbers(
@@ -173,7 +173,7 @@ def test_heights_replaced_in_the_last_moment_give_no_numbers(
     monkeypatch.setattr(simulate, "march_pieces", replace)
     out = tmp_path / "out"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
-    assert "another surface than the one solved" in capsys.readouterr().err
+    assert "not the surface that was solved" in capsys.readouterr().err
     assert result_file.load(out / "result.h5").complete and not (out / "summary.json").exists()
 
 

@@ -466,7 +466,7 @@ def bomb(letter: str = "*") -> str:
 
 
 def test_aliases_count_as_what_they_stand_for() -> None:
-    too_many = "more than 100,000 keys and values, aliases counted as what they stand for"
+    too_many = "more than 100,000 keys and values, each alias counted with all its values"
     assert faults(bomb()) == [f"s.yaml:3: {too_many}"]
     assert faults(PLAIN, f"rolling.speed_m_s=[&a [{'1, ' * 999}1], {'*a, ' * 100}*a]") == [
         f"--set: rolling.speed_m_s: {too_many}"
@@ -474,7 +474,7 @@ def test_aliases_count_as_what_they_stand_for() -> None:
     # Merged maps: each holds the two before it.
     merges = "".join(f"m{i}: &m{i} {{k{i}: 1, <<: [*m{i - 1}, *m{i - 2}]}}\n" for i in range(2, 40))
     assert faults(f"m0: &m0 {{x: 1}}\nm1: &m1 {{y: 1}}\n{merges}")[0].endswith(too_many)
-    assert faults("a: &a [1, *a]\n") == ["s.yaml:1: an alias of what it stands in"]
+    assert faults("a: &a [1, *a]\n") == ["s.yaml:1: an alias of a value that contains it"]
 
 
 def test_scene_whose_resolved_form_could_not_be_read_again_is_refused(
