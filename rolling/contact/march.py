@@ -1,7 +1,7 @@
-"""March of the sphere along the track: one contact solve per position, warm-started, on a window
-that contact cannot leave.
+"""March of the sphere along the track: one warm-started contact solve per position.
 
-The march is in distance: a quasi-static contact knows its position, not its speed.
+Each window holds all nodes that can come into contact. The march is in distance, because a
+quasi-static contact depends on its position, not on its speed.
 """
 
 from __future__ import annotations
@@ -18,24 +18,25 @@ from rolling.contact.solver import Contact, ContactError, SolverOptions, Trend, 
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.window import Window
 
-# Nodes. Up to such a step a window reaches over the next position as well, whose deflection is then
-# known in advance.
+# Up to a step of so many nodes a window includes the next position as well, whose deflection is
+# then known in advance.
 LOOK_AHEAD = 4
-# The smallest useful weight of the sphere-fixed start. Below it the plate-fixed start converges as
-# fast and needs no mixing.
+# This is the minimum useful weight of the sphere-fixed start. Below it the plate-fixed start
+# converges as fast and needs no mixing.
 LEAST_SHARE = 0.2
-# Share of half the range of gaps over a cell. By trial on the quickstart at 5 N (Ra 0.1 um,
-# Gaussian law, 2.1 GPa), 2 um against 0.5 um: -20.1, -20.9, -19.8 dB at 0.5, 0.7, 0.9. Other scenes
-# were not tried.
+# This share of half the range of gaps over a cell was chosen by trial on the quickstart at 5 N (Ra
+# 0.1 um, Gaussian law, 2.1 GPa): at 2 um the error against 0.5 um was -20.1, -20.9, -19.8 dB with
+# shares of 0.5, 0.7, 0.9. Other scenes were not tried.
 EDGE_SHARE = 0.7
-# Share of the maximum deflection, so that cliffs do not make a contact soft; the edges of ground
-# surfaces do not reach it.
+# This share of the maximum deflection limits edges, so that cliffs do not make a contact soft. The
+# edges of ground surfaces do not reach it.
 MOST_EDGE = 0.2
-# Positions before the first, in which blended edges forget most of the cold start. The remainder
-# depends on the scene: over 100 steps -66, -53, -57 dB of the release signal in the quickstart at
-# 5, 20, 100 N, -97 dB at Ra 1 um, -46 dB and more on pits.
+# In so many positions before the first, blended edges forget most of the cold start. The remainder
+# depends on the scene: over 100 steps it was -66, -53, -57 dB of the release signal in the
+# quickstart at 5, 20, 100 N, -97 dB at Ra 1 um, and -46 dB or more on pits.
 RUN_IN = 3
-# a cold start is solved this much tighter, so that its error does not stand out among warm ones
+# The tolerance of a cold start is multiplied by this factor, so that its error does not stand out
+# among warm starts.
 COLD_TIGHTENING = 0.1
 
 
@@ -45,23 +46,28 @@ def march(
     """Solve the contact at the positions first, first + 1, ..., last.
 
     The march begins with a cold start at the first position, or a few positions earlier where edges
-    are blended. The states depend on `first`, not on positions marched before: pieces of a track
-    may be marched anywhere.
+    are blended. The states depend on `first` but not on earlier marches, so pieces of a track may
+    be marched anywhere.
 
     Parameters
     ----------
-    contact : RollingContact. Sphere, plate and accuracy.
-    first, last : int. Positions; their distance is the contact's step.
-    half_space : HalfSpace. Of the contact's spacing and modulus.
+    contact : RollingContact
+        Sphere, plate and accuracy.
+    first, last : int
+        Positions; the step of the contact is their distance.
+    half_space : HalfSpace
+        Half-space with the spacing and modulus of the contact.
 
     Yields
     ------
-    ContactState at each position.
+    ContactState
+        State at each position.
 
     Raises
     ------
-    ContactError : load above capacity, contact wider than the surface, or a solve that did not
-        converge (with its position).
+    ContactError
+        The load is above capacity, the contact is wider than the surface, or a solve did not
+        converge; the message has the position.
 
     Examples
     --------
@@ -73,8 +79,8 @@ def march(
     >>> from rolling.contact.march import march
     >>> from rolling.contact.state import RollingContact
     >>> contact = RollingContact(
-    ...     heights=np.zeros((128, 128)), spacing=4e-6, radius=5e-3, contact_modulus=230e9, hardness=np.inf, load=5.0,
-    ...     step=4e-6, start=0.0, tolerance=1e-5,
+    ...     heights=np.zeros((128, 128)), spacing=4e-6, radius=5e-3, contact_modulus=230e9,
+    ...     hardness=np.inf, load=5.0, step=4e-6, start=0.0, tolerance=1e-5,
     ... )
     >>> states = list(march(contact, 0, 3, HalfSpace(contact.spacing, contact.contact_modulus)))
     >>> [round(state.contact_area * 1e12, -3) for state in states]
@@ -102,14 +108,16 @@ def march(
 
 @dataclass(frozen=True)
 class _Problem:
-    """A contact to be solved at position k on a window.
+    """Contact to be solved at position k on a window.
 
     Parameters
     ----------
-    gap : (rows, columns) array on the window, m. Undeformed gap.
-    approach : float, m. The window holds the overlap up to this approach.
-    edge : (rows, columns) array, m, or None. Half of the range of gaps over cells (see
-        `solve_contact`).
+    gap : (rows, columns) array on the window, m
+        Undeformed gap.
+    approach : float, m
+        Approach up to which the window holds the overlap.
+    edge : (rows, columns) array, m, or None
+        Half of the range of gaps over cells (see `solve_contact`).
     """
 
     contact: RollingContact
@@ -121,6 +129,7 @@ class _Problem:
     edge: Array | None = None
 
     def solve(self, start: WarmStart, tolerance: float) -> Contact:
+        """Solve the contact from a warm start to a tolerance."""
         contact = self.contact
         options = SolverOptions(tolerance, contact.single)
         return solver.solve_contact(
@@ -128,8 +137,9 @@ class _Problem:
         )
 
     def wider(self, approach: float) -> _Problem | None:
-        """Return the problem on a window that holds the overlap at a larger approach; None if this
-        one does.
+        """Return the problem on a window that holds the overlap at a larger approach.
+
+        Return None if this window holds it.
         """
         overlap = self.contact.overlap(self.k, approach) if approach > self.approach else None
         if overlap is None or self.window.covers(overlap):
@@ -140,8 +150,9 @@ class _Problem:
 
 
 def _solve(problem: _Problem, start: WarmStart, tolerance: float) -> ContactState:
-    """Solve the problem, and again on a larger window where the overlap at the approach found
-    leaves the window.
+    """Solve the problem, again on a larger window where the overlap leaves the window.
+
+    The overlap at the solved approach counts.
     """
     iterations, convolutions = 0, problem.half_space.count
     while True:
@@ -192,8 +203,9 @@ def _state(problem: _Problem, solved: Contact) -> ContactState:
 
 
 def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactState:
-    """Solve from a Winkler foundation that fits Hertz, on a window grown until contact cannot leave
-    it.
+    """Solve from a Winkler foundation that fits Hertz.
+
+    The window grows until contact cannot leave it.
     """
     hertz = closed_forms.hertz_radius(contact.load, contact.radius, contact.contact_modulus)
     stiffness = 4 * contact.contact_modulus / (np.pi * hertz)
@@ -213,7 +225,10 @@ def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactSta
 
 
 def _blend(contact: RollingContact, half_space: HalfSpace, state: ContactState) -> ContactState:
-    """Solve the same position once more, with patches that end where its own gaps say."""
+    """Solve the same position again with partial cells at the edges of patches.
+
+    Its own gaps determine where the patches end.
+    """
     gap = contact.gap(state.position, state.window)
     edge = _edges(gap, state.pressure, state.deflection)
     problem = _Problem(contact, state.position, half_space, state.window, gap, state.approach, edge)
@@ -223,8 +238,9 @@ def _blend(contact: RollingContact, half_space: HalfSpace, state: ContactState) 
 
 
 def _edges(gap: Array, pressure: Array, deflection: Array, trend: Trend | None = None) -> Array:
-    """Compute half of the range of gaps [m] over cells that the edge of a patch at the hardness may
-    cross.
+    """Compute half the range of gaps [m] over cells that the edge of a patch may cross.
+
+    The patch is at the hardness.
     """
     out = np.empty_like(gap)
     most = MOST_EDGE * float(deflection.max())
@@ -240,12 +256,13 @@ def _follow(
     state: ContactState,
     before: ContactState | None,
 ) -> ContactState:
-    """Solve the next position from pressures that stayed with the plate, on a window of all nodes
-    that were or can be loaded.
+    """Solve the next position from pressures that stayed with the plate.
 
-    On a smooth plate pressures move with the sphere instead: the start is the mixture of both of
-    least energy, as long as that is worth its while. Both deflections are known, so finding it
-    takes no convolution.
+    The window holds all nodes that were or can be loaded.
+
+    On a smooth plate pressures move with the sphere instead. The start is then the mixture of both
+    with minimum energy, as long as this pays. Both deflections are known, so the mixture needs no
+    convolution.
     """
     change = abs(state.approach - before.approach) if before else np.inf
     approach = state.approach + min(4 * change, 0.1 * float(state.deflection.max()))
@@ -277,7 +294,7 @@ def _follow(
 
 
 def _trend(pressure: Array, deflection: Array, window: Window, before: ContactState) -> Trend:
-    """Compute the changes since the position before."""
+    """Compute the changes since the previous position."""
     trend = Trend(np.empty_like(pressure), np.empty_like(pressure))
     offset = before.window.row - window.row, before.window.column - window.column
     _march_kernels.trends(
@@ -295,9 +312,7 @@ def _trend(pressure: Array, deflection: Array, window: Window, before: ContactSt
 def _towards_the_sphere(
     contact: RollingContact, state: ContactState, window: Window, gap: Array, start: Array
 ) -> tuple[float, Array]:
-    """Find the share of the pressures that best goes with the sphere, and mix them with those that
-    stay with the plate.
-    """
+    """Find the best share of sphere-fixed pressures and mix them with plate-fixed pressures."""
     nodes = round(contact.step / contact.spacing)
     moved_on = replace(state.window, row=state.window.row + nodes)
     if nodes * contact.spacing != contact.step or not window.covers(
@@ -316,13 +331,13 @@ def _towards_the_sphere(
 
 
 def _overlaps(contact: RollingContact, k: int, approach: float) -> list[Window]:
-    """Return the overlap at position k as a list of one window, or of none."""
+    """Return the overlap at position k as a list of one window, or as an empty list."""
     overlap = contact.overlap(k, approach)
     return [] if overlap is None else [overlap]
 
 
 def _room(windows: list[Window]) -> Window:
-    """Return the window to solve on, over the windows that it must hold."""
+    """Return the window of the solve, which covers the given windows and a border."""
     window = Window.around(windows).bordered()
     if max(window.rows, window.columns) > MOST_NODES:
         raise ContactError(
@@ -333,9 +348,7 @@ def _room(windows: list[Window]) -> Window:
 
 
 def _refuse_the_impossible(contact: RollingContact) -> None:
-    """Raise ContactError for a load above capacity or a contact wider than one period of the
-    surface.
-    """
+    """Raise ContactError for a load above capacity or a contact wider than the surface."""
     area = contact.heights.size * contact.spacing**2
     if contact.load >= contact.hardness * area:
         raise ContactError(
@@ -344,7 +357,7 @@ def _refuse_the_impossible(contact: RollingContact) -> None:
             f" {contact.hardness * area:.4g} N; take a lower load, a harder plate or a larger"
             " surface"
         )
-    # A rough or yielding contact is at least as wide as the smooth elastic one.
+    # A rough or yielding contact is at least as wide as the smooth elastic contact.
     width = 2 * closed_forms.hertz_radius(contact.load, contact.radius, contact.contact_modulus)
     _refuse_wide(contact, width, width)
 
