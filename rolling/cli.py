@@ -106,7 +106,9 @@ def _workers(sub: argparse.ArgumentParser) -> None:
 
 def _no_page(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
-        "--no-report", action="store_true", help="leave out the report page (of 24 runs at most)"
+        "--no-report",
+        action="store_true",
+        help="write no report page (a page holds at most 24 runs)",
     )
 
 
@@ -126,7 +128,9 @@ def _reported_folders(sub: argparse.ArgumentParser) -> None:
 
 def _fast(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
-        "--fast", action="store_true", help="solve no positions: closed forms and estimates only"
+        "--fast",
+        action="store_true",
+        help="solve no positions; use closed forms and estimates only",
     )
 
 
@@ -154,7 +158,7 @@ def _take_over(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--take-over",
         action="store_true",
-        help="go on although a process of another host is said to work on it: it must have ended",
+        help="go on although a process of another host is recorded; that process must have ended",
     )
 
 
@@ -292,8 +296,8 @@ def _print_files(report: Report, page: bool) -> None:
         print(f"all on one page: {report.page}")
     elif page:
         print(
-            f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes one of"
-            " those to compare"
+            f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes a page"
+            " of the runs to compare"
         )
 
 
@@ -393,7 +397,7 @@ def _say(text: str) -> None:
 
 @dataclass(frozen=True)
 class _Command:
-    """A command of the command line.
+    """Command of the command line.
 
     Attributes
     ----------
@@ -429,7 +433,7 @@ _COMMANDS = (
     _Command(
         "resume",
         _resume,
-        "go on with a run that was interrupted",
+        "continue an interrupted run",
         (_folder, _workers, _no_page, _take_over),
     ),
     _Command(

@@ -17,9 +17,9 @@ from rolling.scene.scene import Scene
 from rolling.scene.track import Track
 
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
-MAPS, MAP_CELLS = 120, 96  # pressure maps of a run and cells along their sides, of `simulate`
-PIECE_STEPS = 200  # of `simulate`: the minimum share of the work of a process
-PAGE_RUNS = 24  # maximum number of runs on a page, of `report`
+MAPS, MAP_CELLS = 120, 96  # pressure maps of a run and cells along their sides (`simulate`)
+PIECE_STEPS = 200  # minimum share of the work of a process (`simulate`)
+PAGE_RUNS = 24  # maximum number of runs on a page (`report`)
 HEARING_SHARE = 20_000 / SAMPLE_RATE  # spectral lines on a picture per sample
 
 # Bytes of a process: the program with its libraries, compiled code and transforms, pictures and

@@ -33,7 +33,7 @@ from rolling.surface.contact_of_scene import rolling_contact
 POSITIONS = 8
 WARM_STEPS = 3  # after each cold start, for the time of a step
 COLD_STEPS = 8  # cost of a cold start in steps, including the run-in of blended edges
-MAX_NODES = 10_000_000  # of a generated surface, which takes about 4 s and 400 MB
+MAX_NODES = 10_000_000  # maximum for a generated surface, which takes about 4 s and 400 MB
 MAX_SECONDS = 60.0  # expected time of the solved positions, of one run and of all runs of a sweep
 # If a sweep has more runs, or slow runs, only its first and last runs are solved.
 MAX_RUNS = 12

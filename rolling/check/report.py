@@ -105,13 +105,13 @@ def warnings(findings: Findings) -> list[str]:
                     names_of.setdefault(f"{quantity}: {finding.warning}", []).append(name)
     lines = []
     for warning, names in names_of.items():
-        some = (
+        listed = (
             names
             if len(names) <= RUNS_ABREAST
             else [*names[:RUNS_ABREAST], f"{len(names)} runs in all"]
         )
         lines.append(
-            warning + ("" if len(names) == len(findings.runs) else f" ({', '.join(some)})")
+            warning + ("" if len(names) == len(findings.runs) else f" ({', '.join(listed)})")
         )
     return lines
 

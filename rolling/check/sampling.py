@@ -9,7 +9,7 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
-MIN_SHARE = 0.01  # of a record; a shorter stretch that is too slow for hearing is ignored
+MIN_SHARE = 0.01  # share of a record; shorter stretches that are too slow for hearing are ignored
 MIN_CORRELATION_NODES = 5  # across the correlation length
 
 

@@ -26,7 +26,8 @@ from rolling.contact.half_space import HalfSpace
 # Candidates for contact have a gap below this share of the maximum deflection; shares from 0.001 to
 # 0.1 take the same number of iterations.
 NEAR = 0.01
-SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the maximum deflection, needs at least this
+# Single precision, with an error of 1e-7 of the maximum deflection, serves no tighter tolerance.
+SINGLE_TOLERANCE = 1e-6
 
 
 class ContactError(RuntimeError):
@@ -268,12 +269,7 @@ def solve_contact(
         ):
             return Contact(p, u, float(approach), float(worst / u_max), effort.iterations)
         if effort.is_spent:
-            raise ContactError(
-                f"the contact solve stopped after {effort.iterations} iterations at a residual of"
-                f" {worst / u_max:.2g}, {options.tolerance:.2g} was asked for (tried:"
-                f" preconditioned conjugate gradients, {effort.restarts} restarts,"
-                f" {effort.plain_steps} plain gradient steps)"
-            )
+            raise _not_converged(effort, worst / u_max, options.tolerance)
         candidates = Candidates.below(p, gap, v, approach + near * u_max)
         # Without convergence and without new candidates single precision does not suffice.
         precise = (
@@ -298,3 +294,13 @@ def solve_contact(
         p.ravel()[candidates.node] = descent.pressure
         u, fresh = half_space.deflection(p), True
         near, seen = NEAR, candidates.node.size
+
+
+def _not_converged(effort: Effort, residual: float, tolerance: float) -> ContactError:
+    """Make the error of a solve that stopped at a residual above the tolerance."""
+    return ContactError(
+        f"the contact solve stopped after {effort.iterations} iterations at a residual of"
+        f" {residual:.2g}, {tolerance:.2g} was asked for (tried:"
+        f" preconditioned conjugate gradients, {effort.restarts} restarts,"
+        f" {effort.plain_steps} plain gradient steps)"
+    )

@@ -163,7 +163,7 @@ class Sphere(Section):
         ):
             if getattr(self, missing) is None and getattr(self, given) is not None:
                 raise fault(
-                    f"missing beside {given}; an elastic sphere needs both, a rigid one neither",
+                    f"missing beside {given}; an elastic sphere needs both, a rigid sphere neither",
                     "sphere",
                     missing,
                 )

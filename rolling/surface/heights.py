@@ -19,7 +19,7 @@ LARGEST_RA = 1e-3  # [m]; a rougher file is in other units
 
 
 class SurfaceError(ValueError):
-    """A fault of heights and its place."""
+    """Fault of heights and its place."""
 
 
 @dataclass(frozen=True)

@@ -65,7 +65,7 @@ def test_values_of_numpy_and_paths_are_taken() -> None:
         (lambda: Sphere(radius_mm=-1), "scene: sphere.radius_mm: got -1, allowed: a number > 0"),
         (
             lambda: Sphere(radius_mm=1, youngs_modulus_gpa=4),
-            "scene: sphere.poissons_ratio: missing beside youngs_modulus_gpa; an elastic sphere needs both, a rigid one"
+            "scene: sphere.poissons_ratio: missing beside youngs_modulus_gpa; an elastic sphere needs both, a rigid sphere"
             " neither",
         ),
         (
