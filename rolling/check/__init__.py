@@ -4,8 +4,8 @@ findings
     `check_scene` judges all runs of a scene, `findings` a single run
 size, smooth_contact, sampling, height_files, validity
     findings by subject
-long_steps, resonance, resolution
-    limits behind the findings: step against contact, ball on its contact, error of the solver
+long_steps, resonance
+    limits behind the findings: step against contact, ball on its contact
 probe
     solves a few positions
 cost, demand, machine

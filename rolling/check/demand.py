@@ -20,7 +20,7 @@ SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to imp
 MAPS, MAP_CELLS = 120, 96  # pressure maps of a run and cells along their sides (`simulate`)
 PIECE_STEPS = 200  # minimum share of the work of a process (`simulate`)
 PAGE_RUNS = 24  # maximum number of runs on a page (`report`)
-HEARING_SHARE = 20_000 / SAMPLE_RATE  # spectral lines on a picture per sample
+HEARING_SHARE = 20_000 / SAMPLE_RATE  # spectral lines per sample on a picture
 
 # Bytes of a process: the program with its libraries, compiled code and transforms, pictures and
 # page.

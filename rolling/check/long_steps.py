@@ -17,8 +17,8 @@ from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
 
-DOUBTFUL_RADII = 0.25  # step over contact radius from which a scene is warned
-MAX_RADII = 4.0  # above which it is refused: half of the release is lost
+DOUBTFUL_RADII = 0.25  # step over contact radius, above which a scene gets a warning
+MAX_RADII = 4.0  # step over contact radius, above which half of the release is lost
 
 # A smooth elastic sphere, marched at 32 nodes per radius, loses these shares of the release. Rough
 # and yielding contacts are wider than the radius and lose the same within 0.02, or less (twelve

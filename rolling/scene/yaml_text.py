@@ -24,7 +24,7 @@ MAX_BYTES = 1_000_000  # maximum size of a file
 MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded
 MAX_NESTING = 4  # maximum depth of values in a scene
 _MAX_BITS = 1000  # maximum length of a whole number; Python refuses to write much longer numbers
-# Maximum depth of a text; deeper values than in any scene are reported without their key.
+# Maximum depth of a text; values nested deeper than this are reported without their key.
 _MAX_DEPTH = 20
 
 # Besides its own errors ruamel.yaml raises these, for example on a directive of YAML 1.164.
