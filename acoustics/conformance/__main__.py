@@ -54,14 +54,19 @@ def page(measured: Sequence[Table]) -> str:
         "# Conformance of the package `acoustics`",
         f"Every number on this page is computed by\n\n```sh\n{COMMAND}\n```\n\n"
         "and a test fails when the page differs from the output of that command.",
-        "- *Limits* are on the difference between computed and expected; for an attenuation, which ideally is infinite "
+        "- *Limits* are on the difference between computed and expected; for an attenuation, "
+        "which ideally is infinite "
         "(∞), the lower limit is the minimum attenuation.\n"
-        "- *Share* is the part of the tolerance used: the difference over the limit on its side, or the attenuation "
-        "required over the one computed. Above 100 % the limit is exceeded; such a share is in **bold**.\n"
+        "- *Share* is the part of the tolerance used: the difference over the limit on its side, "
+        "or the attenuation "
+        "required over the one computed. Above 100 % the limit is exceeded; "
+        "such a share is in **bold**.\n"
         f"- *> {MAX_DB:g}*: the remainder is rounding, or close to it.\n"
-        "- *Class 1*: the acceptance limits of IEC 61672-1:2013 and IEC 61260-1:2014. They leave out the uncertainty of "
+        "- *Class 1*: the acceptance limits of IEC 61672-1:2013 and IEC 61260-1:2014. "
+        "They leave out the uncertainty of "
         "a testing laboratory, which the tolerance limits of earlier editions included.\n"
-        "- Only arithmetic is tested here: no microphone, no display, no environment. This is no pattern evaluation.",
+        "- Only arithmetic is tested here: no microphone, no display, no environment. "
+        "This is no pattern evaluation.",
         "## Summary",
         _markdown(("section", "source", "rows", "worst share %", "verdict"), summary, "llrrl"),
     ]

@@ -74,7 +74,8 @@ def run_study(
     label = Run(values, single, target.folder).label
     if len(runs) > 1:
         print(
-            f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set {next(iter(values))}=..."
+            f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set "
+            f"{next(iter(values))}=..."
         )
     with new_folder.make(target, run_record.new("accuracy"), fill) as held:
         results, interrupted = _march(study, held.folder, workers or cost.cores())

@@ -135,7 +135,8 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
     for each in runs:
         if not each.folder.is_dir():
             raise FolderError(
-                f"{each.folder}: no such folder, though {folder / 'resolved.yaml'} sweeps it; run a new scene instead"
+                f"{each.folder}: no such folder, though {folder / 'resolved.yaml'} sweeps it; "
+                "run a new scene instead"
             )
         refusals.refuse_unavailable(each.scene)
     refusals.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
@@ -185,7 +186,10 @@ def resound(
     records_of([folder])
     with new_folder.make(target, plan.record(), plan.write) as held:
         work = _Work(held, plan.runs(held.folder), results, page)
-        again = f"{folder} is as it was; give the command again, with --force if {held.folder} is in the way"
+        again = (
+            f"{folder} is as it was; give the command again, with --force if {held.folder} is in "
+            "the way"
+        )
         with _told_on_error(lambda: again):
             return _finish(work, _sounds(work), Outcome())
 
@@ -243,7 +247,8 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     )
     if len(runs) > pages.MOST_RUNS:
         raise FolderError(
-            f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare"
+            f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to "
+            "compare"
         )
     finished, unsolved = _stored_sounds(runs)
     if not finished:
@@ -313,7 +318,10 @@ def _way_on(work: _Work) -> str:
     text = f"{kept}; `rolling resume {folder}` goes on when the cause is mended"
     if not work.held.record.replaces:
         return text
-    return f"{text}\nthe run that this one replaces stays in {new_folder.previous(folder)} until this one is done"
+    return (
+        f"{text}\nthe run that this one replaces stays in {new_folder.previous(folder)} until "
+        "this one is done"
+    )
 
 
 def _sounds(work: _Work) -> list[RunResult | None]:

@@ -280,7 +280,8 @@ def spectrogram_of(run: RunResult, among: Sequence[RunResult]) -> Picture:
             captions.distance([run]),
             captions.duration([run]),
             f"{shown.window.capitalize()} {frames}",
-            f"lines of {captions.number(shown.line_width_hz)} Hz, ENBW {captions.number(shown.enbw_hz)} Hz",
+            f"lines of {captions.number(shown.line_width_hz)} Hz, "
+            f"ENBW {captions.number(shown.enbw_hz)} Hz",
             "rows of 1/12 octave",
         ]
     )

@@ -39,7 +39,8 @@ def markdown(table: Table) -> str:
     """Write claims.md: the tables, the extent of each reading, each claim in full."""
     parts = [
         "# Claims of Lee, Kim & Kim (2025)",
-        "Verdicts are computed from the cases of each reading; statements are in our own words. \\*: some cases that the"
+        "Verdicts are computed from the cases of each reading; statements are in our own words. "
+        "\\*: some cases that the"
         " statement names were not run.",
         _tables(table),
         "## Cases that were run",
@@ -87,7 +88,8 @@ def headline(table: Table) -> str:
         f"{len(state.every)} hold in {f'each of {len(names)} readings' if several else names[0]}",
         f"{len(state.part)} in part",
         f"{len(state.none)} {'in none' if several else 'not at all'}",
-        f"{len(state.differs)} depending on {'the reading or on ' if several else ''}the scale of levels",
+        f"{len(state.differs)} depending on {'the reading or on ' if several else ''}the scale of "
+        "levels",
         f"{len(state.undecided)} undecided",
     ]
     return f"Of {state.judged} judged statements {', '.join(counts)}."
@@ -185,11 +187,15 @@ def _scores(table: Table) -> list[str]:
     )
     if first:
         words += (
-            f"**{first.reading} with {first.scale} lg explains more than the other readings, by {standing.LEAD:g} statements"
+            f"**{first.reading} with {first.scale} lg explains more than the other readings, "
+            f"by {standing.LEAD:g} statements"
             " or more.**"
         )
     else:
-        words += f"**No reading leads by {standing.LEAD:g} statements or more: none explains the article best.**"
+        words += (
+            f"**No reading leads by {standing.LEAD:g} statements or more: "
+            "none explains the article best.**"
+        )
     parts = ["### Statements that each explains", words, _score_table(readings)]
     rest = [score for score in table.scores if score not in readings]
     return (

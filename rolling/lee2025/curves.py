@@ -40,7 +40,10 @@ def plastic_ratio(reading: Reading, on: Scales) -> Picture:
     ax.set_ylim(-0.03 * on.plastic_ratio, on.plastic_ratio)
     shown = shown_roughnesses(reading, on)
     places: dict[Axes, Place] = {ax: (LEFT_IN, BOTTOM_IN, WIDTH_IN - LEFT_IN - RIGHT_IN, 3.5)}
-    note = f"{_surfaces_of(reading.cases)}; mean along the track; Hertz area: of the smooth elastic contact"
+    note = (
+        f"{_surfaces_of(reading.cases)}; mean along the track; Hertz area: "
+        "of the smooth elastic contact"
+    )
     return finish("fig7_plastic_ratio", "Plastic ratio", note, reading, shown, places, columns)
 
 
@@ -144,7 +147,10 @@ def correlation_length(reading: Reading) -> Picture:
     }
     shown = sorted({case.roughness_um for case in reading.cases})
     loads = sorted({case.load_n for case in reading.cases})
-    conditions = f"Ra {', '.join(f'{ra:g}' for ra in shown)} µm; {', '.join(f'{load:g}' for load in loads)} N"
+    conditions = (
+        f"Ra {', '.join(f'{ra:g}' for ra in shown)} µm; "
+        f"{', '.join(f'{load:g}' for load in loads)} N"
+    )
     note = "; ".join(
         [conditions, _duration(reading.cases), f"spectra: {_mean_over(reading.cases)}"]
     )

@@ -75,7 +75,8 @@ def warnings(reading: Reading, roughness_um: float) -> list[str]:
             )
             each = norm / np.sqrt(2)  # isotropic
             lines.append(
-                f"{surface}: rms slope {each:.2g} along each direction, norm {norm:.2g} > {MAX_SLOPE:g}: half-space"
+                f"{surface}: rms slope {each:.2g} along each direction, "
+                f"norm {norm:.2g} > {MAX_SLOPE:g}: half-space"
                 " theory does not hold"
             )
     return lines

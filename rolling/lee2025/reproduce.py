@@ -196,7 +196,8 @@ def _readings(name: str, chosen: Sequence[str]) -> list[Path]:
     for reading in chosen:
         if reading not in available:
             raise FolderError(
-                f"--readings: got {reading}, allowed: {', '.join(available)}{nearest(reading, list(available))}"
+                f"--readings: got {reading}, allowed: "
+                f"{', '.join(available)}{nearest(reading, list(available))}"
             )
     return [available[reading] for reading in chosen or available]
 

@@ -155,7 +155,8 @@ def departures(scenes: Sequence[Scene]) -> list[str]:
         sphere, plate = scene.sphere, scene.plate
         if sphere.radius_mm != STATED_RADIUS_MM:
             differences.append(
-                f"a radius of {sphere.radius_mm:g} mm (stated: a diameter of {2 * STATED_RADIUS_MM:g} mm)"
+                f"a radius of {sphere.radius_mm:g} mm (stated: "
+                f"a diameter of {2 * STATED_RADIUS_MM:g} mm)"
             )
         if sphere.youngs_modulus_gpa is not None:
             differences.append("an elastic sphere (stated: a rigid one)")
@@ -175,8 +176,10 @@ def _bodies(scene: Scene) -> str:
     surface, numerics = scene.surface, scene.numerics
     assert isinstance(surface, Gaussian)
     return (
-        f"R {scene.sphere.radius_mm:g} mm, contact modulus {scene.contact_modulus / 1e9:.4g} GPa, {surface.autocorrelation},"
-        f" {surface.width_um:g} um across, nodes of {surface.spacing_um:g} um, steps of {numerics.step_nodes:g}"
+        f"R {scene.sphere.radius_mm:g} mm, contact modulus {scene.contact_modulus / 1e9:.4g} GPa, "
+        f"{surface.autocorrelation},"
+        f" {surface.width_um:g} um across, nodes of {surface.spacing_um:g} um, "
+        f"steps of {numerics.step_nodes:g}"
     )
 
 

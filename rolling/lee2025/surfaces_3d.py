@@ -130,7 +130,10 @@ def _contacts(
                 sheets.append((f"{heading}: not solved", None))
             else:
                 sheets.append((f"{heading}: {number(contact)}", sheet(contact)))
-    note = f"one surface at one position; along and across from the sphere's centre; {fact}; one scale for all readings"
+    note = (
+        f"one surface at one position; along and across from the sphere's centre; {fact}; "
+        "one scale for all readings"
+    )
     return _sheets(name, title, note, reading, shown, sheets, look, 2.75)
 
 

@@ -115,7 +115,10 @@ def along_roughness(
         holds, unsure = _sign(study, measure, steps, rises)
         loads = [newton(step.load) for step in steps]
         means = [step.change.mean for step in steps]
-        text = f"{', '.join(measure.text(mean, '+') for mean in means)} {measure.unit} ({', '.join(loads)})"
+        text = (
+            f"{', '.join(measure.text(mean, '+') for mean in means)} {measure.unit} "
+            f"({', '.join(loads)})"
+        )
         checks.append(
             Check(place, holds, text, dict(zip(loads, means, strict=True)), unsure=unsure)
         )

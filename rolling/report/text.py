@@ -122,7 +122,8 @@ def sentence(runs: Sequence[RunResult]) -> str:
     low_db, quietest = min(sounding, key=lambda pair: pair[0])
     high_db, loudest = max(sounding, key=lambda pair: pair[0])
     return (
-        f"LAeq{at} lies between {low_db:.1f} dB ({quietest.label}) and {high_db:.1f} dB ({loudest.label}),"
+        f"LAeq{at} lies between {low_db:.1f} dB ({quietest.label}) and {high_db:.1f} dB "
+        f"({loudest.label}),"
         f" {high_db - low_db:.1f} dB apart.{also}"
     )
 
@@ -221,13 +222,15 @@ def bands(runs: Sequence[RunResult]) -> list[tuple[str, bool, list[str]]]:
 
 
 BANDS_NOTE = (
-    f"dB re 20 µPa, Z. Grey: bandwidth times duration below {LEAST_BT:g}, uncertain by 2 dB or more."
+    f"dB re 20 µPa, Z. Grey: bandwidth times duration below {LEAST_BT:g}, "
+    "uncertain by 2 dB or more."
     " -: no sound, or a band that the steps do not resolve."
 )
 
 
 LEVELS_NOTE = (
-    "Levels are re 20 µPa and belong to the fluctuation, the audible part, over the whole record, with their standard"
+    "Levels are re 20 µPa and belong to the fluctuation, the audible part, over the whole record, "
+    "with their standard"
     " uncertainty; the steady level belongs to the mean intensity, which is silent."
 )
 
@@ -302,7 +305,8 @@ def _half_space(scene: Scene) -> str:
     values = {finding.key: finding.value for finding in findings.findings(scene)}
     return (
         f"rms slope {values['slope']} (holds up to {validity.MAX_SLOPE:g}),"
-        f" contact radius over the sphere's {values['contact_radius']} (up to {validity.MAX_CONTACT:g})"
+        f" contact radius over the sphere's {values['contact_radius']} (up to "
+        f"{validity.MAX_CONTACT:g})"
     )
 
 
@@ -315,7 +319,10 @@ def surface_words(scene: Scene) -> str:
             f" along, {across:g} µm across" if across else ""
         )
         law = s.autocorrelation.replace("_", " ")
-        return f"random, Ra {s.roughness_ra_um:g} µm, correlation length {length} ({law}), seed {s.seed}"
+        return (
+            f"random, Ra {s.roughness_ra_um:g} µm, correlation length {length} ({law}), "
+            f"seed {s.seed}"
+        )
     if not isinstance(s, HeightFile):
         return "smooth"
     levelling = scene_surface(scene).levelling

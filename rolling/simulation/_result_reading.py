@@ -56,7 +56,8 @@ def read(file: h5py.File) -> Result:
     complete = _attribute(file, "complete")
     if not isinstance(complete, bool | np.bool_) or bool(complete) != result.complete:
         raise Damage(
-            f"complete: got {_shown(complete)}, {int((~done).sum())} of {solved} steps are not solved"
+            f"complete: got {_shown(complete)}, {int((~done).sum())} of {solved} steps are not "
+            "solved"
         )
     return result
 
@@ -117,7 +118,8 @@ def _array(group: h5py.Group, name: str, kinds: str, shape: tuple[int | None, ..
         raise Damage(f"{where}: got something else, allowed is a dataset")
     if data.dtype.kind not in kinds or data.shape is None or len(data.shape) != len(shape):
         raise Damage(
-            f"{where}: got {data.dtype} of shape {data.shape}, allowed are numbers in {len(shape)} dimensions"
+            f"{where}: got {data.dtype} of shape {data.shape}, "
+            f"allowed are numbers in {len(shape)} dimensions"
         )
     if any(want is not None and got != want for got, want in zip(data.shape, shape, strict=True)):
         wanted = tuple("any" if want is None else want for want in shape)
@@ -338,7 +340,8 @@ def _events(file: h5py.File, result: Result) -> dict[int, dict[str, NDArray[Any]
     )
     if int(counts.sum()) != table["energy"].size:
         raise Damage(
-            f"event_pieces/piece_events: got {int(counts.sum())} events, the table has {table['energy'].size}"
+            f"event_pieces/piece_events: got {int(counts.sum())} events, "
+            f"the table has {table['energy'].size}"
         )
     ends = np.cumsum(counts)
     return {

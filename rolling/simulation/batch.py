@@ -151,7 +151,8 @@ def refuse_other_scene(run: Run) -> None:
     own, swept = (Identity.of(scene, None) for scene in (file.read_scene(path), run.scene))
     for key, (there, here) in changes(own, swept).items():
         raise FolderError(
-            f"{path}: {key}: got {said(there)}, the sweep of the folder above makes {said(here)} of it"
+            f"{path}: {key}: got {said(there)}, the sweep of the folder above makes {said(here)} "
+            "of it"
         )
 
 

@@ -128,12 +128,16 @@ def _of_levels(scene: Scene, sound: ContactSound) -> list[Caveat]:
             )
         )
     if fixed:
-        text = f"The scene's gain of {s.gain_pa_per_w_m2:g} Pa per W/m² decides every level but the steady one."
+        text = (
+            f"The scene's gain of {s.gain_pa_per_w_m2:g} Pa per W/m² decides every level but the "
+            "steady one."
+        )
         result.append(Caveat("fixed_gain", text))
     result.append(Caveat("unvalidated", "No level has been validated against a microphone."))
     if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
         text = (
-            "± covers the record's length alone, taken as stationary Gaussian noise; it holds no error of model, grid or"
+            "± covers the record's length alone, taken as stationary Gaussian noise; "
+            "it holds no error of model, grid or"
             " solver."
         )
         result.append(Caveat("uncertainty", text))
@@ -144,7 +148,10 @@ def _of_record(scene: Scene, sound: ContactSound) -> list[Caveat]:
     """List the caveats of a record that does not loop, or is heard as the tone of its repetition."""
     result = []
     if not loops(sound):
-        text = "The record does not close on itself: it is faded at both ends, and a loop of it has gaps."
+        text = (
+            "The record does not close on itself: it is faded at both ends, "
+            "and a loop of it has gaps."
+        )
         if sound.closed:
             text = "The ends of the record do not fit together: a loop of it clicks."
         result.append(Caveat("not_loopable", text))

@@ -27,7 +27,10 @@ __all__ = ["UNITS", "Result", "load", "save"]
 
 _SEAL = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
 _SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
-_DAMAGED = "damaged; what was solved cannot be trusted (delete the file, and `rolling resume` solves it again)"
+_DAMAGED = (
+    "damaged; what was solved cannot be trusted (delete the file, and `rolling resume` solves it "
+    "again)"
+)
 
 
 def save(
@@ -77,7 +80,8 @@ def load(path: Path) -> Result:
     result, version = _read(path, path)
     if version >= _result_layout.FORMAT or _SEAL in content:
         raise FolderError(
-            f"{path}: {_DAMAGED} (the bytes are not the ones that were written: their SHA-256 differs)"
+            f"{path}: {_DAMAGED} (the bytes are not the ones that were written: "
+            "their SHA-256 differs)"
         )
     return result
 
@@ -93,7 +97,8 @@ def _read(path: Path, source: Path | io.BytesIO) -> tuple[Result, int]:
             version = _result_reading.format_of(file)
             if version > _result_layout.FORMAT:
                 raise FolderError(
-                    f"{path}: format {version}, this version of the program reads up to {_result_layout.FORMAT}"
+                    f"{path}: format {version}, this version of the program reads up to "
+                    f"{_result_layout.FORMAT}"
                 )
             return _result_reading.read(file), version
     except _result_reading.Damage as damage:

@@ -53,7 +53,8 @@ def write(
             sound,
             1.0,
             "32-bit float",
-            "Samples are sound pressure in Pa at the distance given; players may clip what exceeds 1, listen.wav is for the ear.",
+            "Samples are sound pressure in Pa at the distance given; "
+            "players may clip what exceeds 1, listen.wav is for the ear.",
         ),
         "listen": _sidecar(
             scene,
@@ -61,7 +62,8 @@ def write(
             sound,
             gain,
             "24-bit PCM",
-            f"Samples times pascal_per_full_scale are sound pressure in Pa at the distance given; {consequence}.",
+            "Samples times pascal_per_full_scale are sound pressure in Pa at the distance given; "
+            f"{consequence}.",
         ),
     }
     for name, content in files.items():
@@ -76,7 +78,8 @@ def _rule_of_gain(sound: ContactSound, gain: float) -> tuple[str, str]:
     if gain >= wav.MOST_GAIN:
         return (
             "the largest gain",
-            "the gain is the largest there is, that of a record at 0 dB(A): this one is below and stays quieter than others",
+            "the gain is the largest there is, that of a record at 0 dB(A): "
+            "this one is below and stays quieter than others",
         )
     return (
         "equal loudness",

@@ -48,11 +48,13 @@ def read_runs(folder: Path) -> list[Run]:
         record is not None and (record.kind == "run") != (singles[0][0] == {})
     ):
         raise FolderError(
-            f"{folder}: run.json and resolved.yaml do not fit each other; one of them is of another scene"
+            f"{folder}: run.json and resolved.yaml do not fit each other; "
+            "one of them is of another scene"
         )
     if shared := [name for name, count in Counter(names).items() if count > 1]:
         raise FolderError(
-            f"{folder}: several runs share the folder {shared[0]}, because version 0.1.0 gave values that print alike one name;"
+            f"{folder}: several runs share the folder {shared[0]}, because version 0.1.0 gave "
+            "values that print alike one name;"
             " all but the last of them are lost: run the scene again"
         )
     runs = [
@@ -102,7 +104,8 @@ def records_of(folders: Sequence[Path]) -> list[RunRecord | None]:
         str(folder) for folder, record in zip(folders, records, strict=True) if record is None
     ]:
         print(
-            f"warning: {', '.join(old)}: of version 0.1.0 (no run.json), which did not say whether a run was done,"
+            f"warning: {', '.join(old)}: of version 0.1.0 (no run.json), "
+            "which did not say whether a run was done,"
             " or what made it",
             file=sys.stderr,
         )
@@ -117,7 +120,8 @@ def warn_of_other_program(
     solved = [result for result in results if is_begun(result) and not result.complete]
     if before is not None and before.sources != ours.sources and solved:
         print(
-            f"warning: {folder}: begun by version {before.version} (sources {before.sources[:12]}), goes on with"
+            f"warning: {folder}: begun by version {before.version} (sources "
+            f"{before.sources[:12]}), goes on with"
             f" version {ours.version} (sources {ours.sources[:12]})",
             file=sys.stderr,
         )

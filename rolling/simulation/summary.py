@@ -202,7 +202,8 @@ def _remarks(runs: list[tuple[str, dict[str, Any]]]) -> list[str]:
     of_levels = " ".join(each.line for each in beside if each.key != "uncertainty")
     of_uncertainty = " ".join(each.line for each in beside if each.key == "uncertainty")
     surfaces = dict.fromkeys(
-        f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, skewness {s['skewness']:.2f},"
+        f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, "
+        f"skewness {s['skewness']:.2f},"
         f" kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
         for s in (summary["surface"] for _, summary in runs)
     )

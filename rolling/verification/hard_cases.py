@@ -177,7 +177,10 @@ def _symmetric_and_plastic() -> list[HardCase]:
     """Return cases of symmetric or fully plastic contact."""
     ring = "by symmetry, all nodes of a ring change their bounds at once"
     trace = "heights of 1e-12 m under deflections of 4e-7 m hardly break the symmetry"
-    whole = "W / (H dA) is a whole number: p is 0 or H everywhere, no node is free, and the approach has an interval to lie in"
+    whole = (
+        "W / (H dA) is a whole number: p is 0 or H everywhere, no node is free, "
+        "and the approach has an interval to lie in"
+    )
     limit = "the contact area tends to W / H as E* rises: fewer and fewer nodes between the bounds"
     cases = [
         HardCase("smooth sphere", ring, partial(rough_track, 60, 61, 0.0, load=2.0), 40),
@@ -203,7 +206,10 @@ def _refused() -> list[HardCase]:
     beyond = (
         "no pressure below the hardness carries the load: a solver that only iterates would not end"
     )
-    full = "99 % of the capacity fills the period to its corners, more than a window of contact can hold"
+    full = (
+        "99 % of the capacity fills the period to its corners, more than a window of contact can "
+        "hold"
+    )
     wide = "the Hertz contact is wider than the surface: its periodic images would touch each other"
     vast = "the capacity suffices, but contact is 11 mm wide: no transform is large enough"
     cases = [
@@ -235,11 +241,26 @@ def _refused() -> list[HardCase]:
 
 def _steps_in_height() -> list[HardCase]:
     """Return cases with spikes, cliffs, trenches and steep slopes."""
-    spike = "one node stands out by up to 50 spacings; its pressure swings through the whole range as the sphere passes"
-    cliff = "half of the plate lies 20 um lower, through the middle of the contact: pressure is singular along the edge"
-    trench = "a groove 3 nodes wide and 100 um deep splits the contact in halves that only the deflection couples"
-    outlier = "1 mm from a faulty instrument: the search for overlap covers a disc of 6 mm, and one node carries the load"
-    dwarf = "springs turn 20 um into 1e8 times the pressures: the load loses its digits in a difference and must be restored"
+    spike = (
+        "one node stands out by up to 50 spacings; its pressure swings through the whole range as "
+        "the sphere passes"
+    )
+    cliff = (
+        "half of the plate lies 20 um lower, through the middle of the contact: "
+        "pressure is singular along the edge"
+    )
+    trench = (
+        "a groove 3 nodes wide and 100 um deep splits the contact in halves that only the "
+        "deflection couples"
+    )
+    outlier = (
+        "1 mm from a faulty instrument: the search for overlap covers a disc of 6 mm, "
+        "and one node carries the load"
+    )
+    dwarf = (
+        "springs turn 20 um into 1e8 times the pressures: the load loses its digits in a "
+        "difference and must be restored"
+    )
     slopes = "rms slope 14 each way: a few tips, far apart, 1e4 times their deflection high"
     cases = []
     for height, plate in (
@@ -277,7 +298,10 @@ def _steps_in_height() -> list[HardCase]:
 
 def _sizes() -> list[HardCase]:
     """Return cases of extreme sizes, units and shapes, and a contact across the seam."""
-    touch = "one node carries the load: no iteration is needed, and its deflection is known in closed form"
+    touch = (
+        "one node carries the load: no iteration is needed, and its deflection is known in closed "
+        "form"
+    )
     units = "SI numbers from 1e-12 m to 1e12 Pa reveal any absolute threshold in the solver"
     odd = "ridges make the contact long and narrow: its windows differ in the two directions"
     seam = "contact lies across the seam of the periodic surface"
@@ -305,8 +329,14 @@ def _sizes() -> list[HardCase]:
 
 def _many_bounds() -> list[HardCase]:
     """Return cases in which nearly all nodes change their bounds at once."""
-    bound = "a step is longer than the contact: half of the window starts on the wrong bound, and hardly a node is free"
-    trace = "ten capped nodes carry all but a trace of the load, which no deflection shows but the load needs"
+    bound = (
+        "a step is longer than the contact: half of the window starts on the wrong bound, "
+        "and hardly a node is free"
+    )
+    trace = (
+        "ten capped nodes carry all but a trace of the load, which no deflection shows but the "
+        "load needs"
+    )
     cases = []
     for nodes, hardness, radius, step in (
         (50.5, 1e6, 5e-5, 10),

@@ -39,12 +39,16 @@ REFUSALS = {  # words of a message: the reason of refusal
 }
 MUST_HOLD = (
     "Pressures lie between 0 and the hardness, exactly.",
-    "The gap is zero where the pressure lies between, not negative at zero pressure, and not positive at the hardness. A"
-    " convolution by separate code checks this within 1.5 times the tolerance of the largest deflection.",
+    "The gap is zero where the pressure lies between, not negative at zero pressure, "
+    "and not positive at the hardness. A"
+    " convolution by separate code checks this within 1.5 times the tolerance of the largest "
+    "deflection.",
     "There is no contact outside the window, on the whole plate.",
-    "The load is right to 1e-12; stored energy and deflections agree with that convolution to 1e-11.",
+    "The load is right to 1e-12; stored energy and deflections agree with that convolution to "
+    "1e-11.",
     "Loading minus release equals the change of stored energy to 1e-12 of the stored energy.",
-    "Every number is finite, there is no warning, iterations stay within the budget of the case, and the time within a minute.",
+    "Every number is finite, there is no warning, iterations stay within the budget of the case, "
+    "and the time within a minute.",
     "Later laps equal the first within 10 tolerances.",
     "A scene without a solution is refused with numbers; a scene with a solution is not.",
 )
@@ -150,7 +154,8 @@ class _Trial:
         released = np.array(self.releases).reshape(-1, self.case.lap).sum(axis=1)
         if not np.ptp(released) <= 1e-3 * released.mean():
             self.violated.append(
-                f"drift: release of a lap by {np.ptp(released) / released.mean():.3g}, allowed 0.001"
+                f"drift: release of a lap by {np.ptp(released) / released.mean():.3g}, "
+                "allowed 0.001"
             )
 
     def _note(self, state: ContactState, violation: str) -> None:
@@ -379,7 +384,8 @@ def table(report: Report) -> str:
     text += [f"- {condition}" for condition in MUST_HOLD]
     text += ["", tables.markdown(head, rows, padded=True, right=range(3, len(head))), ""]
     text += [
-        f"{report.total.states} states; {report.seconds:.1f} s, {report.total.solving_seconds:.1f} s of it solving.",
+        f"{report.total.states} states; {report.seconds:.1f} s, "
+        f"{report.total.solving_seconds:.1f} s of it solving.",
         "",
     ]
     text += [f"## Failures: {len(report.failed)}", ""]
