@@ -34,7 +34,6 @@ MOST_ORDER, LEAST_ORDER = 2.0, 0.5  # of convergence, limits in an extrapolation
 
 
 # ---- the numbers of a variant
-# -----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -156,7 +155,6 @@ def worst_band(errors_by_name: Errors) -> tuple[str, float]:
 
 
 # ---- the reference's own error, orders
-# -------------------------------------------------------------------------------
 
 
 def extrapolated(coarse: Errors | None, fine: Errors) -> Errors:
@@ -210,7 +208,6 @@ def orders_of_differences(series: Sequence[tuple[float, Measurement]]) -> Errors
 
 
 # ---- the recommendation
-# -----------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -299,7 +296,6 @@ def default_tolerance() -> float:
 
 
 # ---- all together
-# ----------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

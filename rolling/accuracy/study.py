@@ -152,7 +152,6 @@ def _in_table(variant: Variant) -> tuple[Any, ...]:
 
 
 # ---- numbers
-# ---------------------------------------------------------------------------------------------------------
 
 
 def _row(measurement: Measurement) -> dict[str, Any]:

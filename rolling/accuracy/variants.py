@@ -209,7 +209,6 @@ def study_of(scene: Scene, duration: float, finest: int) -> Study:
 
 
 # ---- marching
-# --------------------------------------------------------------------------------------------------------
 
 
 def refined(heights: Array, times: int) -> Array:

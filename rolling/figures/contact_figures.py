@@ -37,7 +37,6 @@ _MOST_DURATIONS = 50  # columns of a distribution of durations
 
 
 # ---- surface
-# ---------------------------------------------------------------------------------------------------------
 
 
 def surface(run: RunResult) -> Picture:
@@ -90,7 +89,6 @@ def _surface_boxes(ratio: float) -> tuple[Box, Box, Box]:
 
 
 # ---- contact
-# ---------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -180,7 +178,6 @@ def _reach(run: RunResult, snapshot: Snapshot) -> float:
 
 
 # ---- recovery events
-# -------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

@@ -104,7 +104,6 @@ def views(run: RunResult) -> SoundViews:
 
 
 # ---- spectra
-# ---------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -211,7 +210,6 @@ def _line_columns(
 
 
 # ---- third octaves
-# ---------------------------------------------------------------------------------------------------
 
 
 def third_octaves(shown: Sequence[RunResult], among: Sequence[RunResult]) -> Iterator[Picture]:
@@ -264,7 +262,6 @@ def unrepeated_seconds(run: RunResult) -> float:
 
 
 # ---- pictures over time
-# ----------------------------------------------------------------------------------------------
 
 
 def spectrogram_of(run: RunResult, among: Sequence[RunResult]) -> Picture:
@@ -323,7 +320,6 @@ def release_power(run: RunResult, among: Sequence[RunResult]) -> Picture:
 
 
 # ---- levels against a swept quantity
-# ---------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
