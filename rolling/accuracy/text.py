@@ -34,7 +34,10 @@ def keys(study: Study, variant: Variant) -> str:
 
 
 def _settings(study: Study, v: Variant) -> list[str]:
-    """Return the cells with the settings of a variant; a star marks a step too long for hearing."""
+    """Return the cells with the settings of a variant.
+
+    A star marks a step that is too long for hearing.
+    """
     step = f"{study.step_um(v):g}" + ("*" if study.highest(v) < errors.LEAST_NYQUIST else "")
     return [f"{study.spacing_um(v):g}", v.edges, tolerance_text(v.tolerance), step, v.precision]
 
@@ -43,7 +46,10 @@ SETTINGS = ["spacing µm", "edges", "tolerance", "step µm", "precision"]
 
 
 def _shown(value: float, uncertainty: float, digits: int) -> str:
-    """Write an error with its sign, in brackets where it is within the reference's own uncertainty."""
+    """Write an error with its sign.
+
+    Brackets mark an error within the reference's own uncertainty.
+    """
     if not math.isfinite(value):
         return "lost" if math.isinf(value) else "-"
     text = f"{value:+.{digits}f}"
@@ -51,8 +57,9 @@ def _shown(value: float, uncertainty: float, digits: int) -> str:
 
 
 def _signal(value: float, uncertainty: float) -> str:
-    """Write the signal's error in dB, in brackets where it is within the reference's own
-    uncertainty.
+    """Write the signal's error in dB.
+
+    Brackets mark an error within the reference's own uncertainty.
     """
     text = "-" if not value or not math.isfinite(value) else f"{decibel(value):.1f}"
     return f"({text})" if value and value <= uncertainty else text
@@ -70,7 +77,7 @@ def _errors(e: Errors, uncertainty: Errors, names: Sequence[str]) -> list[str]:
 
 
 def _main_table(findings: Findings, names: Sequence[str], cost: Sequence[str]) -> str:
-    """Write the table of all variants with their costs and errors; failures stand at the end."""
+    """Write the table of all variants with their costs and errors; failures come last."""
     study = findings.study
     head = [*SETTINGS, *cost, "signal dB", "LAeq dB", "worst third octave dB"]
     rows = [head + [f"{WORDS[name]} %" for name in names] + ["raw rms W"]]

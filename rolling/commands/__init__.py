@@ -360,8 +360,7 @@ def _sounds(work: _Work) -> list[RunResult | None]:
 
 
 def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -> Report:
-    """Write sound, numbers and figures of every run, their comparison, the page, and the states
-    last.
+    """Write sound, numbers and figures of every run, their comparison, the page, and the states.
 
     Parameters
     ----------
@@ -454,8 +453,7 @@ def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
 def _write_pictures(
     folder: Path, runs: list[RunResult], page: bool
 ) -> list[tuple[RunResult | None, Exhibit]]:
-    """Write the figures of each run into its folder, and the comparisons into the folder of all
-    runs.
+    """Write the figures of each run into its folder, and the comparisons into the shared folder.
 
     Returns
     -------

@@ -49,7 +49,7 @@ def shown_nodes(heights: Array, spacing: float) -> int:
 
 
 def map_stride(heights: Array, spacing: float) -> int:
-    """Return the distance of the nodes that a map shows, in nodes: 1 unless the map is too large."""
+    """Return the distance of the nodes that a map shows, in nodes: 1 unless it is too large."""
     return math.ceil(math.sqrt(shown_nodes(heights, spacing) * heights.shape[1] / _MOST_DOTS))
 
 

@@ -223,7 +223,7 @@ class EventDistribution:
 
 
 def event_distributions(run: RunResult) -> tuple[EventDistribution, EventDistribution] | None:
-    """Sort the recovery events of a run by energy and by duration, or return None without events."""
+    """Sort the recovery events of a run by energy and by duration, if it has any."""
     table = run.events
     if table is None or run.event_statistics is None:
         return None

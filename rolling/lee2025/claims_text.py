@@ -52,9 +52,7 @@ def markdown(table: Table) -> str:
 
 
 def tables(table: Table) -> str:
-    """Write tables.md, the part of docs/lee2025.md that follows from the study, from its mark to
-    the end.
-    """
+    """Write tables.md, the generated part of docs/lee2025.md from its mark to the end."""
     return f"{DOCS_MARK}\n\n{_tables(table)}\n"
 
 
@@ -79,7 +77,7 @@ def _tables(table: Table) -> str:
 
 
 def headline(table: Table) -> str:
-    """Say how many statements hold in every reading, in none, and how many depend on the reading."""
+    """Count the statements that hold in every reading, in no reading, or depend on the reading."""
     names, state = table.of_kind(READING), table.standing
     if not names or state is None or not state.judged:
         return "No reading was run that could be judged."
@@ -96,7 +94,7 @@ def headline(table: Table) -> str:
 
 
 def _standing(state: Standing | None) -> list[str]:
-    """Write a table of the statements by their standing, empty without any."""
+    """Write a table of the statements by their standing, or nothing without statements."""
     if state is None:
         return []
     keys_by_standing = {
@@ -116,9 +114,7 @@ def _standing(state: Standing | None) -> list[str]:
 
 
 def _verdicts(table: Table, kind: str, heading: str, words: str) -> list[str]:
-    """Write a table of the verdicts of all readings of a kind on the statements that concern such
-    readings.
-    """
+    """Write a table of the verdicts of all readings of a kind."""
     names = table.of_kind(kind)
     if not names:
         return []
@@ -149,14 +145,14 @@ def _cell(judged: JudgedClaim, reading: str) -> str:
 
 
 def _word(finding: Finding) -> str:
-    """Return the verdict, with its cause where it is undecided."""
+    """Return the verdict, with its cause if it is undecided."""
     return (
         f"{UNDECIDED} ({finding.decided_by})" if finding.verdict == UNDECIDED else finding.verdict
     )
 
 
 def _cautions(table: Table) -> list[str]:
-    """List the cautions, each once with all statements that it concerns."""
+    """List the cautions, each once with all its statements."""
     keys_by_caution: dict[str, list[str]] = {}
     for judged in table.claims:
         if judged.claim.caution:
@@ -175,7 +171,10 @@ def _extent(name: str, extent: Extent) -> str:
 
 
 def _scores(table: Table) -> list[str]:
-    """Write the scores: first of the readings, with the leader if there is one, then of the rest."""
+    """Write the scores of the readings, then the scores of variations and sweeps.
+
+    The leading reading is named if there is a clear lead.
+    """
     if not table.scores:
         return []
     readings = [score for score in table.scores if table.kind(score.reading) == READING]
@@ -220,9 +219,7 @@ def _score_table(scores: Sequence[Score]) -> str:
 
 
 def _paragraph(judged: JudgedClaim) -> str:
-    """Write a claim in full: the statement, its place, the tolerance, a caution, and all measured
-    numbers.
-    """
+    """Write a claim in full: statement, place, tolerance, caution, and all measured numbers."""
     claim = judged.claim
     head = [
         f"### {claim.key}",

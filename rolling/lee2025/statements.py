@@ -1,6 +1,6 @@
 """The statements of Lee, Kim & Kim (2025) in our words, with their tolerances and criteria.
 
-CLAIMS concern the study of roughness and load, OUTLOOK holds the statements that the article only
+CLAIMS concern the study of roughness and load. OUTLOOK holds the statements that the article only
 expects.
 """
 
@@ -31,8 +31,8 @@ SMOOTH, MIDDLE, ROUGH, ROUGHEST = 0.01, 0.1, 1.0, 5.0  # Ra [um] of the article
 ROUGHNESSES = (SMOOTH, MIDDLE, ROUGH, ROUGHEST)
 YIELDING = (MIDDLE, ROUGH, ROUGHEST)
 LOADS = (5.0, 10.0, 20.0, 50.0, 100.0)  # [N]
-SCALES = (10, 20)  # a level is so many times the logarithm of a release power
-LIMIT = 2.1e9  # [Pa] where the article's plate yields
+SCALES = (10, 20)  # factor of the logarithm in the level of a release power
+LIMIT = 2.1e9  # pressure at which the article's plate yields [Pa]
 SQUEAL_DB = 70.0
 
 
@@ -51,7 +51,7 @@ class Claim:
     level : bool. True if it is judged with 10 lg and with 20 lg. Default: False.
     varied : str or None. The field of Case that a sweep must vary for it. Default: None, for the
         study of roughness and load.
-    caution : str. A reader should know this beside the verdict, with numbers. Default: empty.
+    caution : str. Further numbers that limit the verdict. Default: empty.
     """
 
     key: str

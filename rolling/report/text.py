@@ -36,8 +36,8 @@ class Column:
     uncertainty : str or None. Name of its uncertainty there.
     head : str. Heading.
     unit : str. Unit in the table.
-    factor : float. Factor from summary.json to that unit. Default 1.
-    digits : str. Format; empty for four digits. Default one decimal.
+    factor : float. Factor from summary.json to that unit. Default: 1.
+    digits : str. Format; empty for four digits. Default: one decimal.
     """
 
     key: str
@@ -63,7 +63,10 @@ COLUMNS = (
     Column("release_power_mean_w", None, "release, mean", "µW", 1e6, ""),
     Column("release_power_rms_w", None, "release, rms", "µW", 1e6, ""),
 )
-ASKED_FOR = ("loudness_sone", "sharpness_acum")  # not shown where no scene asked
+ASKED_FOR = (
+    "loudness_sone",
+    "sharpness_acum",
+)  # these columns are shown only if a scene requests them
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,7 @@ class Fact:
     Parameters
     ----------
     name : str. Quantity.
-    values : list of pairs. Labels and value; one value without labels holds for all runs.
+    values : list of pairs. Labels and value; a single value without labels holds for all runs.
     """
 
     name: str
@@ -90,7 +93,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class Recipe:
-    """The scene that makes runs again.
+    """The scene that reproduces runs.
 
     Parameters
     ----------
@@ -129,7 +132,7 @@ def sentence(runs: Sequence[RunResult]) -> str:
 
 
 def levels(runs: Sequence[RunResult]) -> Table:
-    """Tabulate levels and contact numbers, a row per run.
+    """Tabulate levels and contact numbers with a row per run.
 
     A level without sound is `silent`, and one that was not computed `-`.
     """
@@ -331,7 +334,7 @@ def surface_words(scene: Scene) -> str:
 
 
 def remarks(runs: Sequence[RunResult]) -> list[Remark]:
-    """List all caveats of runs, each once."""
+    """List all caveats of runs, each caveat once."""
     return caveats.gathered([(run.label, caveats.stored(run.summary)) for run in runs])
 
 
@@ -346,7 +349,7 @@ def partial(runs: Sequence[RunResult]) -> list[Remark]:
 
 
 def standing(runs: Sequence[RunResult]) -> list[Remark]:
-    """List the caveats that hold for any such run and do not stand at the top."""
+    """List the general caveats, which do not stand at the top."""
     top = (*caveats.HEADLINE, "partial")
     return [
         remark
@@ -388,7 +391,7 @@ def _grouped(name: str, values: Sequence[tuple[str, str]]) -> Fact:
 
 
 def recipes(runs: Sequence[RunResult]) -> list[Recipe]:
-    """Return the scenes that make runs again, run for all runs of a sweep."""
+    """Return the scenes that reproduce runs, run for all runs of a sweep."""
     members: dict[Path, list[RunResult]] = {}
     for run in runs:
         members.setdefault(run.home, []).append(run)
@@ -414,7 +417,7 @@ def provenance(runs: Sequence[RunResult]) -> list[Fact]:
 
 
 def _provenance(run: RunResult) -> dict[str, str]:
-    """Read provenance.json of a run folder; empty without run."""
+    """Read provenance.json of a run folder; the result is empty for a run in memory."""
     path = run.folder / "provenance.json"
     if not path.is_file():
         return {}
