@@ -1,7 +1,7 @@
-"""Results of this package against IEC 61672-1, IEC 61260-1 and its own requirements, as a Markdown
-page.
+"""The conformance page in Markdown: results of this package against standards and own requirements.
 
-`python -m acoustics.conformance` prints it; every number on it is computed then.
+`python -m acoustics.conformance` prints it and computes every number on it. The standards are
+IEC 61672-1 and IEC 61260-1.
 """
 
 from __future__ import annotations
@@ -114,8 +114,9 @@ def _cells(row: Row, decimals: int) -> tuple[str, ...]:
 
 
 def _number(value: float, decimals: int, signed: bool = False) -> str:
-    """Write a rounded number without the sign of a zero, so that rounding does not show; empty
-    without a limit.
+    """Write a rounded number without the sign of a zero, so that rounding does not show.
+
+    The text is empty for a missing limit.
     """
     if math.isinf(value):
         return "∞" if value > 0.0 else ""

@@ -22,10 +22,10 @@ from acoustics.resampling import fade
 from acoustics.spectrum import line_spectrum
 from acoustics.wav import SAMPLE_RATE_HZ
 
-# Where the standard gives exact formulas and no tolerance: the fifth digit.
+# limit where the standard gives exact formulas and no tolerance: the fifth digit
 FREQUENCY_LIMIT_PPM = 10.0
 
-# A record that does not close is faded over this time at both ends before it gets here.
+# The program fades a record that does not close over this time at both ends.
 _FADE_S = 0.01
 
 # From here on half a period is less than a thousandth of the frequency.
@@ -127,8 +127,9 @@ def attenuation_db(
     phase: float = 0.4,
     fade_s: float = 0.0,
 ) -> float:
-    """Return the level of a tone's record minus its level in a band, dB; infinite if the band holds
-    rounding.
+    """Return the level of a tone's record minus its level in a band, dB.
+
+    It is infinite if the band holds only rounding.
     """
     record = fade(tone(frequency_hz, samples, rate_hz, phase), round(fade_s * rate_hz))
     lines_hz, mean_square = line_spectrum(record, rate_hz)
@@ -137,7 +138,7 @@ def attenuation_db(
 
 
 def closed_records() -> Table:
-    """Measure the attenuation on records of a whole number of periods, as closed tracks give them."""
+    """Measure the attenuation on records of a whole number of periods, as of closed tracks."""
     duration_s = 10.0
     samples = round(duration_s * SAMPLE_RATE_HZ)
     rows = []
@@ -212,13 +213,13 @@ _PARTS: tuple[tuple[str, Callable[[MaskPoint], bool]], ...] = (
 
 
 def open_attenuation(record: OpenRecord, band: int, part: Callable[[MaskPoint], bool]) -> Row:
-    """Measure the worst attenuation of a band at the points of one part, for tones half a line off.
+    """Measure the worst attenuation of a band at the points of a part, for tones half a line off.
 
-    The tones have the standard's frequencies, and the record is lengthened or shortened by up to
-    half a period until they lie midway between two lines; many periods are changed in frequency
-    instead, which keeps the length of the transform a fast one. Tones at the edges are one to two
-    lines off. The two phases are a quarter period apart, because a tone's mirror at negative
-    frequency adds or subtracts.
+    The tones have the standard's frequencies. The record is lengthened or shortened by up to half a
+    period until they lie midway between two lines. Many periods are changed in frequency instead,
+    which keeps the length of the transform fast. Tones at the edges are one to two lines off. The
+    two phases are a quarter period apart, because a tone's mirror at negative frequency adds or
+    subtracts.
     """
     # The standard's highest frequency, 5.39 f_mid, and a fade of 10 ms need no more samples.
     rate_hz = float(np.clip(12.0 * math.ceil(MID_HZ[band]), 2400.0, SAMPLE_RATE_HZ))
@@ -273,8 +274,9 @@ def min_lines_inside() -> float:
 
 
 def open_records() -> Table:
-    """Measure the attenuation on records that do not close: the leakage of their ends, cut or
-    faded.
+    """Measure the attenuation on records that do not close.
+
+    Their ends leak, whether cut or faded.
     """
     shown = (0, BAND_NAMES.index("100"), BAND_NAMES.index("1000"), len(BAND_NAMES) - 1)
     rows: list[Row] = []
@@ -343,7 +345,7 @@ def _from_band(failing: list[int], searched: int) -> str:
 
 
 def effective_bandwidth() -> Table:
-    """Measure the level of a flat spectrum in each band, where whole lines stand for the bandwidth."""
+    """Measure the level of a flat spectrum in each band, in which lines replace bandwidth."""
     rows = []
     for duration_s in (0.5, 10.0):
         lines_hz = np.arange(round(duration_s * SAMPLE_RATE_HZ / 2.0) + 1) / duration_s

@@ -15,13 +15,14 @@ from acoustics.time_weighting import FAST_S, SLOW_S, a_weighted, running_mean_sq
 from acoustics.wav import SAMPLE_RATE_HZ
 from acoustics.weighting import a_weighting_db
 
-# Limit where no standard has one: rounding and interpolation.
+# own limit for rounding and interpolation, where no standard gives a limit
 LEVEL_LIMIT_DB = 0.01
 
 
 def whole_periods(frequency_hz: float, longest_s: float = 1.0) -> int:
-    """Return the samples of the record up to ``longest_s`` that is nearest to a whole number of
-    periods.
+    """Return the samples of the longest record that nearly holds a whole number of periods.
+
+    The record is at most ``longest_s`` long.
     """
     samples = np.rint(
         np.arange(1, int(longest_s * frequency_hz) + 1) * SAMPLE_RATE_HZ / frequency_hz
@@ -120,7 +121,7 @@ def _burst_row(
 
 
 def decay_rates() -> Table:
-    """Measure how fast the running levels fall after a steady tone."""
+    """Measure the rate at which the running levels fall after a steady tone."""
     record = np.concatenate([tone(4000.0, SAMPLE_RATE_HZ, phase=0.0), np.zeros(2 * SAMPLE_RATE_HZ)])
     weighted = a_weighted(record, SAMPLE_RATE_HZ)
     rows = []

@@ -1,4 +1,4 @@
-"""Resampling and interpolation against this package's own requirements."""
+"""Resampling and interpolation against the package's own requirements."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def step_means(frequency_hz: float, samples: int, rate_hz: float) -> Array:
 
 
 def resampled_levels() -> Table:
-    """Sines from step means to 48 kHz, through every stage of the program."""
+    """Measure sines from step means to 48 kHz through every stage of the program."""
     rows = []
     for rate_hz, frequencies_hz in (
         (STEP_RATE_HZ, (20, 63, 200, 630, 2000, 6300, 12500, 16000, 20000)),
@@ -97,7 +97,8 @@ def alias_rejection() -> Table:
         (250_000, (24_001, 48_000, 72_000, 124_999)),
     ):
         for frequency_hz in frequencies_hz:
-            # The phase counted in whole steps of the record, so that the tone is pure to rounding.
+            # The phase is counted in whole steps of the record, so the tone is pure except for
+            # rounding.
             signal = np.sin(
                 2.0 * np.pi * (np.arange(rate_hz) * frequency_hz % rate_hz) / rate_hz + 0.4
             )
@@ -151,7 +152,7 @@ def varying_speed() -> Table:
 
 
 def _sweep_error(top_hz: float) -> float:
-    """Return mean square error over mean square of a sine along a track passed at rising speed."""
+    """Return the relative mean square error of a sine along a track at rising speed."""
     step_m, slow, fast, duration_s = 2e-6, 0.1, 0.2, 0.5
     samples = round(duration_s * SAMPLE_RATE_HZ)
     oversampling = math.ceil(fast / step_m / SAMPLE_RATE_HZ)

@@ -1,7 +1,7 @@
-"""The variants of a scene for `rolling accuracy`: other grids, edges, tolerances, steps and
-precision.
+"""The variants of a scene for `rolling accuracy`.
 
-All variants roll over the same stretch of the same surface.
+They differ in grid, edges, tolerance, step or precision. All variants roll over the same stretch of
+the same surface.
 """
 
 from __future__ import annotations
@@ -46,7 +46,8 @@ class Variant:
     def name(self) -> str:
         """The name of the variant in files."""
         step = f"{self.step_nodes:g}"
-        return f"spacing-over-{self.times}_step-{step}_{tolerance_text(self.tolerance)}_{self.edges}_{self.precision}"
+        grid, tolerance = f"spacing-over-{self.times}", tolerance_text(self.tolerance)
+        return f"{grid}_step-{step}_{tolerance}_{self.edges}_{self.precision}"
 
 
 def tolerance_text(value: float) -> str:
@@ -224,7 +225,7 @@ def refined(heights: Array, times: int) -> Array:
 
 
 def _padded_lines(values: Array, times: int, shift: float) -> Array:
-    """Interpolate along the first axis by zero-padding the transform, with a shift in fine nodes."""
+    """Interpolate along the first axis by zero-padding the transform, shifted in fine nodes."""
     n = len(values)
     lines = np.fft.rfft(values, axis=0) * times
     if n % 2 == 0 and times > 1:

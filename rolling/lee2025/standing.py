@@ -18,7 +18,7 @@ LEAD = 2.0
 
 
 def standing(claims: Sequence[JudgedClaim], readings: Sequence[str]) -> Standing:
-    """Sort the keys of all claims by their verdicts in these readings, with either scale of levels."""
+    """Sort the keys of all claims by their verdicts in these readings, with either scale."""
     sorted_keys = Standing()
     agreed = {REPRODUCED: sorted_keys.every, PARTLY: sorted_keys.part, NOT: sorted_keys.none}
     for judged in claims:

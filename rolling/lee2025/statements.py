@@ -38,8 +38,7 @@ SQUEAL_DB = 70.0
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the article in our words, with its place there, its tolerance and its
-    criterion.
+    """A statement of the article in our words, with its place, tolerance and criterion.
 
     Parameters
     ----------

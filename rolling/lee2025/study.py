@@ -326,11 +326,11 @@ def case(reading: str, run: Run, result: Result) -> Case:
 
 
 def _fluctuation(scene: Scene, sound: ContactSound) -> tuple[Array, float]:
-    """Compute the rms [W] of the release power's fluctuation: per third octave (31,), and
-    A-weighted.
+    """Compute the rms [W] of the release power's fluctuation.
 
-    Sound pressure is linear in the fluctuation of the intensity, and so in the fluctuation of the
-    power. Both results are NaN if the sound has no level.
+    The first result has the third octaves (31,), the second is A-weighted. Sound pressure is linear
+    in the fluctuation of the intensity, and so in the fluctuation of the power. Both results are
+    NaN if the sound has no level.
     """
     levels = sound.levels
     if not sound.factor or levels.laeq_db is None:

@@ -60,7 +60,8 @@ def contact_pressure(reading: Reading, on: Scales) -> Picture:
 
     look = _Look("pressure [GPa]", (0.0, on.pressure_gpa), "magma", (-on.reach_um, on.reach_um))
     return _contacts(
-        "fig5_contact_pressure", "Contact pressure", "a facet shows its maximum", reading, on, sheet, look,
+        "fig5_contact_pressure", "Contact pressure", "a facet shows its maximum",
+        reading, on, sheet, look,
         lambda contact: f"maximum {contact.pressure.max() * 1e-9:.2f} GPa",
     )  # fmt: skip
 
@@ -75,7 +76,8 @@ def deflection(reading: Reading, on: Scales) -> Picture:
 
     look = _Look("deflection [µm]", (on.deflection_um, 0.0), "viridis", (-on.reach_um, on.reach_um))
     return _contacts(
-        "fig6_deflection", "Deflection of the plate", "downwards; the solved part, thinned", reading, on, sheet, look,
+        "fig6_deflection", "Deflection of the plate", "downwards; the solved part, thinned",
+        reading, on, sheet, look,
         lambda contact: f"maximum {contact.deflection.max() * 1e6:.2f} µm",
     )  # fmt: skip
 

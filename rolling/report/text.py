@@ -291,11 +291,13 @@ def _assumed_contact(run: RunResult) -> dict[str, str]:
         "load": f"{scene.load:g} N, constant",
         "speed": speed,
         "sphere": f"R {sphere.radius_mm:g} mm" + (elastic or ", rigid"),
-        "plate": f"{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio {plate.poissons_ratio:g}, {hardness}, without memory",
+        "plate": f"{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio {plate.poissons_ratio:g}, "
+        f"{hardness}, without memory",
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
         "half-space": _half_space(scene),
-        "solver": f"tolerance {scene.numerics.tolerance:g}, {scene.numerics.edges} edges, {scene.numerics.precision} precision",
+        "solver": f"tolerance {scene.numerics.tolerance:g}, {scene.numerics.edges} edges, "
+        f"{scene.numerics.precision} precision",
         "release of a node": {
             "mean": "mean pressure of a step's ends",
             "left_end": "pressure at a step's beginning (the article's)",
@@ -371,7 +373,8 @@ def events(run: RunResult) -> list[Fact]:
     joule = EngFormatter("J", places=1)
     values = {
         "events": f"{statistics.count:,}, {statistics.per_metre * 1e-3:,.0f} per mm",
-        "energy of an event": f"mean {joule(statistics.energy_mean)}, median {joule(statistics.energy_median)},"
+        "energy of an event": f"mean {joule(statistics.energy_mean)}, "
+        f"median {joule(statistics.energy_median)},"
         f" nine in ten below {joule(statistics.energy_p90)}",
         "mean duration": f"{statistics.duration_mean:.3g} steps of {run.result.step * 1e6:g} µm",
         "maximum of a node in a step": joule(statistics.peak),

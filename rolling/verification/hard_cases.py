@@ -62,7 +62,7 @@ class HardCase:
 def rough(
     along: int, across: int, ra: float, seed: int = 1, spacing: float = 2e-6, length: float = 10e-6
 ) -> Array:
-    """Make Gaussian heights [m] of shape (along, across) with this Ra and correlation length [m]."""
+    """Make Gaussian heights [m] (along, across) with this Ra and correlation length [m]."""
     return surface.gaussian((along, across), spacing, ra, (length, length), "gaussian", seed)
 
 

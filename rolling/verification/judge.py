@@ -30,7 +30,8 @@ from rolling.verification import hard_cases, optimality
 from rolling.verification.hard_cases import CAPACITY, CASES, ROOM, SOLVED, WIDTH, HardCase
 from rolling.verification.random_cases import found_cases, random_case
 
-TIME_LIMIT = 60.0  # maximum time of solving a scene [s], a hundred times the slowest; the long march has more
+# Maximum time of solving a scene [s], a hundred times the slowest; the long march has more.
+TIME_LIMIT = 60.0
 LEDGER_ERROR = (
     1e-12  # share of the stored energy; the energy ledger is an identity except for rounding
 )

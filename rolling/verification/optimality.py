@@ -1,5 +1,4 @@
-"""An independent check of a contact state: separate gaps, convolution, and search outside the
-window.
+"""An independent check of a contact state: separate gaps, convolution, and outside search.
 
 It imports the types of the march and shares no code with the solver.
 """
@@ -165,7 +164,7 @@ def contact_outside(track: RollingContact, state: ContactState) -> float:
 def _low_lines(
     track: RollingContact, state: ContactState, centre: float, nodes: float, highest: Array
 ) -> Nodes:
-    """Return rows or columns within `nodes` of the centre that may have a gap below the approach."""
+    """Return rows or columns within `nodes` of the centre whose gap may lie below the approach."""
     lines = np.arange(np.floor(centre - nodes), np.ceil(centre + nodes) + 1).astype(np.int64)
     distance = (lines - centre) * track.spacing
     return lines[distance**2 / (2 * track.radius) - highest[lines % highest.size] < state.approach]

@@ -140,7 +140,7 @@ def odd_scene(seed: int) -> tuple[RollingContact, str]:
 
 
 def _rounding(track: RollingContact) -> float:
-    """Estimate the rounding of the gaps over the deflection: of heights, paraboloid and position."""
+    """Estimate the rounding of the gaps over the deflection: heights, paraboloid, position."""
     area = max(track.load / track.hardness, track.spacing**2)
     # uniform pressure on a disc
     deflection = 2 * track.load / (track.contact_modulus * np.sqrt(np.pi * area))
