@@ -334,11 +334,11 @@ def _way_on(work: _Work) -> str:
     """Describe the kept part of work that the system stopped, and how to continue."""
     folder = work.folder
     kept = (
-        f"what was solved before is kept in {folder}"
+        f"the steps solved before are kept in {folder}"
         if any(map(is_kept, work.runs))
         else "nothing was solved"
     )
-    text = f"{kept}; `rolling resume {folder}` goes on when the cause is mended"
+    text = f"{kept}; `rolling resume {folder}` continues when the cause is removed"
     if not work.held.record.replaces:
         return text
     return (

@@ -27,8 +27,7 @@ __all__ = ["UNITS", "Result", "load", "save"]
 _SEAL = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
 _SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
 _DAMAGED = (
-    "damaged; what was solved cannot be trusted (delete the file, and `rolling resume` solves it "
-    "again)"
+    "damaged; its numbers cannot be trusted (delete the file, and `rolling resume` solves it again)"
 )
 
 

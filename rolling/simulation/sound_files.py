@@ -56,7 +56,7 @@ def write(
             1.0,
             "32-bit float",
             "Samples are sound pressure in Pa at the distance given; "
-            "players may clip what exceeds 1, listen.wav is for the ear.",
+            "players may clip samples beyond 1, listen.wav is for the ear.",
         ),
         "listen": _sidecar(
             scene,

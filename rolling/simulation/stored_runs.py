@@ -104,9 +104,8 @@ def records_of(folders: Sequence[Path]) -> list[RunRecord | None]:
         str(folder) for folder, record in zip(folders, records, strict=True) if record is None
     ]:
         print(
-            f"warning: {', '.join(old)}: of version 0.1.0 (no run.json), "
-            "which did not say whether a run was done,"
-            " or what made it",
+            f"warning: {', '.join(old)}: made by version 0.1.0 (no run.json), which recorded"
+            " neither the state of a run nor the program that made it",
             file=sys.stderr,
         )
     return records
