@@ -23,8 +23,8 @@ SAMPLE_RATE_HZ = 48000
 # libsndfile writes longer strings but reads back 2048 bytes at most.
 _LONGEST_TEXT = 2000
 
-_TARGET_RMS = 10.0 ** (-23.0 / 20.0)  # the programme loudness of EBU R 128, here as A-weighted rms
-PEAK = 10.0 ** (-1.0 / 20.0)  # largest sample of a record for listening, of full scale
+_TARGET_RMS = 10.0 ** (-23.0 / 20.0)  # programme loudness of EBU R 128, here as A-weighted rms
+PEAK = 10.0 ** (-1.0 / 20.0)  # maximum sample of a record for listening, as a share of full scale
 # The threshold of hearing, 0 dB(A), reaches the target. Quieter records stay quieter, because an
 # unbounded gain would make the rounding of a silent record as loud as a sound.
 MOST_GAIN = _TARGET_RMS / P_REF_PA  # full scale per pascal
@@ -140,7 +140,7 @@ def listening_gain(
     ----------
     pressure_pa : array (n,), Pa. Sound pressure at 48 kHz.
     target_rms : float, of full scale. A-weighted rms to reach. Default -23 dB.
-    peak : float, of full scale. Largest sample allowed; it takes precedence over the target.
+    peak : float, of full scale. Maximum sample; it takes precedence over the target.
         Default -1 dB.
 
     Returns
@@ -152,12 +152,13 @@ def listening_gain(
     --------
     >>> import numpy as np
     >>> from acoustics import wav
-    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(48000) / 48000)  # 1 Pa rms, 0 dB at 1 kHz
+    >>> # 1 Pa rms; A-weighting is 0 dB at 1 kHz
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(48000) / 48000)
     >>> round(float(20 * np.log10(wav.listening_gain(tone))), 2)
     -23.0
     """
     largest = float(np.max(np.abs(pressure_pa), initial=0.0))
-    if largest < np.finfo(float).tiny:  # the gain would be no number
+    if largest < np.finfo(float).tiny:  # the gain would not be a number
         return 1.0
     weighted = a_weighted_rms(pressure_pa, SAMPLE_RATE_HZ)
     return min(target_rms / weighted if weighted > 0.0 else MOST_GAIN, peak / largest, MOST_GAIN)
@@ -180,7 +181,7 @@ def read(path: str | os.PathLike[str]) -> tuple[Array, int, str]:
     Raises
     ------
     soundfile.LibsndfileError
-        If the file is missing or no sound file.
+        If the file is missing or not a sound file.
     """
     with soundfile.SoundFile(os.fspath(path)) as file:
         return file.read(dtype="float64"), file.samplerate, file.comment
@@ -195,7 +196,7 @@ def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str) -> bytes
     with soundfile.SoundFile(
         memory, "w", SAMPLE_RATE_HZ, channels=1, subtype=subtype, format="WAV"
     ) as file:
-        if comment:  # libsndfile refuses an empty one
+        if comment:  # libsndfile refuses an empty title
             file.comment = comment
         if title:
             file.title = title

@@ -1,6 +1,4 @@
-"""The command `rolling accuracy SCENE`: it marches the variants of a scene and writes their costs
-and errors.
-"""
+"""The command `rolling accuracy SCENE`, which marches the variants of a scene and compares them."""
 
 from __future__ import annotations
 
@@ -34,7 +32,7 @@ def run_study(
     finest: int = 4,
     duration: float = 0.045,
 ) -> int:
-    """March all variants of the first run of a scene file, print the table and write the folder.
+    """March all variants of the first run of a scene file, print the table, write the folder.
 
     Parameters
     ----------
@@ -48,7 +46,7 @@ def run_study(
 
     Returns
     -------
-    The exit code.
+    code : int. The exit code.
 
     Raises
     ------
@@ -60,7 +58,7 @@ def run_study(
     long_steps.refuse_long_steps(single)
     study = study_of(single, duration, finest)
     refusals.refuse_variants_that_cannot_fit(study.scene, finest, workers, out or refusals.OUTPUTS)
-    # a missing surface is refused before anything is written
+    # this refuses a missing surface before anything is written
     contact_of_scene.rolling_contact(study.scene)
     given = scene_path.read_bytes()
     inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]
@@ -74,7 +72,8 @@ def run_study(
     label = Run(values, single, target.folder).label
     if len(runs) > 1:
         print(
-            f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set {next(iter(values))}=..."
+            f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set "
+            f"{next(iter(values))}=..."
         )
     with new_folder.make(target, run_record.new("accuracy"), fill) as held:
         results, interrupted = _march(study, held.folder, workers or cost.cores())
@@ -107,7 +106,7 @@ def _ended(held: Claim, results: Findings, interrupted: bool) -> int:
 
 
 def _march(study: Study, folder: Path, workers: int) -> tuple[Findings, bool]:
-    """March all variants and write each as soon as its last piece is done."""
+    """March all variants and write each variant when its last piece is done."""
     variants = study.variants()
     todo = tasks(study, variants)
     missing = Counter(task.run for task in todo)
@@ -151,7 +150,6 @@ def _in_table(variant: Variant) -> tuple[Any, ...]:
 
 
 # ---- numbers
-# ---------------------------------------------------------------------------------------------------------
 
 
 def _row(measurement: Measurement) -> dict[str, Any]:
@@ -213,6 +211,6 @@ def _write(folder: Path, label: str, results: Findings) -> None:
     """Write accuracy.json, accuracy.md and the picture."""
     files.write_json(folder / "accuracy.json", _numbers(label, results))
     files.write_bytes(folder / "accuracy.md", text.text(label, results).encode())
-    # neither silent nor the reference alone
+    # a plot needs sound and more than the reference
     if any(e["signal"] > 0 for e in results.errors.values()):
         plot.write(folder, label, results)

@@ -1,8 +1,8 @@
 """The commands run, resume, resound and report: from a scene to a run folder.
 
-A run is solved and written as it grows. Its sound, levels, figures and report page follow, and last
-the state `done` in its run.json. The runs of a sweep share a folder, figures that compare them, a
-table and the page.
+A run is solved and written as it grows. Sound, levels, figures and report page follow. The state
+`done` in its run.json comes last. The runs of a sweep share a folder, the figures that compare
+them, a table and the page.
 """
 
 from __future__ import annotations
@@ -38,18 +38,20 @@ if TYPE_CHECKING:
     from rolling.report.page import Exhibit
 
 PAGE = "report.html"
-KINDS: tuple[Kind, ...] = ("run", "sweep")  # of folders that these commands make
+KINDS: tuple[Kind, ...] = ("run", "sweep")  # kinds of the folders that these commands make
 
 
 @dataclass(frozen=True)
 class Report:
     """The outcome of a command.
 
-    runs : the runs, each with its summary, or None where too little is solved for one.
-    failures : reasons by label of the run.
-    page : file of the report page, None when none was made.
-    solved : whether anything is solved.
-    previous : folder of an earlier run that stays beside this one.
+    folder : Path. The run folder.
+    runs : list of pairs. The runs with their summaries; None where too few steps are solved.
+    failures : dict. Reasons by the label of the run.
+    interrupted : bool. Whether the work was interrupted.
+    page : Path. File of the report page; None without a page.
+    solved : bool. Whether any step is solved.
+    previous : Path. Folder of an earlier run that stays beside this run; None without it.
     """
 
     folder: Path
@@ -70,7 +72,10 @@ class Report:
 class _Work:
     """The runs of a claimed folder with their results, as far as they are solved.
 
-    with_page : whether a report page is wanted.
+    held : Claim. The claim on the folder.
+    runs : list of Run. The runs in the folder.
+    results : list of Result. One result per run.
+    with_page : bool. Whether a report page is requested.
     """
 
     held: Claim
@@ -96,11 +101,12 @@ def run(
 
     Parameters
     ----------
-    overrides : "rolling.load_n=50" each.
-    out : Run folder to make. Default: a folder named after scene and time.
-    force : Replace an earlier run at `out`. Default: false.
-    workers : Processes; 0: one per core.
-    page : Write the report page as well. Default: true.
+    scene_path : Path. The scene file.
+    overrides : sequence of str. Assignments such as "rolling.load_n=50". Default: none.
+    out : Path. Run folder to make. Default: a folder named after scene and time.
+    force : bool. Replace an earlier run at `out`. Default: false.
+    workers : int. Number of processes; 0: one per core. Default: 0.
+    page : bool. Write the report page as well. Default: true.
 
     Raises
     ------
@@ -119,23 +125,28 @@ def run(
 
 
 def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = False) -> Report:
-    """Go on with a run folder that was interrupted or killed; solved steps are not solved again.
+    """Continue a run folder that was interrupted or killed; solved steps are not solved again.
 
     Parameters
     ----------
-    take_over : Go on even if the process that works on the folder cannot be seen from here.
-        Default: false.
+    folder : Path. The run folder.
+    workers : int. Number of processes; 0: one per core. Default: 0.
+    page : bool. Write the report page as well. Default: true.
+    take_over : bool. Continue even if the process that works on the folder is not visible from this
+        machine. Default: false.
 
     Raises
     ------
-    FolderError : no run folder, one in use, or a result of another scene or surface.
+    FolderError : the folder is not a run folder, is in use, or holds the result of another scene or
+        surface.
     SceneError : the scene cannot be run here.
     """
     runs = read_runs(folder)
     for each in runs:
         if not each.folder.is_dir():
             raise FolderError(
-                f"{each.folder}: no such folder, though {folder / 'resolved.yaml'} sweeps it; run a new scene instead"
+                f"{each.folder}: no such folder, though {folder / 'resolved.yaml'} sweeps it; "
+                "run a new scene instead"
             )
         refusals.refuse_unavailable(each.scene)
     refusals.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
@@ -158,13 +169,19 @@ def resound(
 ) -> Report:
     """Make new sound from stored runs without solving: other speed, distance, q or gain.
 
+    Parameters
+    ----------
+    folder : Path. The run folder.
+    overrides : sequence of str. Assignments such as "sound.distance_m=2".
+    out, force, page : as in `run`.
+
     Raises
     ------
-    FolderError : no run folder, or nothing is solved in it.
-    SceneError : overrides that need a new solve or are not allowed.
+    FolderError : the folder is not a run folder, or nothing is solved in it.
+    SceneError : the overrides need a new solve or are not allowed.
     """
     stored = read_runs(folder)
-    # All is read and checked before the new folder is made.
+    # Everything is read and checked before the new folder is made.
     scene = file.resound(resolved_scene(folder), overrides)
     refusals.refuse_unavailable(scene)
     refusals.refuse_what_cannot_fit(scene, 1, out or refusals.OUTPUTS)
@@ -185,7 +202,10 @@ def resound(
     records_of([folder])
     with new_folder.make(target, plan.record(), plan.write) as held:
         work = _Work(held, plan.runs(held.folder), results, page)
-        again = f"{folder} is as it was; give the command again, with --force if {held.folder} is in the way"
+        again = (
+            f"{folder} is as it was; give the command again, with --force if {held.folder} is in "
+            "the way"
+        )
         with _told_on_error(lambda: again):
             return _finish(work, _sounds(work), Outcome())
 
@@ -195,14 +215,14 @@ def save_run(finished: RunResult, folder: Path, force: bool = False, report: boo
 
     Parameters
     ----------
-    finished : The run.
-    folder : The folder to make.
-    force : Replace an earlier run at `folder`. Default: false.
-    report : Write the report page as well. Default: true.
+    finished : RunResult. The run.
+    folder : Path. The folder to make.
+    force : bool. Replace an earlier run at `folder`. Default: false.
+    report : bool. Write the report page as well. Default: true.
 
     Raises
     ------
-    FolderError : the folder is taken.
+    FolderError : the folder exists already.
     """
     plan = Plan(finished.scene, None)
     target = new_folder.aim(folder, folder, force, KINDS, plan.height_files)
@@ -221,18 +241,19 @@ def save_run(finished: RunResult, folder: Path, force: bool = False, report: boo
 
 
 def report(folders: Sequence[Path], out: Path | None = None, force: bool = False) -> Path:
-    """Write one page of all the runs in run folders; return its file.
+    """Write a page of all the runs in run folders, and return its file.
 
     Parameters
     ----------
-    out : File to write; an existing page of this program is replaced with `force` only. Default:
-        report.html in the run folder, which replaces an older one; for several folders a page in a
-        new folder.
+    folders : sequence of Path. The run folders.
+    out : Path. File to write. Default: report.html in the run folder, which replaces an older page;
+        for several folders a page in a new folder.
+    force : bool. Replace an existing page of this program at `out`. Default: false.
 
     Raises
     ------
-    FolderError, SceneError : no run folder, nothing solved in it, or `out` exists; nothing is
-        written.
+    FolderError, SceneError : a folder is not a run folder, nothing is solved in it, or `out`
+        exists. Nothing is written.
     """
     from rolling.report import page as pages
 
@@ -243,7 +264,8 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     )
     if len(runs) > pages.MOST_RUNS:
         raise FolderError(
-            f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare"
+            f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to "
+            "compare"
         )
     finished, unsolved = _stored_sounds(runs)
     if not finished:
@@ -257,15 +279,21 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
             folders[0] if len(folders) == 1 else new_folder.stamped(Path("outputs") / "report")
         ) / PAGE
     else:
-        own_files.refuse_file(out, force, pages.is_page)  # the page took a while to make
+        own_files.refuse_file(
+            out, force, pages.is_page
+        )  # another program may have made the file meanwhile
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return out
 
 
 def _stored_sounds(runs: Sequence[Run]) -> tuple[list[RunResult], list[str]]:
-    """Make the sound of stored runs; return them, and the titles of runs of which too little is
-    solved.
+    """Make the sound of stored runs.
+
+    Returns
+    -------
+    finished : The runs with their sound.
+    unsolved : The titles of runs with too few solved steps.
     """
     finished: list[RunResult] = []
     unsolved: list[str] = []
@@ -295,7 +323,7 @@ def _solve(work: _Work, workers: int) -> Report:
 
 @contextmanager
 def _told_on_error(way_on: Callable[[], str]) -> Iterator[None]:
-    """Add the way on to an error of the system, such as a full disk."""
+    """Add instructions for continuing to an error of the system, such as a full disk."""
     try:
         yield
     except OSError as error:
@@ -303,24 +331,27 @@ def _told_on_error(way_on: Callable[[], str]) -> Iterator[None]:
 
 
 def _way_on(work: _Work) -> str:
-    """Say what is kept of work that the system stopped, and how to go on."""
+    """Describe the kept part of work that the system stopped, and how to continue."""
     folder = work.folder
     kept = (
-        f"what was solved before is kept in {folder}"
+        f"the steps solved before are kept in {folder}"
         if any(map(is_kept, work.runs))
         else "nothing was solved"
     )
-    text = f"{kept}; `rolling resume {folder}` goes on when the cause is mended"
+    text = f"{kept}; `rolling resume {folder}` continues when the cause is removed"
     if not work.held.record.replaces:
         return text
-    return f"{text}\nthe run that this one replaces stays in {new_folder.previous(folder)} until this one is done"
+    return (
+        f"{text}\nthe run that this one replaces stays in {new_folder.previous(folder)} until "
+        "this one is done"
+    )
 
 
 def _sounds(work: _Work) -> list[RunResult | None]:
-    """Make the sound of each run; None where too little is solved."""
+    """Make the sound of each run; None where too few steps are solved."""
     names = labels.labels(work.runs)
     return [
-        # Numbers of another surface would not be the run's.
+        # The numbers of another surface would be wrong for the run.
         None
         if batch.other_surface(each, result)
         else hear(label, each.values, each.folder, each.scene, result)
@@ -329,12 +360,13 @@ def _sounds(work: _Work) -> list[RunResult | None]:
 
 
 def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -> Report:
-    """Write sound, numbers and figures of every run, those of all runs together, the page, and the
-    states last.
+    """Write sound, numbers and figures of every run, their comparison, the page, and the states.
 
     Parameters
     ----------
-    sounds : Each run with its sound; None where too little is solved for one.
+    work : The runs and their results.
+    sounds : Each run with its sound; None where too few steps are solved.
+    outcome : The outcome of solving.
     """
     finished = [each for each in sounds if each is not None]
     for each, result in zip(sounds, work.results, strict=True):
@@ -383,11 +415,13 @@ def _write_sweep(
 
 
 def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
-    """Write the state of each run, and of the folder: done when all runs are, failed when one is.
+    """Write the state of each run and of the folder.
+
+    The folder is done when all runs are done, and failed when any run has failed.
 
     Returns
     -------
-    previous : The folder of an earlier run that stays beside this one.
+    previous : The folder of an earlier run that stays beside this run.
     """
     held, failures = work.held, outcome.failures
     for number, (each, result) in enumerate(zip(work.runs, work.results, strict=True)):
@@ -411,7 +445,7 @@ def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
     elif all(result.complete for result in work.results):
         held.mark(held.folder, "done")
         return new_folder.drop_previous(held)
-    else:  # new sound of a part
+    else:  # new sound of an incomplete run
         held.mark(held.folder, "waiting", "its result is a part")
     return new_folder.previous(held.folder) if held.record.replaces else None
 
@@ -419,14 +453,14 @@ def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
 def _write_pictures(
     folder: Path, runs: list[RunResult], page: bool
 ) -> list[tuple[RunResult | None, Exhibit]]:
-    """Write the figures of each run into its folder and those of all runs into theirs.
+    """Write the figures of each run into its folder, and the comparisons into the shared folder.
 
     Returns
     -------
-    exhibits : The figures for the page; none where it is not wanted or would be too long.
+    exhibits : The figures for the page; empty if no page is requested or it would be too long.
     """
     from rolling.figures import (
-        run_figures,  # matplotlib is slow to import, and a run that fails needs none
+        run_figures,  # matplotlib is slow to import, and a failed run does not need it
     )
     from rolling.report import page as pages
 

@@ -10,11 +10,14 @@ from rolling._typing import Array
 from rolling.simulation import caveats
 from rolling.simulation.run_result import RunResult
 
-_NAMED_SCENES = 4  # in a title; more scenes are counted
+_NAMED_SCENES = 4  # scenes named in a title; more scenes are counted
 
 
 def subject(runs: Sequence[RunResult]) -> str:
-    """Name the scenes of runs, and the run where there is only one; count scenes if there are many."""
+    """Name the scenes of runs, or count the scenes if there are many.
+
+    A single run is named by its title.
+    """
     if len(runs) == 1:
         return runs[0].title
     names = dict.fromkeys(run.scene.name for run in runs)

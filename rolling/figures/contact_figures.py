@@ -29,15 +29,14 @@ from rolling.simulation.run_result import RunResult
 from rolling.simulation.simulate import Snapshot
 from rolling.surface import scene_surface
 
-_MAP_SIDE_IN = 2.7  # of pressure and of deflection
+_MAP_SIDE_IN = 2.7  # side of the maps of pressure and deflection
 _TALLEST_SURFACE_IN, _PROFILE_IN = 3.6, 1.1
 _ENERGIES_PER_DECADE = 5
-_SMALLEST_SHARE = 1e-6  # of the maximum energy: the axis begins there
+_SMALLEST_SHARE = 1e-6  # share of the maximum energy at which the axis begins
 _MOST_DURATIONS = 50  # columns of a distribution of durations
 
 
 # ---- surface
-# ---------------------------------------------------------------------------------------------------------
 
 
 def surface(run: RunResult) -> Picture:
@@ -90,7 +89,6 @@ def _surface_boxes(ratio: float) -> tuple[Box, Box, Box]:
 
 
 # ---- contact
-# ---------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -120,8 +118,11 @@ class ContactScales:
 
 
 def contact(run: RunResult, among: Sequence[RunResult]) -> Picture | None:
-    """Draw pressure and deflection of a run's snapshot on the scales of all runs; None without a
-    snapshot.
+    """Draw pressure and deflection of a run's snapshot on the scales of all runs.
+
+    Returns
+    -------
+    picture : Picture. None without a snapshot.
     """
     snapshot = run.result.snapshot
     if snapshot is None:
@@ -142,7 +143,7 @@ def contact(run: RunResult, among: Sequence[RunResult]) -> Picture | None:
 def _draw_contact(
     figure: Figure, run: RunResult, snapshot: Snapshot, scales: ContactScales
 ) -> dict[Axes, Box]:
-    """Draw the maps of pressure and deflection; return the boxes of all axes."""
+    """Draw the maps of pressure and deflection, and return the boxes of all axes."""
     along, across = _sphere_position(run, snapshot)
     places: dict[Axes, Box] = {}
     maps = (
@@ -180,7 +181,6 @@ def _reach(run: RunResult, snapshot: Snapshot) -> float:
 
 
 # ---- recovery events
-# -------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -223,7 +223,7 @@ class EventDistribution:
 
 
 def event_distributions(run: RunResult) -> tuple[EventDistribution, EventDistribution] | None:
-    """Sort the recovery events of a run by energy and by duration; None without events."""
+    """Sort the recovery events of a run by energy and by duration, if it has any."""
     table = run.events
     if table is None or run.event_statistics is None:
         return None
@@ -244,7 +244,12 @@ def event_distributions(run: RunResult) -> tuple[EventDistribution, EventDistrib
 
 
 def recovery_events(run: RunResult) -> Picture | None:
-    """Draw the distributions of energy and duration of the recovery events; None without events."""
+    """Draw the distributions of energy and duration of the recovery events.
+
+    Returns
+    -------
+    picture : Picture. None without events.
+    """
     distributions, statistics = event_distributions(run), run.event_statistics
     if distributions is None or statistics is None:
         return None
@@ -262,7 +267,7 @@ def recovery_events(run: RunResult) -> Picture | None:
         places[ax] = (LEFT_IN + index * (width + gap), BOTTOM_IN, width, 3.0)
     energies = distributions[0].edges
     figure.axes[0].set_xscale("log")
-    # The tail reaches down to the rounding of the solution: millionths of the maximum.
+    # Energies below a millionth of the maximum are rounding of the solution.
     figure.axes[0].set_xlim(left=max(energies[0], _SMALLEST_SHARE * energies[-1]))
     figure.axes[1].set_ylabel("")
     lay_out(figure, title, note, places)

@@ -1,7 +1,7 @@
 """A figure with its curves, written as PNG, SVG and CSV; the same figure gives the same bytes.
 
-Sizes are fixed in inches and not fitted to the content. Plots of the same kind therefore lie on one
-another, and drawing takes half the time.
+Sizes are fixed in inches and not fitted to the content. Plots of the same kind therefore have the
+same layout, and drawing takes half the time.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from rolling.simulation.labels import printable
 
 DPI = 110
 WIDTH_IN = 8.5
-SIDE_IN = 0.12  # of white on either side of titles and legends
-# about the axes: tick labels, axis label, titles
+SIDE_IN = 0.12  # white margin on either side of titles and legends
+# margins of the axes for tick labels, axis label and titles
 LEFT_IN, RIGHT_IN, BOTTOM_IN, TOP_IN = 0.85, 0.2, 0.6, 0.68
 BAR_IN = 0.16  # width of a colour bar
-BAR_ROOM_IN = 1.0  # from the end of its axes to the edge: gap, bar, tick labels, label
+BAR_ROOM_IN = 1.0  # from the axes to the edge of the figure: gap, bar, tick labels, label
 Box = tuple[float, float, float, float]  # left, bottom, width and height of axes [inches]
-_ROW_IN = 0.2  # of a legend
-_TALL_IN = 3.5  # the only axes of a picture
+_ROW_IN = 0.2  # height of a row in a legend
+_TALL_IN = 3.5  # height of single axes
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Picture:
     @cached_property  # folder and page both need it, and drawing takes long
     def _svg(self) -> bytes:
         content = io.BytesIO()
-        # Ids from the name instead of at random, and no date: the same figure gives the same file.
+        # Ids derive from the name and the date is left out, so the same figure gives the same file.
         with matplotlib.rc_context({"svg.hashsalt": self.name}):
             self.figure.savefig(content, format="svg", dpi=DPI, metadata={"Date": None})
         return content.getvalue()
@@ -152,7 +152,7 @@ def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, Box]) -
             borderaxespad=0.0,
             ncols=across,
             fontsize=8.5,
-            handlelength=3.4,  # long enough to tell the line styles apart
+            handlelength=3.4,  # long enough to distinguish the line styles
             frameon=False,
         )
         for text in legend.get_texts():
@@ -165,9 +165,9 @@ def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, Box]) -
 
 
 def _fit(drawn: Artist, texts: Sequence[Text], room: float) -> None:
-    """Set texts smaller until the artist that holds them is no wider than the room [dots]."""
+    """Shrink texts until the artist that holds them is no wider than the room [dots]."""
     size = float(texts[0].get_fontsize())
-    # Letters are fitted to dots, so a line does not shrink exactly as its letters do.
+    # Letters snap to dots, so a line shrinks only roughly in proportion to its letters.
     while (wide := drawn.get_window_extent().width) > room:
         size *= min(0.99, room / wide)
         for text in texts:
@@ -175,7 +175,10 @@ def _fit(drawn: Artist, texts: Sequence[Text], room: float) -> None:
 
 
 def drawable(text: str) -> str:
-    """Escape letters that the font of the pictures lacks, so that different texts look different."""
+    """Escape letters that the font of the pictures lacks.
+
+    Different texts therefore look different.
+    """
     known = _letters()
     return "".join(
         x if ord(x) in known else x.encode("unicode_escape").decode("ascii") for x in text
@@ -201,7 +204,7 @@ def single(
     Parameters
     ----------
     name, title, note, columns, remarks : see `Picture` and `lay_out`.
-    draw : function of axes. Draws the curves.
+    draw : function of axes. It draws the curves.
     """
     figure = blank()
     ax = figure.add_subplot()
@@ -213,7 +216,6 @@ def single(
 
 
 # ---- tables as text
-# --------------------------------------------------------------------------------------------------
 
 
 def comment(remark: str) -> str:

@@ -29,7 +29,7 @@ def gallery(runs: Sequence[RunResult]) -> Iterator[tuple[RunResult | None, Pictu
 
 
 def of_run(run: RunResult, among: Sequence[RunResult] = ()) -> Iterator[Picture]:
-    """Draw the pictures of one run on the axes of all the runs `among` which it is compared."""
+    """Draw the pictures of a run on the axes of all the runs `among` which it is compared."""
     runs = [*among] or [run]
     yield from sound_figures.spectra([run], runs)
     yield from sound_figures.third_octaves([run], runs)
@@ -42,8 +42,9 @@ def of_run(run: RunResult, among: Sequence[RunResult] = ()) -> Iterator[Picture]
 
 
 def of_runs(runs: Sequence[RunResult]) -> Iterator[Picture]:
-    """Draw the pictures that compare runs, with levels against the first quantity that a sweep
-    varies.
+    """Draw the pictures that compare runs.
+
+    Levels are drawn against the first quantity that a sweep varies.
     """
     yield from sound_figures.spectra(runs, runs)
     yield from sound_figures.third_octaves(runs, runs)

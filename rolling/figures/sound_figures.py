@@ -44,7 +44,7 @@ _UNCERTAINTY = "bars: standard uncertainty of Gaussian noise of that duration"
 
 
 class SoundViews:
-    """Spectra of a run's sound, each computed when it is first needed."""
+    """Spectra of a run's sound, each computed when it is first used."""
 
     def __init__(self, run: RunResult) -> None:
         self._sound, self._scene = run.sound, run.scene
@@ -62,7 +62,9 @@ class SoundViews:
         rate = len(power) / self._sound.duration
         sound = self._scene.sound
         frequency, level = article_line_level_db(power, rate, sound.distance_m, sound.q)
-        if self._sound.levels.level_db is None:  # the lines of a steady power are rounding
+        if (
+            self._sound.levels.level_db is None
+        ):  # the lines of a constant power contain rounding errors only
             level = np.full_like(level, -np.inf)
         return Lines.audible(frequency, level)
 
@@ -84,15 +86,15 @@ class SoundViews:
 
     @cached_property
     def density_extremes(self) -> list[float]:
-        """Minimum and maximum level of the spectrogram, dB, without the lowest fiftieth: gaps
-        between peaks.
+        """The extreme levels of the spectrogram, dB, without the lowest fiftieth.
+
+        The lowest fiftieth consists of gaps between peaks.
         """
         shown = self.spectrogram.level_db[np.isfinite(self.spectrogram.level_db)]
         return [float(np.quantile(shown, 0.02)), float(shown.max())] if len(shown) else []
 
 
-# The curves of each run set the axes of all the others: they are computed once and kept as long as
-# the run.
+# The axes of a figure depend on the curves of all runs, so the curves are kept as long as the run.
 _views_by_run: WeakKeyDictionary[RunResult, SoundViews] = WeakKeyDictionary()
 
 
@@ -104,12 +106,11 @@ def views(run: RunResult) -> SoundViews:
 
 
 # ---- spectra
-# ---------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class SpectrumKind:
-    """A kind of spectrum that pictures show, with the lines that a run has of it."""
+    """A kind of spectrum in the pictures, with a function that computes its lines for a run."""
 
     name: str
     title: str
@@ -138,7 +139,7 @@ PSD = SpectrumKind(
 
 
 def spectra(shown: Sequence[RunResult], among: Sequence[RunResult]) -> Iterator[Picture]:
-    """Draw the spectra of runs, one curve each, on the axes of all the runs `among`."""
+    """Draw the spectra of runs, one curve per run, on the axes of all the runs `among`."""
     distance, duration = captions.distance(shown), captions.duration(shown)
     lines = captions.common("lines of", [1 / run.sound.duration for run in shown], "Hz")
     yield _spectrum(A_WEIGHTED, [distance, duration, lines], shown, among)
@@ -167,7 +168,7 @@ def _spectrum(
     among: Sequence[RunResult],
     subject: Sequence[RunResult] = (),
 ) -> Picture:
-    """Draw one kind of spectrum; its title names the `subject`, or the runs shown."""
+    """Draw a kind of spectrum; its title names the `subject`, or by default the runs shown."""
     curves = [(run.label, kind.lines(run)) for run in shown]
     limits = sound_plots.level_limits(level for run in among for level in kind.lines(run).extremes)
     mean = f"mean over 1/{sound_plots.PER_OCTAVE} octave"
@@ -186,7 +187,7 @@ def _spectrum(
 def _spectrum_columns(
     curves: Sequence[tuple[str, Lines]], ylabel: str, mean: str
 ) -> dict[str, Array]:
-    """Return lines, and the means where they are drawn, as columns of a table."""
+    """Return the lines, and any means that are drawn, as columns of a table."""
     columns = _line_columns(
         [(label, lines.frequency_hz, lines.level_db) for label, lines in curves], "", ylabel
     )
@@ -197,8 +198,9 @@ def _spectrum_columns(
 def _line_columns(
     curves: Iterable[tuple[str, Array, Array]], kind: str, ylabel: str
 ) -> dict[str, Array]:
-    """Return frequencies and levels as columns; levels at equal frequencies share one column of
-    them.
+    """Return frequencies and levels as columns of a table.
+
+    Levels at equal frequencies share a column of frequencies.
     """
     columns: dict[str, Array] = {}
     previous: Array | None = None
@@ -211,12 +213,12 @@ def _line_columns(
 
 
 # ---- third octaves
-# ---------------------------------------------------------------------------------------------------
 
 
 def third_octaves(shown: Sequence[RunResult], among: Sequence[RunResult]) -> Iterator[Picture]:
-    """Draw unweighted and A-weighted third octaves of runs, one curve each, on the axes of all the
-    runs `among`.
+    """Draw unweighted and A-weighted third octaves of runs, one curve per run.
+
+    The axes are common to all the runs `among`.
     """
     yield _third_octaves(
         "third_octaves", "Z", lambda run: run.sound.levels.third_octave_db, shown, among
@@ -241,7 +243,7 @@ def _third_octaves(
         columns[f"{label}: standard uncertainty [dB]"] = captions.gaps(
             uncertainty[band] for band in BAND_NAMES
         )
-    # A band that is too short to be read in one run is grey in all of them.
+    # A band that is too uncertain in any run is grey in all of them.
     shortest = min(unrepeated_seconds(run) for run in among)
     facts = [captions.distance(shown), captions.duration(shown)]
     if len(curves) <= sound_plots.FEW and any(
@@ -264,7 +266,6 @@ def unrepeated_seconds(run: RunResult) -> float:
 
 
 # ---- pictures over time
-# ----------------------------------------------------------------------------------------------
 
 
 def spectrogram_of(run: RunResult, among: Sequence[RunResult]) -> Picture:
@@ -280,7 +281,8 @@ def spectrogram_of(run: RunResult, among: Sequence[RunResult]) -> Picture:
             captions.distance([run]),
             captions.duration([run]),
             f"{shown.window.capitalize()} {frames}",
-            f"lines of {captions.number(shown.line_width_hz)} Hz, ENBW {captions.number(shown.enbw_hz)} Hz",
+            f"lines of {captions.number(shown.line_width_hz)} Hz, "
+            f"ENBW {captions.number(shown.enbw_hz)} Hz",
             "rows of 1/12 octave",
         ]
     )
@@ -297,7 +299,7 @@ def spectrogram_of(run: RunResult, among: Sequence[RunResult]) -> Picture:
 
 
 def release_power(run: RunResult, among: Sequence[RunResult]) -> Picture:
-    """Draw the release power of a run, with one share of the mean for all the runs `among`."""
+    """Draw the release power of a run, with the limits that all the runs `among` share."""
     sound = run.sound
     shares = np.array(
         [sound_plots.power_share(other.sound.power, other.sound.mean_power) for other in among]
@@ -322,13 +324,13 @@ def release_power(run: RunResult, among: Sequence[RunResult]) -> Picture:
 
 
 # ---- levels against a swept quantity
-# ---------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class LevelPanel:
-    """Curves of one level against a swept quantity, one for each combination of the other
-    quantities.
+    """Curves of a level against a swept quantity.
+
+    Each combination of the other quantities has a curve.
     """
 
     name: str
@@ -346,8 +348,9 @@ class LevelPanel:
 
 
 def swept_key(runs: Sequence[RunResult]) -> str | None:
-    """Return the first key whose value differs between runs, or None if the sweep does not tell
-    them apart.
+    """Return the first key whose value differs between runs.
+
+    The result is None if the swept values do not distinguish the runs.
     """
     for key in runs[0].values:
         if all(key in run.values for run in runs) and len({run.values[key] for run in runs}) > 1:
@@ -382,7 +385,10 @@ def level_panels(key: str, runs: Sequence[RunResult], x: Array) -> list[LevelPan
 
 
 def levels(key: str, runs: Sequence[RunResult]) -> Picture:
-    """Draw LAeq and LZeq against a swept quantity, one curve for each combination of the others."""
+    """Draw LAeq and LZeq against a swept quantity.
+
+    Each combination of the other quantities has a curve.
+    """
     x = np.array(sorted({run.values[key] for run in runs}))
     word, unit = labels.named(key)
     xlabel = f"{word} [{unit}]" if unit else word

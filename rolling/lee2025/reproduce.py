@@ -1,6 +1,6 @@
 """The command that runs the study of an article, judges its statements and draws its figures.
 
-Solved cases are stored one by one, so the same command continues a study that was stopped.
+Solved cases are stored separately, so the same command continues a study that was stopped.
 """
 
 from __future__ import annotations
@@ -75,8 +75,8 @@ def reproduce(
     Parameters
     ----------
     name : str. Name of the study.
-    chosen : sequence of str. Readings by name. Default: all, with `quick` all with one correlation
-        length.
+    chosen : sequence of str. Readings by name. Default: all, or with `quick` all readings with a
+        single correlation length.
     out : Path or None. Folder of the study, new or of an earlier run. Default: None, for a folder
         below outputs/.
     quick : bool. If true, solve one surface and three loads on a short track. Default: False.
@@ -92,7 +92,7 @@ def reproduce(
     part = study.QUICK if quick else study.WHOLE
     folders = _readings(name, chosen)
     scenes = {folder.name: study.scenes(folder, part) for folder in folders}
-    if quick and not chosen:  # the outlook's fine surfaces would add a third to the time
+    if quick and not chosen:  # the fine surfaces of the outlook would add a third to the time
         scenes = {
             name: swept
             for name, swept in scenes.items()
@@ -114,7 +114,7 @@ def _claimed(folder: Path, runs: Sequence[str], take_over: bool) -> Claim:
 
     Raises
     ------
-    FolderError : it holds something else, or another process works on it.
+    FolderError : the folder holds something else, or another process works on it.
     """
     record = run_record.read(folder)
     if record is not None and record.kind == "study":
@@ -196,7 +196,8 @@ def _readings(name: str, chosen: Sequence[str]) -> list[Path]:
     for reading in chosen:
         if reading not in available:
             raise FolderError(
-                f"--readings: got {reading}, allowed: {', '.join(available)}{nearest(reading, list(available))}"
+                f"--readings: got {reading}, allowed: "
+                f"{', '.join(available)}{nearest(reading, list(available))}"
             )
     return [available[reading] for reading in chosen or available]
 
@@ -219,9 +220,7 @@ def _write_pictures(
     cases: Sequence[Case],
     table: Table,
 ) -> None:
-    """Draw the figures of each reading into its folder, and write the page with all readings side
-    by side.
-    """
+    """Draw the figures of each reading into its folder, and write the page of all readings."""
     readings = []
     for name, each in tqdm(runs.items(), disable=None, desc="surfaces", bar_format=batch.BAR):
         solved = [run for run in each if results[run.folder].complete]
@@ -242,7 +241,7 @@ def _write_pictures(
 
 
 def _plain(value: Any) -> Any:
-    """Convert to lists and numbers for JSON; a number that is not finite becomes null."""
+    """Convert to lists and numbers for JSON; a non-finite number becomes null."""
     if isinstance(value, dict):
         return {key: _plain(each) for key, each in value.items()}
     if isinstance(value, np.ndarray | list | tuple):

@@ -36,8 +36,8 @@ class Column:
     uncertainty : str or None. Name of its uncertainty there.
     head : str. Heading.
     unit : str. Unit in the table.
-    factor : float. Factor from summary.json to that unit. Default 1.
-    digits : str. Format; empty for four digits. Default one decimal.
+    factor : float. Factor from summary.json to that unit. Default: 1.
+    digits : str. Format; empty for four digits. Default: one decimal.
     """
 
     key: str
@@ -63,7 +63,10 @@ COLUMNS = (
     Column("release_power_mean_w", None, "release, mean", "µW", 1e6, ""),
     Column("release_power_rms_w", None, "release, rms", "µW", 1e6, ""),
 )
-ASKED_FOR = ("loudness_sone", "sharpness_acum")  # not shown where no scene asked
+ASKED_FOR = (
+    "loudness_sone",
+    "sharpness_acum",
+)  # these columns are shown only if a scene requests them
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,7 @@ class Fact:
     Parameters
     ----------
     name : str. Quantity.
-    values : list of pairs. Labels and value; one value without labels holds for all runs.
+    values : list of pairs. Labels and value; a single value without labels holds for all runs.
     """
 
     name: str
@@ -90,7 +93,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class Recipe:
-    """The scene that makes runs again.
+    """The scene that reproduces runs.
 
     Parameters
     ----------
@@ -122,13 +125,14 @@ def sentence(runs: Sequence[RunResult]) -> str:
     low_db, quietest = min(sounding, key=lambda pair: pair[0])
     high_db, loudest = max(sounding, key=lambda pair: pair[0])
     return (
-        f"LAeq{at} lies between {low_db:.1f} dB ({quietest.label}) and {high_db:.1f} dB ({loudest.label}),"
+        f"LAeq{at} lies between {low_db:.1f} dB ({quietest.label}) and {high_db:.1f} dB "
+        f"({loudest.label}),"
         f" {high_db - low_db:.1f} dB apart.{also}"
     )
 
 
 def levels(runs: Sequence[RunResult]) -> Table:
-    """Tabulate levels and contact numbers, a row per run.
+    """Tabulate levels and contact numbers with a row per run.
 
     A level without sound is `silent`, and one that was not computed `-`.
     """
@@ -221,13 +225,15 @@ def bands(runs: Sequence[RunResult]) -> list[tuple[str, bool, list[str]]]:
 
 
 BANDS_NOTE = (
-    f"dB re 20 µPa, Z. Grey: bandwidth times duration below {LEAST_BT:g}, uncertain by 2 dB or more."
+    f"dB re 20 µPa, Z. Grey: bandwidth times duration below {LEAST_BT:g}, "
+    "uncertain by 2 dB or more."
     " -: no sound, or a band that the steps do not resolve."
 )
 
 
 LEVELS_NOTE = (
-    "Levels are re 20 µPa and belong to the fluctuation, the audible part, over the whole record, with their standard"
+    "Levels are re 20 µPa and belong to the fluctuation, the audible part, over the whole record, "
+    "with their standard"
     " uncertainty; the steady level belongs to the mean intensity, which is silent."
 )
 
@@ -285,11 +291,13 @@ def _assumed_contact(run: RunResult) -> dict[str, str]:
         "load": f"{scene.load:g} N, constant",
         "speed": speed,
         "sphere": f"R {sphere.radius_mm:g} mm" + (elastic or ", rigid"),
-        "plate": f"{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio {plate.poissons_ratio:g}, {hardness}, without memory",
+        "plate": f"{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio {plate.poissons_ratio:g}, "
+        f"{hardness}, without memory",
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
         "half-space": _half_space(scene),
-        "solver": f"tolerance {scene.numerics.tolerance:g}, {scene.numerics.edges} edges, {scene.numerics.precision} precision",
+        "solver": f"tolerance {scene.numerics.tolerance:g}, {scene.numerics.edges} edges, "
+        f"{scene.numerics.precision} precision",
         "release of a node": {
             "mean": "mean pressure of a step's ends",
             "left_end": "pressure at a step's beginning (the article's)",
@@ -302,7 +310,8 @@ def _half_space(scene: Scene) -> str:
     values = {finding.key: finding.value for finding in findings.findings(scene)}
     return (
         f"rms slope {values['slope']} (holds up to {validity.MAX_SLOPE:g}),"
-        f" contact radius over the sphere's {values['contact_radius']} (up to {validity.MAX_CONTACT:g})"
+        f" contact radius over the sphere's {values['contact_radius']} (up to "
+        f"{validity.MAX_CONTACT:g})"
     )
 
 
@@ -315,7 +324,10 @@ def surface_words(scene: Scene) -> str:
             f" along, {across:g} µm across" if across else ""
         )
         law = s.autocorrelation.replace("_", " ")
-        return f"random, Ra {s.roughness_ra_um:g} µm, correlation length {length} ({law}), seed {s.seed}"
+        return (
+            f"random, Ra {s.roughness_ra_um:g} µm, correlation length {length} ({law}), "
+            f"seed {s.seed}"
+        )
     if not isinstance(s, HeightFile):
         return "smooth"
     levelling = scene_surface(scene).levelling
@@ -324,7 +336,7 @@ def surface_words(scene: Scene) -> str:
 
 
 def remarks(runs: Sequence[RunResult]) -> list[Remark]:
-    """List all caveats of runs, each once."""
+    """List all caveats of runs, each caveat once."""
     return caveats.gathered([(run.label, caveats.stored(run.summary)) for run in runs])
 
 
@@ -339,7 +351,7 @@ def partial(runs: Sequence[RunResult]) -> list[Remark]:
 
 
 def standing(runs: Sequence[RunResult]) -> list[Remark]:
-    """List the caveats that hold for any such run and do not stand at the top."""
+    """List the general caveats, which do not stand at the top."""
     top = (*caveats.HEADLINE, "partial")
     return [
         remark
@@ -361,7 +373,8 @@ def events(run: RunResult) -> list[Fact]:
     joule = EngFormatter("J", places=1)
     values = {
         "events": f"{statistics.count:,}, {statistics.per_metre * 1e-3:,.0f} per mm",
-        "energy of an event": f"mean {joule(statistics.energy_mean)}, median {joule(statistics.energy_median)},"
+        "energy of an event": f"mean {joule(statistics.energy_mean)}, "
+        f"median {joule(statistics.energy_median)},"
         f" nine in ten below {joule(statistics.energy_p90)}",
         "mean duration": f"{statistics.duration_mean:.3g} steps of {run.result.step * 1e6:g} µm",
         "maximum of a node in a step": joule(statistics.peak),
@@ -381,7 +394,7 @@ def _grouped(name: str, values: Sequence[tuple[str, str]]) -> Fact:
 
 
 def recipes(runs: Sequence[RunResult]) -> list[Recipe]:
-    """Return the scenes that make runs again, run for all runs of a sweep."""
+    """Return the scenes that reproduce runs, run for all runs of a sweep."""
     members: dict[Path, list[RunResult]] = {}
     for run in runs:
         members.setdefault(run.home, []).append(run)
@@ -407,7 +420,7 @@ def provenance(runs: Sequence[RunResult]) -> list[Fact]:
 
 
 def _provenance(run: RunResult) -> dict[str, str]:
-    """Read provenance.json of a run folder; empty without run."""
+    """Read provenance.json of a run folder; the result is empty for a run in memory."""
     path = run.folder / "provenance.json"
     if not path.is_file():
         return {}

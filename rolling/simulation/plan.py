@@ -20,7 +20,9 @@ def refuse(scene: Scene, workers: int, folder: Path | None) -> None:
 
     Parameters
     ----------
-    folder : Path. The place of the files; None: nothing is written.
+    scene : Scene. A scene with or without a sweep.
+    workers : int. Number of processes; 0: one per core.
+    folder : Path. The folder of the files; None: nothing is written.
 
     Raises
     ------
@@ -63,19 +65,16 @@ class Plan:
         return run_record.new("sweep", self.names) if self.scene.sweep else run_record.new("run")
 
     def runs(self, folder: Path) -> list[Run]:
-        """Return the runs, each with its folder."""
+        """Return the runs with their folders."""
         return [
             Run(values, single, folder / name)
             for (values, single), name in zip(self.singles, self.names, strict=True)
         ]
 
     def write(self, folder: Path) -> None:
-        """Write the inputs of each run into its folder, and the inputs of the sweep into the folder
-        above.
-        """
+        """Write the inputs of each run and of the sweep into their folders."""
         for run in self.runs(folder):
-            # A run of a sweep can be resumed and resounded on its own, so it has the inputs as
-            # well.
+            # A run of a sweep can be resumed and resounded on its own, so it also has the inputs.
             if run.folder != folder:
                 run.folder.mkdir(exist_ok=True)
                 run_record.write(run.folder, run_record.new("run"))

@@ -1,4 +1,4 @@
-"""Scenes solved on all cores in memory, the longest first, with a progress bar."""
+"""Scenes solved on all cores in memory, the longest scenes first, with a progress bar."""
 
 from __future__ import annotations
 
@@ -34,14 +34,15 @@ def solve(
 
     Parameters
     ----------
-    scenes : Scenes without a sweep, one per run.
-    results : Results of the runs; their solved steps are not solved again.
-    workers : Processes; 0: one per core.
-    name : Name of the progress bar.
-    mapped : Whether pressure maps along the tracks are kept, some megabytes per run. Default: true.
-    progress : Whether a progress bar is shown. Default: on a terminal and in a notebook.
-    begun : Gets the number of a run as each of its pieces is handed to a process.
-    added : Gets the number of a run after each piece is added to its result.
+    scenes : sequence of Scene. Scenes without a sweep, one per run.
+    results : sequence of Result. Their solved steps are not solved again.
+    workers : int. Number of processes; 0: one per core.
+    name : str. Name of the progress bar.
+    mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
+        Default: true.
+    progress : bool. Whether a progress bar is shown. Default: on a terminal and in a notebook.
+    begun : callable. It receives the number of a run when one of its pieces is handed to a process.
+    added : callable. It receives the number of a run after each piece is added to its result.
     """
     missing = [
         [*simulate.missing(result.solved_steps, result.series["release_energy"])]
@@ -51,7 +52,7 @@ def solve(
         cost.expected_seconds(scene) / result.solved_steps
         for scene, result in zip(scenes, results, strict=True)
     ]
-    # The longest first, so that no core is left with one of them in the end.
+    # The longest runs come first, so that no core works alone on a long run at the end.
     order = sorted((k for k in range(len(scenes)) if missing[k]), key=lambda k: -step_seconds[k])
     todo = [(k, first, last) for k in order for first, last in missing[k]]
     orders = [

@@ -1,4 +1,4 @@
-"""The sound files of a run, each with a JSON file that gives the meaning of its numbers."""
+"""The sound files of a run, each beside a JSON file that explains its numbers."""
 
 from __future__ import annotations
 
@@ -25,12 +25,14 @@ def write(
     Parameters
     ----------
     folder : Path. An existing run folder.
-    label : str. The label that tells the run from its neighbours.
-    caveats : Key and text of each caveat, as in summary.json.
+    scene : Scene. The scene of the run.
+    label : str. The label that distinguishes the run from the other runs.
+    sound : ContactSound. The sound of the run.
+    caveats : sequence of mappings. Key and text of each caveat, as in summary.json.
 
     Raises
     ------
-    OSError : a file cannot be written; an earlier file is still there.
+    OSError : a file cannot be written. An earlier file of this name is kept.
     """
     s = scene.sound
     facts = (
@@ -53,7 +55,8 @@ def write(
             sound,
             1.0,
             "32-bit float",
-            "Samples are sound pressure in Pa at the distance given; players may clip what exceeds 1, listen.wav is for the ear.",
+            "Samples are sound pressure in Pa at the distance given; "
+            "players may clip samples beyond 1, listen.wav is for the ear.",
         ),
         "listen": _sidecar(
             scene,
@@ -61,7 +64,8 @@ def write(
             sound,
             gain,
             "24-bit PCM",
-            f"Samples times pascal_per_full_scale are sound pressure in Pa at the distance given; {consequence}.",
+            "Samples times pascal_per_full_scale are sound pressure in Pa at the distance given; "
+            f"{consequence}.",
         ),
     }
     for name, content in files.items():
@@ -70,13 +74,14 @@ def write(
 
 
 def _rule_of_gain(sound: ContactSound, gain: float) -> tuple[str, str]:
-    """Name the rule that the gain of listen.wav follows, and its consequence for the ear."""
+    """Name the rule that sets the gain of listen.wav, and its consequence for the ear."""
     if not sound.pressure.any():
         return "silence", "the record is silent, and the gain is 1"
     if gain >= wav.MOST_GAIN:
         return (
             "the largest gain",
-            "the gain is the largest there is, that of a record at 0 dB(A): this one is below and stays quieter than others",
+            "the gain is the largest there is, that of a record at 0 dB(A): "
+            "this one is below and stays quieter than others",
         )
     return (
         "equal loudness",

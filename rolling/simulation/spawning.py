@@ -1,5 +1,6 @@
-"""Worker processes that do not import the main module again, so that no program needs a `__main__`
-guard.
+"""Worker processes that do not import the main module again.
+
+Programs therefore need no `__main__` guard.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from multiprocessing import spawn
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
 
-# the keys by which a spawned process finds the main module
+# a spawned process finds the main module by these keys
 _MAIN = ("init_main_from_name", "init_main_from_path")
 _lock = threading.Lock()
 
@@ -26,7 +27,7 @@ class _Worker(SpawnProcess):
 
 
 class _Context(SpawnContext):
-    """The way to start processes that `concurrent.futures` is given."""
+    """The start method that `concurrent.futures` uses."""
 
     Process = _Worker
 
@@ -43,7 +44,7 @@ def context() -> SpawnContext:
 
 @contextmanager
 def _main_left_out() -> Iterator[None]:
-    """Leave the main module out of the data that spawned processes are prepared with."""
+    """Leave the main module out of the data that prepare spawned processes."""
     with _lock:
         prepared = spawn.get_preparation_data
 

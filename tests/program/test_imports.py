@@ -33,7 +33,7 @@ FLOORS = {
         ("_typing",),
         ("bands", "radiation", "weighting"),
         ("drawn_lines", "resampling", "spectrum", "time_weighting"),
-        ("level", "loudness", "spectrogram"),
+        ("level", "loudness", "plot_style", "spectrogram"),
         ("plots", "uncertainty", "wav"),
         ("conformance",),
     ),

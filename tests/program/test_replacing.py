@@ -203,7 +203,7 @@ def test_a_full_disk_after_some_steps_says_what_is_kept(
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 1
     message = capsys.readouterr().err
     assert (
-        f"what was solved before is kept in {tmp_path / 'out'}" in message
+        f"the steps solved before are kept in {tmp_path / 'out'}" in message
         and "rolling resume" in message
     )
     monkeypatch.undo()
