@@ -81,7 +81,6 @@ class Row:
 
 
 # ---- one step
-# --------------------------------------------------------------------------------------------------------
 
 
 def clocked(half_space: HalfSpace) -> HalfSpace:
@@ -198,14 +197,35 @@ def measure_steps(steps: int) -> list[Row]:
     numbers["mean_ratio"] = march_20_n.seconds.sum() / yardstick.sum()
     against = f"{scene}; against tolerance {REFERENCE_TOLERANCE:g}"
     return [
-        Row("time per step / bare convolution", f"{ratio:.1f}", "<= 12", ratio <= 12, detail, **per_step, numbers=numbers),
-        Row("release-signal error", f"{error:.1f} dB", "<= -40 dB", error <= -40, against, numbers={"db": error}),
-        Row("time outside convolutions", f"{outside:.0%}", "<= 30 %", outside <= 0.3, scene, numbers={"share": outside}),
-    ]  # fmt: skip
+        Row(
+            "time per step / bare convolution",
+            f"{ratio:.1f}",
+            "<= 12",
+            ratio <= 12,
+            detail,
+            **per_step,
+            numbers=numbers,
+        ),
+        Row(
+            "release-signal error",
+            f"{error:.1f} dB",
+            "<= -40 dB",
+            error <= -40,
+            against,
+            numbers={"db": error},
+        ),
+        Row(
+            "time outside convolutions",
+            f"{outside:.0%}",
+            "<= 30 %",
+            outside <= 0.3,
+            scene,
+            numbers={"share": outside},
+        ),
+    ]
 
 
 # ---- the peers
-# -------------------------------------------------------------------------------------------------------
 
 
 def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) -> Row:
@@ -220,7 +240,10 @@ def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) ->
     tolerance = loosest(name, most, steps)
     # one more, to plan its transforms
     own = quickest(ours(name, tolerance, steps) for _ in range(repeats + 1))
-    detail = f"ours {own.ms:.1f} ms at tolerance {tolerance:g}, gap error {own.gap_error:.1e} m (limit {most:.1e} m)"
+    detail = (
+        f"ours {own.ms:.1f} ms at tolerance {tolerance:g}, "
+        f"gap error {own.gap_error:.1e} m (limit {most:.1e} m)"
+    )
     row = Row(
         f"sequence {name}: {peer} / ours",
         "",
@@ -244,7 +267,6 @@ def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) ->
 
 
 # ---- whole runs
-# ------------------------------------------------------------------------------------------------------
 
 
 def in_fresh_process(*arguments: object) -> subprocess.Popen:
@@ -286,7 +308,10 @@ def measure_whole_runs(steps: int) -> list[Row]:
     scalars, surface = 8 * len(STEP_SERIES + STATE_SERIES), 8 * scene_20_n().surface.n_across
     sound = (two["seconds"] - two["start_up_s"]) / steps * STEPS_PER_SECOND + two["start_up_s"]
     per_step = {name: two[name] for name in ("iterations", "convolutions")}
-    split = f"{steps} steps of 20 N: {one['seconds']:.1f} s / ({two['seconds']:.1f} s less start-up {two['start_up_s']:.1f} s)"
+    split = (
+        f"{steps} steps of 20 N: {one['seconds']:.1f} s / "
+        f"({two['seconds']:.1f} s less start-up {two['start_up_s']:.1f} s)"
+    )
     peaks = " and ".join(
         f"{r['peak_bytes'] / 1e6:.0f} MB at {r['steps']} steps" for r in (short, one)
     )
@@ -301,18 +326,38 @@ def measure_whole_runs(steps: int) -> list[Row]:
     }
     numbers["speedup_by_cpu_time"] = by_cpu
     return [
-        Row("two workers / one", f"{speedup:.2f}", ">= 1.8", met,
-            f"{split}; by CPU time {by_cpu:.2f}; two processes of bare convolutions {gain:.2f}{busy}", **per_step, numbers=numbers),
-        Row(f"memory of a run {steps / fewer:g}x as long", f"{of_march:.0f} B per step", "", None,
-            f"of the march, scalars are {scalars} B; peak of all {growth:.0f} B per step, heights are {surface} B; {peaks}",
-            numbers=memory),
-        Row("computing per second of sound", f"{sound:.0f} s", "", None,
-            f"2 workers, {STEPS_PER_SECOND:,} steps of 20 N", **per_step, numbers={"seconds": sound}),
-    ]  # fmt: skip
+        Row(
+            "two workers / one",
+            f"{speedup:.2f}",
+            ">= 1.8",
+            met,
+            f"{split}; by CPU time {by_cpu:.2f}; "
+            f"two processes of bare convolutions {gain:.2f}{busy}",
+            **per_step,
+            numbers=numbers,
+        ),
+        Row(
+            f"memory of a run {steps / fewer:g}x as long",
+            f"{of_march:.0f} B per step",
+            "",
+            None,
+            f"of the march, scalars are {scalars} B; peak of all {growth:.0f} B per step, heights "
+            f"are {surface} B; {peaks}",
+            numbers=memory,
+        ),
+        Row(
+            "computing per second of sound",
+            f"{sound:.0f} s",
+            "",
+            None,
+            f"2 workers, {STEPS_PER_SECOND:,} steps of 20 N",
+            **per_step,
+            numbers={"seconds": sound},
+        ),
+    ]
 
 
 # ---- the report
-# ------------------------------------------------------------------------------------------------------
 
 
 def table(rows: list[Row]) -> str:

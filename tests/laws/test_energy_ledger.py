@@ -12,7 +12,8 @@ HARDNESS = {"elastic": np.inf, "capped": 2.1e9}
 
 
 @pytest.mark.law(
-    "Energy ledger: the stored energy changes by loading minus release, at any step, with and without yield."
+    "Energy ledger: the stored energy changes by loading minus release, at any step, with and "
+    "without yield."
 )
 @pytest.mark.parametrize("step_nodes", [0.5, 1, 3, 40])
 @pytest.mark.parametrize("plate", HARDNESS)

@@ -34,7 +34,8 @@ def rate(errors: list[float]) -> float:
 
 
 @pytest.mark.law(
-    "Hertz: the approach of a smooth sphere is a^2 / R, and its error falls with the square of the node spacing."
+    "Hertz: the approach of a smooth sphere is a^2 / R, and its error falls with the square of the "
+    "node spacing."
 )
 def test_approach_converges_to_hertz_at_second_order(series: list) -> None:
     """Measured: -5.5e-4, -1.2e-4, -3.1e-5, -8.7e-6 between nodes (rate 1.98), -7.4e-4 ...
@@ -47,7 +48,8 @@ def test_approach_converges_to_hertz_at_second_order(series: list) -> None:
 
 
 @pytest.mark.law(
-    "Hertz: the maximum pressure of a smooth sphere is 3 W / (2 pi a^2), and its error falls with the square of the node spacing."
+    "Hertz: the maximum pressure of a smooth sphere is 3 W / (2 pi a^2), and its error falls with "
+    "the square of the node spacing."
 )
 def test_pressure_converges_to_hertz_at_second_order(series: list) -> None:
     """The peak between nodes is missed by (spacing / a)^2 / 4, 1e-3 at 8 um; measured rates 1.98

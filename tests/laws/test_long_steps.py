@@ -24,7 +24,8 @@ SCENE = """\
 name: long
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 128, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 128, seed: 3}
 rolling: {load_n: 0.5, speed_m_s: 1, duration_s: 0.002}
 """  # 20.1 um of Hertz radius: four of them are 80.4 um, 40.2 nodes
 LOAD, RADIUS = 20.0, 5e-3
@@ -104,7 +105,8 @@ def test_refusal_names_key_and_the_longest_step() -> None:
     with pytest.raises(SceneError) as error:
         long_steps.refuse_long_steps(loads(SCENE, ["numerics.step_nodes=41"]))
     assert str(error.value) == (
-        "numerics.step_nodes: got 41, steps of 82 um, 4.08 times the contact radius of 20.1 um; allowed: steps of at most 4"
+        "numerics.step_nodes: got 41, steps of 82 um, 4.08 times the contact radius of 20.1 um; "
+        "allowed: steps of at most 4"
         " times the radius, 80.41 um here; nearest: 40, or a smaller surface.spacing_um"
     )
     # Only the run of the sweep that cannot be; a spacing at which no step is short enough.

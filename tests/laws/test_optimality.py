@@ -12,7 +12,8 @@ from helpers import gap_and_deflection, make_track, roll, rough
 
 
 @pytest.mark.law(
-    "Optimality: p2.(e2 - e1) dA <= F2 - F1 <= p1.(e2 - e1) dA between any two positions, with F = sum((p u / 2 + e p) dA)."
+    "Optimality: p2.(e2 - e1) dA <= F2 - F1 <= p1.(e2 - e1) dA between any two positions, with F = "
+    "sum((p u / 2 + e p) dA)."
 )
 @pytest.mark.parametrize("hardness", [np.inf, 2.1e9], ids=["elastic", "capped"])
 def test_energy_between_positions_is_bracketed(hardness: float) -> None:

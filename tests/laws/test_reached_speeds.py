@@ -1,4 +1,4 @@
-"""Speeds that a record never reaches change nothing in it; means of its power are means over time."""
+"""Speeds that a record never reaches change nothing in it; its mean power is a mean in time."""
 
 from __future__ import annotations
 

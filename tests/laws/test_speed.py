@@ -16,7 +16,8 @@ LINES = np.array([4, 9, 25, 60])  # cycles per lap: 200 Hz to 3 kHz at 0.1 m/s
 
 
 @pytest.mark.law(
-    "Speed: a speed times c multiplies the release power by c and every frequency of the sound by c."
+    "Speed: a speed times c multiplies the release power by c and every frequency of the sound "
+    "by c."
 )
 @pytest.mark.parametrize("c", [0.5, 2, 3])
 def test_speed_times_c(c: float) -> None:

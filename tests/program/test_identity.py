@@ -1,4 +1,4 @@
-"""A result belongs to one scene and one surface: whatever differs is named, and nothing is mixed."""
+"""A result belongs to one scene and one surface; every difference is named and refused."""
 
 from __future__ import annotations
 
@@ -302,7 +302,8 @@ def test_an_edited_seed_is_refused_in_a_sweep_and_in_its_runs(tmp_path: Path, ca
     refused(
         capsys,
         out,
-        "load_n=0.5/resolved.yaml: surface.seed: got 1, the sweep of the folder above makes 2 of it",
+        "load_n=0.5/resolved.yaml: surface.seed: got 1, "
+        "the sweep of the folder above makes 2 of it",
     )
     (out / "resolved.yaml").write_text(whole.replace("[0.5, 1", "[0.5, 2"))
     before = contents(out)
@@ -371,7 +372,7 @@ def test_the_file_says_what_was_solved(scene: Path, tmp_path: Path) -> None:
 def test_a_resounded_run_keeps_its_identity_whatever_its_duration(
     scene: Path, tmp_path: Path
 ) -> None:
-    """Another speed rounds the duration; the steps stay as they were, over files and made surfaces."""
+    """Another speed rounds the duration, and the steps stay as they were on either surface."""
     rng = np.random.default_rng(0)
     from rolling.scene import file as scene_file
 

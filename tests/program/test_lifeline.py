@@ -16,7 +16,8 @@ SCENE = """\
 name: long
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 200, seed: 3}
 rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 1}
 """
 # One task holds Python's lock for ever, as a compiled step of the march does while it lasts; one
@@ -40,7 +41,8 @@ from rolling.simulation import pool
 from tasks import asleep, busy
 
 if __name__ == "__main__":
-    pool.work([pool.Task(0, busy, (), 1.0), pool.Task(1, asleep, (), 1.0)], 2, lambda run, result: None)
+    tasks = [pool.Task(0, busy, (), 1.0), pool.Task(1, asleep, (), 1.0)]
+    pool.work(tasks, 2, lambda run, result: None)
 """
 
 pytestmark = pytest.mark.skipif(

@@ -72,7 +72,6 @@ def state(folder: Path) -> str:
 
 
 # ---- what is refused
-# -------------------------------------------------------------------------------------------------
 
 
 def refused(out: Path, words: str, force: bool = True, inputs: Sequence[Path] = ()) -> None:
@@ -224,7 +223,6 @@ def test_what_cannot_be_made_gives_one_message(tmp_path: Path) -> None:
 
 
 # ---- what is made
-# ----------------------------------------------------------------------------------------------------
 
 
 def test_empty_folders_are_filled_in_place(tmp_path: Path) -> None:
@@ -400,7 +398,6 @@ def test_a_removal_that_is_killed_is_in_nobodys_way(tmp_path: Path) -> None:
 
 
 # ---- killed, and refused by the system, at every step
-# ----------------------------------------------------------------
 
 
 class Killed(BaseException):
@@ -493,7 +490,6 @@ def test_a_rename_that_fails_leaves_everything_as_it_was(
 
 
 # ---- any contents
-# ----------------------------------------------------------------------------------------------------
 
 OWN = [
     "run.json",

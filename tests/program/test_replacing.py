@@ -27,7 +27,8 @@ SCENE = """\
 name: small
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 128, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 128, seed: 3}
 rolling: {load_n: 0.2, speed_m_s: 0.1, duration_s: 0.002}
 """
 PAGE = f'<!doctype html><meta name="generator" content="{report.GENERATOR}">'.encode()
@@ -379,7 +380,6 @@ def test_ten_swept_keys_have_a_folder_that_can_be_made(scene, tmp_path) -> None:
 
 
 # ---- folders of version 0.1.0
-# ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("sweep", [False, True])

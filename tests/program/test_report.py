@@ -182,7 +182,6 @@ def test_three_records_of_ten_seconds_stay_below_15_mb(runs, tmp_path) -> None:
 
 
 # ---- gains
-# -----------------------------------------------------------------------------------------------------------
 
 
 def test_gains_keep_levels_or_make_them_equal_and_never_clip() -> None:
@@ -218,11 +217,10 @@ def test_gains_of_silence_are_nought() -> None:
 
 
 # ---- sprites
-# ---------------------------------------------------------------------------------------------------------
 
 
 def test_sheet_holds_every_pressure_where_it_says() -> None:
-    """Decoded with another reader: each cell's shade is its pressure's, no pressure is transparent."""
+    """Another reader decodes each pressure as its shade and no pressure as transparent."""
     rng = np.random.default_rng(4)
     maps = []
     for k in range(7):
@@ -255,7 +253,7 @@ def test_sheet_holds_every_pressure_where_it_says() -> None:
 @pytest.mark.parametrize("speed", [0.1, [[0.0, 0.05], [0.01, 0.2], [0.02, 0.1]]])
 @pytest.mark.parametrize(("laps", "closes"), [(1.0, True), (1.0, False), (2.5, True), (0.4, False)])
 def test_map_shown_is_the_nearest_one_at_any_time(speed, laps, closes) -> None:
-    """Against the nearest of all maps, and of the first again where the lap closes, at 500 times."""
+    """At 500 times it is the nearest of all maps, across the seam where the lap closes."""
     motion, lap = Motion.of(speed), 1e-3
     distances = np.array([0, 0.7, 2.1, 4.0, 7.5, 9.2]) * 1e-4
     distances = distances[distances <= laps * lap]
@@ -271,7 +269,6 @@ def test_map_shown_is_the_nearest_one_at_any_time(speed, laps, closes) -> None:
 
 
 # ---- words and tables
-# ------------------------------------------------------------------------------------------------
 
 
 def test_numbers_that_are_missing_or_silent_are_said(runs) -> None:

@@ -225,7 +225,8 @@ def test_three_runs_open_within_two_seconds(pages, opened) -> None:
         with opened(pages("three")) as page:
             until(
                 page,
-                f"({PIXELS})(document.querySelector('#map'), [[320, 320]])[0].some((part) => part > 0)",
+                f"({PIXELS})(document.querySelector('#map'), [[320, 320]])[0].some((part) => part "
+                f"> 0)",
             )
             taken.append(
                 page.evaluate(

@@ -32,7 +32,8 @@ SCENE = """\
 name: small
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 200, seed: 3}
 rolling: {load_n: 0.3, speed_m_s: [[0, 0.1], [0.004, 0.2]], duration_s: 0.006}
 recovery: {events: true}
 """
@@ -95,7 +96,6 @@ def refusal(path: Path) -> str:
 
 
 # ---- what is written is what is read
-# ---------------------------------------------------------------------------------
 
 
 def test_all_of_a_result_comes_back_to_the_last_bit(
@@ -226,7 +226,6 @@ def test_empty_tables_and_long_scenes_are_kept(
 
 
 # ---- damage
-# ----------------------------------------------------------------------------------------------------------
 
 
 def test_no_changed_byte_is_accepted(path: Path, monkeypatch) -> None:
@@ -475,7 +474,6 @@ def test_a_result_of_the_future_is_not_read_as_one_of_today(path: Path) -> None:
 
 
 # ---- older files
-# -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("deflection", [False, True])
@@ -514,7 +512,6 @@ def test_an_old_file_of_another_length_is_refused(
 
 
 # ---- a full disk, size and time
-# --------------------------------------------------------------------------------------
 
 COMMAND = """\
 import sys, resource

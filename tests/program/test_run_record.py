@@ -132,7 +132,6 @@ def test_random_damage_never_gives_a_traceback(
 
 
 # ---- who made it
-# -----------------------------------------------------------------------------------------------------
 
 
 def test_the_digest_follows_every_module_and_asset(tmp_path: Path) -> None:
@@ -147,8 +146,14 @@ def test_the_digest_follows_every_module_and_asset(tmp_path: Path) -> None:
 
     def digest() -> str:
         code = "from rolling.folders import program; print(program.sources_digest())"
-        printed = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(tmp_path)},
-                                 capture_output=True, text=True, check=True)  # fmt: skip
+        printed = subprocess.run(
+            [sys.executable, "-c", code],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
         return printed.stdout.strip()
 
     digests = [digest()]
@@ -173,7 +178,6 @@ def test_the_identity_names_the_commit_of_a_checkout(monkeypatch: pytest.MonkeyP
 
 
 # ---- processes
-# -------------------------------------------------------------------------------------------------------
 
 
 def test_processes_are_recognised(monkeypatch: pytest.MonkeyPatch) -> None:

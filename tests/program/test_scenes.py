@@ -1,4 +1,4 @@
-"""Every scene in scenarios/ runs, shortened, through the command line, and leaves what it promises."""
+"""Every scene in scenarios/ runs, shortened, from the command line and leaves its files."""
 
 from __future__ import annotations
 

@@ -156,7 +156,7 @@ def test_periodic_heights_are_returned_bit_by_bit(mode: str) -> None:
 
 
 def test_plane_is_always_taken_off() -> None:
-    """The residual has no plane left, and what was taken is a plane: its second differences vanish."""
+    """The residual has no plane left, and the second differences of the plane vanish."""
     heights = surface.gaussian((60, 50), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 3)
     level, how = levelling.level(heights, SPACING, "plane")
     assert all(how.taken)

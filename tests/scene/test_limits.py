@@ -1,4 +1,4 @@
-"""What cannot fit is refused before anything is computed or written, by numbers that were measured."""
+"""A scene that cannot fit is refused by measured numbers, before anything is written."""
 
 from __future__ import annotations
 
@@ -23,8 +23,14 @@ from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.simulation import simulate
 
-STEEL = "sphere: {radius_mm: 5}\nplate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}\n"
-MADE = "surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}\n"
+STEEL = (
+    "sphere: {radius_mm: 5}\n"
+    "plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}\n"
+)
+MADE = (
+    "surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, "
+    "spacing_um: 2, width_um: 200, seed: 3}\n"
+)
 FILE = "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
 
 
@@ -45,7 +51,6 @@ def refusal(
 
 
 # ---- the machine
-# -----------------------------------------------------------------------------------------------------
 
 
 def group(folder: Path, files: dict[str, str], lines: str) -> float:
@@ -95,7 +100,6 @@ def test_free_disk_is_that_of_the_nearest_folder_there_is(tmp_path: Path) -> Non
 
 
 # ---- the estimate
-# ----------------------------------------------------------------------------------------------------
 
 # Measured: the peak of the resident memory of all processes, and the size of the folder without the
 # copy of result.h5 that stands beside it while it is written [MB]. The constants were fitted to the
@@ -250,7 +254,6 @@ def largest_parts(text: str) -> list[tuple[str, float]]:
 
 
 # ---- the refusal
-# -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -352,7 +355,7 @@ sys.exit(cli.main(sys.argv[1:]))
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of a process as on Linux")
 @pytest.mark.parametrize("command", ["run", "check"])
 def test_height_file_of_50_gb_is_refused_by_its_header(tmp_path: Path, command: str) -> None:
-    """Within 3 GB of address space: were the file read or mapped, the process would fail otherwise."""
+    """In 3 GB of address space a process that read or mapped the file would fail otherwise."""
     with (tmp_path / "heights.npy").open("wb") as stream:
         np.lib.format.write_array_header_1_0(
             stream, {"descr": "<f8", "fortran_order": False, "shape": (62500, 100000)}
@@ -379,11 +382,10 @@ def test_height_file_of_50_gb_is_refused_by_its_header(tmp_path: Path, command: 
 
 
 # ---- scene files
-# -----------------------------------------------------------------------------------------------------
 
 
 def fault_of(path: Path) -> str:
-    """Fault of a file, read in a thread: a reader that waits for ever must not hold the tests up."""
+    """Return the fault of a file; a thread reads it, so that no reader can hang the tests."""
     caught: list[str] = []
 
     def read() -> None:

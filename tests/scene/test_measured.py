@@ -52,7 +52,6 @@ def found(folder: Path, heights: np.ndarray, *overrides: str) -> dict[str, Findi
 
 
 # ---- Tilt and seam
-# ---------------------------------------------------------------------------------------------------
 
 
 def test_check_says_what_was_taken_off_and_what_stays(tmp_path: Path) -> None:
@@ -178,7 +177,6 @@ def test_levels_over_a_seam_are_those_of_the_closed_record(tmp_path: Path) -> No
 
 
 # ---- Resolution
-# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("law", sorted(surface.AUTOCORRELATIONS))

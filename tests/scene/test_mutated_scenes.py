@@ -54,7 +54,8 @@ LINES = (
     "<<: *r",
     "sweep: {rolling.load_n: [1, 2, 3]}",
     "sweep: {surface.seed: [" + ", ".join(map(str, range(300))) + "]}",
-    "sweep: {rolling.load_n: [1, 2], sphere.radius_mm: [1, 2], surface.spacing_um: [1, 2], rolling.speed_m_s: [1, 2]}",
+    "sweep: {rolling.load_n: [1, 2], sphere.radius_mm: [1, 2], surface.spacing_um: [1, 2], "
+    "rolling.speed_m_s: [1, 2]}",
     "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\nb: &b [*a, *a, *a, *a, *a]\nc: [*b, *b, *b, *b, *b]",
     "m: &m {x: 1}\nn: {<<: [*m, *m]}",
     "rolling: {load_n: 1, speed_m_s: [[0, 1], [1, 1000], [1e6, 0]], duration_s: 1e5}",

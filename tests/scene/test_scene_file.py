@@ -19,7 +19,6 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
 
 # ---- Messages
-# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -32,7 +31,8 @@ from rolling.scene.sections import STEP_NODES
         ),
         (
             "- name: x\n",
-            's.yaml:1: got [{"name": "x"}], allowed: a scene of keys and values, the first being name',
+            's.yaml:1: got [{"name": "x"}], allowed: a scene of keys and values, the first being '
+            "name",
         ),
         (
             "hello",
@@ -107,7 +107,6 @@ def test_aliases_cannot_grow_without_end() -> None:
 
 
 # ---- Reading and writing
-# ---------------------------------------------------------------------------------------------
 
 
 def test_numbers_of_yaml() -> None:
@@ -163,7 +162,6 @@ def test_round_trip_of_any_value(
 
 
 # ---- Overrides
-# -------------------------------------------------------------------------------------------------------
 
 
 def test_overrides() -> None:
@@ -204,12 +202,14 @@ def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
     [
         (
             "rolling.lod_n=5",
-            "--set: rolling.lod_n: unknown key, nearest: rolling.load_n, allowed: load_n, speed_m_s, duration_s,"
+            "--set: rolling.lod_n: unknown key, nearest: rolling.load_n, allowed: load_n, "
+            "speed_m_s, duration_s,"
             " start_um",
         ),
         (
             "rolling.speed=5",
-            "--set: rolling.speed: unknown key, nearest: rolling.speed_m_s, allowed: load_n, speed_m_s, duration_s,"
+            "--set: rolling.speed: unknown key, nearest: rolling.speed_m_s, allowed: load_n, "
+            "speed_m_s, duration_s,"
             " start_um",
         ),
         ("load_n=5", "--set: load_n: unknown key, nearest: rolling.load_n"),
@@ -242,12 +242,14 @@ def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
         ),
         (
             "sweep.rolling.lod_n=[5]",
-            "--set: sweep.rolling.lod_n: unknown key, nearest: sweep.rolling.load_n, allowed: load_n, speed_m_s,"
+            "--set: sweep.rolling.lod_n: unknown key, nearest: sweep.rolling.load_n, allowed: "
+            "load_n, speed_m_s,"
             " duration_s, start_um",
         ),
         (
             "sphere.poissons_ratio=0.3",
-            "s.yaml:2: sphere.youngs_modulus_gpa: missing beside poissons_ratio; an elastic sphere needs both, a"
+            "s.yaml:2: sphere.youngs_modulus_gpa: missing beside poissons_ratio; an elastic sphere "
+            "needs both, a"
             " rigid one neither",
         ),
     ],
@@ -257,7 +259,6 @@ def test_message_of_override(override: str, message: str) -> None:
 
 
 # ---- New sound
-# -------------------------------------------------------------------------------------------------------
 
 
 def test_resound() -> None:
@@ -297,7 +298,6 @@ def test_resound_refusals() -> None:
 
 
 # ---- The schema
-# ------------------------------------------------------------------------------------------------------
 
 
 def resolved(node: dict[str, Any], root: dict[str, Any]) -> list[dict[str, Any]]:

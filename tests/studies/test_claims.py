@@ -377,7 +377,7 @@ def test_no_cases() -> None:
 
 
 def test_silent_cases_are_none_and_not_numbers() -> None:
-    """No sound, no snapshot, no plastic area: nothing of it becomes NaN or infinite in the table."""
+    """Cases without sound, snapshot or plastic area put no NaN or infinity into the table."""
 
     def silent(case: Case) -> dict[str, Any]:
         return {
@@ -406,7 +406,6 @@ def test_silent_cases_are_none_and_not_numbers() -> None:
 
 
 # ---- the outlook: autocorrelation length
-# -----------------------------------------------------------------------------
 
 
 def lengths(mid_hz: Sequence[float], levels_db: Sequence[float]) -> list[Case]:
@@ -463,7 +462,6 @@ def test_a_sweep_is_about_its_own_rows_only() -> None:
 
 
 # ---- what decides a verdict besides the article
-# ----------------------------------------------------------------------
 
 
 def with_grid(monkeypatch: pytest.MonkeyPatch, **ranges: Any) -> None:
@@ -481,7 +479,7 @@ def with_grid(monkeypatch: pytest.MonkeyPatch, **ranges: Any) -> None:
 def test_a_ratio_that_a_fine_grid_may_turn_is_undecided(
     monkeypatch: pytest.MonkeyPatch, fine: tuple[float, float], expected: str
 ) -> None:
-    """The plastic ratio at Ra 0.1 um grows by these factors on a fine grid, and 0.3 / 0.2 with it."""
+    """The plastic ratio at Ra 0.1 um grows by these factors on a fine grid."""
     assert verdict("plastic-ratio-1-over-0.1", study()) == REPRODUCED
     with_grid(monkeypatch, plastic={0.1: {20: fine}})  # of one load: taken for all
     found = finding("plastic-ratio-1-over-0.1", study())
@@ -590,7 +588,6 @@ def test_lines_of_noise_fall_by_5_db_in_a_record_ten_times_as_long() -> None:
 
 
 # ---- twins without hardness
-# ------------------------------------------------------------------------------------------
 
 
 def test_without_twins_nothing_is_said_of_yielding() -> None:
@@ -657,7 +654,6 @@ def test_yielding_is_heard_by_the_level_or_by_the_bands(monkeypatch: pytest.Monk
 
 
 # ---- what holds over the readings
-# ------------------------------------------------------------------------------------
 
 
 def reading(name: str, cases: Sequence[Case]) -> list[Case]:

@@ -97,8 +97,14 @@ def test_a_killed_study_goes_on_and_answers_for_each_statement(
     }
     unknown = {key for key, found in words.items() if found == {"not run"}}
     assert unknown == {
-        "high-frequency-gap", "maximum-load", "maximum-flattens", "loudest-20-50", "loudest-100", "length-frequency", "length-level"
-    }  # fmt: skip
+        "high-frequency-gap",
+        "maximum-load",
+        "maximum-flattens",
+        "loudest-20-50",
+        "loudest-100",
+        "length-frequency",
+        "length-level",
+    }
     yielding = {
         one["reading"]: one["verdict"]
         for one in next(c for c in table["claims"] if c["key"] == "yielding-noise")["findings"]

@@ -84,5 +84,6 @@ def test_table_says_which_peer_is_absent() -> None:
     for rival, row, line in zip(RIVALS, rows, lines[2:], strict=False):
         assert row.met is None and row.numbers["ours"]["gap_error"] <= rival.gap_error
         assert line.startswith(
-            f"| sequence {rival.sequence}: {rival.peer} / ours | not run: give --{rival.peer} PYTHON |"
+            f"| sequence {rival.sequence}: {rival.peer} / ours | not run: give --{rival.peer} "
+            f"PYTHON |"
         )

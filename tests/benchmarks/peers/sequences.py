@@ -114,6 +114,6 @@ def load_error(name: str, pressure: np.ndarray) -> float:
 
 
 def arguments() -> tuple[str, float, int, Path]:
-    """Sequence, tolerance, number of steps and file to write, from a peer program's command line."""
+    """Return sequence, tolerance, number of steps and output file of the command line."""
     name, tolerance, steps, out = sys.argv[1:]
     return name, float(tolerance), int(steps), Path(out)
