@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from report_runs import Runs, runs_in
+from report_runs import Runs
 
 from rolling import cli
 from rolling.figures.picture import DPI, SIDE_IN, WIDTH_IN, Picture, drawable, single
@@ -38,11 +38,6 @@ NAMES = [
     "\u4e2d" * 60,
     "  ",
 ]
-
-
-@pytest.fixture(scope="session")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
-    return runs_in(tmp_path_factory.getbasetemp() / "report-runs")
 
 
 def drawn(texts: list[str]) -> Picture:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from report_runs import HOSTILE, Runs, runs_in
+from report_runs import HOSTILE, Runs, run_results
 from ruamel.yaml import YAML
 
 from rolling import cli, commands
@@ -20,27 +20,10 @@ from rolling.folders import run_record
 from rolling.report import citation, page, pressure_maps, text
 from rolling.report.playback import PEAK, playbacks
 from rolling.scene.motion import Motion
-from rolling.simulation import result_file
-from rolling.simulation.run_result import RunResult
 from rolling.simulation.simulate import PressureMap
 
 SHORT = ("--set", "rolling.duration_s=0.0006", "--workers", "1")
 MARKUP = re.compile(r"<(?P<tag>[a-z]+)[^>]*?(?:src|href)=\"(?P<target>[^\"]*)\"", re.S)
-
-
-@pytest.fixture(scope="session")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
-    return runs_in(tmp_path_factory.getbasetemp() / "report-runs")
-
-
-def heard_in(folder: Path) -> list[RunResult]:
-    found = [
-        commands.hear(
-            one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5")
-        )
-        for one in commands.read_runs(folder)
-    ]
-    return [one for one in found if one]
 
 
 @pytest.fixture(scope="session")
@@ -272,7 +255,7 @@ def test_map_shown_is_the_nearest_one_at_any_time(speed, laps, closes) -> None:
 
 
 def test_numbers_that_are_missing_or_silent_are_said(runs) -> None:
-    (silent,) = heard_in(runs.smooth())
+    (silent,) = run_results(runs.smooth())
     table = text.levels([silent])
     assert table.rows[0][1][:5] == ["silent"] * 5
     assert "No sound" in text.sentence([silent])
@@ -287,7 +270,7 @@ def test_numbers_that_are_missing_or_silent_are_said(runs) -> None:
 
 
 def test_table_gives_levels_with_their_uncertainty(runs) -> None:
-    heard = heard_in(runs.three())
+    heard = run_results(runs.three())
     table = text.levels(heard)
     column = table.heads.index("LAeq [dB]")
     for one, (label, cells) in zip(heard, table.rows, strict=True):
@@ -301,7 +284,7 @@ def test_table_gives_levels_with_their_uncertainty(runs) -> None:
 
 
 def test_each_kind_of_warning_and_equal_assumptions_are_said_once(runs) -> None:
-    heard = heard_in(runs.three())
+    heard = run_results(runs.three())
     warnings = text.warnings(heard)
     keys = [each.key for each in warnings]
     assert keys and len(set(keys)) == len(keys)
