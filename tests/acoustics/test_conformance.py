@@ -1,6 +1,4 @@
-"""Oracles: the tables of IEC 61672-1:2013 and IEC 61260-1:2014, and the page as it is in the
-repository.
-"""
+"""The conformance page agrees with the tables of IEC 61672-1:2013 and IEC 61260-1:2014."""
 
 import csv
 import math

@@ -1,5 +1,6 @@
-"""Oracles: the sone and the acum themselves, 1 kHz at 40 and 60 dB; and what happens without the
-package.
+"""Loudness meets the definitions of sone and acum: 1 kHz at 40 and 60 dB.
+
+The program also says what to install where the package is missing.
 """
 
 from __future__ import annotations

@@ -1,6 +1,4 @@
-"""Oracle: what a reader must find on a plot: units, limits, gaps, and grey where a level says
-little.
-"""
+"""A plot has units, limits and gaps, and is grey where a level is too uncertain."""
 
 import io
 

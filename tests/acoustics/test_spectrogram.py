@@ -1,6 +1,4 @@
-"""Oracles: noise of known density, a tone, a chirp, the energy of the record, and the loop cut
-elsewhere.
-"""
+"""Spectrograms keep known densities, tones, chirps and energies, wherever a loop is cut."""
 
 import numpy as np
 import pytest

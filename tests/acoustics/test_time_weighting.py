@@ -1,6 +1,4 @@
-"""Oracles: closed forms of the exponential weighting, the loop played for long, and the tone bursts
-of IEC 61672-1.
-"""
+"""Time weighting meets its closed forms, a long loop and the tone bursts of IEC 61672-1."""
 
 import math
 

@@ -45,8 +45,10 @@ STEPS_PER_SECOND = 50_000  # of sound: 0.1 m/s over steps of 2 um
 
 @dataclass(frozen=True)
 class Rival:
-    """What a peer sets us on a sequence; gap_error [m] is the most we may have (None: as much as
-    the peer has in this run).
+    """The target that a public solver sets on a sequence.
+
+    gap_error [m] is the maximum allowed for the program; None allows the error of the other
+    solver.
     """
 
     sequence: str
@@ -66,9 +68,7 @@ RIVALS = (
 
 @dataclass
 class Row:
-    """One line of the table; `met` is None where there is no target or nothing was run; numbers go
-    to the JSON only.
-    """
+    """A line of the table; `met` is None without a target, and numbers go to the JSON only."""
 
     measure: str
     value: str
@@ -84,8 +84,9 @@ class Row:
 
 
 def clocked(half_space: HalfSpace) -> HalfSpace:
-    """The same half-space, adding up in `.seconds` the time of its convolutions, their work arrays'
-    clearing included.
+    """Make the half-space add the time of its convolutions in `.seconds`.
+
+    The time includes the clearing of the work arrays.
     """
 
     def timed(method: Callable) -> Callable:
@@ -115,9 +116,7 @@ def clocked(half_space: HalfSpace) -> HalfSpace:
 
 @dataclass
 class Timed:
-    """A march: its states, and of each step the release [J], seconds and how many of them went into
-    convolutions.
-    """
+    """A march with the release [J] of each step, its seconds, and those of its convolutions."""
 
     states: list[ContactState]
     release: np.ndarray
@@ -140,9 +139,7 @@ def timed_march(track: RollingContact, steps: int) -> Timed:
 def bare_convolution(
     window: Window, track: RollingContact, repeats: int = 5, calls: int = 15
 ) -> float:
-    """Seconds of one convolution of a full random pressure on a window: the best of several
-    medians.
-    """
+    """Return the seconds of a convolution of a full random pressure on a window."""
     half_space = HalfSpace(track.spacing, track.contact_modulus)
     pressure = np.random.default_rng(0).uniform(0, 1e9, (window.rows, window.columns))
     half_space.deflection(pressure)  # plans its transforms
@@ -165,9 +162,7 @@ def counts(states: list[ContactState]) -> dict[str, float]:
 
 
 def measure_steps(steps: int) -> list[Row]:
-    """Time per step in bare convolutions, release-signal error at this tolerance, share of time
-    outside the convolutions.
-    """
+    """Measure time per step, error of the release signal, and time outside the convolutions."""
     track = rolling_contact(scene_20_n())
     timed_march(track, 5)  # compiles
     march_20_n = min(
@@ -229,8 +224,9 @@ def measure_steps(steps: int) -> list[Row]:
 
 
 def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) -> Row:
-    """Peer and ours over one sequence, ours at the loosest tolerance whose median gap error is
-    small enough.
+    """Measure a public solver and the program over a sequence.
+
+    The program uses the loosest tolerance whose median gap error is small enough.
     """
     name, peer = rival.sequence, rival.peer
     other = None
@@ -282,9 +278,7 @@ def answer(process: subprocess.Popen) -> Any:
 
 
 def attainable(seconds: float) -> float:
-    """What two processes that share nothing gain over one on this machine just now: bare
-    convolutions per second.
-    """
+    """Return the gain of two independent processes in bare convolutions per second."""
     alone = answer(in_fresh_process("convolutions", seconds))
     return sum(map(answer, [in_fresh_process("convolutions", seconds) for _ in range(2)])) / alone
 

@@ -34,8 +34,9 @@ def scene_20_n(*overrides: str) -> Scene:
 
 
 def peak_memory(afresh: bool = False) -> int:
-    """Peak resident bytes of this process (Linux); getrusage's would begin with those of the
-    process that started it.
+    """Return the peak resident bytes of this process (Linux).
+
+    The number of getrusage would begin with the bytes of the parent process.
     """
     if afresh:
         # what the surface's making left free would hide what the march takes
@@ -65,8 +66,9 @@ def clocks() -> np.ndarray:
 
 
 def run(steps: int, workers: int) -> dict[str, float]:
-    """The first piece loads what is compiled; then one step for each worker is its start-up; then
-    the run, every piece kept.
+    """Time a run in which every piece is kept.
+
+    The first piece loads the compiled code, and a step for each worker is its start-up.
     """
     scene = scene_20_n(f"rolling.duration_s={steps * SPACING / SPEED:.10g}")
     heights(scene)

@@ -1,6 +1,4 @@
-"""The article's method, an influence matrix with an active set, against the FFT path on scenes
-small enough for a matrix.
-"""
+"""The article's method, a dense matrix with an active set, agrees with the FFT path."""
 
 from __future__ import annotations
 
@@ -21,11 +19,11 @@ from rolling.verification.dense import dense_contact
 )
 @pytest.mark.parametrize("shape", [(30, 24), (25, 31)])
 def test_fft_path_equals_the_dense_method(shape: tuple[int, int], hardness: float) -> None:
-    """Direct solves are exact to the condition of the matrix (1e-13 here); the march to its
-    tolerance, 1e-9 of the deflection.
+    """Both methods agree within their errors.
 
-    Pressures are worse off by the stiffness of single nodes, about a / spacing = 6: measured 5e-11
-    to 3e-9 of the peak.
+    A direct solve is exact to the condition of the matrix (1e-13 here), and the march to its
+    tolerance, 1e-9 of the deflection. Pressures are less exact by the stiffness of single
+    nodes, about a / spacing = 6: measured 5e-11 to 3e-9 of the peak.
     """
     track = make_track(rough(*shape, 3e-8, seed=3), load=0.1, hardness=hardness, tolerance=1e-9)
     for state in roll(track, 5, 7):

@@ -1,6 +1,4 @@
-"""Hertz: pressure, contact radius and approach of a smooth sphere, and how fast the error falls
-with the node spacing.
-"""
+"""Pressure, contact radius and approach of a smooth sphere converge to Hertz."""
 
 from __future__ import annotations
 
@@ -52,8 +50,9 @@ def test_approach_converges_to_hertz_at_second_order(series: list) -> None:
     "the square of the node spacing."
 )
 def test_pressure_converges_to_hertz_at_second_order(series: list) -> None:
-    """The peak between nodes is missed by (spacing / a)^2 / 4, 1e-3 at 8 um; measured rates 1.98
-    and 1.83.
+    """A peak between nodes is missed by (spacing / a)^2 / 4, 1e-3 at 8 um.
+
+    The measured rates are 1.98 and 1.83.
     """
     errors = [s.max_pressure / closed_forms.hertz_pressure(LOAD, RADIUS, STEEL) - 1 for s in series]
     assert abs(errors[-1]) < 3e-5
@@ -62,8 +61,9 @@ def test_pressure_converges_to_hertz_at_second_order(series: list) -> None:
 
 @pytest.mark.law("Hertz: the contact radius of a smooth sphere obeys a^3 = 3 W R / (4 E*).")
 def test_contact_radius_is_hertz_to_a_fraction_of_the_spacing(series: list) -> None:
-    """A node counts as a whole cell: the radius is known to part of a spacing (measured 0.16 at
-    most), first order in it.
+    """The radius is known to a part of the spacing, at first order.
+
+    A node counts as a whole cell; the measured error is at most 0.16 of the spacing.
     """
     for state, spacing in zip(series, SPACINGS, strict=True):
         assert abs(np.sqrt(state.contact_area / np.pi) - A) < 0.3 * spacing
@@ -71,8 +71,9 @@ def test_contact_radius_is_hertz_to_a_fraction_of_the_spacing(series: list) -> N
 
 @pytest.mark.law("Hertz: the pressure of a smooth sphere is p0 sqrt(1 - r^2 / a^2).")
 def test_pressure_profile_is_the_hertz_ellipse(series: list) -> None:
-    """Inside 0.9 a, off the square-root edge that no grid resolves: within 0.2 % of p0 at a /
-    spacing = 69.
+    """Inside 0.9 a the pressure is within 0.2 % of p0 at a / spacing = 69.
+
+    No grid resolves the square root at the edge.
     """
     state, spacing = series[-1], SPACINGS[-1]
     middle = state.loaded.column + (state.loaded.columns - 1) / 2

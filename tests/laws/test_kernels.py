@@ -1,5 +1,6 @@
-"""The compiled functions on contacts of a few nodes, where they run uncompiled as well:
-NUMBA_DISABLE_JIT=1, -m kernel.
+"""The compiled functions hold on contacts of a few nodes.
+
+They run there uncompiled as well: NUMBA_DISABLE_JIT=1, -m kernel.
 """
 
 from __future__ import annotations

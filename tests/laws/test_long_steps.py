@@ -1,6 +1,4 @@
-"""Steps against the contact: the loss of long ones against marched spheres, warnings with numbers,
-refusals.
-"""
+"""Long steps lose release as a table says; a scene gets a warning with numbers or a refusal."""
 
 from __future__ import annotations
 
@@ -36,9 +34,7 @@ NODES = 8  # per radius, twice as many for the smooth sphere
 def per_metre(
     heights: np.ndarray, nodes: int, hardness: float = np.inf, times: int = 1
 ) -> np.ndarray:
-    """March over heights in steps of so many nodes, `times` 8 of them per radius; the release of
-    each step [J/m].
-    """
+    """Return the release [J/m] of each step of a march with `times` 8 nodes per radius."""
     track = make_track(
         heights, spacing=A / NODES / times, load=LOAD, radius=RADIUS, hardness=hardness
     )
@@ -57,8 +53,10 @@ def per_metre(
 @pytest.mark.law("Long steps: a smooth sphere loses the tabulated share of its release.")
 @pytest.mark.parametrize("radii", [0.25, 0.5, 1.0, 2.0, 3.0, 4.0])
 def test_a_smooth_elastic_sphere_loses_what_the_table_says(radii: float) -> None:
-    """Against the closed form: 16 nodes per radius leave 0.1 % where the table was marched at 32,
-    straight lines in it 0.1 %.
+    """The loss agrees with the table within its errors.
+
+    16 nodes per radius leave 0.1 % where the table was marched at 32, and its straight lines
+    leave 0.1 %.
     """
     got = per_metre(np.zeros((256, 80)), round(2 * radii * NODES), times=2)[
         :2
@@ -154,9 +152,7 @@ def test_warning_gives_the_expected_errors() -> None:
 
 
 def test_scenes_of_the_repository_have_short_steps() -> None:
-    """The quick study of the article takes steps three times as long, and is neither refused nor
-    warned.
-    """
+    """No scene is refused or warned, nor the quick study with steps three times as long."""
     root = Path(__file__).parents[2] / "scenarios"
     for path in sorted(root.glob("*.yaml")):
         scene = read_scene(path)

@@ -1,6 +1,4 @@
-"""Speed comes after the contact: the same release per metre at another speed is the same sound,
-shifted.
-"""
+"""The same release per metre at another speed is the same sound, shifted."""
 
 from __future__ import annotations
 

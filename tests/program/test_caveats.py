@@ -1,6 +1,4 @@
-"""What a reader must know of the numbers: each caveat where it applies and nowhere else, in one
-wording for all who say it.
-"""
+"""Each caveat stands where it applies and nowhere else, in the same words everywhere."""
 
 from __future__ import annotations
 

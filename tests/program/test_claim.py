@@ -1,6 +1,4 @@
-"""Claims, with real processes: one works on a folder at a time, and those of killed processes count
-for nothing.
-"""
+"""A single process works on a folder at a time, and claims of killed processes are void."""
 
 from __future__ import annotations
 

@@ -41,9 +41,7 @@ def test_example_runs(script: Path, tmp_path: Path) -> None:
 def test_docstrings_say_what_comes_out(
     module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Examples run in an empty folder; those that read a scene of the repository name it by
-    scenarios/.
-    """
+    """Examples run in an empty folder; a scene is named by scenarios/."""
     (tmp_path / "scenarios").symlink_to(ROOT / "scenarios")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")

@@ -1,6 +1,4 @@
-"""Oracle: what a figure must keep: the numbers it shows, the same axes for what is compared, the
-same bytes, its edges.
-"""
+"""A figure keeps its numbers, its bytes and its edges, and compared figures share axes."""
 
 from __future__ import annotations
 
@@ -363,9 +361,7 @@ def test_maps_and_events_only_where_there_are_any(runs: list[RunResult]) -> None
 
 
 def test_runs_alike_in_name_stay_apart(runs: list[RunResult]) -> None:
-    """The same run heard from elsewhere, and a run of another scene: no curve takes the place of
-    another.
-    """
+    """A run from another place and a run of another scene keep their own curves."""
     far = Scene.from_dict(
         runs[0].scene.to_dict() | {"sound": {"distance_m": 4}}, runs[0].scene.folder
     )

@@ -52,8 +52,9 @@ def scene(tmp_path: Path) -> Path:
 def stopped(
     scene: Path, out: Path, monkeypatch: pytest.MonkeyPatch, after: Callable[[], None] | None = None
 ) -> None:
-    """Run a scene on one worker, with something that happens `after` its first piece; without it
-    the run stops there.
+    """Run a scene on one worker and call `after` once its first piece is done.
+
+    Without `after` the run stops there.
     """
     inner = simulate.simulate_piece
 
@@ -129,8 +130,9 @@ def test_heights_replaced_after_an_interrupt_are_refused(
 def test_heights_that_change_during_a_run_fail_it(
     spoil, scene: Path, tmp_path: Path, monkeypatch, capsys
 ) -> None:
-    """The worker notices before its next piece; the first piece is kept, and true heights finish
-    the run.
+    """The worker notices the change before its next piece.
+
+    The first piece is kept, and the true heights finish the run.
     """
     out, path = tmp_path / "out", tmp_path / "z.npy"
     stopped(scene, out, monkeypatch, lambda: spoil(path))
@@ -180,9 +182,7 @@ def test_heights_replaced_in_the_last_moment_give_no_numbers(
 def test_the_same_heights_elsewhere_and_written_anew_are_the_same_surface(
     scene: Path, tmp_path: Path
 ) -> None:
-    """The path is no physics, nor is the order of the values in the file, nor their type where it
-    holds them exactly.
-    """
+    """Path, order of values and an exact type do not belong to the physics."""
     out = tmp_path / "out"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1", "--no-report"]) == 0
     (tmp_path / "elsewhere").mkdir()
@@ -388,9 +388,7 @@ def test_a_resounded_run_keeps_its_identity_whatever_its_duration(
 
 
 def test_comparing_costs_little(scene: Path, tmp_path: Path) -> None:
-    """A worker compares before each piece of 200 steps: 0.3 ms measured, where a piece takes 60 ms
-    at least.
-    """
+    """A comparison takes 0.3 ms before a piece of 60 ms or more."""
     one = read_scene(scene)
     scene_surface.heights(one)
     began = time.perf_counter()

@@ -1,6 +1,4 @@
-"""The interface for Python: it runs without a guard wherever Python runs, and gives the numbers
-that the command writes.
-"""
+"""The interface for Python runs without a guard and gives the numbers of the command."""
 
 from __future__ import annotations
 

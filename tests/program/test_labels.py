@@ -1,5 +1,6 @@
-"""Law: the labels of any runs differ, say what differs, can be printed and stay short; every key of
-a scene has its words.
+"""The labels of any runs differ, name the difference, can be printed and stay short.
+
+Every key of a scene has its words.
 """
 
 from __future__ import annotations

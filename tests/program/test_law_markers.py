@@ -1,6 +1,4 @@
-"""The laws that tests guard can be listed without running them: literal markers, one sentence each,
-none of the laws missing.
-"""
+"""The laws can be listed without running the tests: each marker has a literal sentence."""
 
 from __future__ import annotations
 

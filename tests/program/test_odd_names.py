@@ -1,6 +1,4 @@
-"""Folders and height files of any name: reports, pictures, tables and the terminal take them, and
-show which is which.
-"""
+"""Reports, pictures, tables and the terminal take folders and height files of any name."""
 
 from __future__ import annotations
 
@@ -80,9 +78,7 @@ def test_texts_that_differ_look_different() -> None:
 
 @pytest.mark.slow
 def test_a_report_of_folders_with_odd_names(runs: Runs, tmp_path: Path, capsys) -> None:
-    """End to end: the page is written beside the run, in a folder that is no UTF-8, and names both
-    runs.
-    """
+    """The page lies beside the run, in a folder that is not UTF-8, and names both runs."""
     here = tmp_path / os.fsdecode(b"$x^$ \n \xff #<b>&\"' \xf0\x9f\x98\x80")
     there = tmp_path / os.fsdecode(b"$x^$ \n \xfe #<b>&\"' \xf0\x9f\x98\x80")
     for folder in (here, there):

@@ -1,6 +1,4 @@
-"""The commands' --out, --force and resume: inputs, other people's files and solved runs are never
-lost, states are told.
-"""
+"""--out, --force and resume never lose inputs, foreign files or solved runs."""
 
 from __future__ import annotations
 

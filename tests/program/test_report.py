@@ -1,6 +1,4 @@
-"""The report page without a browser: one file that asks for nothing, text that stays text, exit
-codes, gains, sprites, tables.
-"""
+"""The report is a single file that asks for nothing, with escaped text and right numbers."""
 
 from __future__ import annotations
 
@@ -168,8 +166,9 @@ def test_three_records_of_ten_seconds_stay_below_15_mb(runs, tmp_path) -> None:
 
 
 def test_gains_keep_levels_or_make_them_equal_and_never_clip() -> None:
-    """By hand: peaks 2, 1, 0.1 Pa and LAeq 80, 70, 60 dB; the record with the highest crest (20 lg
-    of peak over level) limits.
+    """Gains by hand for peaks of 2, 1, 0.1 Pa and LAeq of 80, 70, 60 dB.
+
+    The record with the maximum crest (20 lg of peak over level) limits the equal gains.
     """
     peaks, levels = [2.0, 1.0, 0.1], [80.0, 70.0, 60.0]
     found = playbacks(peaks, levels)

@@ -1,6 +1,4 @@
-"""result.h5: what is read is what was written, or the file is refused; xarray opens it; a full disk
-costs nothing.
-"""
+"""result.h5 is read as it was written or is refused; a full disk costs nothing."""
 
 from __future__ import annotations
 
@@ -206,9 +204,7 @@ def test_the_sound_in_the_file_is_the_run_s(whole: Path, tmp_path: Path) -> None
 def test_empty_tables_and_long_scenes_are_kept(
     partial: Result, whole: Path, tmp_path: Path
 ) -> None:
-    """A piece without events, the seed above 64 bits, a description that fills the largest scene
-    file.
-    """
+    """A piece without events, a seed above 64 bits and a very long scene are kept."""
     one = commands.read_runs(whole)[0]
     data = one.scene.to_dict() | {"description": "ä" * 1_000_000}
     data["surface"]["seed"] = 10**30
@@ -229,8 +225,9 @@ def test_empty_tables_and_long_scenes_are_kept(
 
 
 def test_no_changed_byte_is_accepted(path: Path, monkeypatch) -> None:
-    """Flips, runs of zeros, truncations, insertions and additions: refused by the digest, the HDF5
-    library never asked.
+    """The digest refuses flips, runs of zeros, truncations, insertions and additions.
+
+    The HDF5 library never sees such a file.
     """
     monkeypatch.setattr(result_file, "_probed", lambda path: "the probe was reached")
     monkeypatch.setattr(
@@ -286,9 +283,7 @@ def test_a_file_that_another_program_changed_is_refused(path: Path) -> None:
 
 @pytest.mark.slow
 def test_damaged_old_files_never_crash_and_never_hang(whole: Path, tmp_path: Path) -> None:
-    """Without a digest a flip in a value can pass; in types, shapes and structure it must not end
-    in a traceback.
-    """
+    """A file without a digest may pass with a flipped value, but ends in no traceback."""
     path = tmp_path / "result.h5"
     save_old(path, result_file.load(whole / "result.h5"), True)
     good, rng = path.read_bytes(), np.random.default_rng(1)
@@ -534,9 +529,7 @@ def limited(arguments: list[str], limit: str = "") -> subprocess.CompletedProces
 
 @pytest.mark.slow
 def test_a_file_that_may_not_grow_ends_in_one_message(whole: Path, tmp_path: Path) -> None:
-    """A limit that result.h5 passes while it grows: exit code 1, no crash of the library, what was
-    kept is whole.
-    """
+    """A limit on the size of result.h5 ends in exit code 1 and keeps earlier work whole."""
     size = (whole / "result.h5").stat().st_size
     limit = f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size // 2}, {size // 2}))"
     done = limited(["run", str(whole.parent / "s.yaml"), "--out", str(tmp_path / "out")], limit)
@@ -579,8 +572,9 @@ def test_a_full_disk_ends_in_one_message(whole: Path, tmp_path: Path) -> None:
 
 
 def test_a_long_run_is_kept_in_bounded_time_memory_and_space(whole: Path, tmp_path: Path) -> None:
-    """500,000 steps, partial, with 2500 pieces of events: their number must not slow the writing (a
-    group each took minutes).
+    """2500 pieces of events in 500,000 steps do not slow the writing.
+
+    With a group for each piece it took minutes.
     """
     steps, each = 500_000, 8
     scene = commands.read_runs(whole)[0].scene.to_dict()

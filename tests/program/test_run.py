@@ -1,6 +1,4 @@
-"""Run folders: the same numbers however they are made, nothing lost, nothing overwritten; new sound
-without a new solve.
-"""
+"""Run folders have the same numbers however they are made, and lose nothing."""
 
 from __future__ import annotations
 
@@ -392,9 +390,7 @@ def test_workers_pin_their_threads_and_leave_the_environment(
 
 
 def test_pressure_maps_carry_the_load_whatever_the_pieces(scene: Path, tmp_path: Path) -> None:
-    """Along the track and resumed from a file: each map's pressures add up to the load, single
-    precision apart.
-    """
+    """The pressures of each map add up to the load in single precision."""
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
     result = result_file.load(tmp_path / "out" / "result.h5")
     assert list(result.maps) == simulate.mapped_positions(STEPS).tolist()

@@ -1,6 +1,4 @@
-"""The check against numbers worked out by hand; every warning fires when it should and is silent
-when it should be.
-"""
+"""The check agrees with numbers by hand, and each warning appears only when it should."""
 
 import math
 import time
@@ -338,8 +336,9 @@ def test_report_of_one_run_and_of_many() -> None:
 
 @pytest.mark.slow
 def test_quickstart_is_within_its_budget() -> None:
-    """Ten seconds of computing, of which three were measured; compilation, once per installation,
-    is not in them.
+    """The check takes less than ten seconds, of which three were measured.
+
+    Compilation, once per installation, is not counted.
     """
     scene = read_scene(Path(__file__).parents[2] / "scenarios" / "quickstart.yaml")
     str(check_scene(loads(TEXT, ["rolling.duration_s=0.002"])))

@@ -1,6 +1,4 @@
-"""Tilt and seam of heights: periodic surfaces of every kind keep theirs, crops and tilts of larger
-ones are recognised.
-"""
+"""Periodic surfaces keep their heights, and tilted crops of larger surfaces are detected."""
 
 from __future__ import annotations
 
@@ -81,8 +79,9 @@ def test_hardly_any_periodic_surface_is_called_seamed() -> None:
 
 
 def test_quanta_of_the_instrument_are_no_seam() -> None:
-    """Medians of quantized heights are zero or a whole quantum: 1,200 seams, 0.3 to 30 quanta per
-    Rq. Seven thousand held none.
+    """Quantized heights of 0.3 to 30 quanta per Rq show no seam in 1,200 trials.
+
+    Their medians are zero or a whole quantum. In seven thousand trials none appeared either.
     """
     rng = np.random.default_rng(5)
     false = 0
@@ -99,8 +98,9 @@ def test_quanta_of_the_instrument_are_no_seam() -> None:
 
 @pytest.mark.parametrize("law", ["gaussian", "exponential"])
 def test_crops_of_larger_surfaces_are_recognised(law: str) -> None:
-    """At 5 nodes per correlation length, trials missed 4 % of crops of 32 x 32 nodes, 0 to 2 % of
-    those of 64 x 64.
+    """Crops with 5 nodes per correlation length are detected.
+
+    Trials missed 4 % of crops of 32 x 32 nodes, and 0 to 2 % of 64 x 64.
     """
     seen = []
     for seed in range(20):
@@ -110,8 +110,9 @@ def test_crops_of_larger_surfaces_are_recognised(law: str) -> None:
 
 
 def test_a_tilted_crop_is_levelled_along_its_tilt_only() -> None:
-    """1 um over 4 mm on Ra 0.1 um, as on a real measuring table; slopes are those of the tilt but
-    for the crop's own random one.
+    """1 um over 4 mm on Ra 0.1 um, as on a measuring table, is subtracted.
+
+    The slopes are those of the tilt, apart from the random slope of the crop.
     """
     larger = surface.gaussian((2400, 180), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 4)
     crop = larger[:2000, :128] - larger[:2000, :128].mean()

@@ -1,6 +1,4 @@
-"""Heights from a file through check and run: tilt, seam and resolution in numbers; a record over a
-seam does not loop.
-"""
+"""Check and run report tilt, seam and resolution of measured heights in numbers."""
 
 from __future__ import annotations
 
@@ -96,8 +94,9 @@ def test_periodic_heights_have_no_finding_but_values(tmp_path: Path) -> None:
 
 
 def test_all_numbers_are_of_the_levelled_heights(tmp_path: Path) -> None:
-    """Roughness for the window and the slope, statistics and march read the same heights, and none
-    reads them again.
+    """Roughness, slope, statistics and march use the same levelled heights.
+
+    No part reads the file again.
     """
     given = scene(tmp_path, tilted_crop())
     heights = scene_surface.heights(given)

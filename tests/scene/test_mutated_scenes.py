@@ -1,6 +1,4 @@
-"""Scene texts broken at random: each is read and checked, or refused in words, and quickly; nothing
-else ever happens.
-"""
+"""A scene text broken at random is read, or refused in words, and quickly."""
 
 from __future__ import annotations
 
@@ -71,9 +69,7 @@ LINES = (
 
 
 def mutated(text: str, chance: random.Random) -> str:
-    """A text with one to three changes: of a letter, of a value, of a line, or of a part that moves
-    elsewhere.
-    """
+    """Return a text with one to three changes of a letter, a value, a line or a place."""
     for _ in range(chance.randint(1, 3)):
         at = chance.randrange(len(text) + 1)
         lines = text.split("\n")

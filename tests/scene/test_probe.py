@@ -1,6 +1,4 @@
-"""The solved positions of check against marches of the same scene; scenes that Hertz calls elastic
-yield at their asperities.
-"""
+"""The solved positions of check agree with a march of the same scene."""
 
 from __future__ import annotations
 
@@ -55,8 +53,9 @@ def test_a_scene_below_the_hertz_limit_yields_at_its_asperities() -> None:
 
 
 def test_numbers_are_those_of_a_march() -> None:
-    """Every solved position is one that the march passes; its areas differ by the march's start, a
-    thousandth. The mean of the march, over 400 positions, lies within the range of the eight.
+    """Every solved position has the areas of the march to a thousandth.
+
+    The mean of the march over 400 positions lies within the range of the eight.
     """
     given = scene()
     (got,) = probe.probes([given])
@@ -76,8 +75,9 @@ def test_numbers_are_those_of_a_march() -> None:
 
 
 def test_time_of_a_step_is_that_of_a_run() -> None:
-    """Times of a busy machine vary; compilation or the first transforms would be off by a factor of
-    ten and more.
+    """The stated time per step is right within the variation of a busy machine.
+
+    Compilation or the first transforms would be off by a factor of ten or more.
     """
     given = scene("rolling.duration_s=0.004")
     (got,) = probe.probes([given])

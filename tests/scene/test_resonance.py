@@ -1,6 +1,4 @@
-"""The ball on its contact: its frequency by hand, and a warning that weighs speed, surface and the
-simulated band.
-"""
+"""The contact resonance agrees with a hand calculation; its warning weighs speed and surface."""
 
 from __future__ import annotations
 
@@ -62,9 +60,7 @@ def test_message_says_which_density_was_taken() -> None:
 
 
 def test_warning_weighs_the_speed() -> None:
-    """By the model of the contact's dynamics at 20 N: -44 dB of the sound at 0.1 m/s, -25 at 0.3,
-    -6 at 1 m/s.
-    """
+    """A model of the dynamics at 20 N gives -44 dB at 0.1 m/s, -25 at 0.3 and -6 at 1 m/s."""
     for speed, part in (
         (0.1, "30 dB or more below"),
         (0.3, "its part is heard"),
@@ -79,8 +75,9 @@ def test_warning_weighs_the_speed() -> None:
 
 
 def test_warning_weighs_the_surface() -> None:
-    """Without waves of the resonance there is little to feed it: at 1 m/s and 100 um the model says
-    -23 dB.
+    """Without waves of the resonance there is no warning.
+
+    At 1 m/s and 100 um the model gives -23 dB.
     """
     assert "its part is heard" in str(
         warning("rolling.speed_m_s=1", "surface.correlation_length_um=100")

@@ -1,6 +1,4 @@
-"""Names of the runs of a sweep: different whatever the values, as before where they were short and
-different.
-"""
+"""The runs of a sweep have different names for any values."""
 
 from __future__ import annotations
 

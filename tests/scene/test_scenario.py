@@ -1,6 +1,4 @@
-"""Scenes: every fault of a value is read here; properties in SI, sweeps, track rounding, the scenes
-in scenarios/.
-"""
+"""Scenes report every fault of a value, and have properties in SI, sweeps and tracks."""
 
 import math
 import pickle

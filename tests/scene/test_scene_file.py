@@ -1,6 +1,4 @@
-"""Scene files: faults of text and overrides with their lines, round trips, new sound for a stored
-scene, the schema.
-"""
+"""Scene files report faults with their lines, and survive a round trip."""
 
 import math
 import pickle

@@ -1,6 +1,4 @@
-"""A record is heard only above the solver's error: smooth spheres are silent, real surfaces are
-not.
-"""
+"""Smooth spheres are silent and real surfaces are not, by the solver's error."""
 
 from __future__ import annotations
 
@@ -103,8 +101,9 @@ def test_the_sphere_of_the_scenarios_is_silent_at_the_default_tolerance(
 def test_roughness_of_atoms_and_less_is_heard_where_it_is_resolved(
     ra_um: float, tolerance: float
 ) -> None:
-    """Solved ten times tighter the level is the same: the error is 39 dB below or more, which
-    leaves 0.1 dB.
+    """A solve ten times tighter has the same level within 0.1 dB.
+
+    The error of the solver is 39 dB below the sound or more.
     """
     level, tighter = (
         heard(loads(ROUGH.replace("RA", f"{ra_um:f}"), [f"numerics.tolerance={t}"])).levels.level_db
@@ -140,11 +139,10 @@ def test_doubts_by_the_distance_from_the_error() -> None:
 def test_an_error_that_is_white_along_the_track_is_known_in_the_band(
     speed: str, closed: bool
 ) -> None:
-    """White noise of twice the resolved rms is audible, of half of it silent, at any speed; 5000
-    steps leave 3 % of spread.
+    """White noise of twice the resolved rms is audible, and of half of it silent.
 
-    The band from 20 Hz, fades of a tenth and few lines within hearing change the rms by up to a
-    fifth.
+    This holds at any speed, with 3 % of spread from 5000 steps. The band from 20 Hz, fades of a
+    tenth and few lines within hearing change the rms by up to a fifth.
     """
     scene = loads(SMOOTH, [f"rolling.speed_m_s={speed}", "rolling.duration_s=1"])
     noise = np.random.default_rng(1).standard_normal(5000)
@@ -156,8 +154,9 @@ def test_an_error_that_is_white_along_the_track_is_known_in_the_band(
 
 
 def test_blended_edges_resolve_less_where_the_plate_yields() -> None:
-    """Their restarts leave a part that no tolerance takes away: 1e-5 of the mean, 1e-3 in steps
-    below a node.
+    """Restarts leave an error that no tolerance removes.
+
+    It is 1e-5 of the mean, and 1e-3 in steps below a node.
     """
 
     def resolved(*overrides: str) -> float:

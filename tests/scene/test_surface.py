@@ -1,6 +1,4 @@
-"""Generated surfaces against the statistics asked for; files that are not heights refused with
-readable messages.
-"""
+"""Generated surfaces have the required statistics, and files without heights are refused."""
 
 from __future__ import annotations
 
@@ -71,8 +69,10 @@ def test_autocorrelation_follows_its_law_along_and_across(
 
 @pytest.mark.law("Surface: the heights are Gaussian.")
 def test_heights_are_gaussian() -> None:
-    """About 43200 / (2 pi 9) = 760 independent heights: skewness 0 +- 0.09, kurtosis 3 +- 0.18 (one
-    sigma); three allowed. Ra / Rq of a Gaussian is sqrt(2 / pi).
+    """Skewness is 0 +- 0.09 and kurtosis 3 +- 0.18 (one sigma); three are allowed.
+
+    There are about 43200 / (2 pi 9) = 760 independent heights. Ra / Rq of a Gaussian is sqrt(2
+    / pi).
     """
     got = surface.statistics(generate(lengths=(3e-6, 3e-6)), SPACING)
     assert abs(got.skewness) < 0.27
@@ -83,8 +83,9 @@ def test_heights_are_gaussian() -> None:
 @pytest.mark.law("Surface: a generated surface is periodic.")
 @pytest.mark.parametrize("axis", [0, 1])
 def test_the_seam_is_like_the_interior(axis: int) -> None:
-    """Differences across the seam, over 40 surfaces, have the variance of those inside; about 40 *
-    9 independent ones: 15 %.
+    """Differences across the seam have the variance of those inside, within 15 %.
+
+    Over 40 surfaces about 40 * 9 of them are independent.
     """
     inside, seam = [], []
     for seed in range(40):
@@ -109,8 +110,9 @@ def test_correlation_length_beyond_the_surface_is_refused() -> None:
 
 
 def test_statistics_of_a_sine() -> None:
-    """Rq = A / sqrt 2, Ra = 2 A / pi, kurtosis 3/2, skewness 0; slope A k sinc over one spacing /
-    sqrt 2. Even sampling: exact.
+    """Rq = A / sqrt 2, Ra = 2 A / pi, kurtosis 3/2, skewness 0, and slope A k sinc / sqrt 2.
+
+    The sinc is over one spacing. Even sampling makes these exact.
     """
     n, amplitude = 4096, 1e-6
     z = amplitude * np.sin(2 * np.pi * (np.arange(n) + 0.5) / n)[:, None] + np.zeros(7)
@@ -140,8 +142,9 @@ def test_statistics_of_a_checkerboard_and_of_nothing() -> None:
 
 
 def test_rms_slope_of_a_gaussian_surface() -> None:
-    """exp(-(r / L)^2): rms slope sqrt 2 Rq / L each way, 2 Rq / L for the norm (L = 10 nodes:
-    differences miss 0.3 %). 10 % is 3 sigma of the 137 independent patches.
+    """The rms slope of exp(-(r / L)^2) is sqrt 2 Rq / L each way, 2 Rq / L for the norm.
+
+    At L = 10 nodes differences miss 0.3 %. 10 % is 3 sigma of the 137 independent patches.
     """
     z = generate()
     got = surface.statistics(z, SPACING)

@@ -1,6 +1,4 @@
-"""Speed against error: errors fall as theory says, what is recommended keeps its limits, nothing is
-lost or overwritten.
-"""
+"""Errors fall as theory says, and recommended settings keep their limits."""
 
 from __future__ import annotations
 
@@ -113,9 +111,7 @@ def test_errors_are_finite_and_the_references_are_zero(found: dict[str, Any]) ->
 
 
 def test_errors_fall_with_the_spacing(found: dict[str, Any]) -> None:
-    """The elastic release is second order (1.9 here); the contact area, counted in whole nodes, is
-    first order (0.95 here).
-    """
+    """The elastic release has order 2 (1.9 here), and the contact area order 1 (0.95 here)."""
     orders = found["orders"]["spacing, sharp edges"]
     assert orders["signal"] > 1.5 and orders["contact_area_percent"] > 0.8
     own, fine = (
@@ -158,8 +154,9 @@ def test_refining_keeps_the_nodes() -> None:
 
 
 def test_refining_keeps_the_line_of_the_sphere() -> None:
-    """A ridge symmetric about mid-width stays so, also when the refinement is even and mid-width
-    lies between nodes.
+    """A ridge symmetric about mid-width stays symmetric in a refined grid.
+
+    The refinement may be even, with mid-width between nodes.
     """
     across = np.arange(64) - 31.5
     ridge = np.tile(np.cos(2 * np.pi * across / 64), (16, 1))

@@ -1,6 +1,4 @@
-"""Oracle: the cases and the solved contacts themselves: a figure holds their numbers, says its
-units and where theory ends.
-"""
+"""A figure has the numbers of its cases, their units, and the limit of the theory."""
 
 from __future__ import annotations
 

@@ -53,8 +53,9 @@ def test_a_gap_that_is_apart_but_small_counts_in_part() -> None:
 
 
 def test_steps_are_certain_beyond_twice_their_standard_error() -> None:
-    """Differences of 1, 1 and 4 dB of three surfaces: mean 2 dB, standard error 1 dB: at the limit;
-    1, 1, 3.9 is beyond.
+    """Differences of 1, 1 and 4 dB have a mean of 2 dB and a standard error of 1 dB.
+
+    They are at the limit, and 1, 1, 3.9 is beyond it.
     """
     first = [as_the_article_says(0.1, 5.0, seed) for seed in (1, 2, 3)]
 
@@ -102,8 +103,9 @@ def test_measured_numbers_are_those_of_the_cases() -> None:
 
 
 def test_what_was_not_run_is_not_judged() -> None:
-    """Three loads of five and one surface: what needs 50 N is not run, what names it besides others
-    says it lacks it.
+    """A claim that needs 50 N is not run, and a claim that also names it lists it as lacking.
+
+    The study has three loads of five and a single surface.
     """
     cases = study(loads=(5.0, 20.0, 100.0))
     assert {key for key in OTHERWISE if verdict(key, cases) == NOT_RUN} == {
@@ -122,9 +124,7 @@ def test_what_was_not_run_is_not_judged() -> None:
     ids=lambda case: f"{case.roughness_um:g}-{case.load_n:g}",
 )
 def test_one_case_or_all_but_one(case: Case) -> None:
-    """Neither breaks a judge; a single case shows no change, and all but one still reproduce
-    nothing wrongly.
-    """
+    """A single case shows no change, and a study without one case reproduces nothing wrongly."""
     alone = claims.table([case])
     words = {row.claim.key: row.judgements[0].finding.verdict for row in alone.claims}
     assert {
@@ -199,9 +199,7 @@ def lengths(mid_hz: Sequence[float], levels_db: Sequence[float]) -> list[Case]:
     [((5, 4, 3, 2, 1), REPRODUCED), ((5, 6, 3, 2, 1), PARTLY), ((1, 2, 3, 4, 5), NOT)],
 )
 def test_lengths(values: Sequence[float], expected: str) -> None:
-    """A centroid is the frequency of its only band, so it falls as that does; the level as that put
-    in.
-    """
+    """The centroid falls with the frequency of its only band, and the level as it was set."""
     cases = lengths(
         [1000.0 * value for value in (1, 1, 1, 1, 1)], [60.0 + value for value in values]
     )

@@ -78,8 +78,10 @@ def test_a_failed_ratio_may_hold_on_a_fine_grid(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_steps_smaller_than_the_grids_error_are_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Plastic area 0.30 to 0.31, deflection 0.18 to 0.1 per newton, levels by 0.5 dB from Ra 1 to 5
-    um.
+    """An error of the grid above a step makes its verdict undecided.
+
+    The steps are: plastic area 0.30 to 0.31, deflection 0.18 to 0.1 per newton, and levels by
+    0.5 dB from Ra 1 to 5 um.
     """
     with_grid(
         monkeypatch,
@@ -106,9 +108,7 @@ def test_steps_smaller_than_the_grids_error_are_undecided(monkeypatch: pytest.Mo
 
 
 def test_bounds_within_twice_the_standard_error_are_undecided() -> None:
-    """Five surfaces, ratios 1.66 on average: with a spread of 0.1 the bound of 1.7 is no further
-    than chance.
-    """
+    """With a spread of 0.1 a mean ratio of 1.66 is not certainly below the bound of 1.7."""
 
     def spread(by: float) -> Change:
         return when(
@@ -122,8 +122,9 @@ def test_bounds_within_twice_the_standard_error_are_undecided() -> None:
 
 
 def test_level_above_70_turns_with_the_length_of_the_record() -> None:
-    """A greatest line of 72 dB at 0.05 s falls to 70 at 10^(2/5) times that, 0.13 s; one of 76 dB
-    at 16 times.
+    """A maximum line of 72 dB at 0.05 s falls to 70 dB at 0.13 s, 10^(2/5) times that.
+
+    A line of 76 dB falls to it at 16 times.
     """
     for above, expected in ((2.0, UNDECIDED), (-2.0, UNDECIDED), (6.0, REPRODUCED), (-6.0, NOT)):
         wanted = 70.0 + above

@@ -111,8 +111,9 @@ def test_markdown_holds_every_claim_and_reading() -> None:
 
 
 def test_the_page_in_docs_answers_for_every_statement() -> None:
-    """It ends with tables.md of the whole study: a statement that is added or worded anew must be
-    run.
+    """The page ends with tables.md of the whole study.
+
+    A statement that is added or reworded must be run.
     """
     page = (Path(__file__).parents[2] / "docs" / "lee2025.md").read_text(encoding="utf-8")
     assert page.count(claims_text.DOCS_MARK) == 1

@@ -53,13 +53,15 @@ def test_a_twin_is_the_same_scene_in_everything_but_hardness() -> None:
 
 
 def test_yielding_is_heard_by_the_level_or_by_the_bands(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of 0.4 dB each the difference is uncertain by 0.57 dB: 1 dB is too little, unless a third of
-    the bands differ.
+    """A difference of 1 dB is too small, unless a third of the bands differ.
+
+    Levels uncertain by 0.4 dB each have a difference uncertain by 0.57 dB.
     """
 
     def off(db: float, bands: int) -> list[Case]:
-        """As loud as the twin and `db` more; so many of the ten third octaves from 500 Hz to 4 kHz
-        6 dB above (10 lg).
+        """Return cases `db` above their twins, with some of ten third octaves 6 dB above (10 lg).
+
+        The third octaves are those from 500 Hz to 4 kHz.
         """
         reads = np.isin(np.arange(31), np.flatnonzero(MID_HZ > 450)[:bands])
 

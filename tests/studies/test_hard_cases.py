@@ -54,9 +54,7 @@ def names(pattern: str) -> list[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMED)
 def test_named_case(name: str) -> None:
-    """Every state against its own convolution, the ledger, the iterations against the budget; or
-    the refusal that is due.
-    """
+    """Every state passes independent checks within its budget, or is refused as it must be."""
     case = NAMED[name]
     outcome, states = judged(name)
     assert not outcome.violated
@@ -80,8 +78,9 @@ def test_roughness_of_a_picometre() -> None:
 
 @pytest.mark.parametrize("nodes", [1, 9, 21, 100])
 def test_everything_plastic_with_no_node_left_free(nodes: int) -> None:
-    """The approach is free over an interval; it must stay between the highest capped and the lowest
-    open gap.
+    """The approach lies between the highest capped and the lowest open gap.
+
+    It is free over this interval.
     """
     track, states = solved(f"all plastic, {nodes} nodes")
     for state in states:
@@ -93,8 +92,9 @@ def test_everything_plastic_with_no_node_left_free(nodes: int) -> None:
 
 @pytest.mark.law("Rigid-plastic limit: the contact area tends to W / H.")
 def test_rigid_plastic_limit_of_the_area() -> None:
-    """As E* rises or H falls the contact area tends to W / H: never below it, above it by the nodes
-    that are not yet at H.
+    """As E* rises or H falls, the contact area tends to W / H from above.
+
+    It exceeds W / H by the nodes that are not yet at H.
     """
     load, hardness = 0.2, 2e8  # 250 nodes
     excess = []
@@ -176,9 +176,7 @@ def test_ridges_make_windows_that_are_not_square(name: str) -> None:
 
 @pytest.mark.law("Periodic surface: the contact crosses the seam as any other place.")
 def test_seam_of_the_periodic_surface() -> None:
-    """Contact across the seam along and, by a start half a surface away, not: the same answer at
-    the same heights moved.
-    """
+    """Contact across the seam equals contact half a surface away over moved heights."""
     across_it, inside = solved("seam")[1], solved("seam moved away")[1]
     assert across_it[0].loaded.row < 60 <= across_it[0].loaded.row + across_it[0].loaded.rows - 1
     for one, other in zip(across_it, inside, strict=True):
@@ -211,9 +209,7 @@ def test_all_but_a_trace_of_the_load_on_capped_nodes(name: str) -> None:
 
 
 def test_random_scenes_are_solved_or_refused() -> None:
-    """150 of the 5,000 scenes that were tried by hand, the seeds that ever failed among them; the
-    share solved is on record.
-    """
+    """150 of 5,000 random scenes, with every seed that ever failed, are solved or refused."""
     results, iterations = Counter(), []
     for seed in [*FAILED_ONCE, *range(1000, 1140)]:
         outcome = judge(random_case("random", seed))
@@ -229,8 +225,10 @@ def test_random_scenes_are_solved_or_refused() -> None:
 
 @pytest.mark.parametrize("generator", ["odd", "blended"])
 def test_odd_and_blended_scenes_are_solved_or_refused(generator: str) -> None:
-    """50 scenes of ties, equal gaps by the hundred and long thin plates; 50 of all kinds whose
-    plate yields with blended edges.
+    """100 odd scenes are solved or refused.
+
+    50 have ties, hundreds of equal gaps or long thin plates. 50 of all kinds yield with blended
+    edges.
     """
     results = Counter()
     for seed in range(50):
@@ -242,8 +240,9 @@ def test_odd_and_blended_scenes_are_solved_or_refused(generator: str) -> None:
 
 @pytest.mark.parametrize("case", found_cases(), ids=lambda case: case.name)
 def test_scenes_found_by_search(case: HardCase) -> None:
-    """What an earlier solver failed on: one in two thousand odd scenes, one in twenty thousand
-    random ones.
+    """The scenes on which an earlier solver failed are solved.
+
+    They were one in two thousand odd scenes, and one in twenty thousand random scenes.
     """
     outcome = judge(case)
     assert not outcome.violated, outcome
@@ -287,8 +286,9 @@ def test_judge_notices_deflection_energy_and_areas_that_do_not_belong() -> None:
 
 
 def test_judge_notices_contact_cut_off_far_outside_the_window() -> None:
-    """A hill 90 um ahead of a contact 20 um wide: solved on a plate without it, the state holds but
-    for what it overlooked.
+    """The judge notices a hill 90 um ahead of a contact 20 um wide.
+
+    The state was solved on a plate without the hill.
     """
     heights = np.zeros((160, 80))
     without = make_track(heights.copy(), load=0.5, tolerance=1e-7)

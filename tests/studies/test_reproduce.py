@@ -1,6 +1,4 @@
-"""The command that reproduces the article, shortened, on the article's own scenes: killed, gone on
-with, answered in full.
-"""
+"""The command that reproduces the article is killed, continues, and answers in full."""
 
 from __future__ import annotations
 

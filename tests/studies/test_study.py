@@ -1,6 +1,4 @@
-"""The study of the article: its readings are what they say, cases are solved once, a stopped study
-goes on to the same numbers.
-"""
+"""The study solves each case once, and continues to the same numbers after a stop."""
 
 from __future__ import annotations
 
@@ -63,8 +61,9 @@ def surface(scene: Scene) -> Gaussian:
 
 
 def test_readings_are_the_articles_cases() -> None:
-    """Four roughnesses, five loads, in two readings five surfaces; 256 nodes across at 2 um or more
-    where contact is wider.
+    """The readings have four roughnesses and five loads, two of them on five surfaces.
+
+    They have 256 nodes across at 2 um, or more where contact is wider.
     """
     assert len(READINGS) == 8
     for name in READINGS:
@@ -94,9 +93,7 @@ def test_readings_are_the_articles_cases() -> None:
 
 
 def test_variations_are_told_by_the_scenes_themselves() -> None:
-    """The article states a rigid sphere of 10 mm diameter: a reading that has another one is a
-    variation, and says so.
-    """
+    """A reading with another sphere than a rigid one of 10 mm diameter is a variation."""
     departures = {name: study.departures(study.scenes(SCENES / name)) for name in READINGS}
     for name, found in departures.items():
         if name in VARIATIONS:
@@ -112,8 +109,9 @@ def test_variations_are_told_by_the_scenes_themselves() -> None:
 
 
 def test_twins_are_scenes_of_a_reading_without_hardness() -> None:
-    """Ra 0.1 and 1 um at 5, 20 and 100 N, on the same surfaces: nothing but hardness and tolerance
-    differs.
+    """Twins differ from their scenes in hardness and tolerance only.
+
+    They have Ra 0.1 and 1 um at 5, 20 and 100 N, on the same surfaces.
     """
     for name, of in TWINS.items():
         scenes = study.scenes(SCENES / name)
@@ -159,9 +157,7 @@ def test_quick_takes_one_surface_and_three_loads() -> None:
 
 
 def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
-    """Against the run it is made of: areas over Hertz's, and fluctuations that add up over the
-    bands.
-    """
+    """A case has the areas of its run over Hertz's, and fluctuations that add up over the bands."""
     done = reproduce.reproduce("lee2025", out=tmp_path / "out", workers=1)
     assert done.exit_code == 0 and len(done.cases) == 4
     (one, *_) = study.runs(tmp_path / "out" / "only", study.scenes(small))
@@ -200,9 +196,7 @@ def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
 
 
 def test_a_result_without_deflections_is_read_and_has_none(small: Path, tmp_path: Path) -> None:
-    """Files of version 0.1.0 lack the series: the rest of the case is there, and no deflection is
-    made up.
-    """
+    """A file of version 0.1.0 gives a case without deflections."""
     out = tmp_path / "out"
     first = reproduce.reproduce("lee2025", out=out, workers=1).cases
     for file in (out / "only").rglob("result.h5"):
@@ -218,9 +212,7 @@ def test_a_result_without_deflections_is_read_and_has_none(small: Path, tmp_path
 def test_keys_that_came_with_a_later_version_do_not_make_another_case(
     small: Path, tmp_path: Path
 ) -> None:
-    """A resolved scene that lacks a key with a default, and one with another comment or title, is
-    the same case.
-    """
+    """A lacking key with a default, a comment or a title makes no other case."""
     out = tmp_path / "out"
     reproduce.reproduce("lee2025", out=out, workers=1)
     for file in (out / "only").rglob("resolved.yaml"):
@@ -288,8 +280,9 @@ def test_power_levels() -> None:
     [("as-stated", 0.01), ("as-stated", 0.1), ("hardness-3y-exponential", 0.1)],
 )
 def test_the_articles_own_method_agrees(reading: str, roughness: float) -> None:
-    """Influence matrix and active set (its Fig. 3) at 5 N, edges sharp as there: pressures within
-    1e-6 of the peak.
+    """Influence matrix and active set give pressures within 1e-6 of the peak at 5 N.
+
+    Edges are sharp, as in the article (Fig. 3).
     """
     (scene,) = (
         one for one in study.scenes(SCENES / reading, study.QUICK) if _is(one, roughness, 5)

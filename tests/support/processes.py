@@ -1,5 +1,6 @@
-"""Real processes for tests of folders: forked, so that nothing is imported anew, and killed without
-a chance to tidy up.
+"""Real processes for tests of folders.
+
+They are forked, so that nothing is imported again, and killed without a chance to tidy up.
 """
 
 from __future__ import annotations
@@ -12,9 +13,7 @@ from contextlib import suppress
 
 
 class Child:
-    """A forked process that runs a function; `say` and `hear` pass lines of text between it and
-    this one.
-    """
+    """A forked process that runs a function; `say` and `hear` exchange lines with it."""
 
     def __init__(self, function: Callable[[Child], object]) -> None:
         down, up = os.pipe(), os.pipe()

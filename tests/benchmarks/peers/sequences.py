@@ -25,9 +25,7 @@ NEGLIGIBLE = 1e-9
 
 @dataclass(frozen=True)
 class Sequence:
-    """A plate of this Ra [m], made from this seed, that bears at most the hardness [Pa], under a
-    load [N].
-    """
+    """A plate of this Ra [m] from this seed, with a hardness [Pa], under a load [N]."""
 
     ra: float
     seed: int
@@ -68,9 +66,7 @@ def moved_on(pressure: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=1)
 def _influence() -> np.ndarray:
-    """Transform of Love's coefficients [m/Pa] on the doubled grid: the mixed difference of a corner
-    function.
-    """
+    """Return the transform of Love's coefficients [m/Pa] on the doubled grid."""
     corner = np.arange(-N, N + 1) - 0.5  # of squares around nodes -N ... N - 1
     s, t = corner[:, None], corner[None, :]
     potential = s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))

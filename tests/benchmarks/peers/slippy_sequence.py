@@ -54,9 +54,7 @@ class Deflection:
 
 
 class Rolling:
-    """What one position hands on to the next: pressure, approach and the slope of the load over the
-    approach.
-    """
+    """The state that a position passes on: pressure, approach and slope of the load."""
 
     def __init__(self, load: float, hardness: float, shape: np.ndarray) -> None:
         self.load, self.hardness, self.deflect = load, hardness, Deflection()
