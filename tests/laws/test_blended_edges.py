@@ -25,6 +25,7 @@ def error_db(signal: np.ndarray, reference: np.ndarray) -> float:
     return float(20 * np.log10(np.std(signal - reference) / np.std(reference)))
 
 
+@pytest.mark.slow
 @pytest.mark.law("Blended edges: the release is closer to a fine grid than with sharp edges.")
 def test_release_is_closer_to_a_fine_grid_for_no_more_iterations(coarse: RollingContact) -> None:
     """Against 0.67 um the errors measured -15.4 dB sharp and -22.2 dB blended.

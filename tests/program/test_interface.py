@@ -99,6 +99,7 @@ def executed(arguments: list[str], folder: Path, given: str | None = None) -> st
     return done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["script", "standard input", "command", "namespace without a file"])
 def test_the_lines_run_without_a_guard(folder: Path, tmp_path: Path, way: str) -> None:
     for name in ("scene.yaml", "swept.yaml"):
@@ -120,6 +121,7 @@ def test_the_lines_run_without_a_guard(folder: Path, tmp_path: Path, way: str) -
     assert new <= {"listen.wav"}  # which `play` makes where IPython is not installed
 
 
+@pytest.mark.slow
 def test_a_doctest_runs_workers(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "scene.yaml").write_bytes((folder / "scene.yaml").read_bytes())
     (tmp_path / "example.py").write_text(DOCTEST)

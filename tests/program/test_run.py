@@ -307,6 +307,7 @@ def test_resound_solves_nothing_and_speed_scales(
     assert not (tmp_path / "no").exists()
 
 
+@pytest.mark.slow
 def test_laps_of_a_file_are_solved_once(scene: Path, tmp_path: Path) -> None:
     np.save(tmp_path / "z.npy", np.random.default_rng(1).standard_normal((40, 60)) * 2e-8)
     text = SCENE.replace(SCENE.splitlines()[3], "surface: {kind: file, path: z.npy, spacing_um: 2}")
@@ -380,6 +381,7 @@ def test_result_is_dimensioned_and_provenance_names_no_path(scene: Path, tmp_pat
     assert resolved.track.steps == 100
 
 
+@pytest.mark.slow
 def test_workers_pin_their_threads_and_leave_the_environment(
     scene: Path, tmp_path: Path, monkeypatch
 ) -> None:
