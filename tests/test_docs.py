@@ -1,7 +1,4 @@
-"""README and docs: length, links, generated parts, named places, examples.
-
-A stranger must find what they promise.
-"""
+"""README and docs are short enough, their links lead somewhere, and their examples run."""
 
 from __future__ import annotations
 
@@ -44,7 +41,7 @@ def _anchors(page: Path) -> set[str]:
 
 
 def test_readme_has_at_most_600_words():
-    """As `wc -w` counts, tables and code included."""
+    """The count is that of `wc -w`, with tables and code."""
     assert len((ROOT / "README.md").read_text(encoding="utf-8").split()) <= 600
 
 
@@ -90,7 +87,7 @@ def _definitions(path: Path) -> set[str]:
 
 @pytest.mark.parametrize("page", ["architecture.md", "numerics.md", "acoustics.md"])
 def test_places_in_the_code_exist(page: str):
-    """Rows that name a module, and names in the cell after it."""
+    """Each module in a table exists, and so do the names in the cell after it."""
     rows = [
         line.split("|")
         for line in (DOCS / page).read_text(encoding="utf-8").splitlines()
@@ -127,7 +124,7 @@ def test_scenes_name_their_schema():
 
 
 def test_command_that_makes_heights_runs(tmp_path: Path):
-    """The scene with a height file says how to make one."""
+    """The command in the scene with a height file makes one."""
     text = (ROOT / "scenarios" / "measured-surface.yaml").read_text(encoding="utf-8")
     code = re.findall(r'^#   python -c "(.*)"$', text, re.MULTILINE)
     assert len(code) == 1

@@ -18,7 +18,7 @@ def ax():
 
 
 def drawn(ax):
-    """Render for real: formatters and layouts fail only here."""
+    """Render a figure, since formatters and layouts fail only then."""
     ax.figure.tight_layout()
     ax.figure.savefig(io.BytesIO(), format="png", dpi=50)
     return ax

@@ -17,7 +17,7 @@ def noise(seed, n):
 
 
 def density(found):
-    """Pa^2/Hz, 0 where there is none."""
+    """Return the density in Pa^2/Hz, 0 where there is none."""
     return np.nan_to_num(10.0 ** (found.level_db / 10.0) * P_REF_PA**2)
 
 

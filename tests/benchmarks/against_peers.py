@@ -66,7 +66,7 @@ def judged(name: str, tolerance: float, answers: dict[str, Any]) -> Solved:
 
 
 def sequence_track(name: str, tolerance: float) -> RollingContact:
-    """A sequence as we roll it: the same gaps, seen from the plate."""
+    """Return a sequence as a track: the same gaps, seen from the plate."""
     return RollingContact(
         heights=sequences.heights(name),
         spacing=SPACING,
@@ -81,7 +81,7 @@ def sequence_track(name: str, tolerance: float) -> RollingContact:
 
 
 def on_full_grid(state: ContactState) -> np.ndarray:
-    """Pressure of a state on the N x N grid of the sequences, which moves with the sphere."""
+    """Return the pressure of a state on the N x N grid that moves with the sphere."""
     return state.window.moved(state.pressure, Window(state.position, 0, N, N))
 
 
@@ -99,7 +99,7 @@ def ours(name: str, tolerance: float, steps: int) -> Solved:
 
 
 def loosest(name: str, gap_error: float, steps: int) -> float:
-    """The loosest of our tolerances whose median gap error is at most this."""
+    """Return the loosest tolerance whose median gap error is at most the allowed error."""
     return next(
         (t for t in TOLERANCES if ours(name, t, steps).gap_error <= gap_error), TOLERANCES[-1]
     )
@@ -118,5 +118,5 @@ def theirs(name: str, peer: str, python: str, tolerance: float, steps: int) -> S
 
 
 def quickest(runs: Iterable[Solved]) -> Solved:
-    """The run least disturbed by what else the machine does."""
+    """Return the run that other processes disturbed least."""
     return min(runs, key=lambda run: run.ms)

@@ -1,8 +1,9 @@
-"""The speed targets, each measured beside a yardstick of the same run: writes speed.json and
-speed.md, prints the table.
+"""The speed targets, each measured beside a yardstick of the same run.
 
-python tests/benchmarks/speed.py [--quick] [--aspher PYTHON] [--slippy PYTHON] [--out FOLDER]    (a
-minute; see README.md here)
+The script writes speed.json and speed.md, and prints the table. It takes a minute; README.md
+defines the rows.
+
+python tests/benchmarks/speed.py [--quick] [--aspher PYTHON] [--slippy PYTHON] [--out FOLDER]
 """
 
 from __future__ import annotations
@@ -125,7 +126,7 @@ class Timed:
 
 
 def timed_march(track: RollingContact, steps: int) -> Timed:
-    """March and release as a run does them; the cold start counts for nothing."""
+    """March and compute the release as a run does, without the cold start."""
     half_space = clocked(HalfSpace(track.spacing, track.contact_modulus))
     states, release, clock = [], [], []
     for state in march(track, 0, steps, half_space):
@@ -154,7 +155,7 @@ def bare_convolution(
 
 
 def counts(states: list[ContactState]) -> dict[str, float]:
-    """Iterations and convolutions per step, without the cold start."""
+    """Return iterations and convolutions per step, without the cold start."""
     return {
         name: float(np.mean([getattr(s, name) for s in states[1:]]))
         for name in ("iterations", "convolutions")
@@ -284,7 +285,7 @@ def attainable(seconds: float) -> float:
 
 
 def measure_whole_runs(steps: int) -> list[Row]:
-    """Two workers against one, memory of a run ten times as long, computing per second of sound."""
+    """Measure two workers against one, memory of a longer run, and time per second of sound."""
     fewer = max(steps // 10, 200)
     short, one, two = (
         answer(in_fresh_process("run", *pair)) for pair in ((fewer, 1), (steps, 1), (steps, 2))
@@ -355,7 +356,7 @@ def measure_whole_runs(steps: int) -> list[Row]:
 
 
 def table(rows: list[Row]) -> str:
-    """Rows as Markdown."""
+    """Return the rows as Markdown."""
     lines = [
         "| measure | value | target | met | iterations | convolutions | detail |",
         "|---|---|---|---|---|---|---|",

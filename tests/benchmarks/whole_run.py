@@ -1,9 +1,9 @@
-"""A run of the 20 N scene in a fresh process, for speed.py: wall seconds, start-up of the workers,
-peak memory.
+"""A run of the 20 N scene in a fresh process, for speed.py.
 
-python tests/benchmarks/whole_run.py run STEPS WORKERS      (prints one JSON line) python
-tests/benchmarks/whole_run.py convolutions SECONDS   (prints how many bare convolutions one process
-does in a second)
+It measures wall seconds, start-up of the workers and peak memory.
+
+python tests/benchmarks/whole_run.py run STEPS WORKERS        prints a line of JSON
+python tests/benchmarks/whole_run.py convolutions SECONDS     prints bare convolutions per second
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SPEED, SPACING = 0.1, 2e-6  # of that scene
 
 
 def scene_20_n(*overrides: str) -> Scene:
-    """The quickstart's run under 20 N."""
+    """Return the quickstart's run under 20 N."""
     runs = file.read_scene(QUICKSTART, overrides).runs()
     return next(scene for values, scene in runs if values["rolling.load_n"] == 20)
 
@@ -49,7 +49,7 @@ def peak_memory(afresh: bool = False) -> int:
 def simulated(
     scene: Scene, todo: list[tuple[int, int]], workers: int
 ) -> tuple[np.ndarray, list[Piece]]:
-    """Wall and CPU seconds, workers included, and the pieces."""
+    """Return wall and CPU seconds, workers included, and the pieces."""
     kept: list[Piece] = []
     began = clocks()
     outcome = march_pieces(
@@ -61,7 +61,7 @@ def simulated(
 
 
 def clocks() -> np.ndarray:
-    """Wall seconds and CPU seconds of this process and those that it has waited for."""
+    """Return wall and CPU seconds of this process and the children that it has waited for."""
     return np.array([time.perf_counter(), sum(os.times()[:4])])
 
 
@@ -95,7 +95,7 @@ def run(steps: int, workers: int) -> dict[str, float]:
 
 
 def convolutions_per_second(seconds: float) -> float:
-    """Of windows about as large as the scene's."""
+    """Count convolutions of windows about as large as the scene's."""
     scene, pressure = scene_20_n(), np.random.default_rng(0).uniform(0, 1e9, (96, 96))
     half_space = HalfSpace(scene.spacing, scene.contact_modulus)
     half_space.deflection(pressure)  # plans its transforms

@@ -42,7 +42,7 @@ def test_fft_path_equals_the_dense_method(shape: tuple[int, int], hardness: floa
 
 @pytest.mark.law("Dense method: the influence matrix meets Hertz.")
 def test_dense_method_meets_hertz() -> None:
-    """The reference itself: measured 0.2 % below Hertz at a / spacing = 4.3."""
+    """The reference is 0.2 % below Hertz at a / spacing = 4.3, as measured."""
     spacing, load = 10e-6, 5.0
     x = (np.arange(15) - 7) * spacing
     _, approach = dense_contact((x[:, None] ** 2 + x**2) / 0.01, load, spacing, STEEL)

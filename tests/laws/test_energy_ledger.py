@@ -19,9 +19,9 @@ HARDNESS = {"elastic": np.inf, "capped": 2.1e9}
 @pytest.mark.parametrize("step_nodes", [0.5, 1, 3, 40])
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_ledger_closes_to_rounding(plate: str, step_nodes: float) -> None:
-    """Also at a loose tolerance and at steps longer than the contact (40 nodes, 80 um; a = 43 um).
+    """The ledger closes at a loose tolerance and at steps longer than the contact.
 
-    Measured 1e-15 to 5e-15.
+    The steps are 40 nodes, 80 um, at a = 43 um. Measured 1e-15 to 5e-15.
     """
     heights = rough(150, 120, 1e-7)
     track = make_track(heights, hardness=HARDNESS[plate], step=step_nodes * 2e-6, tolerance=1e-3)
@@ -46,7 +46,7 @@ def test_stored_energy_is_half_pressure_times_deflection(plate: str) -> None:
 @pytest.mark.law("Energy ledger: the left-end rule does not close it.")
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_left_end_rule_does_not_close(plate: str) -> None:
-    """First order in the step: its defect is 1e-3 of the stored energy at step / a = 1 / 21."""
+    """The left-end rule leaves 1e-3 of the stored energy at step / a = 1 / 21, at first order."""
     track = make_track(rough(150, 120, 1e-7), hardness=HARDNESS[plate], tolerance=1e-6)
     states = roll(track, 0, 4)
     largest = max(state.stored_energy for state in states)

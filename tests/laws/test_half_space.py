@@ -20,7 +20,7 @@ def nodes(rows: int, columns: int) -> np.ndarray:
 @pytest.mark.law("Half-space: Love's coefficients are the entries of the influence matrix.")
 @pytest.mark.kernel
 def test_love_coefficients_agree_with_the_influence_matrix() -> None:
-    """Two ways of writing one closed form.
+    """Two forms of the same closed form agree.
 
     Corner terms of size r cancel to 1 / r, and plain logarithms to less: measured 4e-12.
     """
@@ -47,9 +47,9 @@ def test_love_coefficient_under_the_loaded_square_and_far_away() -> None:
 @pytest.mark.law("Half-space: the padded FFT convolution equals the direct sum.")
 @pytest.mark.parametrize("shape", [(1, 1), (3, 8), (17, 5), (31, 33), (12, 40), (64, 64)])
 def test_convolution_equals_direct_summation(shape: tuple[int, int]) -> None:
-    """Zero padding makes it exact for any window.
+    """Zero padding makes the convolution exact for any window.
 
-    Measured 4e-16 to 6e-15, of which the 4096 additions in a row do most.
+    Measured 4e-16 to 6e-15, mostly from the 4096 additions in a row.
     """
     pressure = np.random.default_rng(sum(shape)).random(shape) * 1e9
     kernel = love(*(np.abs(np.arange(1 - k, k)) for k in shape)) * SPACING / (np.pi * STEEL)
@@ -73,9 +73,9 @@ def test_a_window_size_used_before_leaves_nothing_behind() -> None:
 
 @pytest.mark.law("Half-space: the deflection scales with the spacing and with 1 / E*.")
 def test_deflection_scales_with_spacing_and_modulus() -> None:
-    """Same pressures on squares twice as large: twice the deflection; twice the modulus: half.
+    """Squares twice as large double the deflection, and twice the modulus halves it.
 
-    Powers of two, so to the bit.
+    Powers of two make this exact to the bit.
     """
     pressure = np.random.default_rng(4).random((19, 23)) * 1e9
     once = HalfSpace(SPACING, STEEL).deflection(pressure)
@@ -86,7 +86,7 @@ def test_deflection_scales_with_spacing_and_modulus() -> None:
 @pytest.mark.law("Half-space: the deflection is linear and reciprocal.")
 @pytest.mark.kernel
 def test_deflection_is_linear_and_symmetric() -> None:
-    """Superposition, and reciprocity p1.u2 = p2.u1: both to the rounding of one transform."""
+    """Superposition and reciprocity p1.u2 = p2.u1 hold to the rounding of a transform."""
     rng = np.random.default_rng(5)
     p1, p2 = rng.random((2, 27, 14)) * 1e9
     space = HalfSpace(SPACING, STEEL)

@@ -15,7 +15,10 @@ SPACINGS = (8e-6, 4e-6, 2e-6, 1e-6)
 
 @pytest.fixture(scope="module", params=[0, 1], ids=["between nodes", "on a node"])
 def series(request: pytest.FixtureRequest) -> list:
-    """One contact per spacing; an odd number of nodes across puts the sphere's centre on a node."""
+    """Solve a contact per spacing.
+
+    An odd number of nodes across puts the sphere's centre on a node.
+    """
     states = []
     for spacing in SPACINGS:
         n = round(240e-6 / spacing) + request.param
@@ -36,8 +39,9 @@ def rate(errors: list[float]) -> float:
     "node spacing."
 )
 def test_approach_converges_to_hertz_at_second_order(series: list) -> None:
-    """Measured: -5.5e-4, -1.2e-4, -3.1e-5, -8.7e-6 between nodes (rate 1.98), -7.4e-4 ...
+    """The error of the approach falls at second order.
 
+    Measured -5.5e-4, -1.2e-4, -3.1e-5, -8.7e-6 between nodes (rate 1.98), and -7.4e-4 ...
     -8.1e-6 on a node (2.17).
     """
     errors = [s.approach / closed_forms.hertz_approach(LOAD, RADIUS, STEEL) - 1 for s in series]
@@ -89,9 +93,9 @@ def test_pressure_profile_is_the_hertz_ellipse(series: list) -> None:
 
 @pytest.mark.law("Hertz: area, pressure and approach follow the powers of load and radius.")
 def test_load_and_radius_follow_the_powers_of_hertz() -> None:
-    """All lengths 4 times as large, the load 16 times: the same pressures, 4 times the approach.
+    """Lengths times 4 and load times 16 give the same pressures and 4 times the approach.
 
-    Powers of two: rounding only.
+    These are powers of two, so only rounding differs.
     """
     one = roll(make_track(np.zeros((64, 64)), load=5.0, radius=5e-3), 0, 0)[0]
     other = roll(

@@ -69,9 +69,10 @@ def test_a_smooth_elastic_sphere_loses_what_the_table_says(radii: float) -> None
 def test_rough_contacts_lose_no_more_and_levels_stay_within_their_bound(
     hardness: float, height: float
 ) -> None:
-    """Surfaces that the bounds were not read from; the release itself may be lower by 0.02 more.
+    """Surfaces other than those of the bounds keep to them.
 
-    Levels are those of the fluctuation up to the Nyquist frequency of the longer steps.
+    The release itself may be lower by 0.02 more. Levels are those of the fluctuation up to the
+    Nyquist frequency of the longer steps.
     """
     heights = rough(720, 60, height)
     fine = per_metre(heights, 1, hardness)

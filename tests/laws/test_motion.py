@@ -1,4 +1,4 @@
-"""Motion against the exact integral of its speed: distance, its inverse, and what is refused."""
+"""Distance and its inverse agree with the exact integral of the speed."""
 
 import numpy as np
 import pytest

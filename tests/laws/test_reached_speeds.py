@@ -121,7 +121,7 @@ def test_means_of_the_power_are_over_time() -> None:
 
 
 def test_the_accelerating_scene_releases_what_it_does_per_second() -> None:
-    """Its mean power was 8.4 % high: energy over duration is what it is."""
+    """The mean power is energy over duration; an earlier version was 8.4 % high."""
     scene = read_scene(Path(__file__).parents[2] / "scenarios" / "accelerating.yaml")
     energy = np.full(1250, 1e-9)
     sound = contact_sound(scene, energy, STEP, True)

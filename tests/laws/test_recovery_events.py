@@ -39,10 +39,7 @@ def by_node(columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 @pytest.mark.law("Recovery events: their energies add up to the release.")
 @pytest.mark.parametrize("left_end", [False, True])
 def test_event_energies_sum_to_the_release(left_end: bool) -> None:
-    """The same terms in another order, a few thousand of them: rounding.
-
-    Also over the seam (60 steps on 50 rows).
-    """
+    """A few thousand terms in another order have the same sum to rounding, also over the seam."""
     track = scene()
     states = roll(track, 0, STEPS)
     columns = table_of(track, states, left_end).columns()
@@ -57,7 +54,7 @@ def test_event_energies_sum_to_the_release(left_end: bool) -> None:
 
 
 def test_table_grows_without_losing_an_event() -> None:
-    """More events than the 1024 rows it begins with; energies must still sum."""
+    """Energies still sum for more events than the first 1024 rows."""
     track = make_track(rough(120, 120, 2e-8), load=5.0, tolerance=1e-3)
     states = roll(track, 0, 40)
     table = table_of(track, states)
@@ -184,7 +181,7 @@ def test_an_event_longer_than_a_piece_is_joined_through_it() -> None:
 
 
 def test_a_pause_of_one_step_ends_an_event() -> None:
-    """Node (2, 3) falls, falls, rests, falls: two events.
+    """Node (2, 3) falls, falls, rests and falls: it has two events.
 
     Its neighbour, over the seam, falls in the third step alone.
     """

@@ -18,10 +18,10 @@ LOAD = 0.1
 @pytest.mark.parametrize("factor", [4.0, 1e-6, 3.7])
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_modulus_hardness_and_load_times_c(plate: str, factor: float) -> None:
-    """Deflections stay, energies go with c.
+    """Deflections stay and energies follow c; only rounding differs (measured 6e-15).
 
-    Nothing but rounding differs: measured 6e-15. Allowed is what a branch that rounding flips could
-    cost on another machine: the order of the tolerance, 1e-8.
+    Rounding may flip a branch on another machine, so the order of the tolerance, 1e-8, is
+    allowed.
     """
     base = make_track(HEIGHTS, load=LOAD, hardness=HARDNESS[plate])
     scaled = make_track(
@@ -54,9 +54,9 @@ def test_surface_moved_along_moves_the_signal(nodes: int) -> None:
 
 @pytest.mark.law("Mirror: a surface mirrored across the track gives the same release.")
 def test_surface_mirrored_across_changes_nothing() -> None:
-    """The sphere runs at mid-width, (n - 1) / 2 nodes: mirrored heights are the same contact.
+    """Mirrored heights are the same contact, since the sphere runs at mid-width.
 
-    Measured 4e-15.
+    Mid-width is (n - 1) / 2 nodes. Measured 4e-15.
     """
     track, mirrored = (
         make_track(z, load=LOAD, hardness=2.1e9) for z in (HEIGHTS, HEIGHTS[:, ::-1].copy())

@@ -38,9 +38,9 @@ def smooth_track(spacing: float = 2e-6, width: float = 200e-6, **changes: float)
 @pytest.mark.law("Smooth release: a smooth elastic rolling sphere releases 3 W v a / (16 R).")
 @pytest.mark.parametrize(("spacing", "tolerance"), [(2e-6, 1e-8), (2e-6, 1e-4), (1e-6, 1e-6)])
 def test_release_is_the_closed_form(spacing: float, tolerance: float) -> None:
-    """Asked: 0.5 % at a / spacing >= 30.
+    """The error is below 0.5 % at a / spacing >= 30.
 
-    Measured 3.7e-5 at 34, 4.1e-5 there at a tolerance of 1e-4, 3e-6 at 69.
+    Measured 3.7e-5 at 34, 4.1e-5 there at a tolerance of 1e-4, and 3e-6 at 69.
     """
     assert spacing * 30 <= A
     track = smooth_track(spacing, tolerance=tolerance)
@@ -85,10 +85,10 @@ def test_marched_sphere_is_silent(hardness: float) -> None:
 )
 @pytest.mark.parametrize("hardness", [np.inf, 1.5e9], ids=["elastic", "capped"])
 def test_sphere_is_silent_in_solves_that_know_nothing_of_each_other(hardness: float) -> None:
-    """Each position solved from another random start, so that nothing but the answer agrees.
+    """Positions solved from different random starts have the same release.
 
-    The release is linear in the pressure errors, and the tolerance of 1e-8 leaves two decades to
-    the 1e-6 that is asked.
+    The release is linear in the pressure errors, and the tolerance of 1e-8 leaves two decades
+    to the required 1e-6.
     """
     track = smooth_track(hardness=hardness, tolerance=1e-8)
     space, rng = space_of(track), np.random.default_rng(0)
@@ -121,10 +121,10 @@ def test_sphere_is_silent_in_solves_that_know_nothing_of_each_other(hardness: fl
 
 
 def test_sphere_is_silent_over_pairs_of_half_node_steps() -> None:
-    """Half-node steps cannot take the last answer over, so every position is solved.
+    """Two half-node steps together release as two others (measured 1.2e-8 at 1e-8).
 
-    Node by node they ripple by 1e-3 (that is the grid's own tone), but two together are one whole
-    node: measured 1.2e-8 at 1e-8.
+    Half-node steps cannot keep the last solution, so every position is solved. Single steps
+    ripple by 1e-3, which is the tone of the grid.
     """
     track = smooth_track(step=1e-6)
     states = roll(track, 0, 12)
@@ -138,7 +138,10 @@ def test_sphere_is_silent_over_pairs_of_half_node_steps() -> None:
 @pytest.mark.law("Left-end rule: it is high by 4 step / (3 a) on a smooth sphere.")
 @pytest.mark.parametrize("nodes", [1, 2, 4])
 def test_left_end_rule_is_high_by_its_first_order_excess(nodes: int) -> None:
-    """4 step / (3 a). The remainder is second order: measured -0.55 to -0.6 (step / a)^2."""
+    """The excess is 4 step / (3 a), with a remainder of second order.
+
+    The remainder measured -0.55 to -0.6 (step / a)^2.
+    """
     track = smooth_track(step=nodes * 2e-6)
     states = roll(track, 0, 2)
     excess = releases(track, states, left_end=True)[0] / releases(track, states)[0] - 1

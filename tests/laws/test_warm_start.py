@@ -13,10 +13,10 @@ from helpers import assert_solved, make_track, releases, roll, rough
 @pytest.mark.parametrize("hardness", [np.inf, 2.1e9], ids=["elastic", "capped"])
 @pytest.mark.parametrize("step_nodes", [0.5, 1, 5])
 def test_warm_equals_cold(hardness: float, step_nodes: float) -> None:
-    """The minimum is unique.
+    """The minimum is unique, so deflections agree to a few tolerances of 1e-7.
 
-    Deflections to a few tolerances (1e-7): the condition is on gaps within the contact, and the
-    rest of u follows the pressures; measured below 0.9 tolerances.
+    The condition is on gaps within the contact, and the rest of u follows the pressures.
+    Measured below 0.9 tolerances.
     """
     track = make_track(
         rough(60, 60, 2e-7), load=0.5, hardness=hardness, step=step_nodes * 2e-6, tolerance=1e-7

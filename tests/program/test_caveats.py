@@ -84,7 +84,7 @@ def test_silence_has_no_level_to_bound_and_no_pitch() -> None:
 
 
 def test_a_loop_that_is_heard_as_a_pitch_says_which() -> None:
-    """0.03 s repeat 33 times a second; from 0.3 s on nothing is said."""
+    """A record of 0.03 s repeats 33 times a second; from 0.3 s on there is no caveat."""
     assert "0.03 s repeats 33 times a second" in said(0.03)["short_loop"]
     assert "the repetition, not the contact" in said(0.03)["short_loop"]
     assert "3.4 times a second" in said(0.29)["short_loop"]
@@ -94,7 +94,7 @@ def test_a_loop_that_is_heard_as_a_pitch_says_which() -> None:
 
 @pytest.mark.slow
 def test_a_short_track_gone_round_many_times_says_its_pitch(runs: Runs) -> None:
-    """150 laps of 6 ms in 0.9 s sound at 167 Hz, looped or not; the lap alone at the same."""
+    """150 laps of 6 ms in 0.9 s sound at 167 Hz, looped or not, and so does the lap alone."""
     texts = {each.key: each.text for each in caveats.stored(run_results(runs.three())[0].summary)}
     assert "every 0.006 s, 167 times a second" in texts["short_track"] and "short_loop" not in texts
     (lap,) = run_results(runs.lap())
@@ -130,7 +130,7 @@ def test_several_runs_say_each_caveat_once() -> None:
 
 
 def test_summary_sidecars_csv_tsv_and_table_say_the_same(runs: Runs) -> None:
-    """Word for word: there is one source."""
+    """All files have the same caveats word for word, from a single source."""
     heard = run_results(runs.three())
     one = heard[0]
     numbers = json.loads((one.folder / "summary.json").read_text())

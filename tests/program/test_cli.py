@@ -1,4 +1,4 @@
-"""The command line: help is instant, usage errors are 2, the schema and the check print."""
+"""Help is instant, usage errors give code 2, and the schema and the check print."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is shown to a reader runs: the scripts in examples/ and the examples in docstrings."""
+"""The scripts in examples/ and the examples in docstrings run."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ WITH_DOCTESTS = sorted(
 
 
 def test_there_are_five_examples() -> None:
-    """Hertz, one contact, a load sweep, an own surface, acoustics alone."""
+    """The examples are Hertz, a contact, a load sweep, an own surface and acoustics alone."""
     assert len(EXAMPLES) >= 5
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("script", EXAMPLES, ids=lambda script: script.stem)
 def test_example_runs(script: Path, tmp_path: Path) -> None:
-    """In an empty folder, without a screen."""
+    """Each example runs in an empty folder, without a screen."""
     environment = os.environ | {"MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT)}
     run = subprocess.run(
         [sys.executable, script], cwd=tmp_path, env=environment, capture_output=True, text=True

@@ -37,7 +37,7 @@ def made(seed: int, steps: int = STEPS) -> np.ndarray:
 
 @pytest.fixture(autouse=True)
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing is shown here."""
+    """Leave out all pictures, which no test here reads."""
     monkeypatch.setattr(run, "_write_pictures", lambda *_: [])
 
 
@@ -82,7 +82,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def refused(capsys: pytest.CaptureFixture[str], folder: Path, *words: str) -> None:
-    """Resume, resound and report end with code 2, say why, and write nothing."""
+    """Assert that resume, resound and report end with code 2, give the reason and write nothing."""
     before = contents(folder)
     other = folder.with_name("other")
     commands = (
@@ -151,7 +151,7 @@ def test_heights_that_change_during_a_run_fail_it(
 
 
 def test_worker_processes_compare_the_heights_that_they_read(scene: Path, tmp_path: Path) -> None:
-    """Both workers read a file that was replaced after the run had begun."""
+    """Both workers notice a file that was replaced after the run had begun."""
     one = read_scene(scene)
     order = simulate.Order(surface_sha256=simulate.identity_of(one).heights_sha256)
     np.save(tmp_path / "z.npy", made(2))

@@ -125,7 +125,7 @@ def test_rooms_take_nothing_from_the_front_door_but_version_and_place(package: s
 
 @pytest.mark.parametrize("package", FLOORS)
 def test_modules_do_not_import_each_other_in_a_circle(package: str) -> None:
-    """Imports inside functions count too: they hide a circle, they do not break it."""
+    """Imports inside functions count too, since they hide a circle without breaking it."""
     known = modules(package)
     graph: dict[str, set[str]] = {}
     for module in known:

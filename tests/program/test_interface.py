@@ -66,7 +66,7 @@ DOCTEST = '''\
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a scene, and the run that the command made of it."""
+    """Return a folder with a scene and the run that the command made of it."""
     folder = tmp_path_factory.mktemp("interface")
     (folder / "scene.yaml").write_text(SCENE)
     (folder / "swept.yaml").write_text(SWEPT)
@@ -241,7 +241,7 @@ def test_progress_is_shown_where_it_is_asked_for(
 
 
 def test_progress_is_shown_in_a_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A notebook is no terminal, but somebody looks."""
+    """A notebook is no terminal, but it has a reader."""
     assert solving._disabled(None) is None  # tqdm looks for a terminal
     shell = type("ZMQInteractiveShell", (), {})()
     monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))

@@ -47,7 +47,7 @@ def of(*cases: Case) -> list[str]:
 
 
 def test_every_key_of_the_scene_has_words() -> None:
-    """Name and description are words themselves; a sweep is gone when its runs are named."""
+    """Every key has words, except name, description and sweep."""
     keys = set()
     for section, outer in Scene.model_fields.items():
         models = [outer.annotation]
@@ -155,7 +155,7 @@ def test_a_sweep_is_named_by_its_values_whether_alone_or_together() -> None:
 
 
 def test_names_stand_once_and_long_ones_are_cut_where_they_do_not_differ() -> None:
-    """Scenes' names may have 64 characters."""
+    """Names of up to 64 characters are cut where they do not differ."""
     names = [f"{'a' * 40}{digit}{'b' * 23}" for digit in "12"]
     found = of(*(Case(scene(name=name)) for name in names))
     assert "1" in found[0] and "2" in found[1] and max(map(len, found)) <= LONGEST

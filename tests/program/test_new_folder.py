@@ -43,7 +43,7 @@ def run_in(
     kind: Kind = "run",
     runs: Sequence[str] = (),
 ) -> Path:
-    """A folder of a run with some files of it, in a state."""
+    """Make a folder of a run with some files, in a state."""
     folder.mkdir(parents=True)
     run_record.write(folder, run_record.new(kind, runs).with_state(state))  # type: ignore[arg-type]
     for name in ("scene.yaml", "resolved.yaml", "spectrum.svg", *([] if runs else ["result.h5"])):
@@ -54,7 +54,7 @@ def run_in(
 
 
 def tree(folder: Path) -> dict[str, str]:
-    """Everything below a folder: content by path."""
+    """Return the content below a folder by path."""
     return {
         path.relative_to(folder).as_posix(): f"-> {path.readlink()}"
         if path.is_symlink()
@@ -400,11 +400,11 @@ def test_a_removal_that_is_killed_is_in_nobodys_way(tmp_path: Path) -> None:
 
 
 class Killed(BaseException):
-    """Stands for SIGKILL in a forked process."""
+    """The stand-in for SIGKILL in a forked process."""
 
 
 def interrupted_at(number: int, stop) -> object:
-    """A rename that stops at its nth call."""
+    """Return a rename that stops at its nth call."""
     inner, calls = Path.rename, []
 
     def rename(path: Path, name: Path) -> Path:
@@ -433,7 +433,7 @@ def prepared(folder: Path, case: str) -> Path:
 
 
 def contents(folder: Path) -> list[str]:
-    """Contents of all results below a folder, whatever the folders are called."""
+    """Return the contents of all results below a folder, whatever its folders are called."""
     return sorted(path.read_text() for path in folder.rglob("result.h5"))
 
 

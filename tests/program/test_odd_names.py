@@ -39,7 +39,7 @@ NAMES = [
 
 
 def drawn(texts: list[str]) -> Picture:
-    """A picture with these texts in its legend, and as its title and note."""
+    """Return a picture with these texts in its legend, title and note."""
 
     def draw(ax) -> None:
         for text in texts:
@@ -53,7 +53,7 @@ def drawn(texts: list[str]) -> Picture:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_pictures_take_any_label_as_it_stands(name: str) -> None:
-    """No formula, no missing letter, no byte that is not UTF-8; all of it within the figure."""
+    """A label causes no formula, no missing letter and no invalid byte, and stays in the figure."""
     texts = [f"load 1 N ({labels.printable(name)})", "load 1 N (plain)"]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -69,7 +69,7 @@ def test_pictures_take_any_label_as_it_stands(name: str) -> None:
 
 
 def test_texts_that_differ_look_different() -> None:
-    """The font of the pictures has neither of these letters."""
+    """Two texts look different although the font of the pictures has neither of their letters."""
     assert (
         drawable("\U0001f600") != drawable("\U0001f601")
         and drawable("Ra 0.1 µm, 5 N \u2026 ±") == "Ra 0.1 µm, 5 N \u2026 ±"
@@ -96,7 +96,7 @@ def test_a_report_of_folders_with_odd_names(runs: Runs, tmp_path: Path, capsys) 
 
 @pytest.mark.slow
 def test_the_terminal_takes_a_folder_of_any_bytes(runs: Runs, tmp_path: Path) -> None:
-    """A strict terminal, one that knows ASCII only, and a table of such folders."""
+    """A strict terminal, an ASCII terminal and a table print such folders."""
     folder = tmp_path / os.fsdecode(b"none \xff")
     for encoding in ("utf-8", "ascii"):
         done = subprocess.run(

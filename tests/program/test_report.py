@@ -151,7 +151,7 @@ def test_a_page_that_cannot_be_written_loses_nothing_of_the_run(
 
 @pytest.mark.slow
 def test_three_records_of_ten_seconds_stay_below_15_mb(runs, tmp_path) -> None:
-    """At 0.009 m/s the stored runs last 10 s; nothing is solved for it."""
+    """At 0.009 m/s the stored runs last 10 s, without a new solve."""
     slow = tmp_path / "slow"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(commands, "_write_pictures", lambda *_: [])

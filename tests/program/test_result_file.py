@@ -39,7 +39,7 @@ recovery: {events: true}
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A finished run folder of three pieces, with events, at a speed that changes."""
+    """Return a finished run folder of three pieces, with events and a changing speed."""
     folder = tmp_path_factory.mktemp("runs")
     (folder / "s.yaml").write_text(SCENE)
     with pytest.MonkeyPatch.context() as patch:
@@ -60,7 +60,7 @@ def path(whole: Path, tmp_path: Path) -> Path:
 
 
 def part(whole: Path) -> Result:
-    """The first and the third of the pieces, as an interrupted run on two workers leaves them."""
+    """Return the first and third piece, as an interrupted run on two workers leaves them."""
     one = commands.read_runs(whole)[0]
     result = Result.empty(one.scene.track, one.scene.start)
     for first, last in simulate.pieces(result.solved_steps)[::2]:
@@ -75,7 +75,7 @@ def partial(whole: Path) -> Result:
 
 
 def same(a: Any, b: Any) -> bool:
-    """Equal to the last bit, NaN as they are, at any depth."""
+    """Tell whether two values are equal to the last bit, NaN included, at any depth."""
     if isinstance(a, np.ndarray):
         return a.dtype == b.dtype and np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
     if isinstance(a, dict):
@@ -184,7 +184,7 @@ def test_xarray_opens_the_tree(whole: Path) -> None:
 
 
 def test_the_sound_in_the_file_is_the_run_s(whole: Path, tmp_path: Path) -> None:
-    """After run and after resound; Parseval: its mean square is the level in summary.json."""
+    """After run and resound the mean square of the sound is the level in summary.json."""
     out = tmp_path / "far"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(commands, "_write_pictures", lambda *_: [])
@@ -252,7 +252,7 @@ def test_no_changed_byte_is_accepted(path: Path, monkeypatch) -> None:
 
 
 def test_damaged_bytes_are_refused_by_the_command_with_one_message(path: Path, capsys) -> None:
-    """Through the true probe, for a few; the message says what to do."""
+    """The true probe refuses a few damaged files, and the message names the remedy."""
     run_record.write(path.parent, run_record.new("run"))
     good = path.read_bytes()
     for at in (9, 700, len(good) // 2, len(good) - 40):
@@ -426,7 +426,7 @@ def shorter(group: h5py.Group) -> None:
 def test_hand_made_damage_is_refused_by_its_field(
     field: str, spoil: Spoil, path: Path, monkeypatch
 ) -> None:
-    """In a file of this version and in an old one, which has no digest to betray it."""
+    """A file of this version and an old one without a digest are refused by the damaged field."""
     # half a second each; the library reads all of these
     monkeypatch.setattr(result_file, "_probed", lambda path: None)
     old = path.with_name("old.h5")

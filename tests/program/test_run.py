@@ -160,7 +160,7 @@ def start(scene: Path, out: Path, *more: str) -> subprocess.Popen:
 
 
 def wait_for_steps(out: Path, process: subprocess.Popen) -> None:
-    """Until the first piece has been kept."""
+    """Wait until the first piece has been kept."""
     for _ in range(1200):
         if process.poll() is not None:
             raise AssertionError(process.communicate())

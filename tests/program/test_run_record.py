@@ -207,7 +207,7 @@ def test_processes_are_recognised(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_processes_are_recognised_without_proc(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """As on systems that have no /proc, by the start that `ps` prints."""
+    """Systems without /proc use the start that `ps` prints."""
     if shutil.which("ps") is None:
         pytest.skip("no ps here")
     monkeypatch.setattr(process, "PROC", tmp_path)

@@ -36,7 +36,7 @@ def sound_of(
 
 
 def noise(seed: int, n: int = 25000) -> np.ndarray:
-    """Energy of each step [J], positive, with white noise on it."""
+    """Return the energy of each step [J], positive, with white noise."""
     return 1e-9 * (1.0 + 0.1 * np.random.default_rng(seed).standard_normal(n))
 
 

@@ -18,7 +18,7 @@ def made(shape: tuple[int, int], lengths: tuple[float, float], law: str, seed: i
 
 
 def dents(shape: tuple[int, int], across: bool, rng: np.random.Generator) -> np.ndarray:
-    """Up to a dozen pits, or grooves across the track, of any depth and width, wrapped around."""
+    """Return up to a dozen pits, or grooves across the track, wrapped around."""
     rows, columns = np.arange(shape[0])[:, None], np.arange(shape[1])[None, :]
     heights = np.zeros(shape)
     for _ in range(rng.integers(1, 13)):
@@ -33,7 +33,7 @@ def dents(shape: tuple[int, int], across: bool, rng: np.random.Generator) -> np.
 
 
 def plateaus(shape: tuple[int, int], rng: np.random.Generator) -> np.ndarray:
-    """Cliffs up and down, anywhere round the period, and a little noise."""
+    """Return cliffs up and down, anywhere round the period, with a little noise."""
     heights = 1e-9 * rng.standard_normal(shape)
     first, last = np.sort(rng.integers(0, shape[0], 2))
     heights[first:last] += 1e-6
@@ -64,10 +64,10 @@ def periodic(shape: tuple[int, int], rng: np.random.Generator) -> list[np.ndarra
 
 
 def test_hardly_any_periodic_surface_is_called_seamed() -> None:
-    """4,200 seams of random, pitted, grooved, stepped and spiky surfaces.
+    """Of 4,200 seams of random, pitted, grooved, stepped and spiky surfaces few stand out.
 
-    Ten times as many held 12 false ones (3e-4), 9 of them with eight rows. From a mean of 1.2, more
-    than five have a likelihood of 2e-3; of the longer ones, more than two of 4e-3.
+    Ten times as many had 12 false ones (3e-4), 9 of them with eight rows. From a mean of 1.2,
+    more than five have a likelihood of 2e-3; of the longer ones, more than two of 4e-3.
     """
     rng = np.random.default_rng(3)
     surfaces = [heights for shape in SHAPES for _ in range(20) for heights in periodic(shape, rng)]
@@ -133,7 +133,7 @@ def test_a_tilted_crop_is_levelled_along_its_tilt_only() -> None:
 
 
 def test_spikes_of_the_instrument_do_not_hide_the_tilt() -> None:
-    """Single nodes 20 um high: the rms of their rows is above the seam's, their median is not."""
+    """Single nodes 20 um high raise the rms of their rows above the seam's, not the median."""
     rng = np.random.default_rng(0)
     heights = (
         surface.gaussian((400, 100), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 4)

@@ -43,7 +43,7 @@ def scene_of(folder: Path, surface: str, rest: str) -> Path:
 def refusal(
     arguments: Sequence[str | Path], folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> str:
-    """Message of a command that ends with 2 and leaves the folder as it was."""
+    """Return the message of a command that ends with 2 and leaves the folder as it was."""
     before = sorted(folder.rglob("*"))
     assert cli.main([str(argument) for argument in arguments]) == 2
     assert sorted(folder.rglob("*")) == before
@@ -54,7 +54,7 @@ def refusal(
 
 
 def group(folder: Path, files: dict[str, str], lines: str) -> float:
-    """Limit by the control groups in a folder."""
+    """Return the limit of the control groups in a folder."""
     for name, text in files.items():
         file = folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -214,7 +214,7 @@ def test_estimate_is_the_measured_size_to_twice_of_it(
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run of some steps."""
+    """Return a run of some steps."""
     folder = tmp_path_factory.mktemp("limits")
     commands.run(
         scene_of(folder, MADE, "{load_n: 1, speed_m_s: 0.1, duration_s: 0.002}"),
@@ -225,7 +225,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def estimate_and_files(folder: Path) -> tuple[Scene, float, int]:
-    """Scene of a run, estimated bytes on disk, and those there are."""
+    """Return the scene of a run, its estimated bytes on disk, and its bytes on disk."""
     scene = scene_file.read_scene(folder / "scene.yaml")
     needed = demand.of_scenes([(scene, cost.roughness(scene)[0])], 1).disk.total
     return scene, needed, sum(file.stat().st_size for file in folder.iterdir())
@@ -460,7 +460,7 @@ def test_scene_file_of_more_than_a_megabyte_is_refused(tmp_path: Path) -> None:
 
 
 def bomb(letter: str = "*") -> str:
-    """Four lists of a hundred, each of the one before: 10^8 values in 2 kB."""
+    """Return four lists of a hundred, each of the list before: 10^8 values in 2 kB."""
     lists = "".join(
         f"{b}: &{b} [{', '.join([f'{letter}{a}'] * 100)}]\n" for a, b in ("ab", "bc", "cd")
     )
@@ -531,7 +531,7 @@ def test_number_of_runs_is_limited_before_any_of_them_is_made(monkeypatch) -> No
 
 
 def test_faults_of_many_runs_are_named_up_to_a_hundred() -> None:
-    """Quickly, too: the words of a fault take longer than to find it, and many runs share one."""
+    """The words of a fault take longer than its check, and many runs share a fault."""
     named = faults(swept(2000, "-{}"))
     assert len(named) == 101
     assert named[99].startswith("s.yaml:19: sweep.rolling.load_n[99]: got -100")

@@ -34,7 +34,7 @@ def gaussian(rows: int, columns: int, nodes: float = 6.0, seed: int = 3) -> np.n
 
 
 def tilted_crop() -> np.ndarray:
-    """A fifth of a surface on a table that rises by 1 um."""
+    """Return a fifth of a surface on a table that rises by 1 um."""
     return gaussian(1000, 120)[:200, :80] + np.linspace(0, 1e-6, 200)[:, None]
 
 
@@ -180,9 +180,9 @@ def test_levels_over_a_seam_are_those_of_the_closed_record(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("law", sorted(surface.AUTOCORRELATIONS))
 def test_correlation_length_is_that_of_the_law(law: str) -> None:
-    """1/e of exp(-d (r/L)^k) is at L d^(-1/k).
+    """exp(-d (r/L)^k) falls to 1/e at L d^(-1/k).
 
-    Some 5,000 correlation areas: 2 %, and the chord of the interpolation.
+    About 5,000 correlation areas leave 2 %, and the chord of the interpolation adds to it.
     """
     decay, exponent = surface.AUTOCORRELATIONS[law]
     heights = surface.gaussian((1500, 400), SPACING, 1e-7, (8 * SPACING, 5 * SPACING), law, 1)

@@ -100,7 +100,7 @@ def mutated(text: str, chance: random.Random) -> str:
 
 
 def outcome(text: str, solve: bool = False) -> str:
-    """Read and check a text; the kind of its outcome."""
+    """Read and check a text; return the kind of its outcome."""
     try:
         scene = file.loads(text, where="s.yaml", folder=SCENES[0].parent)
         str(findings.check_scene(scene, solve))

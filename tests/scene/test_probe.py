@@ -35,7 +35,7 @@ def solved(given: Scene) -> dict[str, Finding]:
 
 
 def test_a_scene_below_the_hertz_limit_yields_at_its_asperities() -> None:
-    """Hertz's pressure at 1 N is 0.75 GPa, the hardness 2.1 GPa."""
+    """Asperities yield at 1 N, where Hertz's pressure is 0.75 GPa and the hardness 2.1 GPa."""
     closed_forms = {finding.key: finding for finding in findings.findings(scene())}
     assert closed_forms["hardness"].value == (
         "2.1 GPa, above the Hertz pressure of a smooth sphere; asperities may yield"

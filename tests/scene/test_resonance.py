@@ -69,7 +69,7 @@ def test_warning_weighs_the_speed() -> None:
         text = str(warning(f"rolling.speed_m_s={speed}"))
         assert f"at {speed} m/s" in text and part in text
     assert "waves of 7.15 um" in str(warning())  # 0.1 m/s over 13.98 kHz
-    # The greatest speed that is reached counts, one that is not reached does not.
+    # Only the maximum speed that the record reaches counts.
     assert "a large part" in str(warning("rolling.speed_m_s=[[0, 0.1], [0.1, 1]]"))
     assert "30 dB or more" in str(warning("rolling.speed_m_s=[[0, 0.1], [5, 0.1], [6, 9]]"))
 

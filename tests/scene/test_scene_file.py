@@ -299,7 +299,7 @@ def test_resound_refusals() -> None:
 
 
 def resolved(node: dict[str, Any], root: dict[str, Any]) -> list[dict[str, Any]]:
-    """A schema node and its alternatives, references followed."""
+    """Return a schema node and its alternatives, with references followed."""
     if "$ref" in node:
         return resolved(root["$defs"][node["$ref"].rpartition("/")[2]], root)
     parts = node.get("anyOf") or node.get("oneOf")
@@ -307,7 +307,7 @@ def resolved(node: dict[str, Any], root: dict[str, Any]) -> list[dict[str, Any]]
 
 
 def accepts(node: dict[str, Any], value: Any, root: dict[str, Any]) -> bool:
-    """As much of JSON Schema as ours uses."""
+    """Validate by the part of JSON Schema that the schema uses."""
     for leaf in resolved(node, root):
         if value != leaf.get("const", value) or value not in leaf.get("enum", [value]):
             continue

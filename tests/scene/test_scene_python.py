@@ -1,4 +1,4 @@
-"""Scenes built and changed in Python: the same scenes and the same messages as from a file."""
+"""Scenes built in Python are the same, with the same messages, as scenes from a file."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ def test_keys_that_cannot_be_set(changes: dict[str, float], message: str) -> Non
 
 
 def test_a_copy_with_other_numerics_has_a_track_of_its_own() -> None:
-    """The track is kept once it is known; a copy must not take it along."""
+    """A copy must not keep the track that its original has stored."""
     scene = built()
     assert scene.track.steps == 500
     coarse = scene.model_copy(

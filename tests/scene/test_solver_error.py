@@ -61,7 +61,7 @@ def heard(scene: Scene) -> ContactSound:
     ],
 )
 def test_a_smooth_sphere_is_silent(overrides: tuple[str, ...]) -> None:
-    """The steps of 53 nodes are 3.7 contact radii."""
+    """It is silent in steps of 53 nodes too, which are 3.7 contact radii."""
     sound = heard(loads(SMOOTH, overrides))
     assert sound.levels.level_db is None and sound.factor == 0 and not sound.pressure.any()
     assert sound.audible_rms < sound.resolved_rms
@@ -71,7 +71,7 @@ def test_a_smooth_sphere_is_silent(overrides: tuple[str, ...]) -> None:
 def test_the_sphere_of_the_scenarios_is_silent_at_the_default_tolerance(
     tmp_path: Path, monkeypatch
 ) -> None:
-    """It had -37.6 dB(A), and rounding at -14 dB of full scale in the listening version."""
+    """An earlier version gave -37.6 dB(A), and rounding at -14 dB of full scale to listen to."""
     path = Path(__file__).parents[2] / "scenarios" / "smooth.yaml"
     out = tmp_path / "out"
     monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
@@ -114,7 +114,7 @@ def test_roughness_of_atoms_and_less_is_heard_where_it_is_resolved(
 
 
 def test_what_is_not_resolved_is_silent_and_said() -> None:
-    """Ra 1e-12 m at the default tolerance: the release is off by as much as it fluctuates."""
+    """At Ra 1e-12 m and the default tolerance the release is off by its whole fluctuation."""
     scene = loads(ROUGH.replace("RA", "0.000001"))
     sound = heard(scene)
     assert sound.levels.level_db is None
@@ -172,7 +172,7 @@ def test_blended_edges_resolve_less_where_the_plate_yields() -> None:
 
 
 def test_a_quiet_scene_is_not_a_silent_one() -> None:
-    """Distance and radiated share change levels, not what is resolved."""
+    """Distance and radiated share change the levels but not the resolution."""
     energy = 1e-9 * (1 + 0.1 * np.random.default_rng(1).standard_normal(220))
     scene = read_scene(Path(__file__).parents[2] / "scenarios" / "smooth.yaml")
     far = Scene.from_dict(scene.to_dict() | {"sound": {"distance_m": 1e4, "q": 1e-6}})

@@ -45,10 +45,10 @@ def test_ra_is_exact_and_the_mean_zero(law: str, ra: float, shape: tuple[int, in
 def test_autocorrelation_follows_its_law_along_and_across(
     law: str, lengths: tuple[float, float]
 ) -> None:
-    """Mean over 24 surfaces of the circular autocorrelation.
+    """The mean circular autocorrelation of 24 surfaces follows the law.
 
-    One surface holds about A / (pi Lx Ly) independent patches, so its estimate is uncertain by up
-    to sqrt(2 pi Lx Ly / A); five times that over sqrt(24) is allowed at each of 60 lags.
+    One surface holds about A / (pi Lx Ly) independent patches, so its estimate is uncertain by
+    up to sqrt(2 pi Lx Ly / A); five times that over sqrt(24) is allowed at each of 60 lags.
     """
     shape, count = (240, 180), 24
     total = np.zeros(shape)
@@ -129,9 +129,10 @@ def test_statistics_of_a_sine() -> None:
 
 
 def test_statistics_of_a_checkerboard_and_of_nothing() -> None:
-    """+-A: Ra = Rq = A, kurtosis 1; each slope 2 A / spacing, the gradient's norm sqrt 2 times it.
+    """A checkerboard of +-A has Ra = Rq = A and kurtosis 1; a flat surface has zeros.
 
-    Flat: zeros, no division.
+    Each slope of the checkerboard is 2 A / spacing, and the norm of the gradient is sqrt 2
+    times that.
     """
     z = 1e-6 * (-1.0) ** np.add.outer(np.arange(8), np.arange(6))
     got = surface.statistics(z, SPACING)
@@ -201,5 +202,5 @@ def test_files_that_are_not_heights_are_refused_readably(tmp_path: Path) -> None
 
 
 def test_file_without_any_height_is_refused(tmp_path: Path) -> None:
-    """An empty array has no mean: no RuntimeWarning and no NaN surface may come of it."""
+    """An empty array has no mean, and must cause neither a RuntimeWarning nor a NaN surface."""
     refused(saved(tmp_path, np.empty((0, 9))))

@@ -46,7 +46,7 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def folder(scene: Path) -> Path:
-    """A whole study of an elastic scene: spacings of 2 and 1 um against 0.5 um."""
+    """Return a study of an elastic scene: spacings of 2 and 1 um against 0.5 um."""
     out = scene.parent / "out"
     assert cli.main(["accuracy", str(scene), "--workers", "1", "--out", str(out)]) == 0
     return out

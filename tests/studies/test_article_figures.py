@@ -48,7 +48,7 @@ def _no_warnings() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def solved(tmp_path_factory: pytest.TempPathFactory) -> Reading:
-    """A reading of four cases on a short track, solved."""
+    """Return a solved reading of four cases on a short track."""
     folder = tmp_path_factory.mktemp("reading")
     (folder / "small.yaml").write_text(SCENE)
     runs = study.runs(folder / "out", study.scenes(folder))

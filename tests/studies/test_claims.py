@@ -89,7 +89,7 @@ def test_20_lg_doubles_differences() -> None:
 
 
 def test_measured_numbers_are_those_of_the_cases() -> None:
-    """1.5 is 0.3 / 0.2, the levels above Ra 0.01 um and from 5 to 100 N are those put in."""
+    """The measured ratio is 1.5 = 0.3 / 0.2, and the measured levels are those of the cases."""
     ratios = finding("plastic-ratio-1-over-0.1", study())["numbers"]["values"]
     assert list(ratios) == ["5 N", "10 N", "20 N", "50 N", "100 N"]
     assert list(ratios.values()) == pytest.approx([1.5] * 5, rel=1e-12)  # rounding
@@ -180,7 +180,7 @@ def test_silent_cases_are_none_and_not_numbers() -> None:
 
 
 def lengths(mid_hz: Sequence[float], levels_db: Sequence[float]) -> list[Case]:
-    """Tones in one third octave each, of lengths 2, 5, 10, ... um."""
+    """Return tones in a third octave each, for lengths of 2, 5, 10, ... um."""
     found = []
     for length, hz, db in zip((2.0, 5.0, 10.0, 20.0, 40.0), mid_hz, levels_db, strict=True):
         band = np.where(np.isclose(MID_HZ, hz, rtol=0.05), 1e-4, np.nan)

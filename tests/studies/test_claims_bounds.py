@@ -141,7 +141,7 @@ def test_level_above_70_turns_with_the_length_of_the_record() -> None:
 
 
 def test_lines_of_noise_fall_by_5_db_in_a_record_ten_times_as_long() -> None:
-    """10 lg of an amplitude that goes with 1 / sqrt(T).
+    """The amplitude of a line, in 10 lg, follows 1 / sqrt(T).
 
     The median of 3000 lines is known to 0.07 dB.
     """

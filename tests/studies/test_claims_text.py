@@ -47,7 +47,7 @@ def test_statements_are_sorted_by_what_the_readings_agree_on() -> None:
 
 
 def test_no_reading_is_said_to_be_best_by_less_than_two_statements() -> None:
-    """Half a statement is no lead; two are, unless an undecided verdict could make up for it."""
+    """Half a statement is no lead, and two are unless an undecided verdict could make up for it."""
     half = study(changed=OTHERWISE["deflection-roughest"][0])
     text = claims_text.markdown(claims.table([*reading("good", study()), *reading("worse", half)]))
     assert "No reading leads by 2 statements" in text
@@ -69,7 +69,7 @@ def test_no_reading_is_said_to_be_best_by_less_than_two_statements() -> None:
 
 
 def test_variations_are_listed_apart_and_count_for_nothing() -> None:
-    """A variation in which a statement fails leaves what the readings agree on as it is."""
+    """A variation in which a statement fails does not change the agreement of the readings."""
     cases = [
         *reading("stated", study()),
         *reading("bigger", study(changed=OTHERWISE["pressure-load"][1])),

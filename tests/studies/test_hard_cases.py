@@ -1,8 +1,7 @@
-"""Scenes that break contact solvers: each must solve within its iteration budget and hold the
-contact conditions, or be refused.
+"""Hard scenes solve within their budgets and hold the contact conditions, or are refused.
 
-What any case must hold is in rolling.hard_cases and checked by its judge; here it is asked for,
-with what single cases know.
+The judge of rolling.verification checks the conditions of every case. The tests here add the facts
+that are known of single cases.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ BUILT = {name: lru_cache(case.build) for name, case in NAMED.items()}
 
 @lru_cache
 def judged(name: str) -> tuple[Outcome, list[ContactState]]:
-    """Outcome and states of a named case; each is solved once, whatever is asked of it."""
+    """Return outcome and states of a named case, which is solved once for all tests."""
     states: list[ContactState] = []
     return judge(replace(NAMED[name], build=BUILT[name]), states), states
 
@@ -64,13 +63,13 @@ def test_named_case(name: str) -> None:
 
 
 def test_smooth_sphere() -> None:
-    """Every node of a ring meets or leaves its bound at once, by symmetry."""
+    """By symmetry every node of a ring meets or leaves its bound at once."""
     _, states = solved("smooth sphere")
     assert states[0].contact_area == states[-1].contact_area
 
 
 def test_roughness_of_a_picometre() -> None:
-    """The symmetry is broken by nearly nothing, and the answer must not be by more."""
+    """A minute break of the symmetry changes the solution as little."""
     for one, other in zip(solved("smooth sphere")[1], solved("Ra 1e-12 m")[1], strict=True):
         assert other.approach == pytest.approx(one.approach, abs=5e-12)
         assert other.stored_energy == pytest.approx(one.stored_energy, rel=1e-4)
@@ -139,7 +138,7 @@ def test_cliff_changes_the_contact_as_the_sphere_leaves_it(name: str) -> None:
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_trench(axis: int) -> None:
-    """Contact splits in two halves, and nothing touches the bottom."""
+    """Contact splits into two halves, and no node at the bottom touches."""
     for state in solved(f"trench {('along', 'across')[axis]}")[1]:
         rows, columns = np.nonzero(state.pressure)
         nodes = (rows + state.window.row, columns + state.window.column)[axis] % 60
@@ -161,7 +160,10 @@ def test_first_touch_on_one_node() -> None:
 
 @pytest.mark.parametrize("name", EXTREMES)
 def test_extremes_are_of_the_order_of_hertz(name: str) -> None:
-    """Whatever the units. Roughness is a tenth of the approach."""
+    """The contact is of the order of Hertz in any units.
+
+    Roughness is a tenth of the approach.
+    """
     track, states = solved(f"{name}, elastic")
     hertz = closed_forms.hertz_approach(track.load, track.radius, track.contact_modulus)
     assert states[0].approach == pytest.approx(hertz, rel=0.6)
@@ -185,12 +187,12 @@ def test_seam_of_the_periodic_surface() -> None:
 
 @pytest.mark.parametrize("name", names("slopes of 14, .*"))
 def test_slopes_far_above_one(name: str) -> None:
-    """A few tips, far apart."""
+    """Contact is on a few tips, far apart."""
     assert all(state.contact_area < 200 * 4e-12 for state in solved(name)[1])
 
 
 def test_one_outlier() -> None:
-    """The one node carries it all."""
+    """A single node carries the load."""
     state = solved("outlier of 1 mm")[1][0]
     assert state.approach < -9e-4
     assert state.contact_area == 4e-12
@@ -198,7 +200,7 @@ def test_one_outlier() -> None:
 
 @pytest.mark.parametrize("nodes", [50.5, 0.5, 20.5, 5.5, 1.5])
 def test_many_nodes_bound_at_once(nodes: float) -> None:
-    """W / (H dA) is as given: all plastic but one node, or one elastic node."""
+    """W / (H dA) sets the case: all nodes plastic but one, or a single elastic node."""
     assert solved(f"{nodes} nodes bound at once")[1][0].plastic_area == int(nodes) * 4e-12
 
 
@@ -249,7 +251,7 @@ def test_scenes_found_by_search(case: HardCase) -> None:
 
 
 def broken_state(**changes: object) -> list[str]:
-    """What the judge says to a good state after changes to it."""
+    """Return the verdict of the judge on a good state after changes to it."""
     track = make_track(rough(60, 60, 1e-7), load=0.5, hardness=2.1e9, tolerance=1e-6)
     state = roll(track, 3, 3)[0]
     assert not optimality.broken(track, state)

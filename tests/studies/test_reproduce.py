@@ -34,7 +34,7 @@ FIGURES = (
 
 
 def complete(out: Path) -> dict[Path, bytes]:
-    """Results that are whole, by file; a file that is being replaced is looked at again."""
+    """Return the whole results by file; a file that is being replaced is read again."""
     return {
         file: file.read_bytes()
         for file in out.rglob("result.h5")

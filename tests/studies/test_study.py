@@ -47,7 +47,7 @@ sweep: {surface.seed: [1, 2], rolling.load_n: [0.5, 1]}
 
 @pytest.fixture
 def small(tmp_path: Path, monkeypatch) -> Path:
-    """A study of one reading with four cases of 200 steps."""
+    """Return a study of a reading with four cases of 200 steps."""
     folder = tmp_path / "scenes" / "lee2025" / "only"
     folder.mkdir(parents=True)
     (folder / "all.yaml").write_text(TEXT)
@@ -185,7 +185,7 @@ def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
     assert case.maximum_20_db == pytest.approx(
         (2 * unweighted + a_weighting_db(line_hz))[inside].max(), abs=1e-9
     )
-    # Mean over all positions, not one of them; each is the greatest of its window.
+    # The mean is over all positions; each value is the maximum of its window.
     assert case.deflection == result.series["max_deflection"].mean()
     assert (
         result.snapshot and result.snapshot.deflection.max() == result.series["max_deflection"][200]
@@ -267,7 +267,7 @@ def test_bad_input_is_refused_before_anything_is_written(
 
 
 def test_power_levels() -> None:
-    """1 W at 1 m is 1/(4 pi) W/m2, 109 dB; a tenth of the power is 10 or 20 dB less."""
+    """1 W at 1 m is 1/(4 pi) W/m2, 109 dB, and a tenth of it is 10 or 20 dB less."""
     assert study.power_level_db(1.0, 10) == pytest.approx(109.0, abs=0.01)
     for factor in (10, 20):
         assert study.power_level_db(1.0, factor) - study.power_level_db(

@@ -1,4 +1,4 @@
-"""Cases made by hand for the tests of the claims, of which the verdict is known."""
+"""Cases made by hand, with known verdicts, for the tests of the claims."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rolling.lee2025.statements import LOADS, ROUGHNESSES
 from rolling.lee2025.study import Case
 
 LINE_HZ = np.geomspace(100.0, 18000.0, 40)
-# of the greatest line at Ra 0.01 um and 5 N: with 0.05 s, records of half a second still pass 70 dB
+# The maximum line at Ra 0.01 um and 5 N in 0.05 s: records of half a second still pass 70 dB.
 SMOOTH_DB = 72.0
 ABOVE_SMOOTH = {0.01: 0.0, 0.1: 11.0, 1.0: 12.0, 5.0: 12.5}  # dB at all loads
 OVER_5_N = {5.0: 0.0, 10.0: 2.0, 20.0: 4.0, 50.0: 13.0, 100.0: 14.0}
@@ -27,7 +27,7 @@ Change = Callable[[Case], dict[str, Any]]
 def as_the_article_says(
     roughness: float, load: float, seed: int = 1, reading: str = "article"
 ) -> Case:
-    """A case of a study in which each statement about roughness and load holds, with 10 lg."""
+    """Return a case of a study in which each statement about roughness and load holds (10 lg)."""
     level = SMOOTH_DB + ABOVE_SMOOTH[roughness] + OVER_5_N[load]
     if roughness == 1.0 and load < 100:
         level += 1.0
@@ -59,7 +59,7 @@ def as_the_article_says(
 
 
 def twin(case: Case) -> Case:
-    """The same without hardness: 3 dB quieter, deflected a tenth more."""
+    """Return the case without hardness, 3 dB quieter and with a tenth more deflection."""
     return dataclasses.replace(
         case,
         reading="elastic",
@@ -106,7 +106,7 @@ def verdict(key: str, cases: Sequence[Case], factor: int = 10) -> str:
 
 
 def louder(by: Callable[[Case], float]) -> Change:
-    """All levels and curves of a case higher by so many dB."""
+    """Return a change that raises all levels and curves of a case by so many dB."""
 
     def changed(case: Case) -> dict[str, Any]:
         db = by(case)
@@ -134,12 +134,12 @@ def on(roughness: float) -> Callable[[Case], bool]:
 
 
 def against_trend(case: Case) -> float:
-    """As much as the load adds, and 1 dB per doubling more."""
+    """Return the fall that undoes the rise with the load, and 1 dB per doubling more."""
     return -OVER_5_N[case.load_n] - math.log2(case.load_n)
 
 
 def by_load(values: Sequence[float]) -> Change:
-    """Levels at SMOOTH_DB and so much more at each load."""
+    """Return a change to levels at SMOOTH_DB plus a value for each load."""
     return louder(
         lambda case: (
             SMOOTH_DB + dict(zip(LOADS, values, strict=True))[case.load_n] - case.maximum_db

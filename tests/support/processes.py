@@ -37,7 +37,7 @@ class Child:
         os.write(self._write, f"{text}\n".encode())
 
     def hear(self) -> str:
-        """The next line; empty when the other side has ended."""
+        """Return the next line, empty once the other side has ended."""
         line = b""
         while (byte := os.read(self._read, 1)) not in (b"", b"\n"):
             line += byte
@@ -49,7 +49,7 @@ class Child:
         self.wait()
 
     def wait(self) -> int:
-        """The exit code; negative: the signal that ended it."""
+        """Return the exit code; a negative one is the signal that ended the process."""
         _, status = os.waitpid(self.pid, 0)
         os.close(self._read)
         os.close(self._write)

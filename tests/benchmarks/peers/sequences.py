@@ -1,9 +1,9 @@
-"""Rolling sequences that we and the public solvers solve on identical gaps, and a check of the
-answers. Needs numpy only.
+"""Rolling sequences on identical gaps for the program and the public solvers.
 
-SI; arrays are (along the track, across), N x N nodes. The sphere's apex is on node N / 2 along and
-half way across, between two nodes; at position k it has rolled on by k nodes, seen from the sphere:
-the plate has moved back under it.
+The module also checks the answers, and needs numpy only. Numbers are SI, and arrays are (along the
+track, across) on N x N nodes. The sphere's apex is on node N / 2 along and half way across, between
+two nodes. At position k the sphere has rolled on by k nodes; seen from the sphere, the plate has
+moved back under it.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ SEQUENCES = {
 
 @lru_cache(maxsize=4)
 def heights(name: str) -> np.ndarray:
-    """Periodic Gaussian heights [m] with autocorrelation exp(-(r / 10 um)^2) and exact Ra."""
+    """Return periodic Gaussian heights [m] of exact Ra, correlated as exp(-(r / 10 um)^2)."""
     sequence = SEQUENCES[name]
     distance = np.minimum(np.arange(N), N - np.arange(N)) * SPACING
     law = np.exp(-((distance / CORRELATION_LENGTH) ** 2))
@@ -54,13 +54,13 @@ def heights(name: str) -> np.ndarray:
 
 
 def gap(name: str, k: int) -> np.ndarray:
-    """Undeformed gap [m] at position k."""
+    """Return the undeformed gap [m] at position k."""
     along, across = (np.arange(N) - N // 2) * SPACING, (np.arange(N) - (N - 1) / 2) * SPACING
     return (along[:, None] ** 2 + across**2) / (2 * RADIUS) - np.roll(heights(name), -k, axis=0)
 
 
 def moved_on(pressure: np.ndarray) -> np.ndarray:
-    """A warm start for the next position: pressures (N, N) that stay with the plate."""
+    """Return a warm start for the next position: pressures (N, N) that stay with the plate."""
     return np.roll(pressure, -1, axis=0)
 
 
@@ -75,16 +75,17 @@ def _influence() -> np.ndarray:
 
 
 def deflection(pressure: np.ndarray) -> np.ndarray:
-    """Deflection [m] of the half-space by pressures (N, N)."""
+    """Return the deflection [m] of the half-space under pressures (N, N)."""
     double = (2 * N, 2 * N)
     return np.fft.irfft2(np.fft.rfft2(pressure, s=double) * _influence(), s=double)[:N, :N]
 
 
 def violation(name: str, k: int, pressure: np.ndarray) -> float:
-    """Gap error [m] of pressures (N, N): the worst violation of the contact conditions.
+    """Return the gap error [m] of pressures (N, N), the maximum violation of contact conditions.
 
-    The approach is the mean over the nodes that are neither unloaded nor capped: there the gap must
-    be closed. Unloaded nodes must not interpenetrate, capped ones must not stand apart.
+    The approach is the mean over the nodes that are neither unloaded nor capped, where the gap
+    must be closed. Unloaded nodes must not interpenetrate, and capped nodes must not stand
+    apart.
     """
     hardness = SEQUENCES[name].hardness
     unloaded, capped = (
@@ -105,7 +106,7 @@ def violation(name: str, k: int, pressure: np.ndarray) -> float:
 
 
 def load_error(name: str, pressure: np.ndarray) -> float:
-    """Relative error of the load that pressures carry."""
+    """Return the relative error of the load that pressures carry."""
     return float(pressure.sum() * SPACING**2 / SEQUENCES[name].load - 1)
 
 
