@@ -133,6 +133,7 @@ def test_command_that_makes_heights_runs(tmp_path: Path):
     assert (tmp_path / "heights.npy").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", EXAMPLES, ids=_name)
 def test_example_runs(script: Path, tmp_path: Path):
     assert len(script.read_text(encoding="utf-8").splitlines()) < 30
@@ -150,6 +151,7 @@ def test_example_runs(script: Path, tmp_path: Path):
     assert run.stdout.strip()
 
 
+@pytest.mark.slow
 def test_site_builds_without_warnings(tmp_path: Path):
     pytest.importorskip("mkdocs", reason="the extra `docs` is not installed")
     pytest.importorskip("material", reason="the extra `docs` is not installed")

@@ -166,6 +166,7 @@ def test_same_numbers_as_the_command_bit_by_bit(folder: Path, run: RunResult) ->
     }
 
 
+@pytest.mark.slow
 def test_saved_run_has_the_files_of_the_command_and_comes_back_equal(
     folder: Path, tmp_path: Path, run: RunResult
 ) -> None:

@@ -271,6 +271,7 @@ def test_a_full_disk_keeps_what_was_written(
     assert cli.main(["resume", str(out), "--workers", "1"]) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.law("Speed: a speed times c multiplies the release power by c, without a new solve.")
 def test_resound_solves_nothing_and_speed_scales(
     scene: Path, tmp_path: Path, monkeypatch, capsys
@@ -391,6 +392,7 @@ def test_workers_pin_their_threads_and_leave_the_environment(
     assert os.environ["OMP_NUM_THREADS"] == "7"
 
 
+@pytest.mark.slow
 def test_pressure_maps_carry_the_load_whatever_the_pieces(scene: Path, tmp_path: Path) -> None:
     """The pressures of each map add up to the load in single precision."""
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
