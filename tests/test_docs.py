@@ -1,4 +1,4 @@
-"""README and docs are short enough, their links lead somewhere, and their examples run."""
+"""README and docs are short enough, and their links, places and generated parts are right."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ DOCS = ROOT / "docs"
 PAGES = sorted(
     [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *DOCS.glob("*.md")]
 )
-EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 WITHOUT_PAGE = {"api.md"}  # made when the site is built
 
@@ -131,24 +130,6 @@ def test_command_that_makes_heights_runs(tmp_path: Path):
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     subprocess.run([sys.executable, "-c", code[0]], cwd=tmp_path, env=environment, check=True)
     assert (tmp_path / "heights.npy").exists()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("script", EXAMPLES, ids=_name)
-def test_example_runs(script: Path, tmp_path: Path):
-    assert len(script.read_text(encoding="utf-8").splitlines()) < 30
-    environment = {**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT)}
-    # An example takes less than 20 s on a free machine; a busy one gets more.
-    run = subprocess.run(
-        [sys.executable, script],
-        cwd=tmp_path,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
-    assert run.returncode == 0, run.stderr
-    assert run.stdout.strip()
 
 
 @pytest.mark.slow
