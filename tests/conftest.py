@@ -1,6 +1,4 @@
-"""What holds in every test: numbers that are none are errors, and a test that opens a browser is
-marked so.
-"""
+"""Rules of every test: invalid numbers are errors, and a test with a browser is marked."""
 
 from __future__ import annotations
 
@@ -12,8 +10,9 @@ import pytest
 
 @pytest.fixture(autouse=True)
 def floating_point_errors() -> Iterator[None]:
-    """Raise where numpy would go on with inf or nan; code that divides by zero on purpose says so
-    by `np.errstate`.
+    """Raise where numpy would continue with inf or nan.
+
+    Code that divides by zero on purpose uses `np.errstate`.
     """
     with np.errstate(divide="raise", invalid="raise", over="raise"):
         yield

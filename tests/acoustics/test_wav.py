@@ -1,4 +1,4 @@
-"""Oracles: the record read back, and the bytes of the file."""
+"""A WAV file has the right bytes and gives its record back."""
 
 import io
 import math
@@ -16,7 +16,7 @@ NOISE = 0.05 * np.random.default_rng(1).standard_normal(24000)  # 68 dB
 
 
 def samples_of(wav_bytes):
-    """Samples of full scale, and the file's comment and title."""
+    """Return the samples of a file in parts of full scale, its comment and its title."""
     with soundfile.SoundFile(io.BytesIO(wav_bytes)) as file:
         assert (file.samplerate, file.channels) == (48000, 1)
         return file.read(dtype="float64"), file.comment, file.title

@@ -1,6 +1,4 @@
-"""Oracle: what a figure must keep: the numbers it shows, the same axes for what is compared, the
-same bytes, its edges.
-"""
+"""A figure keeps its numbers, its bytes and its edges, and compared figures share axes."""
 
 from __future__ import annotations
 
@@ -29,7 +27,8 @@ SCENE = """\
 name: small
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 200, seed: 3}
 rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.009}
 recovery: {events: true}
 sweep: {rolling.load_n: [0.5, 2]}
@@ -51,7 +50,7 @@ def _no_warnings() -> Iterator[None]:
 
 
 def heard(text: str, folder: Path) -> list[RunResult]:
-    """The runs of a scene, run and read again from their folder."""
+    """Return the runs of a scene, solved and read again from their folder."""
     (folder / "s.yaml").write_text(text)
     commands.run(folder / "s.yaml", [], folder / "out", workers=1)
     return read(folder / "out")
@@ -81,7 +80,7 @@ def note(picture: Picture) -> str:
 
 
 def labelled(runs: list[RunResult]) -> list[RunResult]:
-    """The runs with labels made together."""
+    """Return the runs with labels made together."""
     return [replace(one, label=label) for one, label in zip(runs, labels.labels(runs), strict=True)]
 
 
@@ -246,7 +245,7 @@ def test_runs_of_other_scenes_stand_together(runs: list[RunResult]) -> None:
 
 
 def edges_are_blank(picture: Picture) -> bool:
-    """Nothing is drawn within half the margin of any edge."""
+    """Tell whether nothing is drawn within half the margin of any edge."""
     pixels = imread(io.BytesIO(picture.png()))[..., :3].min(axis=2)
     rim = int(SIDE_IN / 2 * DPI)
     inner = pixels[2:-2, rim:-rim].size
@@ -292,7 +291,7 @@ def test_labels_do_not_change_where_the_plot_lies(runs: list[RunResult]) -> None
 
 
 def test_ten_seconds_stay_small(runs: list[RunResult]) -> None:
-    """500,000 steps of noise: what a page embeds of them is below 150 kB a picture."""
+    """A picture of 500,000 steps of noise adds less than 150 kB to a page."""
     energy = 1e-9 * (1.0 + 0.1 * np.random.default_rng(1).standard_normal(500_000))
     sound = contact_sound(runs[0].scene, energy, 2e-6, True, 500_000)
     assert sound.duration == pytest.approx(10.0)
@@ -328,7 +327,7 @@ def test_silence_is_drawn(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("steps", [2, 3, 10])
 def test_the_beginning_of_a_run_is_drawn(runs: list[RunResult], steps: int) -> None:
-    """Two steps are two samples."""
+    """A figure draws two steps as two samples."""
     result = result_file.load(runs[0].folder / "result.h5")
     result.series["release_energy"][steps:] = np.nan
     part = hear("part", {}, runs[0].folder, runs[0].scene, result)
@@ -338,7 +337,7 @@ def test_the_beginning_of_a_run_is_drawn(runs: list[RunResult], steps: int) -> N
 
 
 def test_one_band_alone_is_drawn(runs: list[RunResult]) -> None:
-    """A tone: one line, one band, on axes that hold it."""
+    """A tone has a single line and a single band, on axes that contain it."""
     steps = len(runs[0].sound.power)
     # 9 periods in 0.009 s: 1 kHz
     energy = 1e-9 * (1.0 + 0.1 * np.sin(2 * np.pi * 9 * np.arange(steps) / steps))
@@ -362,9 +361,7 @@ def test_maps_and_events_only_where_there_are_any(runs: list[RunResult]) -> None
 
 
 def test_runs_alike_in_name_stay_apart(runs: list[RunResult]) -> None:
-    """The same run heard from elsewhere, and a run of another scene: no curve takes the place of
-    another.
-    """
+    """A run from another place and a run of another scene keep their own curves."""
     far = Scene.from_dict(
         runs[0].scene.to_dict() | {"sound": {"distance_m": 4}}, runs[0].scene.folder
     )

@@ -1,4 +1,4 @@
-"""A result belongs to one scene and one surface: whatever differs is named, and nothing is mixed."""
+"""A result belongs to one scene and one surface; every difference is named and refused."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def made(seed: int, steps: int = STEPS) -> np.ndarray:
 
 @pytest.fixture(autouse=True)
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing is shown here."""
+    """Leave out all pictures, which no test here reads."""
     monkeypatch.setattr(run, "_write_pictures", lambda *_: [])
 
 
@@ -52,8 +52,9 @@ def scene(tmp_path: Path) -> Path:
 def stopped(
     scene: Path, out: Path, monkeypatch: pytest.MonkeyPatch, after: Callable[[], None] | None = None
 ) -> None:
-    """Run a scene on one worker, with something that happens `after` its first piece; without it
-    the run stops there.
+    """Run a scene on one worker and call `after` once its first piece is done.
+
+    Without `after` the run stops there.
     """
     inner = simulate.simulate_piece
 
@@ -81,7 +82,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def refused(capsys: pytest.CaptureFixture[str], folder: Path, *words: str) -> None:
-    """Resume, resound and report end with code 2, say why, and write nothing."""
+    """Assert that resume, resound and report end with code 2, give the reason and write nothing."""
     before = contents(folder)
     other = folder.with_name("other")
     commands = (
@@ -129,8 +130,9 @@ def test_heights_replaced_after_an_interrupt_are_refused(
 def test_heights_that_change_during_a_run_fail_it(
     spoil, scene: Path, tmp_path: Path, monkeypatch, capsys
 ) -> None:
-    """The worker notices before its next piece; the first piece is kept, and true heights finish
-    the run.
+    """The worker notices the change before its next piece.
+
+    The first piece is kept, and the true heights finish the run.
     """
     out, path = tmp_path / "out", tmp_path / "z.npy"
     stopped(scene, out, monkeypatch, lambda: spoil(path))
@@ -149,7 +151,7 @@ def test_heights_that_change_during_a_run_fail_it(
 
 
 def test_worker_processes_compare_the_heights_that_they_read(scene: Path, tmp_path: Path) -> None:
-    """Both workers read a file that was replaced after the run had begun."""
+    """Both workers notice a file that was replaced after the run had begun."""
     one = read_scene(scene)
     order = simulate.Order(surface_sha256=simulate.identity_of(one).heights_sha256)
     np.save(tmp_path / "z.npy", made(2))
@@ -180,9 +182,7 @@ def test_heights_replaced_in_the_last_moment_give_no_numbers(
 def test_the_same_heights_elsewhere_and_written_anew_are_the_same_surface(
     scene: Path, tmp_path: Path
 ) -> None:
-    """The path is no physics, nor is the order of the values in the file, nor their type where it
-    holds them exactly.
-    """
+    """Path, order of values and an exact type do not belong to the physics."""
     out = tmp_path / "out"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1", "--no-report"]) == 0
     (tmp_path / "elsewhere").mkdir()
@@ -302,7 +302,8 @@ def test_an_edited_seed_is_refused_in_a_sweep_and_in_its_runs(tmp_path: Path, ca
     refused(
         capsys,
         out,
-        "load_n=0.5/resolved.yaml: surface.seed: got 1, the sweep of the folder above makes 2 of it",
+        "load_n=0.5/resolved.yaml: surface.seed: got 1, "
+        "the sweep of the folder above makes 2 of it",
     )
     (out / "resolved.yaml").write_text(whole.replace("[0.5, 1", "[0.5, 2"))
     before = contents(out)
@@ -371,7 +372,7 @@ def test_the_file_says_what_was_solved(scene: Path, tmp_path: Path) -> None:
 def test_a_resounded_run_keeps_its_identity_whatever_its_duration(
     scene: Path, tmp_path: Path
 ) -> None:
-    """Another speed rounds the duration; the steps stay as they were, over files and made surfaces."""
+    """Another speed rounds the duration, and the steps stay as they were on either surface."""
     rng = np.random.default_rng(0)
     from rolling.scene import file as scene_file
 
@@ -387,9 +388,7 @@ def test_a_resounded_run_keeps_its_identity_whatever_its_duration(
 
 
 def test_comparing_costs_little(scene: Path, tmp_path: Path) -> None:
-    """A worker compares before each piece of 200 steps: 0.3 ms measured, where a piece takes 60 ms
-    at least.
-    """
+    """A comparison takes 0.3 ms before a piece of 60 ms or more."""
     one = read_scene(scene)
     scene_surface.heights(one)
     began = time.perf_counter()

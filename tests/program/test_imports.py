@@ -1,6 +1,4 @@
-"""Who may import whom: rooms stand on floors, imports go down, acoustics stands alone, and a help
-text waits for nothing.
-"""
+"""Imports go down the floors, acoustics stands alone, and a help text loads little."""
 
 from __future__ import annotations
 
@@ -68,8 +66,9 @@ def imported(module: str) -> tuple[str, ...]:
 
 
 def room(name: str) -> str:
-    """Return the room of a dotted name; names that a package defines itself belong to its front
-    door.
+    """Return the room of a dotted name.
+
+    Names that a package defines itself belong to its front door.
     """
     package, _, rest = name.partition(".")
     first = rest.split(".")[0]
@@ -80,9 +79,7 @@ def room(name: str) -> str:
 
 
 def arrows(package: str) -> set[tuple[str, str, str, str]]:
-    """Return (room, imported room, module, imported name) for every import from room to room of a
-    package.
-    """
+    """Return (room, imported room, module, imported name) of every import between rooms."""
     found = set()
     for module in modules(package):
         here = room(module)
@@ -128,7 +125,7 @@ def test_rooms_take_nothing_from_the_front_door_but_version_and_place(package: s
 
 @pytest.mark.parametrize("package", FLOORS)
 def test_modules_do_not_import_each_other_in_a_circle(package: str) -> None:
-    """Imports inside functions count too: they hide a circle, they do not break it."""
+    """Imports inside functions count too, since they hide a circle without breaking it."""
     known = modules(package)
     graph: dict[str, set[str]] = {}
     for module in known:

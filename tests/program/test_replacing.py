@@ -1,6 +1,4 @@
-"""The commands' --out, --force and resume: inputs, other people's files and solved runs are never
-lost, states are told.
-"""
+"""--out, --force and resume never lose inputs, foreign files or solved runs."""
 
 from __future__ import annotations
 
@@ -27,7 +25,8 @@ SCENE = """\
 name: small
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 128, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 128, seed: 3}
 rolling: {load_n: 0.2, speed_m_s: 0.1, duration_s: 0.002}
 """
 PAGE = f'<!doctype html><meta name="generator" content="{report.GENERATOR}">'.encode()
@@ -50,7 +49,7 @@ def scene(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def out(scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
-    """A run that is done."""
+    """Return the folder of a finished run."""
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
     capsys.readouterr()
     return tmp_path / "out"
@@ -71,7 +70,7 @@ def bytes_in(folder: Path) -> dict[str, bytes]:
 
 
 def as_by_0_1_0(folder: Path) -> None:
-    """Make of a folder one of version 0.1.0: no run.json anywhere, a mark that it is finished."""
+    """Turn a folder into one of version 0.1.0, without run.json and with its mark `finished`."""
     for file in [*folder.rglob("run.json"), *folder.rglob(".lock")]:
         (file.parent / "finished").write_text("2026-01-01T00:00:00+00:00\n")
         file.unlink()
@@ -79,7 +78,7 @@ def as_by_0_1_0(folder: Path) -> None:
 
 @pytest.fixture
 def refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Callable[..., str]:
-    """Give a command, which must end with 2 and change nothing; returns its message."""
+    """Assert that a command ends with 2 and changes nothing; return its message."""
 
     def give(*arguments: object) -> str:
         before = bytes_in(tmp_path)
@@ -101,7 +100,7 @@ def refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Callable[...,
 
 
 def test_force_never_touches_what_is_not_a_run(scene, tmp_path, refused, monkeypatch) -> None:
-    """As it was: emptied with everything in it, before the scene was read."""
+    """An earlier version emptied such a folder before it read the scene."""
     proj = scene.parent
     assert "no run of this program" in refused("run", scene, "--out", proj, "--force")
     monkeypatch.chdir(proj)
@@ -245,7 +244,7 @@ def test_a_page_replaces_pages_only(out, tmp_path, refused, monkeypatch) -> None
 
 @pytest.mark.slow
 def test_a_run_in_progress_is_left_alone_by_all_commands(scene, tmp_path, refused) -> None:
-    """A real process: the second resume and --force name it; killed, it is in nobody's way."""
+    """A second resume and --force name the working process; once killed, it blocks nobody."""
     out = tmp_path / "long"
     command = [sys.executable, "-m", "rolling.cli", "run", str(scene), "--out", str(out), *LONG]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -336,7 +335,7 @@ def test_an_interrupted_sweep_waits(scene, tmp_path, monkeypatch, capsys) -> Non
 
 
 def test_values_that_print_alike_have_results_of_their_own(scene, tmp_path) -> None:
-    """As it was: one folder, in which the second seed's result replaced the first's."""
+    """An earlier version replaced the result of the first seed by that of the second."""
     out = tmp_path / "out"
     seeds = "sweep.surface.seed=[10000000000000000, 10000000000000001]"
     assert cli.main(["run", str(scene), "--set", seeds, "--out", str(out), "--workers", "1"]) == 0
@@ -355,7 +354,7 @@ def test_values_that_print_alike_have_results_of_their_own(scene, tmp_path) -> N
 
 
 def test_ten_swept_keys_have_a_folder_that_can_be_made(scene, tmp_path) -> None:
-    """As it was: File name too long, after the sweep's folder was made."""
+    """An earlier version failed with "File name too long" after it had made the sweep's folder."""
     keys = {
         "sphere.radius_mm": 5.123456789,
         "plate.youngs_modulus_gpa": 210.123456789,
@@ -379,7 +378,6 @@ def test_ten_swept_keys_have_a_folder_that_can_be_made(scene, tmp_path) -> None:
 
 
 # ---- folders of version 0.1.0
-# ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("sweep", [False, True])
@@ -453,7 +451,7 @@ def test_a_result_begun_by_another_state_of_the_program_is_said(out, capsys) -> 
 
 
 def test_the_heights_are_found_again_from_a_linked_folder(scene, tmp_path) -> None:
-    """As it was: the path led from the link's name, and so elsewhere."""
+    """An earlier version looked for the heights relative to the link."""
     np.save(scene.parent / "z.npy", np.random.default_rng(1).standard_normal((250, 40)) * 1e-8)
     scene.write_text(
         SCENE.replace(SCENE.splitlines()[3], "surface: {kind: file, path: z.npy, spacing_um: 2}")

@@ -1,6 +1,4 @@
-"""result.h5: what is read is what was written, or the file is refused; xarray opens it; a full disk
-costs nothing.
-"""
+"""result.h5 is read as it was written or is refused; a full disk costs nothing."""
 
 from __future__ import annotations
 
@@ -32,7 +30,8 @@ SCENE = """\
 name: small
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 200, seed: 3}
 rolling: {load_n: 0.3, speed_m_s: [[0, 0.1], [0.004, 0.2]], duration_s: 0.006}
 recovery: {events: true}
 """
@@ -40,7 +39,7 @@ recovery: {events: true}
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A finished run folder of three pieces, with events, at a speed that changes."""
+    """Return a finished run folder of three pieces, with events and a changing speed."""
     folder = tmp_path_factory.mktemp("runs")
     (folder / "s.yaml").write_text(SCENE)
     with pytest.MonkeyPatch.context() as patch:
@@ -61,7 +60,7 @@ def path(whole: Path, tmp_path: Path) -> Path:
 
 
 def part(whole: Path) -> Result:
-    """The first and the third of the pieces, as an interrupted run on two workers leaves them."""
+    """Return the first and third piece, as an interrupted run on two workers leaves them."""
     one = commands.read_runs(whole)[0]
     result = Result.empty(one.scene.track, one.scene.start)
     for first, last in simulate.pieces(result.solved_steps)[::2]:
@@ -76,7 +75,7 @@ def partial(whole: Path) -> Result:
 
 
 def same(a: Any, b: Any) -> bool:
-    """Equal to the last bit, NaN as they are, at any depth."""
+    """Tell whether two values are equal to the last bit, NaN included, at any depth."""
     if isinstance(a, np.ndarray):
         return a.dtype == b.dtype and np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
     if isinstance(a, dict):
@@ -95,7 +94,6 @@ def refusal(path: Path) -> str:
 
 
 # ---- what is written is what is read
-# ---------------------------------------------------------------------------------
 
 
 def test_all_of_a_result_comes_back_to_the_last_bit(
@@ -186,7 +184,7 @@ def test_xarray_opens_the_tree(whole: Path) -> None:
 
 
 def test_the_sound_in_the_file_is_the_run_s(whole: Path, tmp_path: Path) -> None:
-    """After run and after resound; Parseval: its mean square is the level in summary.json."""
+    """After run and resound the mean square of the sound is the level in summary.json."""
     out = tmp_path / "far"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(commands, "_write_pictures", lambda *_: [])
@@ -206,9 +204,7 @@ def test_the_sound_in_the_file_is_the_run_s(whole: Path, tmp_path: Path) -> None
 def test_empty_tables_and_long_scenes_are_kept(
     partial: Result, whole: Path, tmp_path: Path
 ) -> None:
-    """A piece without events, the seed above 64 bits, a description that fills the largest scene
-    file.
-    """
+    """A piece without events, a seed above 64 bits and a very long scene are kept."""
     one = commands.read_runs(whole)[0]
     data = one.scene.to_dict() | {"description": "ä" * 1_000_000}
     data["surface"]["seed"] = 10**30
@@ -226,12 +222,12 @@ def test_empty_tables_and_long_scenes_are_kept(
 
 
 # ---- damage
-# ----------------------------------------------------------------------------------------------------------
 
 
 def test_no_changed_byte_is_accepted(path: Path, monkeypatch) -> None:
-    """Flips, runs of zeros, truncations, insertions and additions: refused by the digest, the HDF5
-    library never asked.
+    """The digest refuses flips, runs of zeros, truncations, insertions and additions.
+
+    The HDF5 library never sees such a file.
     """
     monkeypatch.setattr(result_file, "_probed", lambda path: "the probe was reached")
     monkeypatch.setattr(
@@ -256,7 +252,7 @@ def test_no_changed_byte_is_accepted(path: Path, monkeypatch) -> None:
 
 
 def test_damaged_bytes_are_refused_by_the_command_with_one_message(path: Path, capsys) -> None:
-    """Through the true probe, for a few; the message says what to do."""
+    """The true probe refuses a few damaged files, and the message names the remedy."""
     run_record.write(path.parent, run_record.new("run"))
     good = path.read_bytes()
     for at in (9, 700, len(good) // 2, len(good) - 40):
@@ -287,9 +283,7 @@ def test_a_file_that_another_program_changed_is_refused(path: Path) -> None:
 
 @pytest.mark.slow
 def test_damaged_old_files_never_crash_and_never_hang(whole: Path, tmp_path: Path) -> None:
-    """Without a digest a flip in a value can pass; in types, shapes and structure it must not end
-    in a traceback.
-    """
+    """A file without a digest may pass with a flipped value, but ends in no traceback."""
     path = tmp_path / "result.h5"
     save_old(path, result_file.load(whole / "result.h5"), True)
     good, rng = path.read_bytes(), np.random.default_rng(1)
@@ -432,7 +426,7 @@ def shorter(group: h5py.Group) -> None:
 def test_hand_made_damage_is_refused_by_its_field(
     field: str, spoil: Spoil, path: Path, monkeypatch
 ) -> None:
-    """In a file of this version and in an old one, which has no digest to betray it."""
+    """A file of this version and an old one without a digest are refused by the damaged field."""
     # half a second each; the library reads all of these
     monkeypatch.setattr(result_file, "_probed", lambda path: None)
     old = path.with_name("old.h5")
@@ -475,7 +469,6 @@ def test_a_result_of_the_future_is_not_read_as_one_of_today(path: Path) -> None:
 
 
 # ---- older files
-# -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("deflection", [False, True])
@@ -514,7 +507,6 @@ def test_an_old_file_of_another_length_is_refused(
 
 
 # ---- a full disk, size and time
-# --------------------------------------------------------------------------------------
 
 COMMAND = """\
 import sys, resource
@@ -537,9 +529,7 @@ def limited(arguments: list[str], limit: str = "") -> subprocess.CompletedProces
 
 @pytest.mark.slow
 def test_a_file_that_may_not_grow_ends_in_one_message(whole: Path, tmp_path: Path) -> None:
-    """A limit that result.h5 passes while it grows: exit code 1, no crash of the library, what was
-    kept is whole.
-    """
+    """A limit on the size of result.h5 ends in exit code 1 and keeps earlier work whole."""
     size = (whole / "result.h5").stat().st_size
     limit = f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size // 2}, {size // 2}))"
     done = limited(["run", str(whole.parent / "s.yaml"), "--out", str(tmp_path / "out")], limit)
@@ -582,8 +572,9 @@ def test_a_full_disk_ends_in_one_message(whole: Path, tmp_path: Path) -> None:
 
 
 def test_a_long_run_is_kept_in_bounded_time_memory_and_space(whole: Path, tmp_path: Path) -> None:
-    """500,000 steps, partial, with 2500 pieces of events: their number must not slow the writing (a
-    group each took minutes).
+    """2500 pieces of events in 500,000 steps do not slow the writing.
+
+    With a group for each piece it took minutes.
     """
     steps, each = 500_000, 8
     scene = commands.read_runs(whole)[0].scene.to_dict()

@@ -1,4 +1,4 @@
-"""What cannot fit is refused before anything is computed or written, by numbers that were measured."""
+"""A scene that cannot fit is refused by measured numbers, before anything is written."""
 
 from __future__ import annotations
 
@@ -23,8 +23,14 @@ from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.simulation import simulate
 
-STEEL = "sphere: {radius_mm: 5}\nplate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}\n"
-MADE = "surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}\n"
+STEEL = (
+    "sphere: {radius_mm: 5}\n"
+    "plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}\n"
+)
+MADE = (
+    "surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, "
+    "spacing_um: 2, width_um: 200, seed: 3}\n"
+)
 FILE = "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
 
 
@@ -37,7 +43,7 @@ def scene_of(folder: Path, surface: str, rest: str) -> Path:
 def refusal(
     arguments: Sequence[str | Path], folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> str:
-    """Message of a command that ends with 2 and leaves the folder as it was."""
+    """Return the message of a command that ends with 2 and leaves the folder as it was."""
     before = sorted(folder.rglob("*"))
     assert cli.main([str(argument) for argument in arguments]) == 2
     assert sorted(folder.rglob("*")) == before
@@ -45,11 +51,10 @@ def refusal(
 
 
 # ---- the machine
-# -----------------------------------------------------------------------------------------------------
 
 
 def group(folder: Path, files: dict[str, str], lines: str) -> float:
-    """Limit by the control groups in a folder."""
+    """Return the limit of the control groups in a folder."""
     for name, text in files.items():
         file = folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -95,7 +100,6 @@ def test_free_disk_is_that_of_the_nearest_folder_there_is(tmp_path: Path) -> Non
 
 
 # ---- the estimate
-# ----------------------------------------------------------------------------------------------------
 
 # Measured: the peak of the resident memory of all processes, and the size of the folder without the
 # copy of result.h5 that stands beside it while it is written [MB]. The constants were fitted to the
@@ -210,7 +214,7 @@ def test_estimate_is_the_measured_size_to_twice_of_it(
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run of some steps."""
+    """Return a run of some steps."""
     folder = tmp_path_factory.mktemp("limits")
     commands.run(
         scene_of(folder, MADE, "{load_n: 1, speed_m_s: 0.1, duration_s: 0.002}"),
@@ -221,7 +225,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def estimate_and_files(folder: Path) -> tuple[Scene, float, int]:
-    """Scene of a run, estimated bytes on disk, and those there are."""
+    """Return the scene of a run, its estimated bytes on disk, and its bytes on disk."""
     scene = scene_file.read_scene(folder / "scene.yaml")
     needed = demand.of_scenes([(scene, cost.roughness(scene)[0])], 1).disk.total
     return scene, needed, sum(file.stat().st_size for file in folder.iterdir())
@@ -250,7 +254,6 @@ def largest_parts(text: str) -> list[tuple[str, float]]:
 
 
 # ---- the refusal
-# -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -352,7 +355,7 @@ sys.exit(cli.main(sys.argv[1:]))
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of a process as on Linux")
 @pytest.mark.parametrize("command", ["run", "check"])
 def test_height_file_of_50_gb_is_refused_by_its_header(tmp_path: Path, command: str) -> None:
-    """Within 3 GB of address space: were the file read or mapped, the process would fail otherwise."""
+    """In 3 GB of address space a process that read or mapped the file would fail otherwise."""
     with (tmp_path / "heights.npy").open("wb") as stream:
         np.lib.format.write_array_header_1_0(
             stream, {"descr": "<f8", "fortran_order": False, "shape": (62500, 100000)}
@@ -379,11 +382,10 @@ def test_height_file_of_50_gb_is_refused_by_its_header(tmp_path: Path, command: 
 
 
 # ---- scene files
-# -----------------------------------------------------------------------------------------------------
 
 
 def fault_of(path: Path) -> str:
-    """Fault of a file, read in a thread: a reader that waits for ever must not hold the tests up."""
+    """Return the fault of a file; a thread reads it, so that no reader can hang the tests."""
     caught: list[str] = []
 
     def read() -> None:
@@ -458,7 +460,7 @@ def test_scene_file_of_more_than_a_megabyte_is_refused(tmp_path: Path) -> None:
 
 
 def bomb(letter: str = "*") -> str:
-    """Four lists of a hundred, each of the one before: 10^8 values in 2 kB."""
+    """Return four lists of a hundred, each of the list before: 10^8 values in 2 kB."""
     lists = "".join(
         f"{b}: &{b} [{', '.join([f'{letter}{a}'] * 100)}]\n" for a, b in ("ab", "bc", "cd")
     )
@@ -529,7 +531,7 @@ def test_number_of_runs_is_limited_before_any_of_them_is_made(monkeypatch) -> No
 
 
 def test_faults_of_many_runs_are_named_up_to_a_hundred() -> None:
-    """Quickly, too: the words of a fault take longer than to find it, and many runs share one."""
+    """The words of a fault take longer than its check, and many runs share a fault."""
     named = faults(swept(2000, "-{}"))
     assert len(named) == 101
     assert named[99].startswith("s.yaml:19: sweep.rolling.load_n[99]: got -100")

@@ -1,6 +1,4 @@
-"""Heights from a file through check and run: tilt, seam and resolution in numbers; a record over a
-seam does not loop.
-"""
+"""Check and run report tilt, seam and resolution of measured heights in numbers."""
 
 from __future__ import annotations
 
@@ -36,7 +34,7 @@ def gaussian(rows: int, columns: int, nodes: float = 6.0, seed: int = 3) -> np.n
 
 
 def tilted_crop() -> np.ndarray:
-    """A fifth of a surface on a table that rises by 1 um."""
+    """Return a fifth of a surface on a table that rises by 1 um."""
     return gaussian(1000, 120)[:200, :80] + np.linspace(0, 1e-6, 200)[:, None]
 
 
@@ -52,7 +50,6 @@ def found(folder: Path, heights: np.ndarray, *overrides: str) -> dict[str, Findi
 
 
 # ---- Tilt and seam
-# ---------------------------------------------------------------------------------------------------
 
 
 def test_check_says_what_was_taken_off_and_what_stays(tmp_path: Path) -> None:
@@ -97,8 +94,9 @@ def test_periodic_heights_have_no_finding_but_values(tmp_path: Path) -> None:
 
 
 def test_all_numbers_are_of_the_levelled_heights(tmp_path: Path) -> None:
-    """Roughness for the window and the slope, statistics and march read the same heights, and none
-    reads them again.
+    """Roughness, slope, statistics and march use the same levelled heights.
+
+    No part reads the file again.
     """
     given = scene(tmp_path, tilted_crop())
     heights = scene_surface.heights(given)
@@ -178,14 +176,13 @@ def test_levels_over_a_seam_are_those_of_the_closed_record(tmp_path: Path) -> No
 
 
 # ---- Resolution
-# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("law", sorted(surface.AUTOCORRELATIONS))
 def test_correlation_length_is_that_of_the_law(law: str) -> None:
-    """1/e of exp(-d (r/L)^k) is at L d^(-1/k).
+    """exp(-d (r/L)^k) falls to 1/e at L d^(-1/k).
 
-    Some 5,000 correlation areas: 2 %, and the chord of the interpolation.
+    About 5,000 correlation areas leave 2 %, and the chord of the interpolation adds to it.
     """
     decay, exponent = surface.AUTOCORRELATIONS[law]
     heights = surface.gaussian((1500, 400), SPACING, 1e-7, (8 * SPACING, 5 * SPACING), law, 1)

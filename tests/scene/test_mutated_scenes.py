@@ -1,6 +1,4 @@
-"""Scene texts broken at random: each is read and checked, or refused in words, and quickly; nothing
-else ever happens.
-"""
+"""A scene text broken at random is read, or refused in words, and quickly."""
 
 from __future__ import annotations
 
@@ -54,7 +52,8 @@ LINES = (
     "<<: *r",
     "sweep: {rolling.load_n: [1, 2, 3]}",
     "sweep: {surface.seed: [" + ", ".join(map(str, range(300))) + "]}",
-    "sweep: {rolling.load_n: [1, 2], sphere.radius_mm: [1, 2], surface.spacing_um: [1, 2], rolling.speed_m_s: [1, 2]}",
+    "sweep: {rolling.load_n: [1, 2], sphere.radius_mm: [1, 2], surface.spacing_um: [1, 2], "
+    "rolling.speed_m_s: [1, 2]}",
     "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\nb: &b [*a, *a, *a, *a, *a]\nc: [*b, *b, *b, *b, *b]",
     "m: &m {x: 1}\nn: {<<: [*m, *m]}",
     "rolling: {load_n: 1, speed_m_s: [[0, 1], [1, 1000], [1e6, 0]], duration_s: 1e5}",
@@ -70,9 +69,7 @@ LINES = (
 
 
 def mutated(text: str, chance: random.Random) -> str:
-    """A text with one to three changes: of a letter, of a value, of a line, or of a part that moves
-    elsewhere.
-    """
+    """Return a text with one to three changes of a letter, a value, a line or a place."""
     for _ in range(chance.randint(1, 3)):
         at = chance.randrange(len(text) + 1)
         lines = text.split("\n")
@@ -103,7 +100,7 @@ def mutated(text: str, chance: random.Random) -> str:
 
 
 def outcome(text: str, solve: bool = False) -> str:
-    """Read and check a text; the kind of its outcome."""
+    """Read and check a text; return the kind of its outcome."""
     try:
         scene = file.loads(text, where="s.yaml", folder=SCENES[0].parent)
         str(findings.check_scene(scene, solve))

@@ -1,6 +1,4 @@
-"""Generated surfaces against the statistics asked for; files that are not heights refused with
-readable messages.
-"""
+"""Generated surfaces have the required statistics, and files without heights are refused."""
 
 from __future__ import annotations
 
@@ -47,10 +45,10 @@ def test_ra_is_exact_and_the_mean_zero(law: str, ra: float, shape: tuple[int, in
 def test_autocorrelation_follows_its_law_along_and_across(
     law: str, lengths: tuple[float, float]
 ) -> None:
-    """Mean over 24 surfaces of the circular autocorrelation.
+    """The mean circular autocorrelation of 24 surfaces follows the law.
 
-    One surface holds about A / (pi Lx Ly) independent patches, so its estimate is uncertain by up
-    to sqrt(2 pi Lx Ly / A); five times that over sqrt(24) is allowed at each of 60 lags.
+    One surface holds about A / (pi Lx Ly) independent patches, so its estimate is uncertain by
+    up to sqrt(2 pi Lx Ly / A); five times that over sqrt(24) is allowed at each of 60 lags.
     """
     shape, count = (240, 180), 24
     total = np.zeros(shape)
@@ -71,8 +69,10 @@ def test_autocorrelation_follows_its_law_along_and_across(
 
 @pytest.mark.law("Surface: the heights are Gaussian.")
 def test_heights_are_gaussian() -> None:
-    """About 43200 / (2 pi 9) = 760 independent heights: skewness 0 +- 0.09, kurtosis 3 +- 0.18 (one
-    sigma); three allowed. Ra / Rq of a Gaussian is sqrt(2 / pi).
+    """Skewness is 0 +- 0.09 and kurtosis 3 +- 0.18 (one sigma); three are allowed.
+
+    There are about 43200 / (2 pi 9) = 760 independent heights. Ra / Rq of a Gaussian is sqrt(2
+    / pi).
     """
     got = surface.statistics(generate(lengths=(3e-6, 3e-6)), SPACING)
     assert abs(got.skewness) < 0.27
@@ -83,8 +83,9 @@ def test_heights_are_gaussian() -> None:
 @pytest.mark.law("Surface: a generated surface is periodic.")
 @pytest.mark.parametrize("axis", [0, 1])
 def test_the_seam_is_like_the_interior(axis: int) -> None:
-    """Differences across the seam, over 40 surfaces, have the variance of those inside; about 40 *
-    9 independent ones: 15 %.
+    """Differences across the seam have the variance of those inside, within 15 %.
+
+    Over 40 surfaces about 40 * 9 of them are independent.
     """
     inside, seam = [], []
     for seed in range(40):
@@ -109,8 +110,9 @@ def test_correlation_length_beyond_the_surface_is_refused() -> None:
 
 
 def test_statistics_of_a_sine() -> None:
-    """Rq = A / sqrt 2, Ra = 2 A / pi, kurtosis 3/2, skewness 0; slope A k sinc over one spacing /
-    sqrt 2. Even sampling: exact.
+    """Rq = A / sqrt 2, Ra = 2 A / pi, kurtosis 3/2, skewness 0, and slope A k sinc / sqrt 2.
+
+    The sinc is over one spacing. Even sampling makes these exact.
     """
     n, amplitude = 4096, 1e-6
     z = amplitude * np.sin(2 * np.pi * (np.arange(n) + 0.5) / n)[:, None] + np.zeros(7)
@@ -127,9 +129,10 @@ def test_statistics_of_a_sine() -> None:
 
 
 def test_statistics_of_a_checkerboard_and_of_nothing() -> None:
-    """+-A: Ra = Rq = A, kurtosis 1; each slope 2 A / spacing, the gradient's norm sqrt 2 times it.
+    """A checkerboard of +-A has Ra = Rq = A and kurtosis 1; a flat surface has zeros.
 
-    Flat: zeros, no division.
+    Each slope of the checkerboard is 2 A / spacing, and the norm of the gradient is sqrt 2
+    times that.
     """
     z = 1e-6 * (-1.0) ** np.add.outer(np.arange(8), np.arange(6))
     got = surface.statistics(z, SPACING)
@@ -140,8 +143,9 @@ def test_statistics_of_a_checkerboard_and_of_nothing() -> None:
 
 
 def test_rms_slope_of_a_gaussian_surface() -> None:
-    """exp(-(r / L)^2): rms slope sqrt 2 Rq / L each way, 2 Rq / L for the norm (L = 10 nodes:
-    differences miss 0.3 %). 10 % is 3 sigma of the 137 independent patches.
+    """The rms slope of exp(-(r / L)^2) is sqrt 2 Rq / L each way, 2 Rq / L for the norm.
+
+    At L = 10 nodes differences miss 0.3 %. 10 % is 3 sigma of the 137 independent patches.
     """
     z = generate()
     got = surface.statistics(z, SPACING)
@@ -198,5 +202,5 @@ def test_files_that_are_not_heights_are_refused_readably(tmp_path: Path) -> None
 
 
 def test_file_without_any_height_is_refused(tmp_path: Path) -> None:
-    """An empty array has no mean: no RuntimeWarning and no NaN surface may come of it."""
+    """An empty array has no mean, and must cause neither a RuntimeWarning nor a NaN surface."""
     refused(saved(tmp_path, np.empty((0, 9))))
