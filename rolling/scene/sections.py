@@ -196,27 +196,32 @@ class MadeSurface(Section):
 
     @model_validator(mode="after")
     def _whole_width(self) -> MadeSurface:
-        nodes = self.width_um / self.spacing_um
-        if not nodes < MAX_NODES:
-            raise fault(
-                f"got {plain_number(self.width_um)}, allowed: less than {MAX_NODES:g} nodes",
-                "surface",
-                "width_um",
-            )
-        if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
-            fitting = max(MIN_NODES, round(nodes)) * self.spacing_um
-            raise fault(
-                f"got {plain_number(self.width_um)}, allowed: a whole number of nodes of {self.spacing_um:g} um,"
-                f" at least {MIN_NODES}; nearest: {fitting:.10g}",
-                "surface",
-                "width_um",
-            )
+        _refuse_width(self.width_um, self.spacing_um)
         return self
 
     @property
     def n_across(self) -> int:
         """Nodes across the track."""
         return round(self.width_um / self.spacing_um)
+
+
+def _refuse_width(width_um: float, spacing_um: float) -> None:
+    """Raise a fault for a width that is no whole number of nodes, too small or too large."""
+    nodes = width_um / spacing_um
+    if not nodes < MAX_NODES:
+        raise fault(
+            f"got {plain_number(width_um)}, allowed: less than {MAX_NODES:g} nodes",
+            "surface",
+            "width_um",
+        )
+    if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
+        fitting = max(MIN_NODES, round(nodes)) * spacing_um
+        raise fault(
+            f"got {plain_number(width_um)}, allowed: a whole number of nodes of {spacing_um:g} um,"
+            f" at least {MIN_NODES}; nearest: {fitting:.10g}",
+            "surface",
+            "width_um",
+        )
 
 
 class Gaussian(MadeSurface):
@@ -265,7 +270,11 @@ class HeightFile(Section):
     )
     path: str = Field(
         min_length=1,
-        description=".npy file of heights [m], shape (along track, across), relative to the scene file",
+        description="File of heights, .npy, .npz, .csv or .txt, shape (along track, across),"
+        " relative to the scene file",
+    )
+    height_unit: Literal["m", "mm", "um", "nm"] = Field(
+        default="m", description="Unit of the heights in the file"
     )
     spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
     level: Literal["auto", "plane", "none"] = Field(
@@ -273,6 +282,24 @@ class HeightFile(Section):
         description="Tilt: auto takes the least-squares plane off where the step from the last row to the first stands out"
         " and the plane lowers it, plane always, none never",
     )
+    width_um: float | None = Field(
+        default=None,
+        gt=0,
+        description="Width across the track [um] of a profile of one line, whose heights are the"
+        " same all across: a whole number of nodes, at least 8; absent: the file holds lines side"
+        " by side",
+    )
+
+    @model_validator(mode="after")
+    def _whole_width(self) -> HeightFile:
+        if self.width_um is not None:
+            _refuse_width(self.width_um, self.spacing_um)
+        return self
+
+    @property
+    def n_across(self) -> int | None:
+        """Nodes across the track that a profile is laid over; None: those of the file."""
+        return None if self.width_um is None else round(self.width_um / self.spacing_um)
 
 
 Surface = Annotated[Gaussian | Smooth | HeightFile, Field(discriminator="kind")]
