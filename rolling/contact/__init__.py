@@ -14,6 +14,7 @@ Public:
 Private, and mostly compiled:
 
 - `_descent`, `_system`: one descent, and the named tuples that compiled passes take.
+- `_compiled`: compilation by numba, with a cache wherever one can be kept.
 - `_solver_kernels`: conjugate gradients: line search, residual, preconditioner (`precondition`), next direction.
 - `_projection`: pressures put within the bounds, with the load restored (`project`, `restore_load`, `settle_load`).
 - `_march_kernels`: gap, overlap, contact area, edges within cells, trends.

@@ -8,7 +8,8 @@ Rows and columns are those of the unrolled plate; heights repeat with their peri
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from rolling.contact._compiled import njit
 
 
 @njit(cache=True)

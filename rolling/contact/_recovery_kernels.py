@@ -5,7 +5,7 @@ to.
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
-from numba import njit
+from rolling.contact._compiled import njit
 
 
 @njit(cache=True)

@@ -77,7 +77,8 @@ def work(
     progress: Callable[[float], object] = _ignore,
     begun: Callable[[int], object] = _ignore,
 ) -> Outcome:
-    """Do the tasks on `workers` processes, or in this process when there is one worker or one task.
+    """Do the tasks on `workers` processes, or in this process when there is one worker or one task,
+    or where no processes can be started.
 
     A run that fails with ContactError does not stop the others. The first Ctrl-C or SIGTERM stops
     all after the step at hand.
@@ -89,7 +90,7 @@ def work(
     listener, outcome = Listener(finished, progress, begun), Outcome()
     workers = min(workers, len(tasks))
     with _stop_request() as asked:
-        if workers <= 1:
+        if workers <= 1 or not spawning.can_start_workers():
             _work_here(tasks, listener, asked, outcome)
         else:
             _work_in_parallel(tasks, workers, listener, asked, outcome)

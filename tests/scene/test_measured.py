@@ -16,9 +16,8 @@ from rolling.check.finding import Finding
 from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.sound import contact_sound as sound
-from rolling.surface import height_file
+from rolling.surface import height_file, scene_surface
 from rolling.surface import heights as surface
-from rolling.surface import scene_surface
 
 SPACING = 2e-6
 TEXT = """\
