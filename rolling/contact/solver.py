@@ -26,6 +26,8 @@ from rolling.contact.half_space import HalfSpace
 # candidates for contact have a gap below this share of the largest deflection; 0.001 to 0.1 take
 # the same iterations
 NEAR = 0.01
+# Share of the maximum gap that its rounding adds to the violation: with 32 eps some solves converge.
+ROUNDING = 128 * np.finfo(float).eps
 SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the largest deflection, serves no tighter one
 
 
@@ -240,7 +242,7 @@ def solve_contact(
             raise ContactError(
                 f"the contact solve stopped after {effort.iterations} iterations at a residual of {worst / u_max:.2g},"
                 f" {options.tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {effort.restarts} restarts,"
-                f" {effort.plain_steps} plain gradient steps)"
+                f" {effort.plain_steps} plain gradient steps){_rounding_limit(gap, u_max, options)}"
             )
         candidates = Candidates.below(p, gap, v, approach + near * u_max)
         # Not converged though no new node came into sight: single precision is not enough.
@@ -266,3 +268,18 @@ def solve_contact(
         p.ravel()[candidates.node] = descent.pressure
         u, fresh = half_space.deflection(p), True
         near, seen = NEAR, candidates.node.size
+
+
+def _rounding_limit(gap: Array, deflection: float, options: SolverOptions) -> str:
+    """Name the tolerance that the rounding of gaps allows, where a tighter one was asked for.
+
+    `deflection` is the maximum deflection [m].
+    """
+    largest = float(np.abs(gap).max())
+    limit = ROUNDING * largest / deflection
+    if options.tolerance > limit:
+        return ""
+    return (
+        f"; gaps of up to {largest:.2g} m, rounded in double precision, need a tolerance of at"
+        f" least {limit:.2g} for a deflection of {deflection:.2g} m"
+    )

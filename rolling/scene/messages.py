@@ -161,7 +161,10 @@ def shown(value: Any) -> str:
     # Of a long value the beginning is enough: a million of them need not be written to show sixty
     # letters.
     value = value[:60] if isinstance(value, str | list | tuple) else value
-    return cut(json.dumps(value, ensure_ascii=False, default=str))
+    try:
+        return cut(json.dumps(value, ensure_ascii=False, default=str))
+    except (ValueError, RecursionError):  # a very long whole number, or itself within
+        return f"a value that is too long to write ({type(value).__name__})"
 
 
 def cut(text: str) -> str:

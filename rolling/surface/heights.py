@@ -98,9 +98,12 @@ def gaussian(
     # rounding would pass for roughness.
     if not got > 1e-6 * np.sqrt(density.max() / heights.size):
         sizes = " x ".join(f"{n * spacing * 1e6:.4g}" for n in shape)
+        # Of a law that falls with (r / L)^exponent the share of roughness falls with its root.
+        longest = 0.1 * 1e12 ** (1 / exponent) * max(shape) * spacing * 1e6
         lengths = " and ".join(f"{length * 1e6:.4g}" for length in correlation_length)
         raise SurfaceError(
-            f"no roughness left: correlation lengths of {lengths} um are far above the surface's {sizes} um; enlarge it"
+            f"no roughness left but rounding: got correlation lengths of {lengths} um on {sizes} um,"
+            f" allowed: up to about {longest:.2g} um; enlarge the surface"
         )
     heights *= ra / got
     return heights

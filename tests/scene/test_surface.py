@@ -105,8 +105,21 @@ def test_roughness_scales_without_changing_shape() -> None:
 
 
 def test_correlation_length_beyond_the_surface_is_refused() -> None:
-    with pytest.raises(SurfaceError, match=r"no roughness left.*correlation length"):
+    with pytest.raises(SurfaceError, match=r"no roughness left.*correlation lengths of 1e\+09 and"):
         generate(shape=(16, 16), lengths=(1e3, 1e3))
+
+
+@pytest.mark.parametrize("law", surface.AUTOCORRELATIONS)
+@pytest.mark.parametrize("shape", [(9, 8), (64, 64), (256, 16)])
+def test_the_limit_that_a_refusal_for_rounding_names_is_allowed(
+    law: str, shape: tuple[int, int]
+) -> None:
+    with pytest.raises(SurfaceError) as error:
+        surface.gaussian(shape, SPACING, 1e-7, (1e12, 1e12), law, 1)
+    named = float(str(error.value).split("up to about ")[1].split()[0]) * 1e-6
+    assert named > 1e4 * max(shape) * SPACING
+    made = surface.gaussian(shape, SPACING, 1e-7, (named, named), law, 1)
+    assert np.abs(made).mean() == pytest.approx(1e-7)
 
 
 def test_statistics_of_a_sine() -> None:
