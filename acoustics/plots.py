@@ -28,6 +28,7 @@ __all__ = [
     "LINE_STYLES",
     "MARKERS",
     "PER_OCTAVE",
+    "PREFIXES",
     "Lines",
     "drawn_as_means",
     "is_thinned",
@@ -46,6 +47,8 @@ LINE_STYLES: tuple[str | tuple[int, tuple[int, ...]], ...] = (
     "-", "--", "-.", ":", (0, (8, 2)), (0, (4, 1, 1, 1, 1, 1)), (0, (1, 1)),
 )  # fmt: skip
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+# SI prefixes of axes by powers of a thousand
+PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M"}
 _GREY = "0.6"
 
 _SHOWN_DB = 70.0
@@ -488,10 +491,9 @@ def _numbers(levels_db: Iterable[float | None]) -> Array:
 
 def _prefix(largest: float) -> tuple[float, str]:
     """Return the factor and the SI prefix that bring a value to between 1 and 1000."""
-    prefixes = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M"}
     thousands = math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
-    thousands = min(max(thousands, min(prefixes)), max(prefixes))
-    return 1000.0**thousands, prefixes[thousands]
+    thousands = min(max(thousands, min(PREFIXES)), max(PREFIXES))
+    return 1000.0**thousands, PREFIXES[thousands]
 
 
 def _short(name: str) -> str:

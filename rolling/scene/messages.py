@@ -44,8 +44,11 @@ class SceneError(Exception):
     """
 
     def __init__(self, faults: Sequence[str]) -> None:
-        super().__init__("\n".join(faults))
-        self.faults = list(faults)
+        # Values and names of files may hold what UTF-8 cannot write, such as half of a pair.
+        self.faults = [
+            fault.encode("utf-8", "backslashreplace").decode("utf-8") for fault in faults
+        ]
+        super().__init__("\n".join(self.faults))
 
     def __reduce__(self) -> tuple[type[SceneError], tuple[list[str]]]:
         return SceneError, (self.faults,)
@@ -57,13 +60,18 @@ class SceneError(Exception):
 
 def fault(message: str, *at: str | int) -> PydanticCustomError:
     """Make a fault for pydantic to collect; `at` is its key where that is not the validated one."""
+    # pydantic writes no text that UTF-8 cannot, such as half of a pair of surrogates
+    message = message.encode("utf-8", "backslashreplace").decode("utf-8")
     return PydanticCustomError("fault", "{message}", {"message": message, "at": at})
 
 
 def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
     """Return key and message of one pydantic fault."""
     key: Key = error["loc"]
-    outer = root.model_fields.get(str(key[0])) if key else None
+    if not key:  # the name of a key at the top that UTF-8 cannot write
+        name = next((name for name in data if not _is_unicode(name)), "")
+        return (ascii(name).strip("'"),), f"unknown key, allowed: {', '.join(root.model_fields)}"
+    outer = root.model_fields.get(str(key[0]))
     by = outer.discriminator if outer else None
     if by and len(key) > 1:  # pydantic names the kind of a section in between
         key = (key[0], *key[2:])
@@ -99,6 +107,15 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
     )
 
 
+def _is_unicode(text: Any) -> bool:
+    """Tell whether a value is text that UTF-8 can write: no half of a pair of surrogates."""
+    try:
+        str(text).encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
 def place(key: Key, places: Mapping[Key, str]) -> str:
     """Return file and line (or --set) of a key, or of the nearest section around it that has a
     place.
@@ -112,7 +129,7 @@ def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
     Names are compared by their last part, or as a whole when the section is misspelt as well. The
     unit may be missing.
     """
-    if len(got) > _LONGEST_SLIP:
+    if not isinstance(got, str) or len(got) > _LONGEST_SLIP:  # Python gives other keys as well
         return ""
 
     def norm(name: str) -> str:
@@ -163,8 +180,8 @@ def shown(value: Any) -> str:
     value = value[:60] if isinstance(value, str | list | tuple) else value
     try:
         return cut(json.dumps(value, ensure_ascii=False, default=str))
-    except (ValueError, RecursionError):  # a very long whole number, or itself within
-        return f"a value that is too long to write ({type(value).__name__})"
+    except (TypeError, ValueError, RecursionError):  # a very long number, an odd key, or itself
+        return f"a value that cannot be written ({type(value).__name__})"
 
 
 def cut(text: str) -> str:

@@ -14,18 +14,21 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import soundfile
+from matplotlib.figure import Figure
 from PIL import Image
 from report_runs import HOSTILE, Runs, runs_in
 
 from acoustics import level, wav
+from acoustics import plots as sound_plots
 from rolling import commands
 from rolling.contact import closed_forms
 from rolling.figures import run_figures
-from rolling.report import pressure_maps
+from rolling.report import page, pressure_maps
 from rolling.scene import file
 from rolling.simulation import result_file
 
@@ -704,3 +707,17 @@ def test_of_a_browser_that_is_not_there_the_tests_say_what_to_install(monkeypatc
     monkeypatch.setenv("ROLLING_BROWSER_REQUIRED", "1")
     with pytest.raises(pytest.fail.Exception, match="chromium"):
         _without("no browser")
+
+
+class _Drawn(SimpleNamespace):
+    def plot_area(self) -> tuple[float, float, float, float]:
+        return 0.1, 0.1, 0.9, 0.9
+
+
+@pytest.mark.parametrize("power", range(-16, 8))
+def test_the_time_axis_of_a_record_is_read_whatever_its_length(power: int) -> None:
+    duration = 3 * 10.0**power
+    figure = Figure()
+    sound_plots.power(figure.subplots(), duration * np.arange(4) / 4, np.ones(4), 1.0, duration)
+    axis = page._time_axis(_Drawn(figure=figure))
+    assert axis.end == pytest.approx(duration, rel=1e-9) and axis.begin == 0
