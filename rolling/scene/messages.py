@@ -68,16 +68,16 @@ def fault(message: str, *at: str | int) -> PydanticCustomError:
 def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
     """Return key and message of one pydantic fault."""
     key: Key = error["loc"]
-    if not key:  # the name of a key at the top that UTF-8 cannot write
-        name = next((name for name in data if not _is_unicode(name)), "")
-        return (ascii(name).strip("'"),), f"unknown key, allowed: {', '.join(root.model_fields)}"
-    outer = root.model_fields.get(str(key[0]))
+    outer = root.model_fields.get(str(key[0])) if key else None
     by = outer.discriminator if outer else None
     if by and len(key) > 1:  # pydantic names the kind of a section in between
         key = (key[0], *key[2:])
     kind = error["type"]
     if kind == "fault":
         return error["ctx"]["at"] or key, error["ctx"]["message"]
+    if not key:  # the name of a key at the top that UTF-8 cannot write
+        name = next((name for name in data if not _is_unicode(name)), "")
+        return (ascii(name).strip("'"),), f"unknown key, allowed: {', '.join(root.model_fields)}"
     if kind == "extra_forbidden":
         siblings = _siblings(root, key, data)
         known = [other for other in all_keys(root) if not other.startswith("sweep.")]
