@@ -110,7 +110,7 @@ LINES = (
     "\n".join(" " * k + "a:" for k in range(40)),
     "numerics: {step_nodes: 0.0625, tolerance: 1e-12, edges: sharp, precision: double}",
 )
-_NUMBER = re.compile(r"(?<=[ \[])[0-9.]+(?=[],}\n])")
+_NUMBER = re.compile(r"(?<=[ \[])[0-9]{1,300}(?:\.[0-9]+)?(?=[],}\n])")
 USUAL = ["1", "2", "0.5", "1.5", "64", "10", "0.01", "3e-3", "gaussian", "sharp", "mean", "true"]
 VALUES: tuple[Any, ...] = (
     *(None, True, False, 0, 1, -1, 0.0, -0.0, 1e-15, 1e15, 1e-16, 5e-324, 1.7e308, 10**400),
