@@ -47,7 +47,7 @@ def stored(path: Path) -> Array:
     """
     try:
         nodes = header(path).nodes
-        with np.errstate(over="ignore"):  # infinite heights are refused
+        with np.errstate(over="ignore", invalid="ignore"):  # such heights are refused below
             heights = _content(path).reshape(nodes).astype(np.float64)
     except HeightFormatError as error:
         raise SurfaceError(error.of(path)) from error

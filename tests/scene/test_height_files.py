@@ -289,5 +289,8 @@ def test_heights_beyond_reason_are_refused(tmp_path: Path, height: float) -> Non
         )
     np.save(tmp_path / "h.npy", np.full_like(Z, np.longdouble("1e4000"), dtype=np.longdouble))
     assert "are not numbers" in fault(tmp_path, "h.npy")
+    signalling = np.full(Z.shape, 0x7FA00000, dtype="<u4").view("<f4")  # a cast of it is invalid
+    np.save(tmp_path / "h.npy", signalling)
+    assert "768 of 768 heights are not numbers" in fault(tmp_path, "h.npy")
     np.save(tmp_path / "h.npy", np.full(Z.shape, 2**64 - 1, dtype=np.uint64))
     assert "allowed: up to" in fault(tmp_path, "h.npy")
