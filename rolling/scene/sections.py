@@ -46,6 +46,7 @@ else:
 
 SMALLEST = 1e-15  # of any number but zero, in the units of the scene; one over it is the largest
 MAX_FAULTS = 100  # that are named
+_MAX_BITS = 1000  # of a whole number: pydantic fails to show much longer ones
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 
 
@@ -65,6 +66,8 @@ def plain(value: Any) -> Any:
         return [plain(item) for item in value]
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
+    if isinstance(value, int) and value.bit_length() > _MAX_BITS:
+        return math.inf if value > 0 else -math.inf
     return os.fspath(value) if isinstance(value, os.PathLike) else value
 
 

@@ -574,9 +574,14 @@ def test_keys_and_numbers_that_no_scene_has_are_refused_in_words(line: str, mess
     assert text.startswith("s.yaml:2: ") or message == "unhashable"
 
 
-def test_long_numbers_from_python_are_refused_in_words() -> None:
+def test_long_numbers_from_python_are_refused_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    ignored: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", ignored.append)  # would print a traceback
     for value in (16**5000, [16**5000], -(10**400)):
         with pytest.raises(SceneError, match="load_n: got"):
             Rolling(load_n=value, speed_m_s=1)  # type: ignore[arg-type]
         with pytest.raises(SceneError, match="speed_m_s: got"):
             Rolling(load_n=1, speed_m_s=value)  # type: ignore[arg-type]
+        with pytest.raises(SceneError, match="load_n: got"):
+            Scene.from_dict({"rolling": {"load_n": value}})
+    assert not ignored

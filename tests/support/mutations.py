@@ -386,6 +386,8 @@ def outcome(make: Callable[[], Scene]) -> str:
 
     Warnings of libraries are errors too: the program says what is wrong itself.
     """
+    ignored: list[Any] = []
+    before, sys.unraisablehook = sys.unraisablehook, ignored.append
     try:
         with warnings.catch_warnings(), np.errstate(divide="raise", invalid="raise", over="raise"):
             warnings.simplefilter("error")
@@ -395,6 +397,9 @@ def outcome(make: Callable[[], Scene]) -> str:
         assert len(str(error)) < 100_000
         assert "pickle" not in str(error) and "set_int_max_str" not in str(error)
         return "refused"
+    finally:
+        sys.unraisablehook = before
+        assert not ignored, ignored
     return "read"
 
 
