@@ -9,7 +9,8 @@ import time
 from pathlib import Path
 
 import pytest
-from mutations import CASES, mutated, outcome, texts
+from mutated_texts import mutated
+from mutations import CASES, outcome, texts
 from scene_text import SCENES
 
 from rolling.check import findings
