@@ -24,6 +24,8 @@ LINE_STYLES: tuple[str | tuple[int, tuple[int, ...]], ...] = (
 )  # fmt: skip
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 GREY = "0.6"
+# SI prefixes of axes by powers of a thousand
+PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M"}
 
 _SHOWN_DB = 70.0
 FEW = 3  # maximum number of curves with distinguishable lines or error bars
@@ -123,10 +125,9 @@ def numbers(levels_db: Iterable[float | None]) -> Array:
 
 def unit_prefix(largest: float) -> tuple[float, str]:
     """Return the factor and the SI prefix that bring a value to between 1 and 1000."""
-    prefixes = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M"}
     thousands = math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
-    thousands = min(max(thousands, min(prefixes)), max(prefixes))
-    return 1000.0**thousands, prefixes[thousands]
+    thousands = min(max(thousands, min(PREFIXES)), max(PREFIXES))
+    return 1000.0**thousands, PREFIXES[thousands]
 
 
 def short_name(name: str) -> str:

@@ -48,7 +48,9 @@ def _window(scene: Scene, rq: float) -> list[Finding]:
     if across > period:
         side = "width" if scene.track.n_across <= scene.track.n_along else "length"
         key = {"width": "surface.width_um", "length": "rolling.duration_s"}[side]
-        key = "height file" if isinstance(scene.surface, HeightFile) else key
+        is_file = isinstance(scene.surface, HeightFile)
+        is_profile = is_file and scene.surface.width_um is not None
+        key = "height file" if is_file and not (is_profile and side == "width") else key
         warning = (
             f"the contact is about {si(across, 'm')} across, the surface has a {side} of"
             f" {si(period, 'm')}: choose a larger {key}, at least {across * 1e6:.0f} um of surface"

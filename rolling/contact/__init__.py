@@ -16,6 +16,7 @@ Public modules:
 Private modules, mostly compiled:
 
 - `_descent`, `_system`: one descent, and the named tuples that compiled passes take.
+- `_compiled`: compilation by numba, with a cache wherever one can be kept.
 - `_solver_kernels`: conjugate gradients: line search, residual, preconditioner (`precondition`),
   next direction.
 - `_projection`: pressures put within the bounds, with the load restored (`project`,

@@ -7,7 +7,8 @@ Rows and columns count on the unrolled plate; heights repeat with their period.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from rolling.contact._compiled import njit
 
 
 @njit(cache=True)

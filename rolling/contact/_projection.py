@@ -8,8 +8,8 @@ after an edit.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from rolling.contact._compiled import njit
 from rolling.contact._system import Sets
 
 

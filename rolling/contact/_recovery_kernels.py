@@ -3,7 +3,7 @@
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
-from numba import njit
+from rolling.contact._compiled import njit
 
 
 @njit(cache=True)

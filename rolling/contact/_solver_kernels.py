@@ -10,8 +10,8 @@ the nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead`
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from rolling.contact._compiled import njit
 from rolling.contact._projection import extrapolate, project, step_by_way_of
 from rolling.contact._system import Direction, Nodes, Sets, unpack
 

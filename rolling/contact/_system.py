@@ -10,10 +10,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from rolling._typing import Array
+from rolling.contact._compiled import njit
 
 Indices = NDArray[np.uint32]
 

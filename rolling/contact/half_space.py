@@ -9,9 +9,9 @@ from functools import lru_cache
 
 import numpy as np
 import pyfftw
-from numba import njit
 
 from rolling._typing import Array
+from rolling.contact._compiled import njit
 
 # These padded lengths are quick for their size, by a trial of the products of 2, 3, 5 and 7: any
 # length between two of them costs more than the longer one.

@@ -26,6 +26,9 @@ from rolling.contact.half_space import HalfSpace
 # Candidates for contact have a gap below this share of the maximum deflection; shares from 0.001 to
 # 0.1 take the same number of iterations.
 NEAR = 0.01
+# Share of the maximum gap that its rounding adds to the violation: with 32 eps some solves
+# converge.
+ROUNDING = 128 * np.finfo(float).eps
 # Single precision, with an error of 1e-7 of the maximum deflection, serves no tighter tolerance.
 SINGLE_TOLERANCE = 1e-6
 
@@ -269,7 +272,8 @@ def solve_contact(
         ):
             return Contact(p, u, float(approach), float(worst / u_max), effort.iterations)
         if effort.is_spent:
-            raise _not_converged(effort, worst / u_max, options.tolerance)
+            limit = _rounding_limit(gap, u_max, options)
+            raise _not_converged(effort, worst / u_max, options.tolerance, limit)
         candidates = Candidates.below(p, gap, v, approach + near * u_max)
         # Without convergence and without new candidates single precision does not suffice.
         precise = (
@@ -296,11 +300,26 @@ def solve_contact(
         near, seen = NEAR, candidates.node.size
 
 
-def _not_converged(effort: Effort, residual: float, tolerance: float) -> ContactError:
+def _not_converged(effort: Effort, residual: float, tolerance: float, limit: str) -> ContactError:
     """Make the error of a solve that stopped at a residual above the tolerance."""
     return ContactError(
         f"the contact solve stopped after {effort.iterations} iterations at a residual of"
         f" {residual:.2g}, {tolerance:.2g} was asked for (tried:"
         f" preconditioned conjugate gradients, {effort.restarts} restarts,"
-        f" {effort.plain_steps} plain gradient steps)"
+        f" {effort.plain_steps} plain gradient steps){limit}"
+    )
+
+
+def _rounding_limit(gap: Array, deflection: float, options: SolverOptions) -> str:
+    """Name the tolerance that the rounding of gaps allows, where a tighter one was asked for.
+
+    `deflection` is the maximum deflection [m].
+    """
+    highest = float(np.abs(gap).max())
+    limit = ROUNDING * highest / deflection
+    if options.tolerance > limit:
+        return ""
+    return (
+        f"; gaps of up to {highest:.2g} m, rounded in double precision, need a tolerance of at"
+        f" least {limit:.2g} for a deflection of {deflection:.2g} m"
     )

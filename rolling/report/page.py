@@ -19,6 +19,7 @@ import numpy as np
 from markupsafe import Markup
 
 from acoustics import wav
+from acoustics.plot_style import PREFIXES
 from rolling import __version__
 from rolling.figures import run_figures
 from rolling.figures.picture import Picture
@@ -245,7 +246,7 @@ def _time_axis(picture: Picture) -> TimeAxis:
     left, bottom, right, top = (100 * share for share in picture.plot_area())
     axes = picture.figure.axes[0]
     unit = axes.get_xlabel().partition("[")[2].partition("]")[0]
-    second = {"ks": 1e3, "s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9}[unit]
+    second = next(1000.0**power for power, sign in PREFIXES.items() if f"{sign}s" == unit)
     begin, end = axes.get_xlim()
     return TimeAxis(left, right, 100 - top, 100 - bottom, begin * second, end * second)
 

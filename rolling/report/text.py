@@ -332,7 +332,8 @@ def surface_words(scene: Scene) -> str:
         return "smooth"
     levelling = scene_surface(scene).levelling
     tilt = f", {height_files.tilt_text(levelling)}" if levelling and any(levelling.taken) else ""
-    return f"heights of {printable(s.path)}{tilt}"
+    profile = "" if s.width_um is None else ", a profile that is the same all across"
+    return f"heights of {printable(s.path)}{profile}{tilt}"
 
 
 def remarks(runs: Sequence[RunResult]) -> list[Remark]:

@@ -44,8 +44,11 @@ class SceneError(Exception):
     """
 
     def __init__(self, faults: Sequence[str]) -> None:
-        super().__init__("\n".join(faults))
-        self.faults = list(faults)
+        # Values and names of files may hold what UTF-8 cannot write, such as half of a pair.
+        self.faults = [
+            fault.encode("utf-8", "backslashreplace").decode("utf-8") for fault in faults
+        ]
+        super().__init__("\n".join(self.faults))
 
     def __reduce__(self) -> tuple[type[SceneError], tuple[list[str]]]:
         return SceneError, (self.faults,)
@@ -59,6 +62,8 @@ def fault(message: str, *at: str | int) -> PydanticCustomError:
 
     `at` is its key where that differs from the validated key.
     """
+    # pydantic writes no text that UTF-8 cannot, such as half of a pair of surrogates
+    message = message.encode("utf-8", "backslashreplace").decode("utf-8")
     return PydanticCustomError("fault", "{message}", {"message": message, "at": at})
 
 
@@ -72,6 +77,9 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
     kind = error["type"]
     if kind == "fault":
         return error["ctx"]["at"] or key, error["ctx"]["message"]
+    if not key:  # the name of a key at the top that UTF-8 cannot write
+        name = next((name for name in data if not _is_unicode(name)), "")
+        return (ascii(name).strip("'"),), f"unknown key, allowed: {', '.join(root.model_fields)}"
     if kind == "extra_forbidden":
         siblings = _siblings(root, key, data)
         known = [other for other in all_keys(root) if not other.startswith("sweep.")]
@@ -103,6 +111,15 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
     )
 
 
+def _is_unicode(text: Any) -> bool:
+    """Tell whether a value is text that UTF-8 can write: no half of a pair of surrogates."""
+    try:
+        str(text).encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
 def place(key: Key, places: Mapping[Key, str]) -> str:
     """Return file and line (or --set) of a key.
 
@@ -119,7 +136,7 @@ def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
     Names are compared by their last part, or as a whole when the section is misspelt as well. The
     unit may be missing.
     """
-    if len(got) > _LONGEST_SLIP:
+    if not isinstance(got, str) or len(got) > _LONGEST_SLIP:  # Python gives other keys as well
         return ""
 
     def norm(name: str) -> str:
@@ -170,7 +187,10 @@ def shown(value: Any) -> str:
     # The beginning of a long value is enough: a million items need not be written to show sixty
     # letters.
     value = value[:60] if isinstance(value, str | list | tuple) else value
-    return cut(json.dumps(value, ensure_ascii=False, default=str))
+    try:
+        return cut(json.dumps(value, ensure_ascii=False, default=str))
+    except (TypeError, ValueError, RecursionError):  # a very long number, an odd key, or itself
+        return f"a value that cannot be written ({type(value).__name__})"
 
 
 def cut(text: str) -> str:

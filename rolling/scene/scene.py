@@ -55,7 +55,7 @@ from rolling.scene.sections import (
     plain,
     required_in_files,
 )
-from rolling.scene.track import Track, file_track, made_track
+from rolling.scene.track import Track, file_track, height_nodes, made_track
 
 STEEL_DENSITY = 7850.0  # [kg/m3]
 DEFAULT_NAME = "scene"  # name of a scene that is built in Python
@@ -302,24 +302,20 @@ class Scene(Section):
         file.
 
         A track over a generated surface is rounded to whole nodes and whole steps, so that it
-        closes on itself. Only the header of a height file is read.
+        closes on itself. Only the header of a height file in the format of numpy is read.
 
         Raises
         ------
         SceneError
-            The height file is missing or is no 2-D array of numbers, or the sphere never gets round
-            it.
+            The height file is missing or holds no heights, or the sphere never gets round it.
         """
         if isinstance(self.surface, MadeSurface):
             return _made_track(self.surface, self.rolling, self.numerics)
-        path, said, step_nodes = (
-            self.folder / self.surface.path,
-            self.surface.path,
-            self.numerics.step_nodes,
-        )
+        path, said = self.folder / self.surface.path, self.surface.path
         try:
+            nodes = height_nodes(path, said, self.surface.n_across)
             return file_track(
-                path, said, self.spacing, step_nodes, self.motion, self.rolling.duration_s
+                nodes, self.spacing, self.numerics.step_nodes, self.motion, self.rolling.duration_s
             )
         except PydanticCustomError as error:
             context = error.context or {}

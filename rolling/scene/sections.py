@@ -47,6 +47,7 @@ else:
 # maximum.
 SMALLEST = 1e-15
 MAX_FAULTS = 100  # maximum number of faults that are named
+_MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show much longer ones
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 
 
@@ -66,6 +67,8 @@ def plain(value: Any) -> Any:
         return [plain(item) for item in value]
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
+    if isinstance(value, int) and value.bit_length() > _MAX_BITS:
+        return math.inf if value > 0 else -math.inf
     return os.fspath(value) if isinstance(value, os.PathLike) else value
 
 
@@ -201,27 +204,32 @@ class MadeSurface(Section):
 
     @model_validator(mode="after")
     def _whole_width(self) -> MadeSurface:
-        nodes = self.width_um / self.spacing_um
-        if not nodes < MAX_NODES:
-            raise fault(
-                f"got {plain_number(self.width_um)}, allowed: less than {MAX_NODES:g} nodes",
-                "surface",
-                "width_um",
-            )
-        if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
-            fitting = max(MIN_NODES, round(nodes)) * self.spacing_um
-            raise fault(
-                f"got {plain_number(self.width_um)}, allowed: a whole number of nodes of"
-                f" {self.spacing_um:g} um, at least {MIN_NODES}; nearest: {fitting:.10g}",
-                "surface",
-                "width_um",
-            )
+        _refuse_width(self.width_um, self.spacing_um)
         return self
 
     @property
     def n_across(self) -> int:
         """Nodes across the track."""
         return round(self.width_um / self.spacing_um)
+
+
+def _refuse_width(width_um: float, spacing_um: float) -> None:
+    """Raise a fault for a width that is no whole number of nodes, too small or too large."""
+    nodes = width_um / spacing_um
+    if not nodes < MAX_NODES:
+        raise fault(
+            f"got {plain_number(width_um)}, allowed: less than {MAX_NODES:g} nodes",
+            "surface",
+            "width_um",
+        )
+    if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
+        fitting = max(MIN_NODES, round(nodes)) * spacing_um
+        raise fault(
+            f"got {plain_number(width_um)}, allowed: a whole number of nodes of {spacing_um:g} um,"
+            f" at least {MIN_NODES}; nearest: {fitting:.10g}",
+            "surface",
+            "width_um",
+        )
 
 
 class Gaussian(MadeSurface):
@@ -271,8 +279,11 @@ class HeightFile(Section):
     )
     path: str = Field(
         min_length=1,
-        description=".npy file of heights [m], shape (along track, across), relative to the scene"
-        " file",
+        description="File of heights, .npy, .npz, .csv or .txt, shape (along track, across),"
+        " relative to the scene file",
+    )
+    height_unit: Literal["m", "mm", "um", "nm"] = Field(
+        default="m", description="Unit of the heights in the file"
     )
     spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
     level: Literal["auto", "plane", "none"] = Field(
@@ -281,6 +292,24 @@ class HeightFile(Section):
         " row to the first stands out and the plane lowers it, plane always, none"
         " never",
     )
+    width_um: float | None = Field(
+        default=None,
+        gt=0,
+        description="Width across the track [um] of a profile of one line, whose heights are the"
+        " same all across: a whole number of nodes, at least 8; absent: the file holds lines side"
+        " by side",
+    )
+
+    @model_validator(mode="after")
+    def _whole_width(self) -> HeightFile:
+        if self.width_um is not None:
+            _refuse_width(self.width_um, self.spacing_um)
+        return self
+
+    @property
+    def n_across(self) -> int | None:
+        """Nodes across the track that a profile is laid over; None: those of the file."""
+        return None if self.width_um is None else round(self.width_um / self.spacing_um)
 
 
 Surface = Annotated[Gaussian | Smooth | HeightFile, Field(discriminator="kind")]

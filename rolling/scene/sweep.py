@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import PydanticCustomError
 
 from rolling.scene.messages import (
     Key,
@@ -96,7 +97,10 @@ def faults_of_runs(
     the first run that has it.
     """
     unswept = {name: value for name, value in data.items() if name != "sweep"}
-    sweep = {name: tuple(values) for name, values in data.get("sweep", {}).items()}
+    try:
+        sweep = validated(data.get("sweep", {}), root)
+    except PydanticCustomError:  # where other faults kept pydantic from looking at it
+        return []
     places = {name: {value: i for i, value in enumerate(values)} for name, values in sweep.items()}
     known, named = {key for key, _ in known_faults}, set[Fault]()
     # Many runs share a fault, and wording it takes longer than detecting it.

@@ -5,8 +5,10 @@ from __future__ import annotations
 import io
 import math
 import os
+import re
 import stat
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +26,7 @@ MAX_BYTES = 1_000_000  # maximum size of a file
 MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded
 MAX_NESTING = 4  # maximum depth of values in a scene
 _MAX_BITS = 1000  # maximum length of a whole number; Python refuses to write much longer numbers
+_LONG_NUMBER = re.compile(r"[0-9_]{4301,}")  # Python reads no longer numbers
 # Maximum depth of a text; values nested deeper than this are reported without their key.
 _MAX_DEPTH = 20
 
@@ -150,6 +153,12 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
             f"{place}: not YAML: {problem.replace('<stream end>', 'the end')}"
         ) from error
     except _STUMBLES as error:
+        if number := _LONG_NUMBER.search(text):
+            line = text.count("\n", 0, number.start()) + 1
+            raise TextError(
+                f"{where}:{line}: got a whole number of {len(number[0]):,} digits, allowed: shorter"
+                " ones"
+            ) from error
         raise TextError(f"{where}: not YAML: {first_line(error)}") from error
 
 
@@ -198,6 +207,20 @@ class _Counted(Composer):
         return node
 
 
+def _line_of(container: CommentedMap | CommentedSeq, name: Any, outer: int) -> int:
+    """Return the line of a key or place; that of the container for what a merge brought in."""
+    place = (container.lc.data or {}).get(name)
+    return place[0] + 1 if place else outer
+
+
+def _refuse_key(name: Any, where: str) -> None:
+    """Raise TextError for a key that is no text nor a short number."""
+    if isinstance(name, tuple | CommentedMap | CommentedSeq | Mapping):
+        raise TextError(f"{where}: got a list or section as a key, allowed: the name of a key")
+    if isinstance(name, int) and name.bit_length() > _MAX_BITS:
+        raise TextError(f"{where}: got a very long whole number as a key, allowed: its name")
+
+
 def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
     """Turn the values of ruamel.yaml into plain values, and list the line of every key."""
     lines: dict[Key, int] = {(): 1}
@@ -207,13 +230,13 @@ def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
             raise TextError(f"{where}:{lines[key]}: {cut(dotted(key))}: nested too deeply")
         if isinstance(value, CommentedMap):
             for name in value:
-                place = (value.lc.data or {}).get(name)  # None for the values of a merge
-                lines[(*key, str(name))] = place[0] + 1 if place else lines[key]
+                _refuse_key(name, f"{where}:{_line_of(value, name, lines[key])}")
+            for name in value:
+                lines[(*key, str(name))] = _line_of(value, name, lines[key])
             return {str(name): plain(item, (*key, str(name))) for name, item in value.items()}
         if isinstance(value, CommentedSeq):
             for i in range(len(value)):
-                place = (value.lc.data or {}).get(i)
-                lines[(*key, i)] = place[0] + 1 if place else lines[key]
+                lines[(*key, i)] = _line_of(value, i, lines[key])
             return [plain(item, (*key, i)) for i, item in enumerate(value)]
         if isinstance(value, TaggedScalar):
             tag = shown(value.tag.value).strip('"')

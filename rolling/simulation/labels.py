@@ -47,6 +47,7 @@ WORDS = {  # in the order in which labels name them
         "correlation length across", "µm", "correlation length across as along"
     ),
     "surface.autocorrelation": Word("autocorrelation"),
+    "surface.height_unit": Word("height unit"),
     "surface.level": Word("levelling"),
     "surface.seed": Word("seed"),
     "sphere.radius_mm": Word("sphere radius", "mm"),

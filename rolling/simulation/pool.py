@@ -81,7 +81,10 @@ def work(
     progress: Callable[[float], object] = _ignore,
     begun: Callable[[int], object] = _ignore,
 ) -> Outcome:
-    """Do the tasks on `workers` processes, or in this process for a single worker or task.
+    """Do the tasks on `workers` processes.
+
+    One worker, one task, or a system that starts no processes: all is done in this process.
+
 
     A run that fails with ContactError does not stop the others. The first Ctrl-C or SIGTERM stops
     all runs after the current step.
@@ -95,7 +98,7 @@ def work(
     listener, outcome = Listener(finished, progress, begun), Outcome()
     workers = min(workers, len(tasks))
     with _stop_request() as asked:
-        if workers <= 1:
+        if workers <= 1 or not spawning.can_start_workers():
             _work_here(tasks, listener, asked, outcome)
         else:
             _work_in_parallel(tasks, workers, listener, asked, outcome)

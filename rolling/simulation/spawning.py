@@ -5,6 +5,7 @@ Programs therefore need no `__main__` guard.
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -40,6 +41,23 @@ def context() -> SpawnContext:
     functions handed to these workers therefore have to stand in modules that can be imported.
     """
     return _Context()
+
+
+def can_start_workers() -> bool:
+    """Tell whether worker processes can share locks here; if not, warn that one process works.
+
+    They need semaphores, which Linux keeps in /dev/shm. Some containers and sandboxes have none.
+    """
+    try:
+        context().Lock()
+    except (ImportError, NotImplementedError, OSError) as error:
+        print(
+            "warning: no worker processes, because the system has no semaphores for them"
+            f" (is /dev/shm there and writable? {error}): all is done in one process",
+            file=sys.stderr,
+        )
+        return False
+    return True
 
 
 @contextmanager

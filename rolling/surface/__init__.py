@@ -1,7 +1,9 @@
 """Surface heights of a scene: generated or read, levelled, and described.
 
 heights
-    makes random and flat heights, reads files, and computes roughness statistics
+    makes random and flat heights, and computes roughness statistics
+height_file
+    reads heights from files in metres
 levelling
     finds tilt and seam of measured heights and removes the tilt
 scene_surface

@@ -1,9 +1,8 @@
-"""Periodic surface heights: generation by spectral filtering, files, statistics."""
+"""Periodic surface heights: generation by spectral filtering, statistics."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -15,7 +14,6 @@ AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent
     "exponential": (1.0, 1),
     "exponential_10pct": (2.3, 1),
 }
-LARGEST_RA = 1e-3  # [m]; a rougher file is in other units
 
 
 class SurfaceError(ValueError):
@@ -101,10 +99,12 @@ def gaussian(
     # would pass for roughness if they were scaled up.
     if not got > 1e-6 * np.sqrt(density.max() / heights.size):
         sizes = " x ".join(f"{n * spacing * 1e6:.4g}" for n in shape)
+        # Of a law that falls with (r / L)^exponent the share of roughness falls with its root.
+        longest = 0.1 * 1e12 ** (1 / exponent) * max(shape) * spacing * 1e6
         lengths = " and ".join(f"{length * 1e6:.4g}" for length in correlation_length)
         raise SurfaceError(
-            f"no roughness left: correlation lengths of {lengths} um are far above the surface's"
-            f" {sizes} um; enlarge it"
+            f"no roughness left but rounding: got correlation lengths of {lengths} um"
+            f" on {sizes} um, allowed: up to about {longest:.2g} um; enlarge the surface"
         )
     heights *= ra / got
     return heights
@@ -113,78 +113,6 @@ def gaussian(
 def smooth(shape: tuple[int, int]) -> Array:
     """Make flat heights [m]."""
     return np.zeros(shape)
-
-
-def read(path: Path) -> Array:
-    """Read heights [m] from a .npy file and subtract their mean.
-
-    The shape is (along, across) the track.
-
-    Raises
-    ------
-    SurfaceError
-        `stored` or `usable` names a fault of the file.
-    """
-    return usable(stored(path), path)
-
-
-def stored(path: Path) -> Array:
-    """Read heights [m] from a .npy file in double precision, otherwise unchanged.
-
-    Raises
-    ------
-    SurfaceError
-        The file is no 2-D array of real numbers, or heights are not finite; the first of these is
-        named.
-    """
-    try:
-        content = np.load(path, allow_pickle=False)
-    except (OSError, ValueError) as error:
-        raise SurfaceError(f"{path}: not a readable .npy file of heights ({error})") from error
-    if (
-        not isinstance(content, np.ndarray)
-        or content.ndim != 2
-        or not content.size
-        or content.dtype.kind not in "fiu"
-    ):
-        kind = (
-            f"{content.ndim}-D {content.dtype} of shape {content.shape}"
-            if isinstance(content, np.ndarray)
-            else "an archive"
-        )
-        if isinstance(content, np.lib.npyio.NpzFile):
-            content.close()
-        raise SurfaceError(
-            f"{path}: got {kind}, allowed is one 2-D array of real heights in m, (along track,"
-            " across)"
-        )
-    heights = content.astype(np.float64)
-    bad = np.argwhere(~np.isfinite(heights))
-    if len(bad):
-        i, j = bad[0]
-        raise SurfaceError(
-            f"{path}: {len(bad)} of {heights.size} heights are not numbers, the first at ({i},"
-            f" {j}); fill them in first"
-        )
-    return heights
-
-
-def usable(heights: Array, path: Path) -> Array:
-    """Subtract the mean from heights [m] that are stored in the file at `path`.
-
-    Raises
-    ------
-    SurfaceError
-        Ra is above 1 mm.
-    """
-    heights = heights - heights.mean()
-    ra = np.abs(heights).mean()
-    if ra > LARGEST_RA:
-        raise SurfaceError(
-            f"{path}: Ra would be {ra:.4g} m, more than {LARGEST_RA:g} m; heights must be in metres"
-            f" (multiply by 1e-6 if they are in um)"
-        )
-    return heights
 
 
 def statistics(heights: Array, spacing: float) -> Statistics:

@@ -15,8 +15,8 @@ from rolling.scene.identity import heights_digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian, HeightFile
+from rolling.surface import height_file, levelling
 from rolling.surface import heights as surface
-from rolling.surface import levelling
 from rolling.surface.heights import Correlation, Statistics
 from rolling.surface.levelling import Levelling
 
@@ -34,7 +34,8 @@ class SceneSurface:
     levelling : Levelling or None
         Levelling of heights from a file; None for made heights.
     sha256 : str or None
-        Digest of the heights as their file holds them, before levelling; None for made heights.
+        Digest of the numbers as their file holds them, before unit and levelling; None for made
+        heights.
     """
 
     heights: Array
@@ -128,10 +129,10 @@ def identity(scene: Scene) -> tuple[Any, ...]:
 def _make(scene: Scene) -> SceneSurface:
     s, spacing = scene.surface, scene.spacing
     if isinstance(s, HeightFile) and scene.height_path:
-        stored = surface.stored(scene.height_path)  # the digest belongs to the array that is used
-        heights, plane = levelling.level(
-            surface.usable(stored, scene.height_path), spacing, s.level
-        )
+        path = scene.height_path
+        stored = height_file.stored(path)  # the digest belongs to the array that is used
+        read = height_file.usable(stored, path, s.height_unit, s.n_across)
+        heights, plane = levelling.level(read, spacing, s.level)
         return SceneSurface(heights, spacing, plane, heights_digest(stored))
     track = scene.track
     shape = track.n_along, track.n_across

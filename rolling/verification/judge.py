@@ -25,7 +25,7 @@ from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.folders import files
-from rolling.simulation import lifeline
+from rolling.simulation import lifeline, spawning
 from rolling.verification import hard_cases, optimality
 from rolling.verification.hard_cases import CAPACITY, CASES, ROOM, SOLVED, WIDTH, HardCase
 from rolling.verification.random_cases import found_cases, random_case
@@ -341,7 +341,7 @@ def _order(group: str, feature: str, plate: str) -> tuple[int, str, str]:
 
 def _outcomes(tasks: list[Task], workers: int) -> Iterable[Outcome]:
     """Judge all tasks in their order, in processes if there is more than one worker."""
-    if workers == 1:
+    if workers == 1 or not spawning.can_start_workers():
         yield from map(judge_task, tasks)
         return
     context = multiprocessing.get_context("spawn")

@@ -6,9 +6,11 @@ import base64
 import io
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 from report_browser import (
     PIXELS,
@@ -17,7 +19,9 @@ from report_browser import (
 )
 from report_runs import HOSTILE
 
+from acoustics import plots as sound_plots
 from rolling import commands
+from rolling.report import page
 from rolling.scene import file
 
 
@@ -160,3 +164,17 @@ def test_of_a_browser_that_is_not_there_the_tests_say_what_to_install(monkeypatc
     monkeypatch.setenv("ROLLING_BROWSER_REQUIRED", "1")
     with pytest.raises(pytest.fail.Exception, match="chromium"):
         without_browser("no browser")
+
+
+class _Drawn(SimpleNamespace):
+    def plot_area(self) -> tuple[float, float, float, float]:
+        return 0.1, 0.1, 0.9, 0.9
+
+
+@pytest.mark.parametrize("power", range(-16, 8))
+def test_the_time_axis_of_a_record_is_read_whatever_its_length(power: int) -> None:
+    duration = 3 * 10.0**power
+    figure = Figure()
+    sound_plots.power(figure.subplots(), duration * np.arange(4) / 4, np.ones(4), 1.0, duration)
+    axis = page._time_axis(_Drawn(figure=figure))
+    assert axis.end == pytest.approx(duration, rel=1e-9) and axis.begin == 0

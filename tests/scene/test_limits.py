@@ -21,6 +21,7 @@ from rolling.scene import file as scene_file
 from rolling.scene import yaml_text
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
+from rolling.scene.sections import Rolling
 from rolling.simulation import simulate
 
 STEEL = (
@@ -546,3 +547,43 @@ def test_words_of_a_value_are_short() -> None:
         for fault in faults(PLAIN.replace("load_n: 20", "load_n: [" + "1, " * 5000 + "1]"))
     )
     assert all(len(fault) < 300 for fault in faults(PLAIN + '"' + "k" * 5000 + '": 1\n'))
+
+
+# ---- keys and numbers that no scene has
+# --------------------------------------------------------------------------------------------
+
+LONG_HEX, LONG_DECIMAL = "0x" + "f" * 5000, "1" + "0" * 5000
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("[a, b]: 1", "got a list or section as a key, allowed: the name of a key"),
+        ("{a: b}: 1", "got a list or section as a key"),
+        ("? [a, {c: d}]\n: 1", "unhashable"),
+        (f"? {LONG_HEX}\n: 1", "got a very long whole number as a key"),
+        (f"x: {LONG_HEX}", "x: got a whole number of more than 301 digits"),
+        (f"x: [{LONG_HEX}]", "x[0]: got a whole number of more than 301 digits"),
+        (f"x: {LONG_DECIMAL}", "got a whole number of 5,001 digits, allowed: shorter ones"),
+        (f"sweep: {{? {LONG_HEX} : [1]}}", "got a very long whole number as a key"),
+    ],
+)
+def test_keys_and_numbers_that_no_scene_has_are_refused_in_words(line: str, message: str) -> None:
+    with pytest.raises(SceneError) as error:
+        scene_file.loads(f"name: odd\n{line}\n", where="s.yaml")
+    (text,) = error.value.faults
+    assert message in text and "set_int_max_str_digits" not in text
+    assert text.startswith("s.yaml:2: ") or message == "unhashable"
+
+
+def test_long_numbers_from_python_are_refused_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    ignored: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", ignored.append)  # would print a traceback
+    for value in (16**5000, [16**5000], -(10**400)):
+        with pytest.raises(SceneError, match="load_n: got"):
+            Rolling(load_n=value, speed_m_s=1)  # type: ignore[arg-type]
+        with pytest.raises(SceneError, match="speed_m_s: got"):
+            Rolling(load_n=1, speed_m_s=value)  # type: ignore[arg-type]
+        with pytest.raises(SceneError, match="load_n: got"):
+            Scene.from_dict({"rolling": {"load_n": value}})
+    assert not ignored

@@ -199,3 +199,27 @@ def test_check_of_a_sweep_has_a_column_per_run() -> None:
         "disk of all",
     ]
     assert "<td>load_n=20</td>" in checked._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"\ud800": 1}, r"\ud800: unknown key"),
+        ({"\ud800": 1, "sweep": True}, r"\ud800: unknown key"),
+        ({"name": "\ud800"}, "name: got"),
+        ({"sphere": "\ud800"}, "sphere: got"),
+        ({"sweep": "\ud800"}, "sweep: got"),
+        ({"name": {(1, 2): 3}}, "name: got a value that cannot be written (dict)"),
+        ({"recovery": {(1, 2): 3}}, "recovery.(1, 2): "),
+        ({"sweep": {(1, 2): [1]}}, "sweep.(1, 2): unknown key"),
+        ({"sweep": {None: [1]}}, "sweep.None: unknown key"),
+        ({"rolling": {1: 2}}, "rolling"),
+    ],
+)
+def test_odd_values_and_keys_from_python_are_refused_in_words(
+    changes: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(SceneError) as error:
+        Scene.from_dict(built().to_dict() | changes)
+    assert any(message in fault for fault in error.value.faults), error.value.faults
+    str(error.value).encode("utf-8")
