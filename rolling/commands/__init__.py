@@ -18,7 +18,7 @@ from rolling.folders import claim, files, new_folder, own_files
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError, Stopped
 from rolling.folders.run_record import Kind
-from rolling.scene import file
+from rolling.scene import file, library
 from rolling.simulation import batch, labels, sound_files, summary
 from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan, refuse
@@ -96,6 +96,7 @@ def run(
 
     Parameters
     ----------
+    scene_path : Scene file, or the name of a scene of the library.
     overrides : "rolling.load_n=50" each.
     out : Run folder to make. Default: a folder named after scene and time.
     force : Replace an earlier run at `out`. Default: false.
@@ -108,6 +109,7 @@ def run(
     """
     scene = file.read_scene(scene_path, overrides)
     refuse(scene, workers, out or refusals.OUTPUTS)
+    scene_path = library.find(scene_path)
     plan = Plan(scene, scene_path.read_bytes())
     target = new_folder.aim(
         Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files]

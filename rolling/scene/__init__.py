@@ -11,6 +11,8 @@ motion, track
     distance over time; the track in whole nodes and whole steps
 file, yaml_text
     scenes as YAML, overrides, the JSON Schema; YAML as plain values with the line of each key
+library
+    scenes that come with the program, found by name
 messages, height_header, identity
     faults in words; the header of a height file; the physics that a result is solved for
 """
