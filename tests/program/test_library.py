@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -70,11 +71,16 @@ def test_an_unknown_scene_is_not_copied(name: str, capsys: pytest.CaptureFixture
     assert not list(Path().iterdir())
 
 
-def test_a_copy_that_fails_leaves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    folder = Path("/proc/self")  # no file can be made there
-    with pytest.raises(OSError, match="."):
-        library.copy("quickstart", folder)
-    assert not (folder / "quickstart.yaml").exists()
+def test_a_copy_that_fails_leaves_nothing(tmp_path: Path) -> None:
+    """The largest allowed file is shorter than the scene, as on a full disk."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, hard))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            library.copy("quickstart", tmp_path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_scene_is_found_by_name_unless_a_file_has_it() -> None:

@@ -24,8 +24,8 @@ from packaging.utils import canonicalize_name
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 NOT_SOURCES = (
-    ".git", ".venv", "__pycache__", "build", "dist", "*.egg-info", ".*_cache", ".hypothesis", ".coverage",
-    "PKG-INFO", "setup.cfg",
+    ".git", ".venv", "__pycache__", "build", "dist", "*.egg-info", ".*_cache", ".hypothesis",
+    ".coverage", "PKG-INFO", "setup.cfg",
 )  # fmt: skip
 
 
@@ -76,7 +76,10 @@ def setup_file() -> ModuleType:
 def test_links_of_the_index_page_are_absolute_where_the_repository_is_known(
     setup_file: ModuleType,
 ) -> None:
-    text = "![a page](scenarios/a.png) [docs](docs/b.md#c), [x](examples/), [y](https://e.org/z), [here](#d)\n"
+    text = (
+        "![a page](scenarios/a.png) [docs](docs/b.md#c), [x](examples/), [y](https://e.org/z),"
+        " [here](#d)\n"
+    )
     page = setup_file.index_page(text, "https://example.org/us/it/", "v1")
     place = "https://example.org/us/it"
     assert page == (
