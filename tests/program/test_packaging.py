@@ -20,6 +20,7 @@ from types import ModuleType
 import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
+from packaging.version import Version
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -56,6 +57,18 @@ def test_constraints_pin_every_package_of_all_extras() -> None:
                 each for each in parsed if not each.marker or each.marker.evaluate({"extra": extra})
             ]
     assert len(seen) > 20
+
+
+def test_the_lower_bounds_are_those_that_were_tried() -> None:
+    page = (ROOT / "docs" / "releasing.md").read_text(encoding="utf-8")
+    (tried,) = re.findall(r"^The lower bounds are (.*?) and h5netcdf ([\d.]+),", page, re.M | re.S)
+    listed = re.split(r",\s+", f"{tried[0]}, h5netcdf {tried[1]}")
+    versions = dict(part.split() for part in listed)
+    for text in PROJECT["dependencies"]:
+        requirement = Requirement(text)
+        (bound,) = [each.version for each in requirement.specifier if each.operator == ">="]
+        assert Version(versions.pop(requirement.name)) == Version(bound), text
+    assert not versions
 
 
 # ---- the page of an index
