@@ -15,6 +15,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+__distribution__ = "rolling-contact-noise"  # tells this package from others of its name
+
 if TYPE_CHECKING:
     from acoustics import plots, wav
     from acoustics.bands import (

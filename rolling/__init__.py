@@ -20,6 +20,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from rolling import _own_acoustics
+
 __version__ = "0.2.0.dev0"
 
 if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
@@ -108,6 +110,8 @@ def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if message := _own_acoustics.fault():
+        raise ImportError(message, name="acoustics")
     module, attribute = _PLACES[name]
     if not module.startswith("rolling.contact"):
         _bind_check()

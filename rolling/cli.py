@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rolling import __version__
+from rolling import __version__, _own_acoustics
 
 if TYPE_CHECKING:
     from rolling.commands import Report
@@ -35,6 +35,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     arguments = _parser().parse_args(argv)
+    if message := _own_acoustics.fault():
+        _say(message)
+        return BAD_INPUT
     try:
         return int(arguments.command(arguments))
     except KeyboardInterrupt:
@@ -65,7 +68,12 @@ def _is_bad_input(error: Exception) -> bool:
 
 
 def _scene(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("scene", type=_path, metavar="SCENE", help="scene file (YAML)")
+    sub.add_argument(
+        "scene",
+        type=_path,
+        metavar="SCENE",
+        help="scene file (YAML), or a name of `rolling scenes`",
+    )
 
 
 def _folder(sub: argparse.ArgumentParser) -> None:
@@ -164,7 +172,11 @@ def _take_over(sub: argparse.ArgumentParser) -> None:
 
 def _trial(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
-        "scene", type=_path, nargs="?", metavar="SCENE", help="scene file (YAML), not with --hard"
+        "scene",
+        type=_path,
+        nargs="?",
+        metavar="SCENE",
+        help="scene file (YAML) or name, not with --hard",
     )
     sub.add_argument(
         "--finest",
@@ -184,6 +196,20 @@ def _trial(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument(
         "--long", action="store_true", help="with --hard: the march of 1e5 steps as well"
+    )
+
+
+def _all(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--all", action="store_true", help="list the scenes of studies as well")
+
+
+def _library_scene(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "name",
+        nargs="?",
+        default="quickstart",
+        metavar="NAME",
+        help="name of the scene (default: quickstart)",
     )
 
 
@@ -381,6 +407,29 @@ def _reproduce(given: argparse.Namespace) -> int:
     return done.exit_code
 
 
+def _scenes(arguments: argparse.Namespace) -> int:
+    from rolling import tables
+    from rolling.scene import library
+
+    print(tables.columns(library.titles(arguments.all)))
+    if not arguments.all:
+        inner = len(library.scenes()) - len(library.titles())
+        print(f"\n{inner} more scenes are of studies; `rolling scenes --all` lists them")
+    return OK
+
+
+def _init(arguments: argparse.Namespace) -> int:
+    from rolling.scene import library
+
+    try:
+        written = library.copy(arguments.name, Path())
+    except library.LibraryError as error:
+        _say(str(error))
+        return BAD_INPUT
+    print(f"{' and '.join(map(str, written))} written; run it: rolling run {written[0]}")
+    return OK
+
+
 def _schema(arguments: argparse.Namespace) -> int:
     import json
 
@@ -461,6 +510,13 @@ _COMMANDS = (
         "run the study of an article in several readings and answer for its statements; again:"
         " goes on where it stopped",
         (_study, _workers, _take_over),
+    ),
+    _Command("scenes", _scenes, "list the scenes that come with the program", (_all,)),
+    _Command(
+        "init",
+        _init,
+        "copy a scene that comes with the program into the current folder",
+        (_library_scene,),
     ),
     _Command("schema", _schema, "print the JSON Schema of scene files, for editors"),
 )

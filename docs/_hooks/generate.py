@@ -228,7 +228,7 @@ def _rooms() -> dict[str, list[Path]]:
     for path in sorted((ROOT / "rolling").iterdir()):
         if path.is_dir() and (path / "__init__.py").exists():
             rooms[f"rolling.{path.name}"] = sorted(path.rglob("*.py"))
-        elif path.suffix == ".py" and path.name != "__init__.py":
+        elif path.suffix == ".py" and path.name not in ("__init__.py", "__main__.py"):
             rooms[f"rolling.{path.stem}"] = [path]
     return rooms
 

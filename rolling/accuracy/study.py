@@ -17,7 +17,7 @@ from rolling.accuracy.variants import Study, Variant, study_of, tasks
 from rolling.check import cost, long_steps, refusals
 from rolling.folders import claim, files, new_folder, run_record
 from rolling.folders.claim import Claim
-from rolling.scene import file
+from rolling.scene import file, library
 from rolling.simulation import pool, simulate, summary
 from rolling.simulation.batch import Run
 from rolling.surface import contact_of_scene
@@ -36,7 +36,7 @@ def run_study(
 
     Parameters
     ----------
-    scene_path : Path. The scene file.
+    scene_path : Path. The scene file, or the name of a scene of the library.
     overrides : sequence of str. Values of keys, as after --set. Default: none.
     out : Path or None. Folder of the study. Default: None, for a folder below outputs/.
     force : bool. If true, replace an earlier study. Default: False.
@@ -60,6 +60,7 @@ def run_study(
     refusals.refuse_variants_that_cannot_fit(study.scene, finest, workers, out or refusals.OUTPUTS)
     # this refuses a missing surface before anything is written
     contact_of_scene.rolling_contact(study.scene)
+    scene_path = library.find(scene_path)
     given = scene_path.read_bytes()
     inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]
     target = new_folder.aim(

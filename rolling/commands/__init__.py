@@ -18,7 +18,7 @@ from rolling.folders import claim, files, new_folder, own_files
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError, Stopped
 from rolling.folders.run_record import Kind
-from rolling.scene import file
+from rolling.scene import file, library
 from rolling.simulation import batch, labels, sound_files, summary
 from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan, refuse
@@ -101,7 +101,7 @@ def run(
 
     Parameters
     ----------
-    scene_path : Path. The scene file.
+    scene_path : Path. The scene file, or the name of a scene of the library.
     overrides : sequence of str. Assignments such as "rolling.load_n=50". Default: none.
     out : Path. Run folder to make. Default: a folder named after scene and time.
     force : bool. Replace an earlier run at `out`. Default: false.
@@ -114,6 +114,7 @@ def run(
     """
     scene = file.read_scene(scene_path, overrides)
     refuse(scene, workers, out or refusals.OUTPUTS)
+    scene_path = library.find(scene_path)
     plan = Plan(scene, scene_path.read_bytes())
     target = new_folder.aim(
         Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files]

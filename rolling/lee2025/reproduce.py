@@ -21,6 +21,7 @@ from rolling.folders.files import FolderError
 from rolling.lee2025 import claims, claims_text, figure_data, figures, page, study
 from rolling.lee2025.results import Table
 from rolling.lee2025.study import Case
+from rolling.scene import library
 from rolling.scene.messages import nearest
 from rolling.simulation import batch
 from rolling.simulation.batch import Run
@@ -28,7 +29,7 @@ from rolling.simulation.pool import Outcome
 from rolling.simulation.result_file import Result
 from rolling.simulation.stored_runs import records_of
 
-SCENES = Path(__file__).parents[2] / "scenarios"
+SCENES = library.folder()
 CASES = "cases.json"
 CLAIMS = "claims.md"
 TABLES = "tables.md"
@@ -191,7 +192,7 @@ def _readings(name: str, chosen: Sequence[str]) -> list[Path]:
     }
     if not available:
         raise FolderError(
-            f"{SCENES / name}: no scene files of this study here; they come with the repository"
+            f"{SCENES / name}: no scene files of this study here; the installation is incomplete"
         )
     for reading in chosen:
         if reading not in available:

@@ -13,6 +13,8 @@ file, yaml_text
     scenes as YAML, overrides, the JSON Schema; YAML as plain values with the line of each key
 height_format, height_header, height_text
     formats of height files and their faults; nodes from the header; numbers in text
+library
+    scenes that come with the program, found by name
 messages, identity
     faults in words; the physics that a result is solved for
 """

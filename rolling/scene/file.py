@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 
-from rolling.scene import yaml_text
+from rolling.scene import library, yaml_text
 from rolling.scene.messages import Key, SceneError, all_keys, nearest, numeric_keys, required, shown
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
@@ -30,7 +30,8 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     Parameters
     ----------
     path : Path or str
-        File of YAML 1.2 in UTF-8.
+        File of YAML 1.2 in UTF-8, or the name of a scene of the library, such as "quickstart", if
+        there is no such file. A scene found by name reads its height file from the current folder.
     overrides : sequence of str
         Values such as "rolling.load_n=50", written in YAML. No value (or null) removes an optional
         key or section. A key that the scene sweeps leaves the sweep when it is set;
@@ -46,11 +47,12 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     `read_scene("scenarios/quickstart.yaml", ["rolling.load_n=50"])`
     """
     path = Path(path)
+    file = library.find(path)
     try:
-        text = yaml_text.read_text(path)
+        text = yaml_text.read_text(file)
     except TextError as error:
         raise SceneError([str(error)]) from error
-    return loads(text, overrides, str(path), path.parent)
+    return loads(text, overrides, str(file), path.parent if file == path else Path())
 
 
 def loads(

@@ -20,6 +20,7 @@ from ruamel.yaml.error import YAMLError
 from ruamel.yaml.events import AliasEvent
 from ruamel.yaml.nodes import Node
 
+from rolling.scene import library
 from rolling.scene.messages import Key, cut, dotted, first_line, shown
 
 MAX_BYTES = 1_000_000  # maximum size of a file
@@ -79,7 +80,7 @@ def read_text(path: Path) -> str:
             raise TextError(f"{path}: is {kind}, a scene file is needed")
         content = _read_bytes(path, MAX_BYTES + 1)
     except FileNotFoundError as error:
-        raise TextError(f"{path}: no such file") from error
+        raise TextError(f"{path}: no such file{library.hint(path)}") from error
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the name
         raise TextError(
             f"{path}: not readable ({getattr(error, 'strerror', None) or error})"

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 # a new room needs a floor.
 FLOORS = {
     "rolling": (
-        ("_typing", "tables"),
+        ("_own_acoustics", "_typing", "tables"),
         ("contact", "scene"),
         ("folders", "surface"),
         ("check", "sound"),
@@ -71,7 +71,7 @@ def room(name: str) -> str:
     Names that a package defines itself belong to its front door.
     """
     package, _, rest = name.partition(".")
-    first = rest.split(".")[0]
+    first = "cli" if rest == "__main__" else rest.split(".")[0]  # `python -m rolling` is its door
     is_room = first and (
         (ROOT / package / first).is_dir() or (ROOT / package / f"{first}.py").is_file()
     )
