@@ -15,11 +15,11 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from rolling._typing import Array
 from rolling.check import cost
 from rolling.check.finding import Finding, clock, on_cores, si
+from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
@@ -29,6 +29,7 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
 from rolling.surface import scene_surface
 from rolling.surface.contact_of_scene import rolling_contact
+from rolling.terminal import progress
 
 POSITIONS = 8
 WARM_STEPS = 3  # after each cold start, for the time of a step
@@ -154,16 +155,17 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
     chosen = [k for k, reason in enumerate(reasons) if not reason]
     chosen.sort(key=lambda k: str(scene_surface.identity(scenes[k])))
     result = [Probe.without(reason) for reason in reasons]
-    with tqdm(
-        total=POSITIONS * len(chosen), disable=None, desc="solving positions", delay=1, leave=False
-    ) as bar:
+    bar = progress.bar(POSITIONS * len(chosen), "solving positions", delay=1, leave=False)
+    with bar, compiling.told(progress.compiling):
         for k in chosen:
-            result[k] = probe(rolling_contact(scenes[k]), scenes[k].track.solved_steps, bar.update)
+            with progress.step(f"making or reading the surface of {scenes[k].name}"):
+                contact = rolling_contact(scenes[k])
+            result[k] = probe(contact, scenes[k].track.solved_steps, bar.update)
     return result
 
 
 def probe(
-    contact: RollingContact, steps: int, progress: Callable[[int], object] = lambda count: None
+    contact: RollingContact, steps: int, tell: Callable[[int], object] = lambda count: None
 ) -> Probe:
     """Solve positions evenly along a track of so many steps, each from a cold start, and time the
     next steps.
@@ -173,7 +175,7 @@ def probe(
 
     Parameters
     ----------
-    progress : callable
+    tell : callable
         Function that is called with 1 after each of POSITIONS positions.
     """
     half_space = HalfSpace(contact.spacing, contact.contact_modulus)
@@ -188,7 +190,7 @@ def probe(
                 solved[k] = _position(contact, k, half_space)
         except ContactError as error:
             failures[k] = str(error)
-        progress(1)
+        tell(1)
     states = [state for state, _ in solved.values()]
     return Probe(
         len(set(places.tolist())),

@@ -19,7 +19,7 @@ import numpy as np
 from markupsafe import Markup
 
 from acoustics import wav
-from rolling import __version__
+from rolling import __version__, defaults
 from rolling.figures import run_figures
 from rolling.figures.picture import Picture
 from rolling.folders import program
@@ -34,7 +34,7 @@ from rolling.simulation.run_result import RunResult
 
 LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
 GENERATOR = f"{program.NAME} {__version__}"
-MOST_RUNS = 24  # on one page, which grows by half a megabyte and more with each
+MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
 TIMELINES = ("release_power", "spectrogram")  # pictures over the time of one run
 # pictures of one run, however many are compared
 OWN = (*TIMELINES, "surface", "contact", "recovery_events")

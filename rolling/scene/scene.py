@@ -124,6 +124,7 @@ class Scene(Section):
     check: ClassVar[Callable[..., Any]]
 
     _folder: Path = PrivateAttr(default=Path())
+    _places: Mapping[Key, str] = PrivateAttr(default_factory=lambda: {(): "scene"})
 
     @field_validator("rolling")
     @classmethod
@@ -205,7 +206,7 @@ class Scene(Section):
             ]
         if faults or lines or scene is None:
             raise SceneError(list(dict.fromkeys([*faults, *lines])))
-        scene._folder = folder
+        scene._folder, scene._places = folder, dict(places)
         return scene
 
     def to_dict(self) -> dict[str, Any]:
@@ -276,6 +277,12 @@ class Scene(Section):
             SweepRun(values, Scene.from_dict(sweeps.with_values(data, values), self.folder))
             for values in sweeps.product(self.sweep)
         ]
+
+    def place(self, name: str) -> str:
+        """Return file and line (or --set) of a dotted key, for messages."""
+        section, _, last = name.partition(".")
+        swept: Key = ("sweep", name)
+        return place(swept if swept in self._places else (section, last), self._places)
 
     # ---- quantities in SI ----
 

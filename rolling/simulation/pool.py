@@ -14,8 +14,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
+from rolling.contact import compiling
 from rolling.contact.solver import ContactError
 from rolling.simulation import lifeline, spawning
+from rolling.terminal import progress as terminal
 
 _KILLED = "a worker process was killed; out of memory? Fewer --workers need less"
 
@@ -90,7 +92,8 @@ def work(
     workers = min(workers, len(tasks))
     with _stop_request() as asked:
         if workers <= 1:
-            _work_here(tasks, listener, asked, outcome)
+            with compiling.told(terminal.compiling):
+                _work_here(tasks, listener, asked, outcome)
         else:
             _work_in_parallel(tasks, workers, listener, asked, outcome)
         outcome.interrupted = asked()
@@ -122,10 +125,11 @@ def _work_in_parallel(
 ) -> None:
     """Do the tasks on worker processes, of which each has at most one more task in store."""
     context = spawning.context()
-    stop = context.Event()
+    stop, compiles = context.Event(), context.Event()
+    events = (stop, compiles)
     waiting = list(reversed(tasks))
     running: dict[Future[Any], Task] = {}
-    with _one_thread_each(), ProcessPoolExecutor(workers, context, _begin_worker, (stop,)) as pool:
+    with _one_thread_each(), ProcessPoolExecutor(workers, context, _begin_worker, events) as pool:
         try:
             while waiting or running:
                 while waiting and len(running) < 2 * workers:
@@ -137,6 +141,9 @@ def _work_in_parallel(
                 for future in done:
                     _collect(future, running[future], listener, outcome)
                     del running[future]
+                listener.progress(0.0)  # a bar's clock goes on
+                if compiles.is_set():
+                    terminal.compiling()
                 if asked():
                     waiting.clear()
                     stop.set()
@@ -181,11 +188,15 @@ def _one_thread_each() -> Iterator[None]:
 _worker_stop: Any = None
 
 
-def _begin_worker(stop: Any) -> None:
-    """Prepare a worker process: it ends with its parent and stops when `stop` is set."""
+def _begin_worker(stop: Any, compiles: Any) -> None:
+    """Prepare a worker process, which ends with its parent.
+
+    It stops when `stop` is set, and sets `compiles` when it compiles a kernel.
+    """
     global _worker_stop
     lifeline.end_with_parent()
     _worker_stop = stop
+    compiling.tell_always(compiles.set)
     # Ctrl-C reaches the whole process group; the parent decides and tells through the event.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 

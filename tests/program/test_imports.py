@@ -19,11 +19,11 @@ ROOT = Path(__file__).parents[2]
 # a new room needs a floor.
 FLOORS = {
     "rolling": (
-        ("_typing", "tables"),
+        ("_typing", "defaults", "tables", "terminal"),
         ("contact", "scene"),
         ("folders", "surface"),
         ("check", "sound"),
-        ("simulation",),
+        ("early", "simulation"),
         ("accuracy", "figures", "verification"),
         ("plot", "report"),
         ("commands", "lee2025"),
