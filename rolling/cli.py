@@ -29,6 +29,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     # The solve is cut into processes; threads of libraries only get in their way.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    # Plugins of pydantic, which scenes do not use, would be searched in all packages.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
     with streams.lasting() as (output, _):
         code = _act(argv)
         output.flush()
@@ -372,9 +374,9 @@ def _print_files(report: Report, page: bool) -> None:
 
 
 def _check(arguments: argparse.Namespace) -> int:
-    from rolling.scene import file
+    from rolling import early
 
-    scene = file.read_scene(arguments.scene, arguments.set)
+    scene = early.read_scene(arguments.scene, arguments.set)
     findings = _loaded("rolling.check.findings").check_scene(scene, solve=not arguments.fast)
     if not progress.is_quiet():
         print(findings)

@@ -1,14 +1,36 @@
-"""Refusals that need no solver: they come before its import, which takes seconds."""
+"""Refusals that need no solver: they come before its import, which takes seconds.
+
+Each refusal is checked before the modules of the next one are imported, so that a misspelt file
+name is answered at once.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from rolling.check import long_steps, refusals
-from rolling.folders import new_folder, run_folder
-from rolling.folders.run_record import Kind
-from rolling.scene import file
+if TYPE_CHECKING:
+    from rolling.folders.run_record import Kind
+    from rolling.scene.scene import Scene
+
+
+def read_scene(path: Path, overrides: Sequence[str]) -> Scene:
+    """Read a scene, whose file is looked for before the scene's models are built.
+
+    Raises
+    ------
+    SceneError : the file cannot be read, or has faults.
+    """
+    from rolling.scene import messages, yaml_text
+
+    try:
+        yaml_text.read_text(path)
+    except yaml_text.TextError as error:
+        raise messages.SceneError([str(error)]) from error
+    from rolling.scene import file
+
+    return file.read_scene(path, overrides)
 
 
 def refuse_scene(
@@ -28,10 +50,14 @@ def refuse_scene(
     ------
     SceneError, FolderError : the scene or the folder cannot be used.
     """
-    scene = file.read_scene(path, overrides)
+    scene = read_scene(path, overrides)
+    from rolling.check import long_steps, refusals
+
     refusals.refuse_unavailable(scene)
     long_steps.refuse_long_steps(scene)
     if out is not None:
+        from rolling.folders import new_folder
+
         new_folder.aim(out, out, force, kinds)
 
 
@@ -42,5 +68,7 @@ def refuse_folders(folders: Sequence[Path]) -> None:
     ------
     FolderError : a folder is no run folder.
     """
+    from rolling.folders import run_folder
+
     for folder in folders:
         run_folder.record_of_runs(folder)
