@@ -7,7 +7,6 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,8 +16,8 @@ from rolling.terminal.progress import Level
 
 if TYPE_CHECKING:
     from rolling.commands import Report
-    from rolling.lee2025.reproduce import Reproduction
 
+LOADING = "loading the program"  # with the solver in it, which takes seconds
 OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -269,7 +268,8 @@ def _run(given: argparse.Namespace) -> int:
     from rolling import early
 
     early.refuse_scene(given.scene, given.set, given.out, given.force, ("run", "sweep"))
-    commands = _loaded("rolling.commands")
+    with progress.step(LOADING):
+        from rolling import commands
     return _reported(
         commands.run(
             given.scene, given.set, given.out, given.force, given.workers, not given.no_report
@@ -282,7 +282,8 @@ def _resume(given: argparse.Namespace) -> int:
     from rolling import early
 
     early.refuse_folders([given.folder])
-    commands = _loaded("rolling.commands")
+    with progress.step(LOADING):
+        from rolling import commands
     return _reported(
         commands.resume(given.folder, given.workers, not given.no_report, given.take_over),
         not given.no_report,
@@ -293,7 +294,8 @@ def _resound(given: argparse.Namespace) -> int:
     from rolling import early
 
     early.refuse_folders([given.folder])
-    commands = _loaded("rolling.commands")
+    with progress.step(LOADING):
+        from rolling import commands
     return _reported(
         commands.resound(given.folder, given.set, given.out, given.force, not given.no_report),
         not given.no_report,
@@ -304,15 +306,10 @@ def _report(arguments: argparse.Namespace) -> int:
     from rolling import early
 
     early.refuse_folders(arguments.folders)
-    commands = _loaded("rolling.commands")
+    with progress.step(LOADING):
+        from rolling import commands
     print(commands.report(arguments.folders, arguments.out, arguments.force))
     return OK
-
-
-def _loaded(module: str) -> Any:
-    """Import the module of a command, which takes seconds with the solver in it."""
-    with progress.step("loading the program"):
-        return import_module(module)
 
 
 def _reported(report: Report, page: bool) -> int:
@@ -377,7 +374,9 @@ def _check(arguments: argparse.Namespace) -> int:
     from rolling import early
 
     scene = early.read_scene(arguments.scene, arguments.set)
-    findings = _loaded("rolling.check.findings").check_scene(scene, solve=not arguments.fast)
+    with progress.step(LOADING):
+        from rolling.check.findings import check_scene
+    findings = check_scene(scene, solve=not arguments.fast)
     if not progress.is_quiet():
         print(findings)
     for warning in findings.warnings if progress.is_quiet() else ():
@@ -407,16 +406,16 @@ def _accuracy(arguments: argparse.Namespace) -> int:
     early.refuse_scene(
         arguments.scene, arguments.set, arguments.out, arguments.force, ("accuracy",)
     )
-    study = _loaded("rolling.accuracy.study")
+    with progress.step(LOADING):
+        from rolling.accuracy import study
     given = {
         name: value
         for name in ("finest", "duration")
         if (value := getattr(arguments, name)) is not None
     }
-    code: int = study.run_study(
+    return study.run_study(
         arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers, **given
     )
-    return code
 
 
 def _hard_cases(arguments: argparse.Namespace) -> int:
@@ -424,12 +423,13 @@ def _hard_cases(arguments: argparse.Namespace) -> int:
     from rolling.folders import new_folder, run_record
 
     target = new_folder.aim(Path("outputs") / "hard-cases", arguments.out, False, ["hard-cases"])
-    judge = _loaded("rolling.verification.judge")
+    with progress.step(LOADING):
+        from rolling.verification import judge
     held = new_folder.make(target, run_record.new("hard-cases"))
     with held:
         workers = arguments.workers or cost.cores()
         random = arguments.random or defaults.RANDOM_SCENES
-        code: int = judge.main_report(held.folder, random, workers, arguments.long)
+        code = judge.main_report(held.folder, random, workers, arguments.long)
         held.mark(
             held.folder, "failed" if code else "done", "not every case holds" if code else None
         )
@@ -438,8 +438,9 @@ def _hard_cases(arguments: argparse.Namespace) -> int:
 
 
 def _reproduce(given: argparse.Namespace) -> int:
-    reproduce = _loaded("rolling.lee2025.reproduce")
-    done: Reproduction = reproduce.reproduce(
+    with progress.step(LOADING):
+        from rolling.lee2025 import reproduce
+    done = reproduce.reproduce(
         given.study, given.readings, given.out, given.quick, given.workers, given.take_over
     )
     for case, reason in done.failures.items():

@@ -61,8 +61,7 @@ def run_study(
     study = study_of(single, duration, finest)
     refusals.refuse_variants_that_cannot_fit(study.scene, finest, workers, out or refusals.OUTPUTS)
     # a missing surface is refused before anything is written
-    with progress.step(f"making or reading the surface of {scene.name}"):
-        contact_of_scene.rolling_contact(study.scene)
+    contact_of_scene.rolling_contact(study.scene)
     given = scene_path.read_bytes()
     inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]
     target = new_folder.aim(

@@ -158,9 +158,7 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
     bar = progress.bar(POSITIONS * len(chosen), "solving positions", delay=1, leave=False)
     with bar, compiling.told(progress.compiling):
         for k in chosen:
-            with progress.step(f"making or reading the surface of {scenes[k].name}"):
-                contact = rolling_contact(scenes[k])
-            result[k] = probe(contact, scenes[k].track.solved_steps, bar.update)
+            result[k] = probe(rolling_contact(scenes[k]), scenes[k].track.solved_steps, bar.update)
     return result
 
 

@@ -111,8 +111,7 @@ def run(
     SceneError, FolderError : before anything is computed or written.
     """
     scene = file.read_scene(scene_path, overrides)
-    with progress.step(f"making or reading the surface of {scene.name}"):
-        refuse(scene, workers, out or refusals.OUTPUTS)
+    refuse(scene, workers, out or refusals.OUTPUTS)
     plan = Plan(scene, scene_path.read_bytes())
     target = new_folder.aim(
         Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files]

@@ -124,7 +124,7 @@ class Scene(Section):
     check: ClassVar[Callable[..., Any]]
 
     _folder: Path = PrivateAttr(default=Path())
-    _places: Mapping[Key, str] = PrivateAttr(default_factory=lambda: {(): "scene"})
+    _places: Mapping[Key, str] = PrivateAttr(default={(): "scene"})
 
     @field_validator("rolling")
     @classmethod

@@ -141,7 +141,6 @@ def _work_in_parallel(
                 for future in done:
                     _collect(future, running[future], listener, outcome)
                     del running[future]
-                listener.progress(0.0)  # a bar's clock goes on
                 if compiles.is_set():
                     terminal.compiling()
                 if asked():

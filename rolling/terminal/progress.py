@@ -18,6 +18,7 @@ from typing import Any, Protocol, Self
 
 BAR = "{desc} {percentage:3.0f}%|{bar}| {elapsed} passed, {remaining} left"
 PATIENCE = 0.7  # [s] before a step that still goes on gets its line
+TICK = 1.0  # [s] between two looks of a bar whose step says nothing
 FIRST_LINE, NEXT_LINE = 5.0, 30.0  # [s] to the first line of a bar that is no terminal, and between
 COMPILING = "compiling the solver for this machine, once; this takes up to a minute"
 
@@ -138,31 +139,67 @@ def bar(
     leave : bool. Whether the bar stays when it is full. Default: true.
     unit : str or None. Unit that is counted. Default: None, for a percentage.
     """
+    if _voice.level is not None and shown is None and not sys.stderr.isatty():
+        return _Clocked(_Lines(total, name), FIRST_LINE)
     from tqdm import tqdm
 
-    if _voice.level is not None and shown is None and not sys.stderr.isatty():
-        return _Lines(total, name)
     layout = {"bar_format": BAR} if unit is None else {"unit": unit}
-    watched: Bar = tqdm(
+    watched = tqdm(
         total=total,
         desc=name,
         disable=_is_hidden(shown),
         delay=delay,
         leave=leave,
-        miniters=0,
         file=sys.stderr,
         **layout,
     )
-    return watched
+    return _Clocked(watched, delay)
+
+
+class _Clocked:
+    """A bar whose clock goes on while its step says nothing.
+
+    Parameters
+    ----------
+    shown : tqdm or _Lines. The bar itself.
+    delay : float, s. Time before it appears.
+    """
+
+    def __init__(self, shown: Any, delay: float) -> None:
+        self._shown, self._delay = shown, delay
+        self._done = threading.Event()
+
+    def __enter__(self) -> Self:
+        self._shown.__enter__()
+        if not self._shown.disable:
+            threading.Thread(target=self._tick, name="bar", daemon=True).start()
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._done.set()
+        self._shown.__exit__(*error)
+
+    def update(self, share: float) -> object:
+        """Add to the progress."""
+        return self._shown.update(share)
+
+    def _tick(self) -> None:
+        """Show the bar anew every second until the step is done."""
+        wait = self._delay + TICK
+        while not self._done.wait(wait):
+            self._shown.refresh()
+            wait = TICK
 
 
 class _Lines:
     """The progress of a long step where nobody watches: a line now and then."""
 
     def __init__(self, total: float, name: str) -> None:
+        self.disable = is_quiet()
         self._total, self._name, self._done = total, name, 0.0
         self._began = time.monotonic()
         self._next = self._began + FIRST_LINE
+        self._lock = threading.Lock()
 
     def __enter__(self) -> Self:
         return self
@@ -173,10 +210,15 @@ class _Lines:
     def update(self, share: float) -> None:
         """Add to the progress, and say a line if it is time."""
         self._done += share
-        now = time.monotonic()
-        if now < self._next or self._total <= 0:
-            return
-        self._next = now + NEXT_LINE
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Say a line if it is time."""
+        with self._lock:
+            now = time.monotonic()
+            if now < self._next or self._total <= 0:
+                return
+            self._next = now + NEXT_LINE
         part, passed = min(1.0, self._done / self._total), now - self._began
         left = f", {_clock(passed / part - passed)} left" if part > 0 else ""
         line(f"{self._name}: {100 * part:.0f} %, {_clock(passed)} passed{left}")
