@@ -186,6 +186,7 @@ def probe(
         try:
             if k not in solved:  # a track may have fewer steps than positions
                 solved[k] = _position(contact, k, half_space)
+                progress.detail(_position_text(*solved[k]))
         except ContactError as error:
             failures[k] = str(error)
         tell(1)
@@ -201,6 +202,12 @@ def probe(
         np.array([ms for _, ms in solved.values()]),
         tuple(failures.values()),
     )
+
+
+def _position_text(state: ContactState, ms: float) -> str:
+    """Write window, iterations and time of a solved position."""
+    window = f"window {state.window.rows} x {state.window.columns} nodes"
+    return f"position {state.position}: {window}, {state.iterations} iterations, {ms:.2f} ms a step"
 
 
 def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[ContactState, float]:

@@ -166,8 +166,12 @@ print(code, *sorted(set(sys.modules) & {"numpy", "numba", "scipy", "h5py", "matp
     ("words", "loaded", "message"),
     [
         *((f"{command} none.yaml", "", "no such file") for command in ("run", "accuracy", "check")),
-        ("run tiny.yaml --set rolling.laod_n=3", " numpy", "unknown key, nearest: load_n"),
-        ("check tiny.yaml --set rolling.laod_n=3", " numpy", "unknown key, nearest: load_n"),
+        ("run tiny.yaml --set rolling.laod_n=3", " numpy", "unknown key, nearest: rolling.load_n"),
+        (
+            "check tiny.yaml --set rolling.laod_n=3",
+            " numpy",
+            "unknown key, nearest: rolling.load_n",
+        ),
         ("run tiny.yaml --set numerics.step_nodes=64", " numpy", "step_nodes: got 64"),
         ("accuracy tiny.yaml --out .", " numpy", "the working directory"),
     ],
@@ -253,7 +257,9 @@ def test_text_that_is_lost_to_a_full_disk_fails(scene: Path) -> None:
 )
 def test_streams_that_are_closed_or_ascii(command: str, scene: Path) -> None:
     done = shell(command, scene.parent)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert done.returncode == 0, done.stderr
+    # On a slow machine there are lines about long steps.
+    assert not re.search("Traceback|Error|ignored", done.stderr)
 
 
 @pytest.mark.slow
