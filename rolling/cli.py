@@ -164,9 +164,10 @@ def _study(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--quick",
         action="store_true",
-        help=f"{defaults.QUICK_SEEDS} surface, loads of {', '.join(map(str, defaults.QUICK_LOADS_N))} N,"
-        f" {defaults.QUICK_SECONDS:g} s in steps {defaults.QUICK_STRIDES} times as long; without the outlook"
-        " unless named",
+        help=f"{defaults.QUICK_SEEDS} surface,"
+        f" loads of {', '.join(map(str, defaults.QUICK_LOADS_N))} N,"
+        f" {defaults.QUICK_SECONDS:g} s in steps {defaults.QUICK_STRIDES} times as long;"
+        " without the outlook unless named",
     )
     sub.add_argument(
         "--out", type=_path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)"
@@ -204,7 +205,8 @@ def _trial(sub: argparse.ArgumentParser) -> None:
         "--random",
         type=_count,
         metavar="N",
-        help=f"with --hard: N random scenes (default {random:,}), and N/{part} odd and N/{part} blended ones"
+        help=f"with --hard: N random scenes (default {random:,}),"
+        f" and N/{part} odd and N/{part} blended ones"
         f" ({random + 2 * (random // part):,} in all by default)",
     )
     sub.add_argument(
@@ -404,7 +406,7 @@ def _accuracy(arguments: argparse.Namespace) -> int:
     from rolling import early
 
     early.refuse_scene(
-        arguments.scene, arguments.set, arguments.out, arguments.force, ("accuracy",)
+        arguments.scene, arguments.set, arguments.out, arguments.force, ("accuracy",), first=True
     )
     with progress.step(LOADING):
         from rolling.accuracy import study

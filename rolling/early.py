@@ -34,7 +34,12 @@ def read_scene(path: Path, overrides: Sequence[str]) -> Scene:
 
 
 def refuse_scene(
-    path: Path, overrides: Sequence[str], out: Path | None, force: bool, kinds: Sequence[Kind]
+    path: Path,
+    overrides: Sequence[str],
+    out: Path | None,
+    force: bool,
+    kinds: Sequence[Kind],
+    first: bool = False,
 ) -> None:
     """Refuse a scene for its text, or the folder that it would be run in.
 
@@ -45,6 +50,7 @@ def refuse_scene(
     out : Path or None. The folder to make.
     force : bool. Whether an older folder may be replaced.
     kinds : sequence of Kind. The kinds of folders that the command makes.
+    first : bool. Whether the first run of a sweep is run alone. Default: false.
 
     Raises
     ------
@@ -54,7 +60,7 @@ def refuse_scene(
     from rolling.check import long_steps, refusals
 
     refusals.refuse_unavailable(scene)
-    long_steps.refuse_long_steps(scene)
+    long_steps.refuse_long_steps(scene.runs()[0].scene if first else scene)
     if out is not None:
         from rolling.folders import new_folder
 

@@ -206,7 +206,8 @@ class Scene(Section):
             ]
         if faults or lines or scene is None:
             raise SceneError(list(dict.fromkeys([*faults, *lines])))
-        scene._folder, scene._places = folder, dict(places)
+        scene._folder = folder
+        scene._places = places if isinstance(places, dict) else dict(places)
         return scene
 
     def to_dict(self) -> dict[str, Any]:
@@ -273,8 +274,9 @@ class Scene(Section):
             return [SweepRun({}, self)]
         data = self.to_dict()
         del data["sweep"]
+        places = {key: at for key, at in self._places.items() if key[:1] != ("sweep",)}
         return [
-            SweepRun(values, Scene.from_dict(sweeps.with_values(data, values), self.folder))
+            SweepRun(values, Scene.from_dict(sweeps.with_values(data, values), self.folder, places))
             for values in sweeps.product(self.sweep)
         ]
 

@@ -27,7 +27,9 @@ name: tiny
 description: Übergröße, µm and 北
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 128, seed: 3}
+surface:
+  {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 128,
+   seed: 3}
 rolling: {load_n: 0.5, speed_m_s: 0.1, duration_s: 0.004}
 """  # 200 steps
 
