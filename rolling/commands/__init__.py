@@ -147,9 +147,17 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
     refusals.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
     report = _resumed(folder, runs, workers, page, take_over)
     if sweep := details.sweep_to_finish(folder):
-        progress.line(f"that was the last run of {sweep}, whose table, figures and page follow")
-        _resumed(sweep, read_runs(sweep), workers, page, take_over)
+        _finish_sweep(sweep, workers, page, take_over)
     return report
+
+
+def _finish_sweep(sweep: Path, workers: int, page: bool, take_over: bool) -> None:
+    """Write table, figures, page and state of a sweep whose runs are done."""
+    progress.line(f"that was the last run of {sweep}, whose table, figures and page follow")
+    try:
+        _resumed(sweep, read_runs(sweep), workers, page, take_over)
+    except FolderError as error:  # such as another process that does the same; the run is done
+        progress.line(f"not finished: {error}")
 
 
 def _resumed(folder: Path, runs: list[Run], workers: int, page: bool, take_over: bool) -> Report:
