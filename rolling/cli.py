@@ -366,6 +366,8 @@ def _print_files(report: Report, page: bool) -> None:
     )
     if report.page:
         print(f"all on one page: {report.page}")
+    elif report.finished_before:
+        print(f"no page: `rolling report {report.folder}` makes one")
     elif page:
         print(
             f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes one of those to compare"

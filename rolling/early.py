@@ -64,7 +64,8 @@ def refuse_scene(
     if out is not None:
         from rolling.folders import new_folder
 
-        new_folder.aim(out, out, force, kinds)
+        heights = [scene.height_path] if scene.height_path is not None else []
+        new_folder.aim(out, out, force, kinds, [path, *heights])
 
 
 def refuse_folders(folders: Sequence[Path]) -> None:

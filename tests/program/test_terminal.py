@@ -358,6 +358,7 @@ def test_quiet_prints_the_folder_and_a_finished_run_is_left_alone(
     printed = capsys.readouterr()
     assert f"{out}: finished " in printed.err and "nothing to resume" in printed.err
     assert "dB(A)" in printed.out and str(out / "listen.wav") in printed.out
+    assert f"`rolling report {out}` makes one" in printed.out and "too many" not in printed.out
     assert files_of(out) == before
     (out / "result.h5").unlink()  # then there is something to resume
     assert cli.main(["resume", str(out), "-v", "--no-report"]) == 0
