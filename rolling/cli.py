@@ -6,19 +6,21 @@ Each command imports its modules itself, so that `--help` is instant.
 from __future__ import annotations
 
 import argparse
-import io
 import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from rolling import __version__, _own_acoustics
+from rolling import __version__, _own_acoustics, defaults
+from rolling.terminal import progress, streams, usage
+from rolling.terminal.progress import Level
 
 if TYPE_CHECKING:
     from rolling.commands import Report
 
+LOADING = "loading the program"  # with the solver in it, which takes seconds
 OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -30,22 +32,37 @@ def main(argv: Sequence[str] | None = None) -> int:
     # The solve runs in several processes, and threads of libraries only slow them down.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    for stream in (sys.stdout, sys.stderr):
-        # The name of a folder need not be UTF-8, and a terminal may lack a character.
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
-    arguments = _parser().parse_args(argv)
+    # Plugins of pydantic, which scenes do not use, would be searched in all packages.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
+    with streams.lasting() as (output, _):
+        code = _act(argv)
+        output.flush()
+        if output.error is not None:
+            _say(f"standard output: {output.error.strerror}; a part of the text is lost")
+            code = code or FAILED
+    return code
+
+
+def _act(argv: Sequence[str] | None) -> int:
+    """Parse the arguments and run their command; return the exit code."""
+    parser = _parser()
+    words = sys.argv[1:] if argv is None else list(argv)
+    if not words:
+        parser.print_help()
+        return OK
+    usage.refuse_unknown_command(parser, words, [command.name for command in _COMMANDS])
+    arguments, unknown = parser.parse_known_args(words)
+    if unknown:
+        usage.refuse_unknown_arguments(arguments.parser, unknown)
     if message := _own_acoustics.fault():
         _say(message)
         return BAD_INPUT
     try:
-        return int(arguments.command(arguments))
+        with progress.begin(_level(arguments)):
+            return int(arguments.command(arguments))
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
-    except BrokenPipeError:  # the reader of the output closed the pipe
-        sys.stderr.close()
-        return FAILED
     except OSError as error:  # the message names the files that are kept
         _say(str(error))
         return FAILED
@@ -54,6 +71,13 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise
         _say(str(error))
         return BAD_INPUT
+
+
+def _level(arguments: argparse.Namespace) -> Level:
+    """Return how much the command says."""
+    if arguments.quiet:
+        return Level.QUIET
+    return Level.VERBOSE if arguments.verbose else Level.NORMAL
 
 
 def _is_bad_input(error: Exception) -> bool:
@@ -116,7 +140,7 @@ def _no_page(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--no-report",
         action="store_true",
-        help="write no report page (a page holds at most 24 runs)",
+        help=f"write no report page (a page holds at most {defaults.MOST_RUNS_ON_PAGE} runs)",
     )
 
 
@@ -155,7 +179,10 @@ def _study(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--quick",
         action="store_true",
-        help="one surface, three loads, 0.015 s in steps of 6 um; without the outlook unless named",
+        help=f"{defaults.QUICK_SEEDS} surface,"
+        f" loads of {', '.join(map(str, defaults.QUICK_LOADS_N))} N,"
+        f" {defaults.QUICK_SECONDS:g} s in steps {defaults.QUICK_STRIDES} times as long;"
+        " without the outlook unless named",
     )
     sub.add_argument(
         "--out", type=_path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)"
@@ -182,20 +209,48 @@ def _trial(sub: argparse.ArgumentParser) -> None:
         "--finest",
         type=_power_of_two,
         metavar="N",
-        help="divide the spacing by 2, 4, ... up to N (default 4)",
+        help=f"divide the spacing by 2, 4, ... up to N (default {defaults.FINEST})",
     )
     sub.add_argument(
         "--duration",
         type=_seconds,
         metavar="S",
-        help="seconds of rolling at most (default 0.045: no third octave from 100 Hz is empty)",
+        help=f"seconds of rolling at most (default {defaults.ACCURACY_SECONDS:g}:"
+        " no third octave from 100 Hz is empty)",
     )
     sub.add_argument("--hard", action="store_true", help="judge the solver on hard cases instead")
+    random, part = defaults.RANDOM_SCENES, defaults.OTHER_SCENES
     sub.add_argument(
-        "--random", type=_count, metavar="N", help="with --hard: random scenes (default 2000)"
+        "--random",
+        type=_count,
+        metavar="N",
+        help=f"with --hard: N random scenes (default {random:,}),"
+        f" and N/{part} odd and N/{part} blended ones"
+        f" ({random + 2 * (random // part):,} in all by default)",
     )
     sub.add_argument(
-        "--long", action="store_true", help="with --hard: the march of 1e5 steps as well"
+        "--long",
+        action="store_true",
+        help=f"with --hard: the march of {defaults.LONG_STEPS:,} steps as well",
+    )
+
+
+def _volume(parser: argparse.ArgumentParser, default: Any) -> None:
+    """Add the options that say more or less."""
+    either = parser.add_mutually_exclusive_group()
+    either.add_argument(
+        "-q",
+        "--quiet",
+        action="store_true",
+        default=default,
+        help="print refusals, errors and the folder (or page) only",
+    )
+    either.add_argument(
+        "-v",
+        "--verbose",
+        action="store_true",
+        default=default,
+        help="say more: pieces, windows, iterations and times",
     )
 
 
@@ -244,8 +299,11 @@ def _seconds(text: str) -> float:
 
 
 def _run(given: argparse.Namespace) -> int:
-    from rolling import commands
+    from rolling import early
 
+    early.refuse_scene(given.scene, given.set, given.out, given.force, ("run", "sweep"))
+    with progress.step(LOADING):
+        from rolling import commands
     return _reported(
         commands.run(
             given.scene, given.set, given.out, given.force, given.workers, not given.no_report
@@ -255,8 +313,11 @@ def _run(given: argparse.Namespace) -> int:
 
 
 def _resume(given: argparse.Namespace) -> int:
-    from rolling import commands
+    from rolling import early
 
+    early.refuse_folders([given.folder])
+    with progress.step(LOADING):
+        from rolling import commands
     return _reported(
         commands.resume(given.folder, given.workers, not given.no_report, given.take_over),
         not given.no_report,
@@ -264,8 +325,11 @@ def _resume(given: argparse.Namespace) -> int:
 
 
 def _resound(given: argparse.Namespace) -> int:
-    from rolling import commands
+    from rolling import early
 
+    early.refuse_folders([given.folder])
+    with progress.step(LOADING):
+        from rolling import commands
     return _reported(
         commands.resound(given.folder, given.set, given.out, given.force, not given.no_report),
         not given.no_report,
@@ -273,14 +337,19 @@ def _resound(given: argparse.Namespace) -> int:
 
 
 def _report(arguments: argparse.Namespace) -> int:
-    from rolling import commands
+    from rolling import early
 
+    early.refuse_folders(arguments.folders)
+    with progress.step(LOADING):
+        from rolling import commands
     print(commands.report(arguments.folders, arguments.out, arguments.force))
     return OK
 
 
 def _reported(report: Report, page: bool) -> int:
     """Print the outcome of a command that worked on a run folder."""
+    if report.finished_before:
+        progress.line(f"{report.folder}: finished {report.finished_before}, nothing to resume")
     _print_levels(report)
     if report.exit_code == OK:
         _print_files(report, page)
@@ -300,7 +369,15 @@ def _reported(report: Report, page: bool) -> int:
 
 
 def _print_levels(report: Report) -> None:
-    """Print the table of levels with its caveats, then the failures."""
+    """Print the table of levels with its caveats unless the command is quiet, then the failures."""
+    if not progress.is_quiet():
+        print(_levels(report))
+    for label, reason in report.failures.items():
+        _say(f"failed: {label}: {reason}")
+
+
+def _levels(report: Report) -> str:
+    """Return the table of levels with its caveats."""
     from rolling.simulation import labels, summary
 
     names = labels.labels([run for run, _ in report.runs])
@@ -308,18 +385,21 @@ def _print_levels(report: Report) -> None:
         (label, str(run.folder), numbers)
         for label, (run, numbers) in zip(names, report.runs, strict=True)
     ]
-    print(summary.table(rows))
-    for label, reason in report.failures.items():
-        _say(f"failed: {label}: {reason}")
+    return summary.table(rows)
 
 
 def _print_files(report: Report, page: bool) -> None:
-    """Print the paths of the files that a person opens first."""
+    """Print the paths of the files that a person opens first, or the folder alone if quiet."""
+    if progress.is_quiet():
+        print(report.folder)
+        return
     print(
         f"\nlisten: {report.runs[0][0].folder / 'listen.wav'}   pictures, numbers: {report.folder}"
     )
     if report.page:
         print(f"all on one page: {report.page}")
+    elif report.finished_before:
+        print(f"no page: `rolling report {report.folder}` makes one")
     elif page:
         print(
             f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes a page"
@@ -328,14 +408,16 @@ def _print_files(report: Report, page: bool) -> None:
 
 
 def _check(arguments: argparse.Namespace) -> int:
-    from rolling.check import findings
-    from rolling.scene import file
+    from rolling import early
 
-    print(
-        findings.check_scene(
-            file.read_scene(arguments.scene, arguments.set), solve=not arguments.fast
-        )
-    )
+    scene = early.read_scene(arguments.scene, arguments.set)
+    with progress.step(LOADING):
+        from rolling.check.findings import check_scene
+    findings = check_scene(scene, solve=not arguments.fast)
+    if not progress.is_quiet():
+        print(findings)
+    for warning in findings.warnings if progress.is_quiet() else ():
+        print(f"warning: {warning}")
     return OK
 
 
@@ -357,8 +439,13 @@ def _accuracy(arguments: argparse.Namespace) -> int:
         _say("rolling accuracy: give a SCENE, or --hard")
         return BAD_INPUT
 
-    from rolling.accuracy import study
+    from rolling import early
 
+    early.refuse_scene(
+        arguments.scene, arguments.set, arguments.out, arguments.force, ("accuracy",), first=True
+    )
+    with progress.step(LOADING):
+        from rolling.accuracy import study
     given = {
         name: value
         for name in ("finest", "duration")
@@ -372,33 +459,39 @@ def _accuracy(arguments: argparse.Namespace) -> int:
 def _hard_cases(arguments: argparse.Namespace) -> int:
     from rolling.check import cost
     from rolling.folders import new_folder, run_record
-    from rolling.verification import judge
 
     target = new_folder.aim(Path("outputs") / "hard-cases", arguments.out, False, ["hard-cases"])
+    with progress.step(LOADING):
+        from rolling.verification import judge
     held = new_folder.make(target, run_record.new("hard-cases"))
     with held:
         workers = arguments.workers or cost.cores()
-        code = judge.main_report(held.folder, arguments.random or 2000, workers, arguments.long)
+        random = arguments.random or defaults.RANDOM_SCENES
+        code = judge.main_report(held.folder, random, workers, arguments.long)
         held.mark(
             held.folder, "failed" if code else "done", "not every case holds" if code else None
         )
-    print(f"\ntable, numbers: {held.folder}")
+    print(held.folder if progress.is_quiet() else f"\ntable, numbers: {held.folder}")
     return code
 
 
 def _reproduce(given: argparse.Namespace) -> int:
-    from rolling.lee2025 import reproduce
-
+    with progress.step(LOADING):
+        from rolling.lee2025 import reproduce
     done = reproduce.reproduce(
         given.study, given.readings, given.out, given.quick, given.workers, given.take_over
     )
     for case, reason in done.failures.items():
         _say(f"failed: {case}: {reason}")
     if done.interrupted:
-        _say(f"stopped early; the solved part is in {done.folder}, the same command goes on")
+        solved = f"the solved part is in {done.folder}" if done.begun else "nothing is solved yet"
+        _say(f"stopped early; {solved}, the same command goes on")
         return done.exit_code
     if done.failures:
         _say(f"{len(done.failures)} cases failed; the statements are judged without them")
+    if progress.is_quiet():
+        print(done.folder)
+        return done.exit_code
     print(f"{len(done.cases)} cases. {done.headline}")
     print(
         f"all on one page: {done.folder / reproduce.PAGE}   statements:"
@@ -528,12 +621,14 @@ def _parser() -> argparse.ArgumentParser:
         prog="rolling", description="Contact noise of a sphere rolling over a rough surface."
     )
     parser.add_argument(
-        "--version", action="version", version=f"rolling-contact-noise {__version__}"
+        "-V", "--version", action="version", version=f"rolling-contact-noise {__version__}"
     )
+    _volume(parser, False)
     parsers = parser.add_subparsers(required=True, metavar="COMMAND")
     for command in _COMMANDS:
         sub = parsers.add_parser(command.name, help=command.text, description=command.text)
-        sub.set_defaults(command=command.act)
+        sub.set_defaults(command=command.act, parser=sub)
+        _volume(sub, argparse.SUPPRESS)  # a default would undo what stands before the command
         for part in command.parts:
             part(sub)
     return parser

@@ -24,6 +24,7 @@ from rolling.check.finding import Finding, clock, on_cores
 from rolling.check.report import Findings, RunFindings
 from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
+from rolling.terminal import progress
 
 if TYPE_CHECKING:
     from rolling.check.probe import Probe
@@ -49,10 +50,11 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     for run in runs:
         refusals.refuse_large_heights(run.scene)
     solved = _solved([run.scene for run in runs], solve)
-    by_run = tuple(
-        RunFindings(run_name(run.values) or scene.name, findings(run.scene, probe))
-        for run, probe in zip(runs, solved, strict=True)
-    )
+    with progress.step("judging the numbers of the scene"):
+        by_run = tuple(
+            RunFindings(run_name(run.values) or scene.name, findings(run.scene, probe))
+            for run, probe in zip(runs, solved, strict=True)
+        )
     if len(runs) == 1:
         return Findings(by_run)
     seconds = sum(finding.seconds for run in by_run for finding in run.findings)
@@ -98,7 +100,8 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
 def _solved(scenes: Sequence[Scene], solve: bool) -> Sequence[Probe | None]:
     if not solve:
         return [None] * len(scenes)
-    from rolling.check import probe  # the solver is slow to import
+    with progress.step("loading the solver"):
+        from rolling.check import probe
 
     return probe.probes(scenes)
 

@@ -15,11 +15,11 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from rolling._typing import Array
 from rolling.check import cost
 from rolling.check.finding import Finding, clock, on_cores, si
+from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
@@ -29,6 +29,7 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
 from rolling.surface import scene_surface
 from rolling.surface.contact_of_scene import rolling_contact
+from rolling.terminal import progress
 
 POSITIONS = 8
 WARM_STEPS = 3  # after each cold start, for the time of a step
@@ -161,16 +162,15 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
     chosen = [k for k, reason in enumerate(reasons) if not reason]
     chosen.sort(key=lambda k: str(scene_surface.identity(scenes[k])))
     result = [Probe.without(reason) for reason in reasons]
-    with tqdm(
-        total=POSITIONS * len(chosen), disable=None, desc="solving positions", delay=1, leave=False
-    ) as bar:
+    bar = progress.bar(POSITIONS * len(chosen), "solving positions", delay=1, leave=False)
+    with bar, compiling.told(progress.compiling):
         for k in chosen:
             result[k] = probe(rolling_contact(scenes[k]), scenes[k].track.solved_steps, bar.update)
     return result
 
 
 def probe(
-    contact: RollingContact, steps: int, progress: Callable[[int], object] = lambda count: None
+    contact: RollingContact, steps: int, tell: Callable[[int], object] = lambda count: None
 ) -> Probe:
     """Solve positions evenly along a track, each from a cold start, and time warm steps.
 
@@ -181,7 +181,7 @@ def probe(
     ----------
     steps : int
         Number of steps of the track.
-    progress : callable
+    tell : callable
         Function that is called with 1 after each of POSITIONS positions.
     """
     half_space = HalfSpace(contact.spacing, contact.contact_modulus)
@@ -194,9 +194,10 @@ def probe(
         try:
             if k not in solved:  # a track may have fewer steps than positions
                 solved[k] = _position(contact, k, half_space)
+                progress.detail(_position_text(*solved[k]))
         except ContactError as error:
             failures[k] = str(error)
-        progress(1)
+        tell(1)
     states = [state for state, _ in solved.values()]
     return Probe(
         len(set(places.tolist())),
@@ -209,6 +210,12 @@ def probe(
         np.array([ms for _, ms in solved.values()]),
         tuple(failures.values()),
     )
+
+
+def _position_text(state: ContactState, ms: float) -> str:
+    """Write window, iterations and time of a solved position."""
+    window = f"window {state.window.rows} x {state.window.columns} nodes"
+    return f"position {state.position}: {window}, {state.iterations} iterations, {ms:.2f} ms a step"
 
 
 def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[ContactState, float]:

@@ -32,7 +32,8 @@ def refuse_unavailable(scene: Scene) -> None:
     if scene.sound.loudness and find_spec("mosqito") is None:
         raise SceneError(
             [
-                "sound.loudness: needs the package mosqito, which is not installed;"
+                f"{scene.place('sound.loudness')}: sound.loudness:"
+                " needs the package mosqito, which is not installed;"
                 ' pip install "rolling-contact-noise[loudness]", or set it to false'
             ]
         )

@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rolling.check import refusals
-from rolling.folders import claim, files, new_folder, own_files
+from rolling.commands import details
+from rolling.folders import claim, files, new_folder, own_files, run_record
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError, Stopped
 from rolling.folders.run_record import Kind
@@ -33,6 +34,7 @@ from rolling.simulation.stored_runs import (
     resolved_scene,
     warn_of_other_program,
 )
+from rolling.terminal import progress
 
 if TYPE_CHECKING:
     from rolling.report.page import Exhibit
@@ -52,15 +54,17 @@ class Report:
     page : Path. File of the report page; None without a page.
     solved : bool. Whether any step is solved.
     previous : Path. Folder of an earlier run that stays beside this run; None without it.
+    finished_before : str. Time at which the run was finished before the command; None otherwise.
     """
 
     folder: Path
-    runs: list[tuple[Run, dict[str, Any] | None]]
+    runs: Sequence[tuple[Run, dict[str, Any] | None]]
     failures: dict[str, str]
     interrupted: bool
     page: Path | None
     solved: bool
     previous: Path | None
+    finished_before: str | None = None
 
     @property
     def exit_code(self) -> int:
@@ -150,15 +154,49 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
                 "run a new scene instead"
             )
         refusals.refuse_unavailable(each.scene)
+    if done := _finished(folder, runs):
+        return done
     refusals.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
-    before = records_of([folder])[0]
+    report = _resumed(folder, runs, workers, page, take_over)
+    if sweep := details.sweep_to_finish(folder):
+        _finish_sweep(sweep, workers, page, take_over)
+    return report
+
+
+def _finish_sweep(sweep: Path, workers: int, page: bool, take_over: bool) -> None:
+    """Write table, figures, page and state of a sweep whose runs are done."""
+    progress.line(f"that was the last run of {sweep}, whose table, figures and page follow")
+    try:
+        _resumed(sweep, read_runs(sweep), workers, page, take_over)
+    except FolderError as error:  # such as another process that does the same; the run is done
+        progress.line(f"not finished: {error}")
+
+
+def _resumed(folder: Path, runs: list[Run], workers: int, page: bool, take_over: bool) -> Report:
+    """Claim a folder and solve what its runs lack."""
+    before = run_record.read(folder)
     names = [each.folder.name for each in runs] if runs[0].values else []
     with claim.take(folder, "sweep" if names else "run", names, take_over) as held:
+        # Another process may have gone on since the folder was looked at.
         results = [
             batch.stored(each) or Result.empty(each.scene.track, each.scene.start) for each in runs
         ]
         warn_of_other_program(folder, before, results)
         return _solve(_Work(held, runs, results, page), workers)
+
+
+def _finished(folder: Path, runs: Sequence[Run]) -> Report | None:
+    """Report a folder whose runs are all done; None where there is work left."""
+    record = records_of([folder])[0]
+    if record is None or record.state != "done":
+        return None
+    with progress.step("reading the runs"):
+        numbers = details.numbers_of_finished(runs)
+    if numbers is None:
+        return None
+    page = folder / PAGE if (folder / PAGE).is_file() else None
+    pairs = list(zip(runs, numbers, strict=True))
+    return Report(folder, pairs, {}, False, page, True, None, record.completed)
 
 
 def resound(
@@ -192,7 +230,8 @@ def resound(
         raise FolderError(
             f"{folder}: its sweep varies a key of --set; resound the runs in it one by one"
         )
-    results = [result for each in stored if (result := batch.stored(each))]
+    with progress.step("reading the runs"):
+        results = [result for each in stored if (result := batch.stored(each))]
     if len(results) < len(stored):
         raise FolderError(
             f"{folder}: nothing is solved in some of its runs; `rolling resume` goes on with it"
@@ -208,7 +247,9 @@ def resound(
             "the way"
         )
         with _told_on_error(lambda: again):
-            return _finish(work, _sounds(work), Outcome())
+            with progress.step("sound and levels"):
+                sounds = _sounds(work)
+            return _finish(work, sounds, Outcome())
 
 
 def save_run(finished: RunResult, folder: Path, force: bool = False, report: bool = True) -> Path:
@@ -268,12 +309,16 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
             f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to "
             "compare"
         )
-    finished, unsolved = _stored_sounds(runs)
+    with progress.step("reading the runs, making their sound"):
+        finished, unsolved = _stored_sounds(runs)
     if not finished:
         raise FolderError(
             f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report"
         )
-    content = pages.page(finished, pages.exhibits(finished), unsolved)
+    with progress.step("drawing the figures"):
+        exhibits = pages.exhibits(finished)
+    with progress.step("writing the page"):
+        content = pages.page(finished, exhibits, unsolved)
     records_of(folders)
     if out is None:
         out = (
@@ -319,7 +364,10 @@ def _solve(work: _Work, workers: int) -> Report:
             work.runs[0].scene.name,
             begun=lambda each: work.held.mark(each.folder, "running"),
         )
-        return _finish(work, _sounds(work), outcome)
+        with progress.step("sound and levels"):
+            sounds = _sounds(work)
+        details.tell(work.runs, work.results)
+        return _finish(work, sounds, outcome)
 
 
 @contextmanager
@@ -375,14 +423,16 @@ def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -
             _write_run(each, result)
     names = labels.labels(work.runs)
     summaries = [None if each is None else each.summary for each in sounds]
-    exhibits = _write_pictures(work.folder, finished, work.with_page)
+    with progress.step("drawing the figures"):
+        exhibits = _write_pictures(work.folder, finished, work.with_page)
     if len(work.runs) > 1:
         _write_sweep(work, names, summaries)
     if exhibits:
         from rolling.report import page as pages
 
         unsolved = [label for label, each in zip(names, sounds, strict=True) if each is None]
-        files.write_bytes(work.folder / PAGE, pages.page(finished, exhibits, unsolved))
+        with progress.step("writing the page"):
+            files.write_bytes(work.folder / PAGE, pages.page(finished, exhibits, unsolved))
     previous = _mark_all(work, outcome)
     return Report(
         work.folder,

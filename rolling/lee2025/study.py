@@ -20,6 +20,7 @@ from acoustics.bands import third_octave_mean_square
 from acoustics.level import I_REF_W_M2
 from acoustics.spectrum import article_line_level_db, line_spectrum
 from acoustics.weighting import a_weighting_db
+from rolling import defaults
 from rolling._typing import Array
 from rolling.contact import closed_forms
 from rolling.folders import files as run_folder
@@ -55,9 +56,12 @@ class Part:
 
 
 WHOLE = Part()
-# The widest contact is 1.29 mm long, with two bodies at Ra 5 um and 100 N. The track must be
-# longer.
-QUICK = Part(seeds=1, loads=(5, 20, 100), duration_s=0.015, strides=3)
+QUICK = Part(
+    seeds=defaults.QUICK_SEEDS,
+    loads=defaults.QUICK_LOADS_N,
+    duration_s=defaults.QUICK_SECONDS,
+    strides=defaults.QUICK_STRIDES,
+)
 
 # The bodies of the article (section 3): a rigid sphere of 10 mm diameter on steel.
 STATED_RADIUS_MM, STATED_MODULUS_GPA, STATED_POISSON = 5.0, 210.0, 0.3

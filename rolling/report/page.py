@@ -20,7 +20,7 @@ from markupsafe import Markup
 
 from acoustics import wav
 from acoustics.plot_style import PREFIXES
-from rolling import __version__
+from rolling import __version__, defaults
 from rolling.figures import run_figures
 from rolling.figures.picture import Picture
 from rolling.folders import program
@@ -35,7 +35,7 @@ from rolling.simulation.run_result import RunResult
 
 LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
 GENERATOR = f"{program.NAME} {__version__}"
-MOST_RUNS = 24  # runs on a page, each of which adds half a megabyte or more
+MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 # pictures of single runs, even if several are compared
 OWN = (*TIMELINES, "surface", "contact", "recovery_events")

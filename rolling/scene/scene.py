@@ -126,6 +126,7 @@ class Scene(Section):
     check: ClassVar[Callable[..., Any]]
 
     _folder: Path = PrivateAttr(default=Path())
+    _places: Mapping[Key, str] = PrivateAttr(default={(): "scene"})
 
     @field_validator("rolling")
     @classmethod
@@ -209,6 +210,7 @@ class Scene(Section):
         if faults or lines or scene is None:
             raise SceneError(list(dict.fromkeys([*faults, *lines])))
         scene._folder = folder
+        scene._places = places if isinstance(places, dict) else dict(places)
         return scene
 
     def to_dict(self) -> dict[str, Any]:
@@ -277,10 +279,17 @@ class Scene(Section):
             return [SweepRun({}, self)]
         data = self.to_dict()
         del data["sweep"]
+        places = {key: at for key, at in self._places.items() if key[:1] != ("sweep",)}
         return [
-            SweepRun(values, Scene.from_dict(sweeps.with_values(data, values), self.folder))
+            SweepRun(values, Scene.from_dict(sweeps.with_values(data, values), self.folder, places))
             for values in sweeps.product(self.sweep)
         ]
+
+    def place(self, name: str) -> str:
+        """Return file and line (or --set) of a dotted key, for messages."""
+        section, _, last = name.partition(".")
+        swept: Key = ("sweep", name)
+        return place(swept if swept in self._places else (section, last), self._places)
 
     # ---- quantities in SI ----
 

@@ -15,11 +15,9 @@ from rolling.scene.scene import Scene
 from rolling.simulation import labels, result_file, simulate, solving
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
-from rolling.simulation.solving import BAR
 from rolling.sound.contact_sound import ContactSound
 
 __all__ = [
-    "BAR",
     "RESULT",
     "Run",
     "keep",

@@ -14,8 +14,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
+from rolling.contact import compiling
 from rolling.contact.solver import ContactError
 from rolling.simulation import lifeline, spawning
+from rolling.terminal import progress as terminal
 
 _KILLED = "a worker process was killed; out of memory? Fewer --workers need less"
 
@@ -99,7 +101,8 @@ def work(
     workers = min(workers, len(tasks))
     with _stop_request() as asked:
         if workers <= 1 or not spawning.can_start_workers():
-            _work_here(tasks, listener, asked, outcome)
+            with compiling.told(terminal.compiling):
+                _work_here(tasks, listener, asked, outcome)
         else:
             _work_in_parallel(tasks, workers, listener, asked, outcome)
         outcome.interrupted = asked()
@@ -131,10 +134,11 @@ def _work_in_parallel(
 ) -> None:
     """Do the tasks on worker processes, with at most one waiting task per worker."""
     context = spawning.context()
-    stop = context.Event()
+    stop, compiles = context.Event(), context.Event()
+    events = (stop, compiles)
     waiting = list(reversed(tasks))
     running: dict[Future[Any], Task] = {}
-    with _one_thread_each(), ProcessPoolExecutor(workers, context, _begin_worker, (stop,)) as pool:
+    with _one_thread_each(), ProcessPoolExecutor(workers, context, _begin_worker, events) as pool:
         try:
             while waiting or running:
                 while waiting and len(running) < 2 * workers:
@@ -146,6 +150,8 @@ def _work_in_parallel(
                 for future in done:
                     _collect(future, running[future], listener, outcome)
                     del running[future]
+                if compiles.is_set():
+                    terminal.compiling()
                 if asked():
                     waiting.clear()
                     stop.set()
@@ -192,11 +198,15 @@ def _one_thread_each() -> Iterator[None]:
 _worker_stop: Any = None
 
 
-def _begin_worker(stop: Any) -> None:
-    """Prepare a worker process, which ends with its parent and stops when `stop` is set."""
+def _begin_worker(stop: Any, compiles: Any) -> None:
+    """Prepare a worker process, which ends with its parent.
+
+    It stops when `stop` is set, and sets `compiles` when it compiles a kernel.
+    """
     global _worker_stop
     lifeline.end_with_parent()
     _worker_stop = stop
+    compiling.tell_always(compiles.set)
     # Ctrl-C reaches the whole process group; the parent alone decides and sets the event.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 

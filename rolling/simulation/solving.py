@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
-
-from tqdm import tqdm
 
 from rolling.check import cost
 from rolling.scene.scene import Scene
 from rolling.simulation import simulate
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
-
-BAR = "{desc} {percentage:3.0f}%|{bar}| {elapsed} passed, {remaining} left"
+from rolling.terminal import progress as terminal
 
 
 def _ignore(run: int) -> None:
@@ -64,22 +60,21 @@ def solve(
     def finished(number: int, piece: simulate.Piece) -> None:
         results[number].add(piece)
         added(number)
+        if terminal.is_verbose():
+            terminal.detail(f"run {number + 1} of {len(scenes)}, {_piece_text(piece)}")
 
-    with tqdm(total=total, disable=_disabled(progress), desc=name, bar_format=BAR) as bar:
-        return simulate.march_pieces(
-            scenes, todo, workers or cost.cores(), finished, bar.update, orders, begun
-        )
-
-
-def _disabled(progress: bool | None) -> bool | None:
-    """Return the value of tqdm's `disable`; None hides the bar unless the stream is a terminal."""
-    if progress is None:
-        return False if in_notebook() else None
-    return not progress
+    workers = workers or cost.cores()
+    terminal.detail(
+        f"{name}: {len(todo)} pieces of {len(order)} runs, on {min(workers, len(todo))} processes"
+    )
+    with terminal.bar(total, name, progress) as bar:
+        return simulate.march_pieces(scenes, todo, workers, finished, bar.update, orders, begun)
 
 
-def in_notebook() -> bool:
-    """Return whether this code runs in a notebook."""
-    ipython = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython is not None else None
-    return type(shell).__name__ == "ZMQInteractiveShell"
+def _piece_text(piece: simulate.Piece) -> str:
+    """Write what a piece took: steps, iterations and time."""
+    seconds = float(piece.steps["step_time"].sum())
+    return (
+        f"steps {piece.first} to {piece.last - 1}:"
+        f" {float(piece.states['iterations'].mean()):.1f} iterations per state, {seconds:.2f} s"
+    )

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rolling.folders import new_folder, program, run_record
+from rolling.folders import program, run_folder, run_record
 from rolling.folders.files import FolderError
 from rolling.folders.run_record import RunRecord
 from rolling.scene import file
@@ -19,8 +19,6 @@ from rolling.scene.sections import HeightFile
 from rolling.simulation import batch, result_file
 from rolling.simulation.batch import Run
 from rolling.simulation.result import Result
-
-KINDS = ("run", "sweep")
 
 
 def read_runs(folder: Path) -> list[Run]:
@@ -32,15 +30,7 @@ def read_runs(folder: Path) -> list[Run]:
         another scene than the sweep.
     SceneError : the scene of the folder cannot be read.
     """
-    record = run_record.read(folder)
-    if record is not None and record.kind not in KINDS:
-        raise FolderError(
-            f"{folder}: not a run folder, but that of another command ({record.kind})"
-        )
-    if not (folder / "resolved.yaml").is_file():
-        raise FolderError(
-            f"{folder}: not a run folder (no resolved.yaml in it){_hint(folder, record)}"
-        )
+    record = run_folder.record_of_runs(folder)
     singles = resolved_scene(folder).runs()
     short = [run_name(values) for values, _ in singles]  # as version 0.1.0 named them
     names = list(record.runs) if record is not None and record.kind == "sweep" else short
@@ -124,13 +114,3 @@ def warn_of_other_program(
             f" version {ours.version} (sources {ours.sources[:12]})",
             file=sys.stderr,
         )
-
-
-def _hint(folder: Path, record: RunRecord | None) -> str:
-    """Explain why a folder holds no run, as far as its neighbours show it."""
-    old = new_folder.previous(folder) if folder.name not in ("", "..") else folder
-    if not folder.exists() and run_record.read(old) is not None:
-        return f"; a command was killed while it replaced the folder, {old} holds the run before it"
-    if record is not None:
-        return "; a command was killed while it made the folder, give it again with --force"
-    return ""

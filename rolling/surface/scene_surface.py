@@ -19,6 +19,7 @@ from rolling.surface import height_file, levelling
 from rolling.surface import heights as surface
 from rolling.surface.heights import Correlation, Statistics
 from rolling.surface.levelling import Levelling
+from rolling.terminal import progress
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +47,8 @@ class SceneSurface:
     @cached_property
     def statistics(self) -> Statistics:
         """Roughness of the heights that are used."""
-        return surface.statistics(self.heights, self.spacing)
+        with progress.step("roughness of the surface"):
+            return surface.statistics(self.heights, self.spacing)
 
     @cached_property
     def correlations(self) -> tuple[Correlation, Correlation]:
@@ -80,7 +82,8 @@ def scene_surface(scene: Scene) -> SceneSurface:
     key = identity(scene)
     if key not in _kept:
         try:
-            made = _make(scene)
+            with progress.step(_making(scene)):
+                made = _make(scene)
         except surface.SurfaceError as error:
             place = "surface.path" if scene.height_path else "surface"
             raise SceneError([f"{place}: {error}"]) from error
@@ -124,6 +127,13 @@ def identity(scene: Scene) -> tuple[Any, ...]:
         track.n_across,
         (stamp.st_mtime_ns, stamp.st_size, stamp.st_ino) if stamp else None,
     )
+
+
+def _making(scene: Scene) -> str:
+    """Write what `_make` does."""
+    if scene.height_path:
+        return f"reading the heights of {scene.height_path}"
+    return f"making a surface of {scene.track.n_along:,} x {scene.track.n_across:,} nodes"
 
 
 def _make(scene: Scene) -> SceneSurface:

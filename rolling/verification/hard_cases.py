@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from rolling import defaults
 from rolling._typing import Array
 from rolling.contact import closed_forms
 from rolling.contact.state import RollingContact
@@ -378,4 +379,4 @@ CASES = [
     *_many_bounds(),
     laps(10),
 ]
-LONG = laps(3334)  # 100,020 steps: minutes
+LONG = laps(-(-defaults.LONG_STEPS // 30))  # takes minutes

@@ -6,7 +6,6 @@ Each scene is marched, and separate code judges each state.
 from __future__ import annotations
 
 import multiprocessing
-import sys
 import time
 import warnings
 from collections import Counter, defaultdict
@@ -18,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from rolling import tables
+from rolling import defaults, tables
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
@@ -26,6 +25,7 @@ from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.folders import files
 from rolling.simulation import lifeline, spawning
+from rolling.terminal import progress
 from rolling.verification import hard_cases, optimality
 from rolling.verification.hard_cases import CAPACITY, CASES, ROOM, SOLVED, WIDTH, HardCase
 from rolling.verification.random_cases import found_cases, random_case
@@ -294,9 +294,9 @@ class Report:
 
 def judge_all(
     cases: Sequence[HardCase],
-    random: int = 2000,
-    odd: int = 500,
-    blended: int = 500,
+    random: int,
+    odd: int,
+    blended: int,
     workers: int = 1,
     progress: Callable[[int], object] = lambda scenes: None,
 ) -> Report:
@@ -305,7 +305,7 @@ def judge_all(
     Parameters
     ----------
     cases : sequence of HardCase. Cases that are always judged.
-    random, odd, blended : int. Numbers of scenes from each generator. Default: 2000, 500, 500.
+    random, odd, blended : int. Numbers of scenes from each generator.
     workers : int. Number of processes. Default: 1.
     progress : function. It is called with 1 after each scene. Default: nothing happens.
     """
@@ -430,16 +430,14 @@ def main_report(out: Path, random: int, workers: int = 1, long: bool = False) ->
     -------
     code : int. 0 without a failure, else 1.
     """
-    from tqdm import tqdm
-
     cases = [*CASES, *found_cases(), *([hard_cases.LONG] if long else [])]
-    others = random // 4
-    with tqdm(
-        total=len(cases) + random + 2 * others, unit="scene", file=sys.stderr, disable=None
-    ) as bar:
+    others = random // defaults.OTHER_SCENES
+    total = len(cases) + random + 2 * others
+    with progress.bar(total, f"{total} scenes", unit="scene") as bar:
         report = judge_all(cases, random, others, others, workers, bar.update)
     text = table(report)
-    print(text)
+    if not progress.is_quiet():
+        print(text)
     out.mkdir(parents=True, exist_ok=True)
     files.write_json(out / "hard.json", report.to_dict())
     files.write_bytes(out / "hard.md", text.encode())

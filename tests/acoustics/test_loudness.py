@@ -125,18 +125,18 @@ def test_without_the_package_the_scene_is_refused_before_anything_is_done(
         'pip install "rolling-contact-noise[loudness]"'
     )
     assert cli.main(["run", str(scene), "--out", str(out)]) == 2
-    assert capsys.readouterr().err.startswith(message) and not out.exists()
+    assert message in capsys.readouterr().err and not out.exists()
     assert cli.main(["check", str(scene)]) == 2
-    assert capsys.readouterr().err.startswith(message)
+    assert message in capsys.readouterr().err
     settings = ["--set", "sound.loudness=false", "--workers", "1"]
     assert cli.main(["run", str(scene), *settings, "--out", str(plain)]) == 0
     capsys.readouterr()
     assert cli.main(["resound", str(plain), "--set", "sound.loudness=true", "--out", str(out)]) == 2
-    assert capsys.readouterr().err.startswith(message) and not out.exists()
+    assert message in capsys.readouterr().err and not out.exists()
     # A run made where the package is: to be resumed it would have to be here.
     resolved = plain / "resolved.yaml"
     resolved.write_text(resolved.read_text().replace("loudness: false", "loudness: true"))
     before = sorted((file, file.stat().st_mtime_ns) for file in plain.iterdir())
     assert cli.main(["resume", str(plain)]) == 2
-    assert capsys.readouterr().err.startswith(message)
+    assert message in capsys.readouterr().err
     assert sorted((file, file.stat().st_mtime_ns) for file in plain.iterdir()) == before

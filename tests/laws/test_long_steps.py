@@ -104,8 +104,8 @@ def test_refusal_names_key_and_the_longest_step() -> None:
     with pytest.raises(SceneError) as error:
         long_steps.refuse_long_steps(loads(SCENE, ["numerics.step_nodes=41"]))
     assert str(error.value) == (
-        "numerics.step_nodes: got 41, steps of 82 um, 4.08 times the contact radius of 20.1 um; "
-        "allowed: steps of at most 4"
+        "--set: numerics.step_nodes: got 41, steps of 82 um, 4.08 times the contact radius"
+        " of 20.1 um; allowed: steps of at most 4"
         " times the radius, 80.41 um here; nearest: 40, or a smaller surface.spacing_um"
     )
     # Only the run of the sweep that cannot be; a spacing at which no step is short enough.
@@ -122,6 +122,16 @@ def test_refusal_names_key_and_the_longest_step() -> None:
         long_steps.refuse_long_steps(loads(SCENE, ["rolling.load_n=1e-9"]))
 
 
+def test_refusal_names_file_and_line() -> None:
+    text = SCENE + "\nnumerics: {step_nodes: 41}\n"
+    line = text.splitlines().index("numerics: {step_nodes: 41}") + 1
+    with pytest.raises(SceneError, match=rf"^s\.yaml:{line}: numerics\.step_nodes: got 41"):
+        long_steps.refuse_long_steps(loads(text, where="s.yaml"))
+    swept = SCENE + "\nsweep: {numerics.step_nodes: [1, 41]}\n"
+    with pytest.raises(SceneError, match=rf"^s\.yaml:{line}: numerics\.step_nodes: got 41"):
+        long_steps.refuse_long_steps(loads(swept, where="s.yaml"))
+
+
 @pytest.mark.parametrize("command", ["run", "check", "accuracy"])
 def test_commands_refuse_before_anything_is_written(command: str, tmp_path: Path, capsys) -> None:
     path, out = tmp_path / "long.yaml", tmp_path / "out"
@@ -130,7 +140,7 @@ def test_commands_refuse_before_anything_is_written(command: str, tmp_path: Path
     assert cli.main([command, str(path), "--set", "numerics.step_nodes=64", *target]) == 2
     message = capsys.readouterr().err
     assert (
-        "numerics.step_nodes: got 64" in message
+        message.startswith("--set: numerics.step_nodes: got 64")
         and "allowed" in message
         and "nearest: 40" in message
     )

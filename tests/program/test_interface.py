@@ -24,8 +24,8 @@ from rolling.commands import interface
 from rolling.contact.solver import ContactError
 from rolling.folders.files import FolderError
 from rolling.scene.messages import SceneError
-from rolling.simulation import solving
 from rolling.simulation.run_result import RunResult
+from rolling.terminal import progress as terminal
 
 matplotlib.use("Agg")
 
@@ -243,10 +243,10 @@ def test_progress_is_shown_where_it_is_asked_for(
 
 def test_progress_is_shown_in_a_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
     """A notebook is no terminal, but it has a reader."""
-    assert solving._disabled(None) is None  # tqdm looks for a terminal
+    assert terminal._is_hidden(None) is None  # tqdm looks for a terminal
     shell = type("ZMQInteractiveShell", (), {})()
     monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
-    assert solving._disabled(None) is False and solving._disabled(False) is True
+    assert terminal._is_hidden(None) is False and terminal._is_hidden(False) is True
 
 
 def test_example_of_the_docstring() -> None:

@@ -325,10 +325,10 @@ def test_an_interrupted_sweep_waits(scene, tmp_path, monkeypatch, capsys) -> Non
     )
     monkeypatch.undo()
     monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
-    # One run by itself; then the sweep, in which nothing is left to solve.
+    # One run by itself, the last one: the sweep is done with it, and nothing is solved again.
     waiting = next(name for name in record(out).runs if record(out / name).state == "waiting")
     assert cli.main(["resume", str(out / waiting), "--workers", "1"]) == 0
-    assert record(out / waiting).state == "done" and record(out).state == "waiting"
+    assert record(out / waiting).state == "done" and record(out).state == "done"
     monkeypatch.setattr(batch.simulate, "simulate_piece", None)
     assert cli.main(["resume", str(out), "--workers", "1"]) == 0
     assert record(out).state == "done"
