@@ -22,10 +22,10 @@ def read_scene(path: Path, overrides: Sequence[str]) -> Scene:
     ------
     SceneError : the file cannot be read, or has faults.
     """
-    from rolling.scene import messages, yaml_text
+    from rolling.scene import library, messages, yaml_text
 
     try:
-        yaml_text.read_text(path)
+        yaml_text.read_text(library.find(path))
     except yaml_text.TextError as error:
         raise messages.SceneError([str(error)]) from error
     from rolling.scene import file
