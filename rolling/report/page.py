@@ -237,7 +237,7 @@ def _views(
     for run, gain, own_maps in zip(runs, gains, maps, strict=True):
         comment = f"full scale = {gain.full_scale_pa:.6g} Pa"
         record = wav.listening(
-            run.sound.pressure, 1 / gain.full_scale_pa, comment, run.label, bits=16
+            run.sound.pressure, 1 / gain.full_scale_pa, comment, run.label, 16, run.sound.loops
         )
         pictures = {picture.name: picture for owner, picture in shelf if owner is run}
         views.append(RunView(run.label, run, gain, _uri("audio/wav", record), pictures, own_maps))

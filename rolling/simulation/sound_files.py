@@ -41,9 +41,13 @@ def write(
     gain = wav.listening_gain(sound.pressure)
     rule, consequence = _rule_of_gain(sound, gain)
     files = {
-        "signal": wav.calibrated(sound.pressure, f"1.0 = 1 Pa; {facts}", title),
+        "signal": wav.calibrated(sound.pressure, f"1.0 = 1 Pa; {facts}", title, sound.loops),
         "listen": wav.listening(
-            sound.pressure, gain, f"{gain:.6g} full scale per Pa, {rule}; {facts}", title
+            sound.pressure,
+            gain,
+            f"{gain:.6g} full scale per Pa, {rule}; {facts}",
+            title,
+            loops=sound.loops,
         ),
     }
     sidecars = {
