@@ -34,9 +34,7 @@ _MIDDLE_C = 60  # the MIDI note at which a sampler plays a record at its own pit
 _FORWARD, _FOREVER = 0, 0  # direction of a loop, and how often it is played
 
 
-def calibrated(
-    pressure_pa: ArrayLike, comment: str, title: str = "", loops: bool = False
-) -> bytes:
+def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "", loops: bool = False) -> bytes:
     """Write sound pressure as a mono 32-bit float WAV in which 1.0 is 1 Pa.
 
     Full scale is a sine of 91 dB rms, so a quiet record plays quietly. Players read 32 bits, and

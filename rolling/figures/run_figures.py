@@ -3,10 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from rolling.figures import contact_figures, sound_figures
+from rolling.figures.contact_figures import ContactScales
 from rolling.figures.picture import Picture
+from rolling.figures.sound_figures import CurveScales, TimeScales
 from rolling.simulation.run_result import RunResult
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Scales that the pictures of compared runs share.
+
+    contact : None where no run has a snapshot.
+    """
+
+    curves: CurveScales
+    times: TimeScales
+    contact: ContactScales | None
+
+    @classmethod
+    def of(cls, runs: Sequence[RunResult]) -> Scales:
+        """Derive the scales from all runs that are compared."""
+        return cls(CurveScales.of(runs), TimeScales.of(runs), ContactScales.of(runs))
 
 
 def gallery(runs: Sequence[RunResult]) -> Iterator[tuple[RunResult | None, Picture]]:
@@ -20,8 +40,9 @@ def gallery(runs: Sequence[RunResult]) -> Iterator[tuple[RunResult | None, Pictu
     -------
     iterator of pairs. A picture with its run, or with None if it shows several runs.
     """
+    scales = Scales.of(runs)
     for run in runs:
-        for picture in of_run(run, runs):
+        for picture in on_scales(run, scales):
             yield run, picture
     if len(runs) > 1:
         for picture in of_runs(runs):
@@ -30,13 +51,20 @@ def gallery(runs: Sequence[RunResult]) -> Iterator[tuple[RunResult | None, Pictu
 
 def of_run(run: RunResult, among: Sequence[RunResult] = ()) -> Iterator[Picture]:
     """Draw the pictures of one run on the axes of all the runs `among` which it is compared."""
-    runs = [*among] or [run]
-    yield from sound_figures.spectra([run], runs)
-    yield from sound_figures.third_octaves([run], runs)
-    yield sound_figures.spectrogram_of(run, runs)
-    yield sound_figures.release_power(run, runs)
+    yield from on_scales(run, Scales.of([*among] or [run]))
+
+
+def on_scales(run: RunResult, scales: Scales) -> Iterator[Picture]:
+    """Draw the pictures of one run on scales that may hold for several."""
+    yield from sound_figures.spectra([run], scales.curves)
+    yield from sound_figures.third_octaves([run], scales.curves)
+    yield sound_figures.spectrogram_of(run, scales.times)
+    yield sound_figures.release_power(run, scales.times)
     yield contact_figures.surface(run)
-    for picture in (contact_figures.contact(run, runs), contact_figures.recovery_events(run)):
+    for picture in (
+        contact_figures.contact(run, scales.contact),
+        contact_figures.recovery_events(run),
+    ):
         if picture is not None:
             yield picture
 
@@ -45,8 +73,9 @@ def of_runs(runs: Sequence[RunResult]) -> Iterator[Picture]:
     """Draw the pictures that compare runs, with levels against the first quantity that a sweep
     varies.
     """
-    yield from sound_figures.spectra(runs, runs)
-    yield from sound_figures.third_octaves(runs, runs)
+    scales = CurveScales.of(runs)
+    yield from sound_figures.spectra(runs, scales)
+    yield from sound_figures.third_octaves(runs, scales)
     key = sound_figures.swept_key(runs)
     if key is not None:
         yield sound_figures.levels(key, runs)
