@@ -100,9 +100,21 @@ def _workers(sub: argparse.ArgumentParser) -> None:
     )
 
 
-def _no_page(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "--no-report", action="store_true", help="leave out the report page (of 24 runs at most)"
+def _drawn(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--no-report", action="store_true", help="leave out the report page")
+    drawn = sub.add_mutually_exclusive_group()
+    drawn.add_argument(
+        "--pictures",
+        action="store_const",
+        const=True,
+        help="write pictures and all other files of each run, also of more than 24 runs",
+    )
+    drawn.add_argument(
+        "--no-pictures",
+        action="store_const",
+        const=False,
+        dest="pictures",
+        help="draw nothing: no pictures, none of their tables, no report page",
     )
 
 
@@ -214,9 +226,15 @@ def _run(given: argparse.Namespace) -> int:
 
     return _reported(
         commands.run(
-            given.scene, given.set, given.out, given.force, given.workers, not given.no_report
-        ),
-        not given.no_report,
+            given.scene,
+            given.set,
+            given.out,
+            given.force,
+            given.workers,
+            not given.no_report,
+            given.pictures,
+            _print_folder,
+        )
     )
 
 
@@ -224,8 +242,14 @@ def _resume(given: argparse.Namespace) -> int:
     from rolling import commands
 
     return _reported(
-        commands.resume(given.folder, given.workers, not given.no_report, given.take_over),
-        not given.no_report,
+        commands.resume(
+            given.folder,
+            given.workers,
+            not given.no_report,
+            given.take_over,
+            given.pictures,
+            _print_folder,
+        )
     )
 
 
@@ -233,8 +257,15 @@ def _resound(given: argparse.Namespace) -> int:
     from rolling import commands
 
     return _reported(
-        commands.resound(given.folder, given.set, given.out, given.force, not given.no_report),
-        not given.no_report,
+        commands.resound(
+            given.folder,
+            given.set,
+            given.out,
+            given.force,
+            not given.no_report,
+            given.pictures,
+            _print_folder,
+        )
     )
 
 
@@ -245,11 +276,16 @@ def _report(arguments: argparse.Namespace) -> int:
     return OK
 
 
-def _reported(report: Report, page: bool) -> int:
+def _print_folder(folder: Path) -> None:
+    """Print where the files of a command will be, before it begins."""
+    print(f"files: {folder}", flush=True)
+
+
+def _reported(report: Report) -> int:
     """Print the outcome of a command that worked on a run folder."""
     _print_levels(report)
     if report.exit_code == OK:
-        _print_files(report, page)
+        _print_files(report)
     else:
         solved = (
             f"what is solved is in {report.folder}" if report.solved else "nothing is solved yet"
@@ -279,17 +315,15 @@ def _print_levels(report: Report) -> None:
         _say(f"failed: {label}: {reason}")
 
 
-def _print_files(report: Report, page: bool) -> None:
+def _print_files(report: Report) -> None:
     """Print where the files are that a person opens first."""
-    print(
-        f"\nlisten: {report.runs[0][0].folder / 'listen.wav'}   pictures, numbers: {report.folder}"
-    )
+    first = report.runs[0][0].folder
+    record = "listen.wav" if (first / "listen.wav").is_file() else "signal.wav"
+    print(f"\nlisten: {first / record}   all files: {report.folder}")
+    if len(report.runs) > 1:
+        print(f"a row per run: {report.folder / 'runs.csv'}")
     if report.page:
         print(f"all on one page: {report.page}")
-    elif page:
-        print(
-            f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes one of those to compare"
-        )
 
 
 def _check(arguments: argparse.Namespace) -> int:
@@ -403,7 +437,7 @@ _COMMANDS = (
         "run",
         _run,
         "run a scene: release, sound, levels and plots",
-        (_scene, _settings, _target, _workers, _no_page),
+        (_scene, _settings, _target, _workers, _drawn),
     ),
     _Command(
         "check",
@@ -415,13 +449,13 @@ _COMMANDS = (
         "resume",
         _resume,
         "go on with a run that was interrupted",
-        (_folder, _workers, _no_page, _take_over),
+        (_folder, _workers, _drawn, _take_over),
     ),
     _Command(
         "resound",
         _resound,
         "new sound from a stored run, without solving again",
-        (_folder, _settings, _target, _no_page),
+        (_folder, _settings, _target, _drawn),
     ),
     _Command(
         "report",

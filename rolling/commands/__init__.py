@@ -1,8 +1,8 @@
 """The commands run, resume, resound and report: from a scene to a run folder.
 
 A run is solved and written as it grows. Its sound, levels, figures and report page follow, and last
-the state `done` in its run.json. The runs of a sweep share a folder, figures that compare them, a
-table and the page.
+the state `done` in its run.json. The runs of a sweep share a folder, figures that compare them,
+tables and the page. Each run of a large sweep writes four files only.
 """
 
 from __future__ import annotations
@@ -13,18 +13,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling.check import refusals
+from rolling.check import demand, refusals
 from rolling.folders import claim, files, new_folder, own_files
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError, Stopped
 from rolling.folders.run_record import Kind
 from rolling.scene import file
-from rolling.simulation import batch, labels, sound_files, summary
+from rolling.simulation import batch, labels, runs_table, sound_files, summary
 from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan, refuse
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import RunResult, hear
+from rolling.simulation.solving import progress_bar
 from rolling.simulation.stored_runs import (
     is_begun,
     is_kept,
@@ -39,6 +40,10 @@ if TYPE_CHECKING:
 
 PAGE = "report.html"
 KINDS: tuple[Kind, ...] = ("run", "sweep")  # of folders that these commands make
+
+
+def _ignore(folder: Path) -> None:
+    """Do nothing with a folder."""
 
 
 @dataclass(frozen=True)
@@ -67,16 +72,39 @@ class Report:
 
 
 @dataclass(frozen=True)
-class _Work:
-    """The runs of a claimed folder with their results, as far as they are solved.
+class Wanted:
+    """The files that a command is asked for besides results and sound.
 
-    with_page : whether a report page is wanted.
+    page : whether the report page is wanted.
+    pictures : whether pictures are wanted of each run; None: of each of up to 24 runs. Pictures of
+        all runs together and the page need more than false.
+    workers : processes that draw; 0: one per core.
+    begun : gets the folder before anything is solved in it.
     """
+
+    page: bool = True
+    pictures: bool | None = None
+    workers: int = 0
+    begun: Callable[[Path], object] = _ignore
+
+    def whole_folders(self, runs: int) -> bool:
+        """Return whether each of so many runs has all files in its folder, not four only."""
+        return self.pictures is True or runs <= demand.PAGE_RUNS
+
+
+@dataclass(frozen=True)
+class _Work:
+    """The runs of a claimed folder with their results, as far as they are solved."""
 
     held: Claim
     runs: list[Run]
     results: list[Result]
-    with_page: bool
+    wanted: Wanted
+
+    @property
+    def whole_folders(self) -> bool:
+        """Whether each run has all files in its folder."""
+        return self.wanted.whole_folders(len(self.runs))
 
     @property
     def folder(self) -> Path:
@@ -91,6 +119,8 @@ def run(
     force: bool = False,
     workers: int = 0,
     page: bool = True,
+    pictures: bool | None = None,
+    begun: Callable[[Path], object] = _ignore,
 ) -> Report:
     """Run a scene file: every combination of its sweep, each into a run folder.
 
@@ -101,6 +131,8 @@ def run(
     force : Replace an earlier run at `out`. Default: false.
     workers : Processes; 0: one per core.
     page : Write the report page as well. Default: true.
+    pictures : Write pictures of each run. Default: of up to 24 runs; false: none at all, no page.
+    begun : Gets the run folder before anything is solved.
 
     Raises
     ------
@@ -108,23 +140,32 @@ def run(
     """
     scene = file.read_scene(scene_path, overrides)
     refuse(scene, workers, out or refusals.OUTPUTS)
-    plan = Plan(scene, scene_path.read_bytes())
+    wanted = Wanted(page, pictures, workers, begun)
+    plan = Plan(scene, scene_path.read_bytes(), wanted.whole_folders(len(scene.runs())))
     target = new_folder.aim(
         Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files]
     )
     with new_folder.make(target, plan.record(), plan.write) as held:
         runs = plan.runs(held.folder)
         results = [Result.empty(each.scene.track, each.scene.start) for each in runs]
-        return _solve(_Work(held, runs, results, page), workers)
+        return _solve(_Work(held, runs, results, wanted))
 
 
-def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = False) -> Report:
+def resume(
+    folder: Path,
+    workers: int = 0,
+    page: bool = True,
+    take_over: bool = False,
+    pictures: bool | None = None,
+    begun: Callable[[Path], object] = _ignore,
+) -> Report:
     """Go on with a run folder that was interrupted or killed; solved steps are not solved again.
 
     Parameters
     ----------
     take_over : Go on even if the process that works on the folder cannot be seen from here.
         Default: false.
+    pictures, begun : As of `run`.
 
     Raises
     ------
@@ -146,7 +187,7 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
             batch.stored(each) or Result.empty(each.scene.track, each.scene.start) for each in runs
         ]
         warn_of_other_program(folder, before, results)
-        return _solve(_Work(held, runs, results, page), workers)
+        return _solve(_Work(held, runs, results, Wanted(page, pictures, workers, begun)))
 
 
 def resound(
@@ -155,8 +196,14 @@ def resound(
     out: Path | None = None,
     force: bool = False,
     page: bool = True,
+    pictures: bool | None = None,
+    begun: Callable[[Path], object] = _ignore,
 ) -> Report:
     """Make new sound from stored runs without solving: other speed, distance, q or gain.
+
+    Parameters
+    ----------
+    overrides, out, force, page, pictures, begun : As of `run`.
 
     Raises
     ------
@@ -169,7 +216,9 @@ def resound(
     refusals.refuse_unavailable(scene)
     refusals.refuse_what_cannot_fit(scene, 1, out or refusals.OUTPUTS)
     given = folder / "scene.yaml"
-    plan = Plan(scene, given.read_bytes() if given.is_file() else None)
+    wanted = Wanted(page, pictures, 0, begun)
+    text = given.read_bytes() if given.is_file() else None
+    plan = Plan(scene, text, wanted.whole_folders(len(stored)))
     if [values for values, _ in plan.singles] != [each.values for each in stored]:
         raise FolderError(
             f"{folder}: its sweep varies a key of --set; resound the runs in it one by one"
@@ -184,7 +233,8 @@ def resound(
     )
     records_of([folder])
     with new_folder.make(target, plan.record(), plan.write) as held:
-        work = _Work(held, plan.runs(held.folder), results, page)
+        work = _Work(held, plan.runs(held.folder), results, wanted)
+        wanted.begun(held.folder)
         again = f"{folder} is as it was; give the command again, with --force if {held.folder} is in the way"
         with _told_on_error(lambda: again):
             return _finish(work, _sounds(work), Outcome())
@@ -208,7 +258,7 @@ def save_run(finished: RunResult, folder: Path, force: bool = False, report: boo
     target = new_folder.aim(folder, folder, force, KINDS, plan.height_files)
     with new_folder.make(target, plan.record(), plan.write) as held:
         (alone,) = plan.runs(held.folder)
-        work = _Work(held, [alone], [finished.result], report)
+        work = _Work(held, [alone], [finished.result], Wanted(report))
         with _told_on_error(
             lambda: f"the run is still in memory; save it to another folder than {held.folder}"
         ):
@@ -241,16 +291,12 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     runs = list(
         {each.folder.resolve(): each for folder in folders for each in read_runs(folder)}.values()
     )
-    if len(runs) > pages.MOST_RUNS:
-        raise FolderError(
-            f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to compare"
-        )
     finished, unsolved = _stored_sounds(runs)
     if not finished:
         raise FolderError(
             f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report"
         )
-    content = pages.page(finished, pages.exhibits(finished), unsolved)
+    content = _page(finished, pages.exhibits(finished), unsolved)
     records_of(folders)
     if out is None:
         out = (
@@ -280,13 +326,27 @@ def _stored_sounds(runs: Sequence[Run]) -> tuple[list[RunResult], list[str]]:
     return finished, unsolved
 
 
-def _solve(work: _Work, workers: int) -> Report:
+def _page(
+    runs: Sequence[RunResult],
+    exhibits: Sequence[tuple[RunResult | None, Exhibit]],
+    unsolved: Sequence[str],
+) -> bytes:
+    """Write the page of runs: with players and pictures of each of them unless they are many."""
+    from rolling.report import page, sweep_page
+
+    if len(runs) > page.MOST_RUNS:
+        return sweep_page.page(runs, [exhibit for _, exhibit in exhibits], unsolved)
+    return page.page(runs, exhibits, unsolved)
+
+
+def _solve(work: _Work) -> Report:
     """Solve the missing steps of the runs, then write everything else."""
+    work.wanted.begun(work.folder)
     with _told_on_error(lambda: _way_on(work)):
         outcome = batch.solve(
             work.runs,
             work.results,
-            workers,
+            work.wanted.workers,
             work.runs[0].scene.name,
             begun=lambda each: work.held.mark(each.folder, "running"),
         )
@@ -318,14 +378,18 @@ def _way_on(work: _Work) -> str:
 
 def _sounds(work: _Work) -> list[RunResult | None]:
     """Make the sound of each run; None where too little is solved."""
-    names = labels.labels(work.runs)
-    return [
-        # Numbers of another surface would not be the run's.
-        None
-        if batch.other_surface(each, result)
-        else hear(label, each.values, each.folder, each.scene, result)
-        for each, label, result in zip(work.runs, names, work.results, strict=True)
-    ]
+    sounds: list[RunResult | None] = []
+    with progress_bar(len(work.runs), "sound") as bar:
+        for each, label, result in zip(
+            work.runs, labels.labels(work.runs), work.results, strict=True
+        ):
+            # Numbers of another surface would not be the run's.
+            other = batch.other_surface(each, result)
+            sounds.append(
+                None if other else hear(label, each.values, each.folder, each.scene, result)
+            )
+            bar.update()
+    return sounds
 
 
 def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -> Report:
@@ -339,17 +403,17 @@ def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -
     finished = [each for each in sounds if each is not None]
     for each, result in zip(sounds, work.results, strict=True):
         if each is not None:
-            _write_run(each, result)
+            _write_run(each, result, work.whole_folders)
     names = labels.labels(work.runs)
     summaries = [None if each is None else each.summary for each in sounds]
-    exhibits = _write_pictures(work.folder, finished, work.with_page)
     if len(work.runs) > 1:
         _write_sweep(work, names, summaries)
+    exhibits = []
+    if finished and work.wanted.pictures is not False:
+        exhibits = _write_pictures(work.folder, finished, work.wanted)
     if exhibits:
-        from rolling.report import page as pages
-
         unsolved = [label for label, each in zip(names, sounds, strict=True) if each is None]
-        files.write_bytes(work.folder / PAGE, pages.page(finished, exhibits, unsolved))
+        files.write_bytes(work.folder / PAGE, _page(finished, exhibits, unsolved))
     previous = _mark_all(work, outcome)
     return Report(
         work.folder,
@@ -362,10 +426,21 @@ def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -
     )
 
 
-def _write_run(finished: RunResult, result: Result) -> None:
-    """Write result, sound files, numbers and provenance of one run into its folder."""
+def _write_run(finished: RunResult, result: Result, whole: bool) -> None:
+    """Write result, sound files, numbers and provenance of one run into its folder.
+
+    Parameters
+    ----------
+    whole : Whether all of them have files of their own. Otherwise the provenance is in
+        summary.json, and signal.wav is the only sound file.
+    """
     folder, scene = finished.folder, finished.scene
     batch.keep(Run(finished.values, scene, folder), result, finished.sound)
+    if not whole:
+        sound_files.write_signal(folder, scene, finished.label, finished.sound)
+        numbers = finished.summary | {"provenance": summary.provenance(scene)}
+        files.write_json(folder / "summary.json", numbers)
+        return
     sound_files.write(folder, scene, finished.label, finished.sound, finished.summary["caveats"])
     files.write_json(folder / "summary.json", finished.summary)
     files.write_json(folder / "provenance.json", summary.provenance(scene))
@@ -374,12 +449,17 @@ def _write_run(finished: RunResult, result: Result) -> None:
 def _write_sweep(
     work: _Work, names: Sequence[str], summaries: Sequence[dict[str, Any] | None]
 ) -> None:
-    """Write the table of the runs of a sweep."""
+    """Write the tables of the runs of a sweep."""
     table = [
         {"values": each.values, "folder": each.folder.name, "label": label, "summary": numbers}
         for each, label, numbers in zip(work.runs, names, summaries, strict=True)
     ]
     files.write_json(work.folder / "sweep.json", table)
+    rows = [
+        (each.folder.name, each.values, numbers)
+        for each, numbers in zip(work.runs, summaries, strict=True)
+    ]
+    files.write_bytes(work.folder / "runs.csv", runs_table.csv(rows))
 
 
 def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
@@ -417,23 +497,16 @@ def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
 
 
 def _write_pictures(
-    folder: Path, runs: list[RunResult], page: bool
+    folder: Path, runs: Sequence[RunResult], wanted: Wanted
 ) -> list[tuple[RunResult | None, Exhibit]]:
     """Write the figures of each run into its folder and those of all runs into theirs.
 
     Returns
     -------
-    exhibits : The figures for the page; none where it is not wanted or would be too long.
+    exhibits : The figures for the page; none where it is not wanted.
     """
-    from rolling.figures import (
-        run_figures,  # matplotlib is slow to import, and a run that fails needs none
-    )
-    from rolling.report import page as pages
+    # Matplotlib is slow to import, and a run that fails needs none.
+    from rolling.commands import drawing
 
-    page = page and len(runs) <= pages.MOST_RUNS
-    exhibits = []
-    for each, picture in run_figures.gallery(runs):
-        picture.write(each.folder if each else folder)
-        if page and pages.belongs(each, picture.name, len(runs)):
-            exhibits.append((each, pages.exhibit(picture)))
-    return exhibits
+    of_each = wanted.whole_folders(len(runs))
+    return drawing.draw(folder, runs, of_each, wanted.page, wanted.workers)

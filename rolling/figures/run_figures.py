@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from rolling.figures import contact_figures, sound_figures
@@ -56,10 +56,24 @@ def of_run(run: RunResult, among: Sequence[RunResult] = ()) -> Iterator[Picture]
 
 def on_scales(run: RunResult, scales: Scales) -> Iterator[Picture]:
     """Draw the pictures of one run on scales that may hold for several."""
+    for sheet in SHEETS:
+        yield from sheet(run, scales)
+
+
+def _spectra(run: RunResult, scales: Scales) -> Iterator[Picture]:
     yield from sound_figures.spectra([run], scales.curves)
+
+
+def _third_octaves(run: RunResult, scales: Scales) -> Iterator[Picture]:
     yield from sound_figures.third_octaves([run], scales.curves)
+
+
+def _over_time(run: RunResult, scales: Scales) -> Iterator[Picture]:
     yield sound_figures.spectrogram_of(run, scales.times)
     yield sound_figures.release_power(run, scales.times)
+
+
+def _of_contact(run: RunResult, scales: Scales) -> Iterator[Picture]:
     yield contact_figures.surface(run)
     for picture in (
         contact_figures.contact(run, scales.contact),
@@ -67,6 +81,16 @@ def on_scales(run: RunResult, scales: Scales) -> Iterator[Picture]:
     ):
         if picture is not None:
             yield picture
+
+
+# The pictures of a run in parts of about equal cost, each of which a process can draw.
+SHEETS: tuple[Callable[[RunResult, Scales], Iterator[Picture]], ...] = (
+    _spectra,
+    _third_octaves,
+    _over_time,
+    _of_contact,
+)
+SHEET_PICTURES = (3, 2, 2, 2)  # of each sheet, apart from recovery events
 
 
 def of_runs(runs: Sequence[RunResult]) -> Iterator[Picture]:

@@ -144,7 +144,12 @@ def belongs(run: RunResult | None, name: str, runs: int) -> bool:
 
 
 def exhibits(runs: Sequence[RunResult]) -> list[tuple[RunResult | None, Exhibit]]:
-    """Draw the pictures for the page of runs, each with its run or with None if it shows several."""
+    """Draw the pictures for the page of runs, each with its run or with None if it shows several.
+
+    More runs than `MOST_RUNS` have no pictures of their own.
+    """
+    if len(runs) > MOST_RUNS:
+        return [(None, exhibit(picture)) for picture in run_figures.of_runs(runs)]
     return [
         (run, exhibit(picture))
         for run, picture in run_figures.gallery(runs)

@@ -75,15 +75,18 @@ def solve(
     """
     unsolved = [k for k, result in enumerate(results) if not result.complete]
     keepers = {k: Keeper() for k in unsolved}
+    unkept: set[int] = set()
 
     def added(number: int) -> None:
+        unkept.add(number)
         if keepers[number].due() or results[number].complete:
             start = time.monotonic()
             keep(runs[number], results[number])
             keepers[number].wrote(time.monotonic() - start)
+            unkept.discard(number)
 
     for k in unsolved:
-        keep(runs[k], results[k])
+        _identify(runs[k], results[k])
     outcome = solving.solve(
         [run.scene for run in runs],
         results,
@@ -94,7 +97,8 @@ def solve(
         added=added,
     )
     for k in unsolved:
-        keep(runs[k], results[k])
+        if k in unkept:
+            keep(runs[k], results[k])
         # Numbers and pictures of the surface read the heights once more.
         if fault := other_surface(runs[k], results[k]):
             outcome.failures.setdefault(k, fault)
@@ -103,10 +107,15 @@ def solve(
 
 def keep(run: Run, result: Result, sound: ContactSound | None = None) -> None:
     """Write the result of a run into its folder, and its sound if there is one."""
-    if result.identity is None:
-        result.identity = simulate.identity_of(run.scene)
+    _identify(run, result)
     text = file.dump(seen_from(run.folder, run.scene))
     result_file.save(run.folder / RESULT, result, run.scene, text, sound)
+
+
+def _identify(run: Run, result: Result) -> None:
+    """Note scene and surface in a result, unless it has them from its file."""
+    if result.identity is None:
+        result.identity = simulate.identity_of(run.scene)
 
 
 def stored(run: Run) -> Result | None:

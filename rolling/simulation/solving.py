@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from typing import NoReturn
 
 from tqdm import tqdm
 
@@ -64,10 +65,22 @@ def solve(
         results[number].add(piece)
         added(number)
 
-    with tqdm(total=total, disable=_disabled(progress), desc=name, bar_format=BAR) as bar:
+    with progress_bar(total, name, progress) as bar:
         return simulate.march_pieces(
             scenes, todo, workers or cost.cores(), finished, bar.update, orders, begun
         )
+
+
+def progress_bar(total: float, name: str, progress: bool | None = None) -> tqdm[NoReturn]:
+    """Return a progress bar.
+
+    Parameters
+    ----------
+    total : float. Sum of the shares that its `update` gets.
+    name : str. Words before the bar.
+    progress : bool. Whether it is shown. Default: on a terminal and in a notebook.
+    """
+    return tqdm(total=total, disable=_disabled(progress), desc=name, bar_format=BAR)
 
 
 def _disabled(progress: bool | None) -> bool | None:

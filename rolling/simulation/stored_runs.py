@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rolling.folders import new_folder, program, run_record
+from rolling.folders import claim, new_folder, program, run_record
 from rolling.folders.files import FolderError
 from rolling.folders.run_record import RunRecord
 from rolling.scene import file
@@ -37,7 +37,7 @@ def read_runs(folder: Path) -> list[Run]:
         raise FolderError(
             f"{folder}: not a run folder, but that of another command ({record.kind})"
         )
-    if not (folder / "resolved.yaml").is_file():
+    if not (folder / "resolved.yaml").is_file() and not is_brief(folder):
         raise FolderError(
             f"{folder}: not a run folder (no resolved.yaml in it){_hint(folder, record)}"
         )
@@ -67,17 +67,31 @@ def read_runs(folder: Path) -> list[Run]:
 def resolved_scene(folder: Path) -> Scene:
     """Read the resolved scene of a run folder.
 
-    Version 0.1.0 did not write `surface.level` and took the heights of a file as they were.
+    A run of a large sweep has its scene in result.h5. Version 0.1.0 did not write `surface.level` and took the heights of a file as they were.
 
     Raises
     ------
     SceneError : it cannot be read.
     """
     path = folder / "resolved.yaml"
+    if is_brief(folder):
+        result = folder / batch.RESULT
+        return file.loads(result_file.scene_text(result), [], str(result), folder)
     scene = file.read_scene(path)
     if isinstance(scene.surface, HeightFile) and "level" not in scene.surface.model_fields_set:
         return file.read_scene(path, ["surface.level=none"])
     return scene
+
+
+def is_brief(folder: Path) -> bool:
+    """Return whether a folder is that of a run whose scene stands in its result.h5 alone."""
+    record = run_record.read(folder)
+    return (
+        record is not None
+        and record.kind == "run"
+        and not (folder / "resolved.yaml").exists()
+        and (folder / batch.RESULT).is_file()
+    )
 
 
 def is_kept(run: Run) -> bool:
@@ -126,6 +140,8 @@ def warn_of_other_program(
 def _hint(folder: Path, record: RunRecord | None) -> str:
     """Say why a folder may hold no run, if that can be told."""
     old = new_folder.previous(folder) if folder.name not in ("", "..") else folder
+    if owner := claim.owner_of(folder):
+        return f"; nothing is solved in it yet, `rolling resume {owner}` goes on with its sweep"
     if not folder.exists() and run_record.read(old) is not None:
         return f"; a command was killed while it replaced the folder, {old} holds the run before it"
     if record is not None:
