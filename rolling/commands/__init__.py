@@ -7,7 +7,7 @@ tables and the page. Each run of a large sweep writes four files only.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -237,7 +237,7 @@ def resound(
         wanted.begun(held.folder)
         again = f"{folder} is as it was; give the command again, with --force if {held.folder} is in the way"
         with _told_on_error(lambda: again):
-            return _finish(work, _sounds(work), Outcome())
+            return _finish(work, _sounds(work, {}), Outcome())
 
 
 def save_run(finished: RunResult, folder: Path, force: bool = False, report: bool = True) -> Path:
@@ -262,11 +262,9 @@ def save_run(finished: RunResult, folder: Path, force: bool = False, report: boo
         with _told_on_error(
             lambda: f"the run is still in memory; save it to another folder than {held.folder}"
         ):
-            _finish(
-                work,
-                [replace(finished, folder=alone.folder, label=alone.label, values={})],
-                Outcome(),
-            )
+            saved = replace(finished, folder=alone.folder, label=alone.label, values={})
+            _write_run(saved, saved.result, work.whole_folders)
+            _finish(work, [saved], Outcome())
     return held.folder
 
 
@@ -342,6 +340,14 @@ def _page(
 def _solve(work: _Work) -> Report:
     """Solve the missing steps of the runs, then write everything else."""
     work.wanted.begun(work.folder)
+    names = labels.labels(work.runs)
+    sounds: dict[int, RunResult | None] = {}
+
+    def complete(number: int) -> None:
+        sounds[number] = _sound(work, number, names[number])
+        if sounds[number] is None:
+            batch.keep(work.runs[number], work.results[number])
+
     with _told_on_error(lambda: _way_on(work)):
         outcome = batch.solve(
             work.runs,
@@ -349,8 +355,9 @@ def _solve(work: _Work) -> Report:
             work.wanted.workers,
             work.runs[0].scene.name,
             begun=lambda each: work.held.mark(each.folder, "running"),
+            complete=complete,
         )
-        return _finish(work, _sounds(work), outcome)
+        return _finish(work, _sounds(work, sounds), outcome)
 
 
 @contextmanager
@@ -376,34 +383,42 @@ def _way_on(work: _Work) -> str:
     return f"{text}\nthe run that this one replaces stays in {new_folder.previous(folder)} until this one is done"
 
 
-def _sounds(work: _Work) -> list[RunResult | None]:
-    """Make the sound of each run; None where too little is solved."""
+def _sounds(work: _Work, made: Mapping[int, RunResult | None]) -> list[RunResult | None]:
+    """Make the sound of each run and write its files; None where too little is solved.
+
+    Parameters
+    ----------
+    made : The runs that have their sound already, by number.
+    """
+    names = labels.labels(work.runs)
     sounds: list[RunResult | None] = []
-    with progress_bar(len(work.runs), "sound") as bar:
-        for each, label, result in zip(
-            work.runs, labels.labels(work.runs), work.results, strict=True
-        ):
-            # Numbers of another surface would not be the run's.
-            other = batch.other_surface(each, result)
-            sounds.append(
-                None if other else hear(label, each.values, each.folder, each.scene, result)
-            )
+    with progress_bar(len(names), "sound") as bar:
+        for number, label in enumerate(names):
+            sounds.append(made[number] if number in made else _sound(work, number, label))
             bar.update()
     return sounds
 
 
+def _sound(work: _Work, number: int, label: str) -> RunResult | None:
+    """Make the sound of a run and write its files; None where too little is solved."""
+    run, result = work.runs[number], work.results[number]
+    if batch.other_surface(run, result):  # the numbers would not be the run's
+        return None
+    finished = hear(label, run.values, run.folder, run.scene, result)
+    if finished is not None:
+        _write_run(finished, result, work.whole_folders)
+    return finished
+
+
 def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -> Report:
-    """Write sound, numbers and figures of every run, those of all runs together, the page, and the
-    states last.
+    """Write tables and figures of all runs, the page, and the states last.
 
     Parameters
     ----------
-    sounds : Each run with its sound; None where too little is solved for one.
+    sounds : Each run with its sound, whose files are written; None where too little is solved for
+        one.
     """
     finished = [each for each in sounds if each is not None]
-    for each, result in zip(sounds, work.results, strict=True):
-        if each is not None:
-            _write_run(each, result, work.whole_folders)
     names = labels.labels(work.runs)
     summaries = [None if each is None else each.summary for each in sounds]
     if len(work.runs) > 1:

@@ -61,9 +61,9 @@ def solve(
     name: str,
     mapped: bool = True,
     begun: Callable[[Run], object] = lambda run: None,
+    complete: Callable[[int], object] | None = None,
 ) -> Outcome:
-    """Solve the missing steps of runs; each result.h5 is written as it grows and once more in the
-    end.
+    """Solve the missing steps of runs; each result.h5 is written as it grows.
 
     Parameters
     ----------
@@ -72,17 +72,32 @@ def solve(
     name : Name of the progress bar.
     mapped : Whether pressure maps along the tracks are kept, some megabytes per run. Default: true.
     begun : Gets a run as each of its pieces is handed to a process.
+    complete : Gets the number of a run when all of it is solved, and writes its result. Default:
+        the result is written without its sound.
     """
     unsolved = [k for k, result in enumerate(results) if not result.complete]
     keepers = {k: Keeper() for k in unsolved}
     unkept: set[int] = set()
 
     def added(number: int) -> None:
+        run, result = runs[number], results[number]
         unkept.add(number)
-        if keepers[number].due() or results[number].complete:
+        # A result of one piece is written once, with its sound.
+        at_once = (
+            complete is not None and result.complete and result.solved_steps <= simulate.PIECE_STEPS
+        )
+        if not at_once and (keepers[number].due() or result.complete):
             start = time.monotonic()
-            keep(runs[number], results[number])
+            keep(run, result)
             keepers[number].wrote(time.monotonic() - start)
+            unkept.discard(number)
+        if complete is not None and result.complete:
+            try:
+                complete(number)
+            except BaseException:
+                if at_once:
+                    keep(run, result)
+                raise
             unkept.discard(number)
 
     for k in unsolved:
