@@ -471,8 +471,8 @@ def _write_sweep(
     ]
     files.write_json(work.folder / "sweep.json", table)
     rows = [
-        (each.folder.name, each.values, numbers)
-        for each, numbers in zip(work.runs, summaries, strict=True)
+        runs_table.Row(label, each.folder.name, each.values, numbers)
+        for each, label, numbers in zip(work.runs, names, summaries, strict=True)
     ]
     files.write_bytes(work.folder / "runs.csv", runs_table.csv(rows))
 
