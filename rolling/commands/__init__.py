@@ -13,13 +13,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling.check import demand, refusals
+from rolling.check import refusals
+from rolling.commands.run_files import Wanted, ignore, page_of, write_run, write_sweep
 from rolling.folders import claim, files, new_folder, own_files
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError, Stopped
 from rolling.folders.run_record import Kind
 from rolling.scene import file
-from rolling.simulation import batch, labels, runs_table, sound_files, summary
+from rolling.simulation import batch, labels
 from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan, refuse
 from rolling.simulation.pool import Outcome
@@ -40,10 +41,6 @@ if TYPE_CHECKING:
 
 PAGE = "report.html"
 KINDS: tuple[Kind, ...] = ("run", "sweep")  # of folders that these commands make
-
-
-def _ignore(folder: Path) -> None:
-    """Do nothing with a folder."""
 
 
 @dataclass(frozen=True)
@@ -69,27 +66,6 @@ class Report:
     def exit_code(self) -> int:
         """The exit code of the command: 0, 1 for a run that failed, 130 for an interruption."""
         return 130 if self.interrupted else 1 if self.failures else 0
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """The files that a command is asked for besides results and sound.
-
-    page : whether the report page is wanted.
-    pictures : whether pictures are wanted of each run; None: of each of up to 24 runs. Pictures of
-        all runs together and the page need more than false.
-    workers : processes that draw; 0: one per core.
-    begun : gets the folder before anything is solved in it.
-    """
-
-    page: bool = True
-    pictures: bool | None = None
-    workers: int = 0
-    begun: Callable[[Path], object] = _ignore
-
-    def whole_folders(self, runs: int) -> bool:
-        """Return whether each of so many runs has all files in its folder, not four only."""
-        return self.pictures is True or runs <= demand.PAGE_RUNS
 
 
 @dataclass(frozen=True)
@@ -120,7 +96,7 @@ def run(
     workers: int = 0,
     page: bool = True,
     pictures: bool | None = None,
-    begun: Callable[[Path], object] = _ignore,
+    begun: Callable[[Path], object] = ignore,
 ) -> Report:
     """Run a scene file: every combination of its sweep, each into a run folder.
 
@@ -157,7 +133,7 @@ def resume(
     page: bool = True,
     take_over: bool = False,
     pictures: bool | None = None,
-    begun: Callable[[Path], object] = _ignore,
+    begun: Callable[[Path], object] = ignore,
 ) -> Report:
     """Go on with a run folder that was interrupted or killed; solved steps are not solved again.
 
@@ -197,7 +173,7 @@ def resound(
     force: bool = False,
     page: bool = True,
     pictures: bool | None = None,
-    begun: Callable[[Path], object] = _ignore,
+    begun: Callable[[Path], object] = ignore,
 ) -> Report:
     """Make new sound from stored runs without solving: other speed, distance, q or gain.
 
@@ -263,7 +239,7 @@ def save_run(finished: RunResult, folder: Path, force: bool = False, report: boo
             lambda: f"the run is still in memory; save it to another folder than {held.folder}"
         ):
             saved = replace(finished, folder=alone.folder, label=alone.label, values={})
-            _write_run(saved, saved.result, work.whole_folders)
+            write_run(saved, saved.result, work.whole_folders)
             _finish(work, [saved], Outcome())
     return held.folder
 
@@ -294,7 +270,7 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
         raise FolderError(
             f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report"
         )
-    content = _page(finished, pages.exhibits(finished), unsolved)
+    content = page_of(finished, pages.exhibits(finished), unsolved)
     records_of(folders)
     if out is None:
         out = (
@@ -322,19 +298,6 @@ def _stored_sounds(runs: Sequence[Run]) -> tuple[list[RunResult], list[str]]:
         else:
             finished.append(with_sound)
     return finished, unsolved
-
-
-def _page(
-    runs: Sequence[RunResult],
-    exhibits: Sequence[tuple[RunResult | None, Exhibit]],
-    unsolved: Sequence[str],
-) -> bytes:
-    """Write the page of runs: with players and pictures of each of them unless they are many."""
-    from rolling.report import page, sweep_page
-
-    if len(runs) > page.MOST_RUNS:
-        return sweep_page.page(runs, [exhibit for _, exhibit in exhibits], unsolved)
-    return page.page(runs, exhibits, unsolved)
 
 
 def _solve(work: _Work) -> Report:
@@ -406,7 +369,7 @@ def _sound(work: _Work, number: int, label: str) -> RunResult | None:
         return None
     finished = hear(label, run.values, run.folder, run.scene, result)
     if finished is not None:
-        _write_run(finished, result, work.whole_folders)
+        write_run(finished, result, work.whole_folders)
     return finished
 
 
@@ -422,13 +385,13 @@ def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -
     names = labels.labels(work.runs)
     summaries = [None if each is None else each.summary for each in sounds]
     if len(work.runs) > 1:
-        _write_sweep(work, names, summaries)
+        write_sweep(work.folder, work.runs, names, summaries)
     exhibits = []
     if finished and work.wanted.pictures is not False:
         exhibits = _write_pictures(work.folder, finished, work.wanted)
     if exhibits:
         unsolved = [label for label, each in zip(names, sounds, strict=True) if each is None]
-        files.write_bytes(work.folder / PAGE, _page(finished, exhibits, unsolved))
+        files.write_bytes(work.folder / PAGE, page_of(finished, exhibits, unsolved))
     previous = _mark_all(work, outcome)
     return Report(
         work.folder,
@@ -439,42 +402,6 @@ def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -
         any(map(is_begun, work.results)),
         previous,
     )
-
-
-def _write_run(finished: RunResult, result: Result, whole: bool) -> None:
-    """Write result, sound files, numbers and provenance of one run into its folder.
-
-    Parameters
-    ----------
-    whole : Whether all of them have files of their own. Otherwise the provenance is in
-        summary.json, and signal.wav is the only sound file.
-    """
-    folder, scene = finished.folder, finished.scene
-    batch.keep(Run(finished.values, scene, folder), result, finished.sound)
-    if not whole:
-        sound_files.write_signal(folder, scene, finished.label, finished.sound)
-        numbers = finished.summary | {"provenance": summary.provenance(scene)}
-        files.write_json(folder / "summary.json", numbers)
-        return
-    sound_files.write(folder, scene, finished.label, finished.sound, finished.summary["caveats"])
-    files.write_json(folder / "summary.json", finished.summary)
-    files.write_json(folder / "provenance.json", summary.provenance(scene))
-
-
-def _write_sweep(
-    work: _Work, names: Sequence[str], summaries: Sequence[dict[str, Any] | None]
-) -> None:
-    """Write the tables of the runs of a sweep."""
-    table = [
-        {"values": each.values, "folder": each.folder.name, "label": label, "summary": numbers}
-        for each, label, numbers in zip(work.runs, names, summaries, strict=True)
-    ]
-    files.write_json(work.folder / "sweep.json", table)
-    rows = [
-        runs_table.Row(label, each.folder.name, each.values, numbers)
-        for each, label, numbers in zip(work.runs, names, summaries, strict=True)
-    ]
-    files.write_bytes(work.folder / "runs.csv", runs_table.csv(rows))
 
 
 def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
