@@ -357,7 +357,11 @@ def _sounds(work: _Work, made: Mapping[int, RunResult | None]) -> list[RunResult
     sounds: list[RunResult | None] = []
     with progress_bar(len(names), "sound") as bar:
         for number, label in enumerate(names):
-            sounds.append(made[number] if number in made else _sound(work, number, label))
+            run, result = work.runs[number], work.results[number]
+            if number not in made:
+                sounds.append(_sound(work, number, label))
+            else:  # pictures read the heights once more
+                sounds.append(None if batch.other_surface(run, result) else made[number])
             bar.update()
     return sounds
 
