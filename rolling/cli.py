@@ -136,11 +136,22 @@ def _workers(sub: argparse.ArgumentParser) -> None:
     )
 
 
-def _no_page(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "--no-report",
-        action="store_true",
-        help=f"write no report page (a page holds at most {defaults.MOST_RUNS_ON_PAGE} runs)",
+def _drawn(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--no-report", action="store_true", help="write no report page")
+    drawn = sub.add_mutually_exclusive_group()
+    drawn.add_argument(
+        "--pictures",
+        action="store_const",
+        const=True,
+        help="write pictures and all other files of each run, also of more than"
+        f" {defaults.MOST_RUNS_ON_PAGE} runs",
+    )
+    drawn.add_argument(
+        "--no-pictures",
+        action="store_const",
+        const=False,
+        dest="pictures",
+        help="draw nothing: no pictures, none of their tables, no report page",
     )
 
 
@@ -306,9 +317,15 @@ def _run(given: argparse.Namespace) -> int:
         from rolling import commands
     return _reported(
         commands.run(
-            given.scene, given.set, given.out, given.force, given.workers, not given.no_report
-        ),
-        not given.no_report,
+            given.scene,
+            given.set,
+            given.out,
+            given.force,
+            given.workers,
+            not given.no_report,
+            given.pictures,
+            _print_folder,
+        )
     )
 
 
@@ -319,8 +336,14 @@ def _resume(given: argparse.Namespace) -> int:
     with progress.step(LOADING):
         from rolling import commands
     return _reported(
-        commands.resume(given.folder, given.workers, not given.no_report, given.take_over),
-        not given.no_report,
+        commands.resume(
+            given.folder,
+            given.workers,
+            not given.no_report,
+            given.take_over,
+            given.pictures,
+            _print_folder,
+        )
     )
 
 
@@ -331,8 +354,15 @@ def _resound(given: argparse.Namespace) -> int:
     with progress.step(LOADING):
         from rolling import commands
     return _reported(
-        commands.resound(given.folder, given.set, given.out, given.force, not given.no_report),
-        not given.no_report,
+        commands.resound(
+            given.folder,
+            given.set,
+            given.out,
+            given.force,
+            not given.no_report,
+            given.pictures,
+            _print_folder,
+        )
     )
 
 
@@ -346,13 +376,19 @@ def _report(arguments: argparse.Namespace) -> int:
     return OK
 
 
-def _reported(report: Report, page: bool) -> int:
+def _print_folder(folder: Path) -> None:
+    """Print the folder of a command before it begins, unless the command is quiet."""
+    if not progress.is_quiet():
+        print(f"files: {folder}", flush=True)
+
+
+def _reported(report: Report) -> int:
     """Print the outcome of a command that worked on a run folder."""
     if report.finished_before:
         progress.line(f"{report.folder}: finished {report.finished_before}, nothing to resume")
     _print_levels(report)
     if report.exit_code == OK:
-        _print_files(report, page)
+        _print_files(report)
     else:
         solved = (
             f"the solved part is in {report.folder}" if report.solved else "nothing is solved yet"
@@ -388,23 +424,20 @@ def _levels(report: Report) -> str:
     return summary.table(rows)
 
 
-def _print_files(report: Report, page: bool) -> None:
+def _print_files(report: Report) -> None:
     """Print the paths of the files that a person opens first, or the folder alone if quiet."""
     if progress.is_quiet():
         print(report.folder)
         return
-    print(
-        f"\nlisten: {report.runs[0][0].folder / 'listen.wav'}   pictures, numbers: {report.folder}"
-    )
+    first = report.runs[0][0].folder
+    record = "listen.wav" if (first / "listen.wav").is_file() else "signal.wav"
+    print(f"\nlisten: {first / record}   all files: {report.folder}")
+    if len(report.runs) > 1:
+        print(f"a row per run: {report.folder / 'runs.csv'}")
     if report.page:
         print(f"all on one page: {report.page}")
     elif report.finished_before:
         print(f"no page: `rolling report {report.folder}` makes one")
-    elif page:
-        print(
-            f"{len(report.runs)} runs are too many for a page: `rolling report RUN...` makes a page"
-            " of the runs to compare"
-        )
 
 
 def _check(arguments: argparse.Namespace) -> int:
@@ -564,7 +597,7 @@ _COMMANDS = (
         "run",
         _run,
         "run a scene: release, sound, levels and plots",
-        (_scene, _settings, _target, _workers, _no_page),
+        (_scene, _settings, _target, _workers, _drawn),
     ),
     _Command(
         "check",
@@ -576,13 +609,13 @@ _COMMANDS = (
         "resume",
         _resume,
         "continue an interrupted run",
-        (_folder, _workers, _no_page, _take_over),
+        (_folder, _workers, _drawn, _take_over),
     ),
     _Command(
         "resound",
         _resound,
         "make a new sound from a stored run, without solving again",
-        (_folder, _settings, _target, _no_page),
+        (_folder, _settings, _target, _drawn),
     ),
     _Command(
         "report",

@@ -50,6 +50,8 @@ EVENT = 260.0  # per recovery event, while events are joined
 # result.h5 per step, per event and per node of the window:
 STEP_FILE, EVENT_FILE, SNAPSHOT_FILE = 153.0, 41.0, 16.0
 ROW_FILE = 25.0  # per row of a table with two columns
+LABELLED_ROW_FILE = 45.0  # per row of such a table with the labels of runs
+FEW_FILES = 0.2e6  # short tables and files of a run that has no pictures
 SAMPLE_FILE, SAMPLE_PAGE, LAP_MAP_PAGE = 15.0, 2.7, 13.5  # in WAV files; on the page
 MAP_FILE = 1.0  # per cell of the pressure maps, compressed
 # Pictures and short tables of a run, its part of the page, and the page itself:
@@ -357,15 +359,17 @@ def _disk(sizes: Sequence[Size]) -> Amount:
     ]
     parts = [part for each in stored for part in each]
     parts += max(stored, key=lambda each: sum(bytes_ for _, bytes_ in each))
-    tables = 2 if len(sizes) > 1 else 1  # per run, and with all runs side by side
+    whole = len(sizes) <= PAGE_RUNS
+    # per run, and with all runs side by side
+    row = ROW_FILE * whole + LABELLED_ROW_FILE * (len(sizes) > 1)
     for each in sizes:
         parts += [
-            ("steps", ROW_FILE * each.steps),
-            ("sound samples", (tables * ROW_FILE * HEARING_SHARE + SAMPLE_FILE) * each.samples),
-            ("steps", tables * ROW_FILE * each.lines[1]),
-            ("program", RUN_FILES),
+            ("steps", ROW_FILE * each.steps * whole),
+            ("sound samples", (row * HEARING_SHARE + SAMPLE_FILE) * each.samples),
+            ("steps", row * each.lines[1]),
+            ("program", RUN_FILES if whole else FEW_FILES),
         ]
-    return _parts([*parts, *(_page(sizes) if len(sizes) <= PAGE_RUNS else ())])
+    return _parts([*parts, *(_page(sizes) if whole else [("program", PAGE)])])
 
 
 def _transform(length: int) -> float:

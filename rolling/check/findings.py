@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from rolling.check import (
     cost,
     demand,
+    finishing,
     height_files,
     long_steps,
     refusals,
@@ -55,20 +56,40 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
             RunFindings(run_name(run.values) or scene.name, findings(run.scene, probe))
             for run, probe in zip(runs, solved, strict=True)
         )
-    if len(runs) == 1:
-        return Findings(by_run)
     seconds = sum(finding.seconds for run in by_run for finding in run.findings)
+    time = _time_text(seconds, finishing.seconds([run.scene for run in runs], cost.cores()))
+    if len(runs) == 1:
+        return Findings((_with_time(by_run[0], time),))
     roughness = refusals.roughness_read_once()
     needed = demand.of_scenes([(run.scene, roughness(run.scene)) for run in runs], cost.cores())
     excess = refusals.excess(needed, refusals.OUTPUTS)
     return Findings(
         by_run,
         (
-            ("expected time of all", f"about {clock(seconds)} on {on_cores()}, {len(runs)} runs"),
+            ("expected time of all", f"{time}, {len(runs)} runs"),
             ("memory of all", refusals.amount_text(needed.memory)),
             ("disk of all", refusals.amount_text(needed.disk)),
         ),
         tuple(f"{key} of all: {fault}" for key, fault in excess.items()),
+    )
+
+
+def _time_text(solving: float, after: float) -> str:
+    """Write the expected time of a command, and the share of it that is not solving [s]."""
+    return (
+        f"about {clock(solving + after)} on {on_cores()},"
+        f" {clock(after)} of it for start, sound and pictures"
+    )
+
+
+def _with_time(run: RunFindings, time: str) -> RunFindings:
+    """Replace the time of solving a run alone by that of the whole command."""
+    return RunFindings(
+        run.name,
+        [
+            replace(finding, value=time) if finding.key == "expected_time" else finding
+            for finding in run.findings
+        ],
     )
 
 

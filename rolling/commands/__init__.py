@@ -2,12 +2,12 @@
 
 A run is solved and written as it grows. Sound, levels, figures and report page follow. The state
 `done` in its run.json comes last. The runs of a sweep share a folder, the figures that compare
-them, a table and the page.
+them, tables and the page. Each run of a large sweep writes four files only.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 from rolling.check import refusals
 from rolling.commands import details
+from rolling.commands.run_files import Wanted, ignore, page_of, write_run, write_sweep
 from rolling.folders import claim, files, new_folder, own_files, run_record
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError, Stopped
 from rolling.folders.run_record import Kind
 from rolling.scene import file, library
-from rolling.simulation import batch, labels, sound_files, summary
+from rolling.simulation import batch, labels
 from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan, refuse
 from rolling.simulation.pool import Outcome
@@ -79,13 +80,18 @@ class _Work:
     held : Claim. The claim on the folder.
     runs : list of Run. The runs in the folder.
     results : list of Result. One result per run.
-    with_page : bool. Whether a report page is requested.
+    wanted : Wanted. The files that are requested.
     """
 
     held: Claim
     runs: list[Run]
     results: list[Result]
-    with_page: bool
+    wanted: Wanted
+
+    @property
+    def whole_folders(self) -> bool:
+        """Whether each run has all files in its folder."""
+        return self.wanted.whole_folders(len(self.runs))
 
     @property
     def folder(self) -> Path:
@@ -100,6 +106,8 @@ def run(
     force: bool = False,
     workers: int = 0,
     page: bool = True,
+    pictures: bool | None = None,
+    begun: Callable[[Path], object] = ignore,
 ) -> Report:
     """Run a scene file: every combination of its sweep, each into a run folder.
 
@@ -111,6 +119,9 @@ def run(
     force : bool. Replace an earlier run at `out`. Default: false.
     workers : int. Number of processes; 0: one per core. Default: 0.
     page : bool. Write the report page as well. Default: true.
+    pictures : bool. Write pictures of each run; false: no pictures and no page. Default: of up to
+        24 runs.
+    begun : callable. It receives the run folder before anything is solved. Default: none.
 
     Raises
     ------
@@ -119,17 +130,25 @@ def run(
     scene = file.read_scene(scene_path, overrides)
     refuse(scene, workers, out or refusals.OUTPUTS)
     scene_path = library.find(scene_path)
-    plan = Plan(scene, scene_path.read_bytes())
+    wanted = Wanted(page, pictures, workers, begun)
+    plan = Plan(scene, scene_path.read_bytes(), wanted.whole_folders(len(scene.runs())))
     target = new_folder.aim(
         Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files]
     )
     with new_folder.make(target, plan.record(), plan.write) as held:
         runs = plan.runs(held.folder)
         results = [Result.empty(each.scene.track, each.scene.start) for each in runs]
-        return _solve(_Work(held, runs, results, page), workers)
+        return _solve(_Work(held, runs, results, wanted))
 
 
-def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = False) -> Report:
+def resume(
+    folder: Path,
+    workers: int = 0,
+    page: bool = True,
+    take_over: bool = False,
+    pictures: bool | None = None,
+    begun: Callable[[Path], object] = ignore,
+) -> Report:
     """Continue a run folder that was interrupted or killed; solved steps are not solved again.
 
     Parameters
@@ -139,6 +158,7 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
     page : bool. Write the report page as well. Default: true.
     take_over : bool. Continue even if the process that works on the folder is not visible from this
         machine. Default: false.
+    pictures, begun : as in `run`.
 
     Raises
     ------
@@ -157,22 +177,23 @@ def resume(folder: Path, workers: int = 0, page: bool = True, take_over: bool = 
     if done := _finished(folder, runs):
         return done
     refusals.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
-    report = _resumed(folder, runs, workers, page, take_over)
+    wanted = Wanted(page, pictures, workers, begun)
+    report = _resumed(folder, runs, wanted, take_over)
     if sweep := details.sweep_to_finish(folder):
-        _finish_sweep(sweep, workers, page, take_over)
+        _finish_sweep(sweep, replace(wanted, begun=ignore), take_over)
     return report
 
 
-def _finish_sweep(sweep: Path, workers: int, page: bool, take_over: bool) -> None:
+def _finish_sweep(sweep: Path, wanted: Wanted, take_over: bool) -> None:
     """Write table, figures, page and state of a sweep whose runs are done."""
     progress.line(f"that was the last run of {sweep}, whose table, figures and page follow")
     try:
-        _resumed(sweep, read_runs(sweep), workers, page, take_over)
+        _resumed(sweep, read_runs(sweep), wanted, take_over)
     except FolderError as error:  # such as another process that does the same; the run is done
         progress.line(f"not finished: {error}")
 
 
-def _resumed(folder: Path, runs: list[Run], workers: int, page: bool, take_over: bool) -> Report:
+def _resumed(folder: Path, runs: list[Run], wanted: Wanted, take_over: bool) -> Report:
     """Claim a folder and solve what its runs lack."""
     before = run_record.read(folder)
     names = [each.folder.name for each in runs] if runs[0].values else []
@@ -182,7 +203,7 @@ def _resumed(folder: Path, runs: list[Run], workers: int, page: bool, take_over:
             batch.stored(each) or Result.empty(each.scene.track, each.scene.start) for each in runs
         ]
         warn_of_other_program(folder, before, results)
-        return _solve(_Work(held, runs, results, page), workers)
+        return _solve(_Work(held, runs, results, wanted))
 
 
 def _finished(folder: Path, runs: Sequence[Run]) -> Report | None:
@@ -205,6 +226,8 @@ def resound(
     out: Path | None = None,
     force: bool = False,
     page: bool = True,
+    pictures: bool | None = None,
+    begun: Callable[[Path], object] = ignore,
 ) -> Report:
     """Make new sound from stored runs without solving: other speed, distance, q or gain.
 
@@ -212,7 +235,7 @@ def resound(
     ----------
     folder : Path. The run folder.
     overrides : sequence of str. Assignments such as "sound.distance_m=2".
-    out, force, page : as in `run`.
+    out, force, page, pictures, begun : as in `run`.
 
     Raises
     ------
@@ -225,7 +248,9 @@ def resound(
     refusals.refuse_unavailable(scene)
     refusals.refuse_what_cannot_fit(scene, 1, out or refusals.OUTPUTS)
     given = folder / "scene.yaml"
-    plan = Plan(scene, given.read_bytes() if given.is_file() else None)
+    wanted = Wanted(page, pictures, 0, begun)
+    text = given.read_bytes() if given.is_file() else None
+    plan = Plan(scene, text, wanted.whole_folders(len(stored)))
     if [values for values, _ in plan.singles] != [each.values for each in stored]:
         raise FolderError(
             f"{folder}: its sweep varies a key of --set; resound the runs in it one by one"
@@ -241,15 +266,14 @@ def resound(
     )
     records_of([folder])
     with new_folder.make(target, plan.record(), plan.write) as held:
-        work = _Work(held, plan.runs(held.folder), results, page)
+        work = _Work(held, plan.runs(held.folder), results, wanted)
+        wanted.begun(held.folder)
         again = (
             f"{folder} is as it was; give the command again, with --force if {held.folder} is in "
             "the way"
         )
         with _told_on_error(lambda: again):
-            with progress.step("sound and levels"):
-                sounds = _sounds(work)
-            return _finish(work, sounds, Outcome())
+            return _finish(work, _sounds(work, {}), Outcome())
 
 
 def save_run(finished: RunResult, folder: Path, force: bool = False, report: bool = True) -> Path:
@@ -270,15 +294,13 @@ def save_run(finished: RunResult, folder: Path, force: bool = False, report: boo
     target = new_folder.aim(folder, folder, force, KINDS, plan.height_files)
     with new_folder.make(target, plan.record(), plan.write) as held:
         (alone,) = plan.runs(held.folder)
-        work = _Work(held, [alone], [finished.result], report)
+        work = _Work(held, [alone], [finished.result], Wanted(report))
         with _told_on_error(
             lambda: f"the run is still in memory; save it to another folder than {held.folder}"
         ):
-            _finish(
-                work,
-                [replace(finished, folder=alone.folder, label=alone.label, values={})],
-                Outcome(),
-            )
+            saved = replace(finished, folder=alone.folder, label=alone.label, values={})
+            write_run(saved, saved.result, work.whole_folders)
+            _finish(work, [saved], Outcome())
     return held.folder
 
 
@@ -304,11 +326,6 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     runs = list(
         {each.folder.resolve(): each for folder in folders for each in read_runs(folder)}.values()
     )
-    if len(runs) > pages.MOST_RUNS:
-        raise FolderError(
-            f"{len(runs)} runs, a page holds {pages.MOST_RUNS}: give the folders of those to "
-            "compare"
-        )
     with progress.step("reading the runs, making their sound"):
         finished, unsolved = _stored_sounds(runs)
     if not finished:
@@ -318,7 +335,7 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
     with progress.step("drawing the figures"):
         exhibits = pages.exhibits(finished)
     with progress.step("writing the page"):
-        content = pages.page(finished, exhibits, unsolved)
+        content = page_of(finished, exhibits, unsolved)
     records_of(folders)
     if out is None:
         out = (
@@ -354,20 +371,29 @@ def _stored_sounds(runs: Sequence[Run]) -> tuple[list[RunResult], list[str]]:
     return finished, unsolved
 
 
-def _solve(work: _Work, workers: int) -> Report:
+def _solve(work: _Work) -> Report:
     """Solve the missing steps of the runs, then write everything else."""
+    work.wanted.begun(work.folder)
+    names = labels.labels(work.runs)
+    sounds: dict[int, RunResult | None] = {}
+
+    def complete(number: int) -> None:
+        sounds[number] = _sound(work, number, names[number])
+        if sounds[number] is None:
+            batch.keep(work.runs[number], work.results[number])
+
     with _told_on_error(lambda: _way_on(work)):
         outcome = batch.solve(
             work.runs,
             work.results,
-            workers,
+            work.wanted.workers,
             work.runs[0].scene.name,
             begun=lambda each: work.held.mark(each.folder, "running"),
+            complete=complete,
         )
-        with progress.step("sound and levels"):
-            sounds = _sounds(work)
+        finished = _sounds(work, sounds)
         details.tell(work.runs, work.results)
-        return _finish(work, sounds, outcome)
+        return _finish(work, finished, outcome)
 
 
 @contextmanager
@@ -396,43 +422,59 @@ def _way_on(work: _Work) -> str:
     )
 
 
-def _sounds(work: _Work) -> list[RunResult | None]:
-    """Make the sound of each run; None where too few steps are solved."""
-    names = labels.labels(work.runs)
-    return [
-        # The numbers of another surface would be wrong for the run.
-        None
-        if batch.other_surface(each, result)
-        else hear(label, each.values, each.folder, each.scene, result)
-        for each, label, result in zip(work.runs, names, work.results, strict=True)
-    ]
-
-
-def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -> Report:
-    """Write sound, numbers and figures of every run, their comparison, the page, and the states.
+def _sounds(work: _Work, made: Mapping[int, RunResult | None]) -> list[RunResult | None]:
+    """Make the sound of each run and write its files; None where too few steps are solved.
 
     Parameters
     ----------
     work : The runs and their results.
-    sounds : Each run with its sound; None where too few steps are solved.
+    made : The runs that have their sound already, by number.
+    """
+    names = labels.labels(work.runs)
+    sounds: list[RunResult | None] = []
+    with progress.bar(len(names), "sound") as bar:
+        for number, label in enumerate(names):
+            run, result = work.runs[number], work.results[number]
+            if number not in made:
+                sounds.append(_sound(work, number, label))
+            else:  # pictures read the heights once more
+                sounds.append(None if batch.other_surface(run, result) else made[number])
+            bar.update(1)
+    return sounds
+
+
+def _sound(work: _Work, number: int, label: str) -> RunResult | None:
+    """Make the sound of a run and write its files; None where too few steps are solved."""
+    run, result = work.runs[number], work.results[number]
+    if batch.other_surface(run, result):  # the numbers of another surface would be wrong
+        return None
+    finished = hear(label, run.values, run.folder, run.scene, result)
+    if finished is not None:
+        write_run(finished, result, work.whole_folders)
+    return finished
+
+
+def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -> Report:
+    """Write tables and figures of all runs, the page, and the states last.
+
+    Parameters
+    ----------
+    work : The runs and their results.
+    sounds : Each run with its sound, whose files are written; None where too few steps are solved.
     outcome : The outcome of solving.
     """
     finished = [each for each in sounds if each is not None]
-    for each, result in zip(sounds, work.results, strict=True):
-        if each is not None:
-            _write_run(each, result)
     names = labels.labels(work.runs)
     summaries = [None if each is None else each.summary for each in sounds]
-    with progress.step("drawing the figures"):
-        exhibits = _write_pictures(work.folder, finished, work.with_page)
     if len(work.runs) > 1:
-        _write_sweep(work, names, summaries)
+        write_sweep(work.folder, work.runs, names, summaries)
+    exhibits = []
+    if finished and work.wanted.pictures is not False:
+        exhibits = _write_pictures(work.folder, finished, work.wanted)
     if exhibits:
-        from rolling.report import page as pages
-
         unsolved = [label for label, each in zip(names, sounds, strict=True) if each is None]
         with progress.step("writing the page"):
-            files.write_bytes(work.folder / PAGE, pages.page(finished, exhibits, unsolved))
+            files.write_bytes(work.folder / PAGE, page_of(finished, exhibits, unsolved))
     previous = _mark_all(work, outcome)
     return Report(
         work.folder,
@@ -443,26 +485,6 @@ def _finish(work: _Work, sounds: Sequence[RunResult | None], outcome: Outcome) -
         any(map(is_begun, work.results)),
         previous,
     )
-
-
-def _write_run(finished: RunResult, result: Result) -> None:
-    """Write result, sound files, numbers and provenance of one run into its folder."""
-    folder, scene = finished.folder, finished.scene
-    batch.keep(Run(finished.values, scene, folder), result, finished.sound)
-    sound_files.write(folder, scene, finished.label, finished.sound, finished.summary["caveats"])
-    files.write_json(folder / "summary.json", finished.summary)
-    files.write_json(folder / "provenance.json", summary.provenance(scene))
-
-
-def _write_sweep(
-    work: _Work, names: Sequence[str], summaries: Sequence[dict[str, Any] | None]
-) -> None:
-    """Write the table of the runs of a sweep."""
-    table = [
-        {"values": each.values, "folder": each.folder.name, "label": label, "summary": numbers}
-        for each, label, numbers in zip(work.runs, names, summaries, strict=True)
-    ]
-    files.write_json(work.folder / "sweep.json", table)
 
 
 def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
@@ -502,23 +524,16 @@ def _mark_all(work: _Work, outcome: Outcome) -> Path | None:
 
 
 def _write_pictures(
-    folder: Path, runs: list[RunResult], page: bool
+    folder: Path, runs: Sequence[RunResult], wanted: Wanted
 ) -> list[tuple[RunResult | None, Exhibit]]:
     """Write the figures of each run into its folder, and the comparisons into the shared folder.
 
     Returns
     -------
-    exhibits : The figures for the page; empty if no page is requested or it would be too long.
+    exhibits : The figures for the page; empty if no page is requested.
     """
-    from rolling.figures import (
-        run_figures,  # matplotlib is slow to import, and a failed run does not need it
-    )
-    from rolling.report import page as pages
+    # Matplotlib is slow to import, and a failed run does not need it.
+    from rolling.commands import drawing
 
-    page = page and len(runs) <= pages.MOST_RUNS
-    exhibits = []
-    for each, picture in run_figures.gallery(runs):
-        picture.write(each.folder if each else folder)
-        if page and pages.belongs(each, picture.name, len(runs)):
-            exhibits.append((each, pages.exhibit(picture)))
-    return exhibits
+    of_each = wanted.whole_folders(len(runs))
+    return drawing.draw(folder, runs, of_each, wanted.page, wanted.workers)

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from rolling._typing import Array
-from rolling.simulation import caveats
 from rolling.simulation.run_result import RunResult
 
 _NAMED_SCENES = 4  # scenes named in a title; more scenes are counted
@@ -48,12 +47,6 @@ def number(value: float) -> str:
 def note(facts: Iterable[str]) -> str:
     """Join facts to the line below a title."""
     return "; ".join(facts)
-
-
-def remarks(runs: Sequence[RunResult]) -> tuple[str, ...]:
-    """List the caveats that stand beside the levels of runs."""
-    gathered = caveats.gathered([(run.label, caveats.stored(run.summary)) for run in runs])
-    return tuple(remark.line for remark in gathered)
 
 
 def gaps(values: Iterable[float | None]) -> Array:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import zip_longest
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -21,12 +22,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
+from numpy.typing import NDArray
 
-from rolling._typing import Array
 from rolling.folders.files import write_bytes
 from rolling.simulation.labels import printable
 
 DPI = 110
+MOST_NAMED = 24  # curves; a legend of more takes more room than they do
 WIDTH_IN = 8.5
 SIDE_IN = 0.12  # white margin on either side of titles and legends
 # margins of the axes for tick labels, axis label and titles
@@ -47,17 +49,14 @@ class Picture:
     name : str. Stem of its files.
     alt : str. Description for readers who do not see it.
     figure : matplotlib figure.
-    columns : mapping of arrays. Every plotted curve by its name with unit; lengths may differ. Maps
-        have none.
-    remarks : tuple of str. First lines of its CSV, each behind a `#`. Pictures without levels have
-        none.
+    columns : mapping of arrays, of numbers or text. The plotted curves as a table; names end in the
+        unit. Maps have none.
     """
 
     name: str
     alt: str
     figure: Figure
-    columns: Mapping[str, Array]
-    remarks: tuple[str, ...] = ()
+    columns: Mapping[str, NDArray[Any]]
 
     def png(self) -> bytes:
         """Return the figure as a PNG file."""
@@ -78,7 +77,7 @@ class Picture:
         return content.getvalue()
 
     def csv(self) -> bytes:
-        """Return a table: the remarks, then the curves as columns under their names.
+        """Return the curves as a table, with their names in its first line.
 
         A value that is not finite leaves its cell empty.
         """
@@ -86,17 +85,11 @@ class Picture:
 
     @cached_property
     def _csv(self) -> bytes:
-        columns = [
-            [
-                "" if gap else f"{value:.9g}"
-                for value, gap in zip(values.tolist(), ~np.isfinite(values), strict=True)
-            ]
-            for values in self.columns.values()
+        rows = [
+            [quoted(name, ",") for name in self.columns],
+            *zip_longest(*map(_cells, self.columns.values()), fillvalue=""),
         ]
-        rows = [[quoted(name, ",") for name in self.columns], *zip_longest(*columns, fillvalue="")]
-        return "".join(
-            f"{line}\n" for line in [*map(comment, self.remarks), *map(",".join, rows)]
-        ).encode()
+        return "".join(f"{','.join(row)}\n" for row in rows).encode()
 
     def plot_area(self) -> tuple[float, float, float, float]:
         """Return left, bottom, right and top of the first axes, as shares of the figure."""
@@ -122,7 +115,8 @@ def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, Box]) -
     """Place axes, title, note and legend, and set the height of the figure.
 
     Title, note and legend are set smaller where they are too long for the width. The legend shows
-    the curves of the first axes. Text is drawn as it stands: a dollar begins no formula.
+    the curves of the first axes, unless there are more than `MOST_NAMED`. Text is drawn as it
+    stands: a dollar begins no formula.
 
     Parameters
     ----------
@@ -133,6 +127,8 @@ def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, Box]) -
         titles.
     """
     handles, labels = next(iter(places)).get_legend_handles_labels()
+    if len(labels) > MOST_NAMED:
+        handles, labels, note = [], [], f"{note}; {len(labels)} curves, named in the table"
     labels = [drawable(label) for label in labels]
     room = WIDTH_IN - 2 * SIDE_IN
     across = max(1, int(room / (0.75 + 0.068 * max(map(len, labels), default=0))))
@@ -195,15 +191,14 @@ def single(
     name: str,
     title: str,
     note: str,
-    columns: Mapping[str, Array],
+    columns: Mapping[str, NDArray[Any]],
     draw: Callable[[Axes], object],
-    remarks: Sequence[str] = (),
 ) -> Picture:
     """Make a picture with one pair of axes.
 
     Parameters
     ----------
-    name, title, note, columns, remarks : see `Picture` and `lay_out`.
+        name, title, note, columns : see `Picture` and `lay_out`.
     draw : function of axes. It draws the curves.
     """
     figure = blank()
@@ -212,10 +207,20 @@ def single(
     lay_out(
         figure, title, note, {ax: (LEFT_IN, BOTTOM_IN, WIDTH_IN - LEFT_IN - RIGHT_IN, _TALL_IN)}
     )
-    return Picture(name, f"{title}: {note}", figure, columns, tuple(remarks))
+    return Picture(name, f"{title}: {note}", figure, columns)
 
 
 # ---- tables as text
+
+
+def _cells(values: NDArray[Any]) -> list[str]:
+    """Write a column of a table, numbers with nine digits."""
+    if values.dtype.kind in "US":
+        return [quoted(text, ",") for text in values.tolist()]
+    return [
+        "" if gap else f"{value:.9g}"
+        for value, gap in zip(values.tolist(), ~np.isfinite(values), strict=True)
+    ]
 
 
 def comment(remark: str) -> str:

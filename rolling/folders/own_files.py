@@ -49,7 +49,7 @@ _OF_A_RUN = [
 # These are the names by kind of folder. Folders of other kinds are never replaced.
 FILES: dict[str, frozenset[str]] = {
     "run": frozenset([*_OF_ALL, *_OF_A_RUN]),
-    "sweep": frozenset([*_OF_ALL, "sweep.json"]),
+    "sweep": frozenset([*_OF_ALL, "sweep.json", "runs.csv"]),
     "accuracy": frozenset(
         [*_INPUTS, *(f"accuracy.{ending}" for ending in ("json", "md", "png", "svg"))]
     ),

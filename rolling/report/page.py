@@ -141,7 +141,12 @@ def belongs(run: RunResult | None, name: str, runs: int) -> bool:
 
 
 def exhibits(runs: Sequence[RunResult]) -> list[tuple[RunResult | None, Exhibit]]:
-    """Draw the pictures for the page of runs, each with its run, or with None for several runs."""
+    """Draw the pictures for the page of runs, each with its run, or with None for several runs.
+
+    More runs than `MOST_RUNS` have no pictures of their own.
+    """
+    if len(runs) > MOST_RUNS:
+        return [(None, exhibit(picture)) for picture in run_figures.of_runs(runs)]
     return [
         (run, exhibit(picture))
         for run, picture in run_figures.gallery(runs)
@@ -234,7 +239,7 @@ def _views(
     for run, gain, own_maps in zip(runs, gains, maps, strict=True):
         comment = f"full scale = {gain.full_scale_pa:.6g} Pa"
         record = wav.listening(
-            run.sound.pressure, 1 / gain.full_scale_pa, comment, run.label, bits=16
+            run.sound.pressure, 1 / gain.full_scale_pa, comment, run.label, 16, run.sound.loops
         )
         pictures = {picture.name: picture for owner, picture in shelf if owner is run}
         views.append(RunView(run.label, run, gain, _uri("audio/wav", record), pictures, own_maps))

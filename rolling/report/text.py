@@ -14,9 +14,10 @@ from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
 from acoustics.radiation import RHO_C
 from rolling.check import findings, height_files, validity
 from rolling.figures.picture import comment, quoted
+from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian, HeightFile
-from rolling.simulation import caveats
+from rolling.simulation import batch, caveats
 from rolling.simulation.caveats import Remark
 from rolling.simulation.labels import printable
 from rolling.simulation.run_result import RunResult
@@ -403,11 +404,19 @@ def recipes(runs: Sequence[RunResult]) -> list[Recipe]:
         Recipe(
             labels="; ".join(run.label for run in sweep),
             file=f"{sweep[0].scene.name}.yaml",
-            scene=(folder / "resolved.yaml").read_text(encoding="utf-8"),
+            scene=_resolved(folder, sweep[0]),
             command=f"rolling run {sweep[0].scene.name}.yaml",
         )
         for folder, sweep in members.items()
     ]
+
+
+def _resolved(folder: Path, run: RunResult) -> str:
+    """Read the resolved scene of a run folder; write it where it stands in result.h5 alone."""
+    path = folder / "resolved.yaml"
+    if path.is_file():
+        return path.read_text(encoding="utf-8")
+    return file.dump(batch.seen_from(folder, run.scene))
 
 
 def provenance(runs: Sequence[RunResult]) -> list[Fact]:
@@ -421,11 +430,15 @@ def provenance(runs: Sequence[RunResult]) -> list[Fact]:
 
 
 def _provenance(run: RunResult) -> dict[str, str]:
-    """Read provenance.json of a run folder; the result is empty for a run in memory."""
-    path = run.folder / "provenance.json"
-    if not path.is_file():
+    """Read the provenance of a run from its folder; the result is empty for a run in memory."""
+    path, brief = run.folder / "provenance.json", run.folder / "summary.json"
+    record: dict[str, Any] = {}
+    if path.is_file():
+        record = json.loads(path.read_text(encoding="utf-8"))
+    elif brief.is_file():
+        record = json.loads(brief.read_text(encoding="utf-8")).get("provenance", {})
+    if not record:
         return {}
-    record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     packages = record.pop("packages", {})
     record.pop("written", None)
     return {name: NOTHING if value is None else str(value) for name, value in record.items()} | {

@@ -60,8 +60,9 @@ def solve(
     name: str,
     mapped: bool = True,
     begun: Callable[[Run], object] = lambda run: None,
+    complete: Callable[[int], object] | None = None,
 ) -> Outcome:
-    """Solve the missing steps of runs, and write each result.h5 as it grows and at the end.
+    """Solve the missing steps of runs, and write each result.h5 as it grows.
 
     Parameters
     ----------
@@ -72,18 +73,36 @@ def solve(
     mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
         Default: true.
     begun : callable. It receives a run when one of its pieces is handed to a process.
+    complete : callable. It receives the number of a run when all of it is solved, and writes its
+        result. Default: the result is written without its sound.
     """
     unsolved = [k for k, result in enumerate(results) if not result.complete]
     keepers = {k: Keeper() for k in unsolved}
+    unkept: set[int] = set()
 
     def added(number: int) -> None:
-        if keepers[number].due() or results[number].complete:
+        run, result = runs[number], results[number]
+        unkept.add(number)
+        # A result of one piece is written once, with its sound.
+        at_once = (
+            complete is not None and result.complete and result.solved_steps <= simulate.PIECE_STEPS
+        )
+        if not at_once and (keepers[number].due() or result.complete):
             start = time.monotonic()
-            keep(runs[number], results[number])
+            keep(run, result)
             keepers[number].wrote(time.monotonic() - start)
+            unkept.discard(number)
+        if complete is not None and result.complete:
+            try:
+                complete(number)
+            except BaseException:
+                if at_once:
+                    keep(run, result)
+                raise
+            unkept.discard(number)
 
     for k in unsolved:
-        keep(runs[k], results[k])
+        _identify(runs[k], results[k])
     outcome = solving.solve(
         [run.scene for run in runs],
         results,
@@ -94,7 +113,8 @@ def solve(
         added=added,
     )
     for k in unsolved:
-        keep(runs[k], results[k])
+        if k in unkept:
+            keep(runs[k], results[k])
         # Statistics and figures of the surface read the heights once more.
         if fault := other_surface(runs[k], results[k]):
             outcome.failures.setdefault(k, fault)
@@ -103,10 +123,15 @@ def solve(
 
 def keep(run: Run, result: Result, sound: ContactSound | None = None) -> None:
     """Write the result of a run into its folder, together with its sound if it has one."""
-    if result.identity is None:
-        result.identity = simulate.identity_of(run.scene)
+    _identify(run, result)
     text = file.dump(seen_from(run.folder, run.scene))
     result_file.save(run.folder / RESULT, result, run.scene, text, sound)
+
+
+def _identify(run: Run, result: Result) -> None:
+    """Note scene and surface in a result, unless it has them from its file."""
+    if result.identity is None:
+        result.identity = simulate.identity_of(run.scene)
 
 
 def stored(run: Run) -> Result | None:

@@ -48,10 +48,12 @@ class Plan:
 
     scene : Scene. A scene with or without a sweep.
     given : bytes. The text of the scene file; None for a scene that was made in memory.
+    whole : bool. Whether each run of a sweep has the inputs in its own folder. Otherwise they are
+        in the folder of the sweep and in result.h5. Default: true.
     """
 
-    def __init__(self, scene: Scene, given: bytes | None) -> None:
-        self.scene, self.given = scene, given
+    def __init__(self, scene: Scene, given: bytes | None, whole: bool = True) -> None:
+        self.scene, self.given, self.whole = scene, given, whole
         self.singles = scene.runs()
         self.names = run_names([values for values, _ in self.singles]) if scene.sweep else [""]
 
@@ -77,6 +79,7 @@ class Plan:
             # A run of a sweep can be resumed and resounded on its own, so it also has the inputs.
             if run.folder != folder:
                 run.folder.mkdir(exist_ok=True)
+            if run.folder != folder and self.whole:
                 run_record.write(run.folder, run_record.new("run"))
                 self._write_scene(run.folder, run.scene)
         self._write_scene(folder, self.scene)

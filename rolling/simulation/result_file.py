@@ -22,7 +22,7 @@ from rolling.simulation._result_layout import UNITS
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound
 
-__all__ = ["UNITS", "Result", "load", "save"]
+__all__ = ["UNITS", "Result", "load", "save", "scene_text"]
 
 _SEAL = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
 _SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
@@ -84,6 +84,23 @@ def load(path: Path) -> Result:
             "their SHA-256 differs)"
         )
     return result
+
+
+def scene_text(path: Path) -> str:
+    """Read the scene of a result.h5 of format 2 as YAML, with paths from its folder.
+
+    Raises
+    ------
+    FolderError : the file cannot be read, was changed since it was written, or has no scene.
+    """
+    try:
+        content = path.read_bytes()
+        if content[-_SEAL_LENGTH:] == _seal(memoryview(content)[:-_SEAL_LENGTH]):
+            with h5py.File(io.BytesIO(content), "r") as file:
+                return str(file.attrs["scene"])
+    except (OSError, KeyError) as error:
+        raise FolderError(f"{path}: its scene is not readable ({error})") from error
+    raise FolderError(f"{path}: {_DAMAGED} (its SHA-256 differs)")
 
 
 def _seal(content: bytes | memoryview) -> bytes:

@@ -34,18 +34,17 @@ def write(
     ------
     OSError : a file cannot be written. An earlier file of this name is kept.
     """
-    s = scene.sound
-    facts = (
-        f"{scene.name}, {label}; distance {s.distance_m:g} m, q {s.q:g},"
-        f" {sound.factor:.6g} Pa per W/m2 of fluctuation; {sound.ends}"
-    )
-    title = f"{scene.name}, {label}"
+    facts, title = _facts(scene, label, sound), f"{scene.name}, {label}"
     gain = wav.listening_gain(sound.pressure)
     rule, consequence = _rule_of_gain(sound, gain)
     files = {
-        "signal": wav.calibrated(sound.pressure, f"1.0 = 1 Pa; {facts}", title),
+        "signal": _signal(scene, label, sound),
         "listen": wav.listening(
-            sound.pressure, gain, f"{gain:.6g} full scale per Pa, {rule}; {facts}", title
+            sound.pressure,
+            gain,
+            f"{gain:.6g} full scale per Pa, {rule}; {facts}",
+            title,
+            loops=sound.loops,
         ),
     }
     sidecars = {
@@ -71,6 +70,33 @@ def write(
     for name, content in files.items():
         run_folder.write_bytes(folder / f"{name}.wav", content)
         run_folder.write_json(folder / f"{name}.json", sidecars[name] | {"caveats": [*caveats]})
+
+
+def write_signal(folder: Path, scene: Scene, label: str, sound: ContactSound) -> None:
+    """Write signal.wav alone, without its JSON file.
+
+    Raises
+    ------
+    OSError : the file cannot be written; an earlier one is still there.
+    """
+    run_folder.write_bytes(folder / "signal.wav", _signal(scene, label, sound))
+
+
+def _signal(scene: Scene, label: str, sound: ContactSound) -> bytes:
+    """Return signal.wav."""
+    facts = _facts(scene, label, sound)
+    return wav.calibrated(
+        sound.pressure, f"1.0 = 1 Pa; {facts}", f"{scene.name}, {label}", sound.loops
+    )
+
+
+def _facts(scene: Scene, label: str, sound: ContactSound) -> str:
+    """Write the facts that the comment of a sound file holds."""
+    s = scene.sound
+    return (
+        f"{scene.name}, {label}; distance {s.distance_m:g} m, q {s.q:g},"
+        f" {sound.factor:.6g} Pa per W/m2 of fluctuation; {sound.ends}"
+    )
 
 
 def _rule_of_gain(sound: ContactSound, gain: float) -> tuple[str, str]:

@@ -59,13 +59,17 @@ def read_runs(folder: Path) -> list[Run]:
 def resolved_scene(folder: Path) -> Scene:
     """Read the resolved scene of a run folder.
 
-    Version 0.1.0 did not write `surface.level` and did not level the heights of a file.
+    A run of a large sweep has its scene in result.h5. Version 0.1.0 did not write `surface.level`
+    and did not level the heights of a file.
 
     Raises
     ------
     SceneError : the scene cannot be read.
     """
     path = folder / "resolved.yaml"
+    if run_folder.is_brief(folder):
+        result = folder / batch.RESULT
+        return file.loads(result_file.scene_text(result), [], str(result), folder)
     scene = file.read_scene(path)
     if isinstance(scene.surface, HeightFile) and "level" not in scene.surface.model_fields_set:
         return file.read_scene(path, ["surface.level=none"])

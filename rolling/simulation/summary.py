@@ -7,6 +7,7 @@ import platform
 from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from typing import Any
 
@@ -132,11 +133,17 @@ def provenance(scene: Scene) -> dict[str, Any]:
         "program": made_by.version,
         "source": made_by.commit and f"{made_by.commit[:12]}{'-dirty' if made_by.dirty else ''}",
         "python": platform.python_version(),
-        "packages": {name: metadata.version(name) for name in packages},
+        "packages": {name: _version(name) for name in packages},
         "machine": f"{platform.system()} {platform.machine()}, {cost.cores()} processors",
         "seed": getattr(scene.surface, "seed", None),
         "written": datetime.now(UTC).isoformat(timespec="seconds"),
     }
+
+
+@cache
+def _version(package: str) -> str:
+    """Return the version of an installed package, looked up once."""
+    return metadata.version(package)
 
 
 def uncertain(level: float, uncertainty: float | None) -> str:

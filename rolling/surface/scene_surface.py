@@ -1,7 +1,7 @@
 """Surface of a scene, generated or read, centred and levelled.
 
 March, statistics and pictures take the heights from this module. The last surface is kept, because
-most runs of a sweep share it.
+most runs of a sweep share it, and small ones before it, so that a sweep may alternate between them.
 """
 
 from __future__ import annotations
@@ -68,7 +68,9 @@ class SceneSurface:
         return self.levelling is not None and self.levelling.seams[0].stands_out
 
 
-_kept: dict[tuple[Any, ...], SceneSurface] = {}
+_MOST_KEPT = 16e6  # bytes of the heights of all surfaces that are kept, apart from the last
+
+_kept: dict[tuple[Any, ...], SceneSurface] = {}  # the oldest first
 
 
 def scene_surface(scene: Scene) -> SceneSurface:
@@ -87,8 +89,9 @@ def scene_surface(scene: Scene) -> SceneSurface:
         except surface.SurfaceError as error:
             place = "surface.path" if scene.height_path else "surface"
             raise SceneError([f"{place}: {error}"]) from error
-        _kept.clear()
         _kept[key] = made
+        while sum(other.heights.nbytes for other in _kept.values()) > _MOST_KEPT and len(_kept) > 1:
+            del _kept[next(iter(_kept))]
     return _kept[key]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import time
 from collections.abc import Callable
@@ -14,6 +15,7 @@ from scene_text import PLAIN
 
 from rolling import cli
 from rolling import commands as run
+from rolling.folders import run_record
 from rolling.scene import identity
 from rolling.scene.file import loads, read_scene
 from rolling.scene.identity import Identity, differences
@@ -165,6 +167,25 @@ def test_worker_processes_compare_the_heights_that_they_read(scene: Path, tmp_pa
 def test_heights_replaced_in_the_last_moment_give_no_numbers(
     scene: Path, tmp_path: Path, monkeypatch, capsys
 ) -> None:
+    inner = simulate.simulate_piece
+
+    def replace(given: Scene, first: int, last: int, *more: object) -> object:
+        piece = inner(given, first, last, *more)
+        if last == STEPS:
+            np.save(tmp_path / "z.npy", made(2))
+        return piece
+
+    monkeypatch.setattr(simulate, "simulate_piece", replace)
+    out = tmp_path / "out"
+    assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
+    assert "another surface than the one solved" in capsys.readouterr().err
+    assert result_file.load(out / "result.h5").complete and not (out / "summary.json").exists()
+
+
+def test_heights_replaced_after_the_sound_give_no_pictures(
+    scene: Path, tmp_path: Path, monkeypatch, capsys
+) -> None:
+    """The numbers are of the surface that was solved; a picture would be of the other one."""
     inner = simulate.march_pieces
 
     def replace(*arguments: object) -> object:
@@ -172,11 +193,19 @@ def test_heights_replaced_in_the_last_moment_give_no_numbers(
         np.save(tmp_path / "z.npy", made(2))
         return outcome
 
+    drawn: list[object] = []
     monkeypatch.setattr(simulate, "march_pieces", replace)
-    out = tmp_path / "out"
+    monkeypatch.setattr(run, "_write_pictures", lambda *given: drawn.append(given) or [])
+    out, whole = tmp_path / "out", tmp_path / "whole"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
     assert "not the surface that was solved" in capsys.readouterr().err
-    assert result_file.load(out / "result.h5").complete and not (out / "summary.json").exists()
+    assert not drawn and run_record.read(out).state == "failed"
+    monkeypatch.setattr(simulate, "march_pieces", inner)
+    np.save(tmp_path / "z.npy", made(1))
+    assert cli.main(["run", str(scene), "--out", str(whole), "--workers", "1"]) == 0
+    numbers = [json.loads((folder / "summary.json").read_text()) for folder in (out, whole)]
+    assert numbers[0]["surface"] == numbers[1]["surface"]
+    assert numbers[0]["laeq_db"] == numbers[1]["laeq_db"]
 
 
 def test_the_same_heights_elsewhere_and_written_anew_are_the_same_surface(

@@ -19,7 +19,7 @@ from rolling.folders import files, run_record
 from rolling.folders.run_record import RunRecord
 from rolling.report import page as report
 from rolling.scene import run_names
-from rolling.simulation import batch, result_file, simulate
+from rolling.simulation import batch, result_file, simulate, sound_files
 
 SCENE = """\
 name: small
@@ -198,7 +198,7 @@ def test_a_full_disk_after_some_steps_says_what_is_kept(
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(commands.sound_files, "write", full)
+    monkeypatch.setattr(sound_files, "write", full)
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 1
     message = capsys.readouterr().err
     assert (

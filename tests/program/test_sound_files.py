@@ -84,6 +84,7 @@ def test_the_numbers_beside_a_file_are_those_of_the_file(closed, tmp_path: Path)
         assert gain * beside["pascal_per_full_scale"] == pytest.approx(1.0, rel=1e-15)
         assert beside["gain_db_re_1_per_pa"] == pytest.approx(20.0 * math.log10(gain), abs=1e-12)
         assert beside["loops"] is closed and beside["caveats"] == CAVEATS
+        assert (b"smpl" in (tmp_path / "a" / f"{name}.wav").read_bytes()) is closed
         assert beside["factor_pa_per_w_m2"] == sound.factor and (
             beside["distance_m"],
             beside["q"],

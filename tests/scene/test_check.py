@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from acoustics import wav
-from rolling.check import cost, demand, machine
+from rolling.check import cost, demand, finishing, machine
 from rolling.check.cost import expected_step_ms, roughness
 from rolling.check.finding import Finding
 from rolling.check.findings import check_scene, findings
@@ -253,8 +253,24 @@ def test_expected_time_is_shared_by_the_cores(monkeypatch: pytest.MonkeyPatch) -
     of_all = "expected time of all"
     lines = str(check_scene(loads(TEXT, ["sweep.surface.seed=[1, 2]"]), solve=False)).splitlines()
     line = next(line for line in lines if line.startswith(of_all))
-    assert line.endswith(f"about {2 * shared['expected time'].seconds:.2g} s on 8 cores, 2 runs")
-    assert of_all not in str(check_scene(loads(TEXT), solve=False))
+    both = [single for _, single in loads(TEXT, ["sweep.surface.seed=[1, 2]"]).runs()]
+    after = finishing.seconds(both, 8)
+    total = 2 * shared["expected time"].seconds + after
+    assert line.endswith(
+        f"about {total:.2g} s on 8 cores, {after:.2g} s of it for start, sound and pictures, 2 runs"
+    )
+    checked = check_scene(loads(TEXT), solve=False)
+    assert of_all not in str(checked) and "of it for start, sound and pictures" in str(checked)
+
+
+def test_pictures_of_many_runs_take_no_time_of_each() -> None:
+    """Pictures take most of the time of small runs, up to the 24 that have their own."""
+    few, many = (
+        [single for _, single in loads(TEXT, [f"sweep.surface.seed={[*range(runs)]}"]).runs()]
+        for runs in (demand.PAGE_RUNS, demand.PAGE_RUNS + 1)
+    )
+    assert finishing.seconds(few, 2) > 2 * finishing.seconds(many, 2)
+    assert finishing.seconds(few, 1) > 1.5 * finishing.seconds(few, 2)
 
 
 def test_the_sample_rate_is_that_of_the_files() -> None:

@@ -170,7 +170,7 @@ MEASURED = [
         "{load_n: 1, speed_m_s: 0.1, duration_s: 0.003}\n" + FORTY,
         2,
         643,
-        50,
+        13,
     ),
     (
         "wider",

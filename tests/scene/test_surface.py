@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scene_text import PLAIN
 
-from rolling.surface import height_file
+from rolling.scene import file as scene_file
+from rolling.surface import height_file, scene_surface
 from rolling.surface import heights as surface
 from rolling.surface.heights import SurfaceError
 
@@ -216,3 +218,20 @@ def test_files_that_are_not_heights_are_refused_readably(tmp_path: Path) -> None
 def test_file_without_any_height_is_refused(tmp_path: Path) -> None:
     """An empty array has no mean, and must cause neither a RuntimeWarning nor a NaN surface."""
     refused(saved(tmp_path, np.empty((0, 9))))
+
+
+@pytest.mark.parametrize(("most", "times"), [(1e9, 2), (0.0, 4)])
+def test_surfaces_that_runs_share_are_made_and_described_once(
+    monkeypatch: pytest.MonkeyPatch, most: float, times: int
+) -> None:
+    """A sweep that alternates between two small surfaces; of large ones only the last is kept."""
+    made, make = [], scene_surface._make
+    monkeypatch.setattr(scene_surface, "_make", lambda given: made.append(given) or make(given))
+    monkeypatch.setattr(scene_surface, "_kept", {})
+    monkeypatch.setattr(scene_surface, "_MOST_KEPT", most)
+    swept = ["sweep.rolling.load_n=[5, 20]", "sweep.surface.seed=[1, 2]"]
+    runs = [single for _, single in scene_file.loads(PLAIN, swept).runs()]
+    statistics = [scene_surface.scene_surface(run).statistics for run in runs]
+    assert len(made) == times
+    assert statistics[:2] == statistics[2:] and statistics[0] != statistics[1]
+    assert (statistics[0] is statistics[2]) == (times == 2)
