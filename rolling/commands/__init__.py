@@ -151,6 +151,8 @@ def resume(
 ) -> Report:
     """Continue a run folder that was interrupted or killed; solved steps are not solved again.
 
+    A finished folder stays as it is, unless `pictures` asks for pictures that it may lack.
+
     Parameters
     ----------
     folder : Path. The run folder.
@@ -174,7 +176,8 @@ def resume(
                 "run a new scene instead"
             )
         refusals.refuse_unavailable(each.scene)
-    if done := _finished(folder, runs):
+    # Pictures that are asked for by name are drawn for a finished run, too.
+    if not pictures and (done := _finished(folder, runs)):
         return done
     refusals.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
     wanted = Wanted(page, pictures, workers, begun)
