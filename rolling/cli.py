@@ -11,10 +11,10 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from rolling import __version__, _own_acoustics, defaults
-from rolling.terminal import progress, streams, usage
+from rolling import __version__, _own_acoustics
+from rolling.terminal import arguments, defaults, progress, streams, usage
 from rolling.terminal.progress import Level
 
 if TYPE_CHECKING:
@@ -51,15 +51,15 @@ def _act(argv: Sequence[str] | None) -> int:
         parser.print_help()
         return OK
     usage.refuse_unknown_command(parser, words, [command.name for command in _COMMANDS])
-    arguments, unknown = parser.parse_known_args(words)
+    given, unknown = parser.parse_known_args(words)
     if unknown:
-        usage.refuse_unknown_arguments(arguments.parser, unknown)
+        usage.refuse_unknown_arguments(given.parser, unknown)
     if message := _own_acoustics.fault():
         _say(message)
         return BAD_INPUT
     try:
-        with progress.begin(_level(arguments)):
-            return int(arguments.command(arguments))
+        with progress.begin(_level(given)):
+            return int(given.command(given))
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
@@ -73,11 +73,11 @@ def _act(argv: Sequence[str] | None) -> int:
         return BAD_INPUT
 
 
-def _level(arguments: argparse.Namespace) -> Level:
+def _level(given: argparse.Namespace) -> Level:
     """Return how much the command says."""
-    if arguments.quiet:
+    if given.quiet:
         return Level.QUIET
-    return Level.VERBOSE if arguments.verbose else Level.NORMAL
+    return Level.VERBOSE if given.verbose else Level.NORMAL
 
 
 def _is_bad_input(error: Exception) -> bool:
@@ -88,229 +88,11 @@ def _is_bad_input(error: Exception) -> bool:
     return isinstance(error, SceneError | FolderError)
 
 
-# ---- arguments of the commands
-
-
-def _scene(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "scene",
-        type=_path,
-        metavar="SCENE",
-        help="scene file (YAML), or a name of `rolling scenes`",
-    )
-
-
-def _folder(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("folder", type=_path, metavar="RUN", help="run folder")
-
-
-def _settings(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="override, such as rolling.load_n=50",
-    )
-
-
-def _target(sub: argparse.ArgumentParser, default: str = "outputs/NAME/TIME") -> None:
-    sub.add_argument(
-        "--out", type=_path, metavar="FOLDER", help=f"run folder to make (default: {default})"
-    )
-    sub.add_argument(
-        "--force",
-        action="store_true",
-        help="replace the run in --out, which stays beside it as OUT.previous until the new one"
-        " is done",
-    )
-
-
-def _accuracy_target(sub: argparse.ArgumentParser) -> None:
-    _target(sub, "outputs/NAME-accuracy/TIME")
-
-
-def _workers(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "--workers", type=_count, default=0, metavar="N", help="processes (default: one per core)"
-    )
-
-
-def _drawn(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--no-report", action="store_true", help="write no report page")
-    drawn = sub.add_mutually_exclusive_group()
-    drawn.add_argument(
-        "--pictures",
-        action="store_const",
-        const=True,
-        help="write pictures and all other files of each run, also of more than"
-        f" {defaults.MOST_RUNS_ON_PAGE} runs",
-    )
-    drawn.add_argument(
-        "--no-pictures",
-        action="store_const",
-        const=False,
-        dest="pictures",
-        help="draw nothing: no pictures, none of their tables, no report page",
-    )
-
-
-def _reported_folders(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "folders", type=_path, nargs="+", metavar="RUN", help="run folder, of one run or of a sweep"
-    )
-    sub.add_argument(
-        "--out",
-        type=_path,
-        metavar="FILE",
-        help="page to write (default: RUN/report.html, of several RUN"
-        " outputs/report/TIME/report.html)",
-    )
-    sub.add_argument("--force", action="store_true", help="replace the page in --out")
-
-
-def _fast(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "--fast",
-        action="store_true",
-        help="solve no positions; use closed forms and estimates only",
-    )
-
-
-def _study(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "study",
-        choices=("lee2025",),
-        metavar="STUDY",
-        help="lee2025: Lee, Kim & Kim, Inventions 10(1), 17",
-    )
-    sub.add_argument(
-        "--readings", nargs="+", default=[], metavar="NAME", help="readings to run (default: all)"
-    )
-    sub.add_argument(
-        "--quick",
-        action="store_true",
-        help=f"{defaults.QUICK_SEEDS} surface,"
-        f" loads of {', '.join(map(str, defaults.QUICK_LOADS_N))} N,"
-        f" {defaults.QUICK_SECONDS:g} s in steps {defaults.QUICK_STRIDES} times as long;"
-        " without the outlook unless named",
-    )
-    sub.add_argument(
-        "--out", type=_path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)"
-    )
-
-
-def _take_over(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "--take-over",
-        action="store_true",
-        help="go on although a process of another host is recorded; that process must have ended",
-    )
-
-
-def _trial(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "scene",
-        type=_path,
-        nargs="?",
-        metavar="SCENE",
-        help="scene file (YAML) or name, not with --hard",
-    )
-    sub.add_argument(
-        "--finest",
-        type=_power_of_two,
-        metavar="N",
-        help=f"divide the spacing by 2, 4, ... up to N (default {defaults.FINEST})",
-    )
-    sub.add_argument(
-        "--duration",
-        type=_seconds,
-        metavar="S",
-        help=f"seconds of rolling at most (default {defaults.ACCURACY_SECONDS:g}:"
-        " no third octave from 100 Hz is empty)",
-    )
-    sub.add_argument("--hard", action="store_true", help="judge the solver on hard cases instead")
-    random, part = defaults.RANDOM_SCENES, defaults.OTHER_SCENES
-    sub.add_argument(
-        "--random",
-        type=_count,
-        metavar="N",
-        help=f"with --hard: N random scenes (default {random:,}),"
-        f" and N/{part} odd and N/{part} blended ones"
-        f" ({random + 2 * (random // part):,} in all by default)",
-    )
-    sub.add_argument(
-        "--long",
-        action="store_true",
-        help=f"with --hard: the march of {defaults.LONG_STEPS:,} steps as well",
-    )
-
-
-def _volume(parser: argparse.ArgumentParser, default: Any) -> None:
-    """Add the options that say more or less."""
-    either = parser.add_mutually_exclusive_group()
-    either.add_argument(
-        "-q",
-        "--quiet",
-        action="store_true",
-        default=default,
-        help="print refusals, errors and the folder (or page) only",
-    )
-    either.add_argument(
-        "-v",
-        "--verbose",
-        action="store_true",
-        default=default,
-        help="say more: pieces, windows, iterations and times",
-    )
-
-
-def _all(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--all", action="store_true", help="list the scenes of studies as well")
-
-
-def _library_scene(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "name",
-        nargs="?",
-        default="quickstart",
-        metavar="NAME",
-        help="name of the scene (default: quickstart)",
-    )
-
-
-def _path(text: str) -> Path:
-    if not text.strip():
-        raise argparse.ArgumentTypeError("empty; is a variable of the shell not set?")
-    return Path(text)
-
-
-def _count(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError("at least 1")
-    return value
-
-
-def _power_of_two(text: str) -> int:
-    value = _count(text)
-    if value < 2 or value & (value - 1):
-        raise argparse.ArgumentTypeError("2, 4, 8, ...")
-    return value
-
-
-def _seconds(text: str) -> float:
-    value = float(text)
-    if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError("more than 0")
-    return value
-
-
 # ---- commands
 
 
 def _run(given: argparse.Namespace) -> int:
-    from rolling import early
+    from rolling.check import early
 
     early.refuse_scene(given.scene, given.set, given.out, given.force, ("run", "sweep"))
     with progress.step(LOADING):
@@ -330,7 +112,7 @@ def _run(given: argparse.Namespace) -> int:
 
 
 def _resume(given: argparse.Namespace) -> int:
-    from rolling import early
+    from rolling.check import early
 
     early.refuse_folders([given.folder])
     with progress.step(LOADING):
@@ -348,7 +130,7 @@ def _resume(given: argparse.Namespace) -> int:
 
 
 def _resound(given: argparse.Namespace) -> int:
-    from rolling import early
+    from rolling.check import early
 
     early.refuse_folders([given.folder])
     with progress.step(LOADING):
@@ -366,13 +148,13 @@ def _resound(given: argparse.Namespace) -> int:
     )
 
 
-def _report(arguments: argparse.Namespace) -> int:
-    from rolling import early
+def _report(given: argparse.Namespace) -> int:
+    from rolling.check import early
 
-    early.refuse_folders(arguments.folders)
+    early.refuse_folders(given.folders)
     with progress.step(LOADING):
         from rolling import commands
-    print(commands.report(arguments.folders, arguments.out, arguments.force))
+    print(commands.report(given.folders, given.out, given.force))
     return OK
 
 
@@ -440,13 +222,13 @@ def _print_files(report: Report) -> None:
         print(f"no page: `rolling report {report.folder}` makes one")
 
 
-def _check(arguments: argparse.Namespace) -> int:
-    from rolling import early
+def _check(given: argparse.Namespace) -> int:
+    from rolling.check import early
 
-    scene = early.read_scene(arguments.scene, arguments.set)
+    scene = early.read_scene(given.scene, given.set)
     with progress.step(LOADING):
         from rolling.check.findings import check_scene
-    findings = check_scene(scene, solve=not arguments.fast)
+    findings = check_scene(scene, solve=not given.fast)
     if not progress.is_quiet():
         print(findings)
     for warning in findings.warnings if progress.is_quiet() else ():
@@ -454,53 +236,49 @@ def _check(arguments: argparse.Namespace) -> int:
     return OK
 
 
-def _accuracy(arguments: argparse.Namespace) -> int:
-    of_scene = {"SCENE": arguments.scene, "--set": arguments.set, "--finest": arguments.finest}
-    of_scene |= {"--duration": arguments.duration, "--force": arguments.force}
-    of_hard = {"--random": arguments.random, "--long": arguments.long}
+def _accuracy(given: argparse.Namespace) -> int:
+    of_scene = {"SCENE": given.scene, "--set": given.set, "--finest": given.finest}
+    of_scene |= {"--duration": given.duration, "--force": given.force}
+    of_hard = {"--random": given.random, "--long": given.long}
     if misplaced := [
-        name for name, given in (of_scene if arguments.hard else of_hard).items() if given
+        name for name, chosen in (of_scene if given.hard else of_hard).items() if chosen
     ]:
         _say(
-            f"rolling accuracy: {', '.join(misplaced)} {'cannot' if arguments.hard else 'can only'}"
+            f"rolling accuracy: {', '.join(misplaced)} {'cannot' if given.hard else 'can only'}"
             " go with --hard"
         )
         return BAD_INPUT
-    if arguments.hard:
-        return _hard_cases(arguments)
-    if arguments.scene is None:
+    if given.hard:
+        return _hard_cases(given)
+    if given.scene is None:
         _say("rolling accuracy: give a SCENE, or --hard")
         return BAD_INPUT
 
-    from rolling import early
+    from rolling.check import early
 
-    early.refuse_scene(
-        arguments.scene, arguments.set, arguments.out, arguments.force, ("accuracy",), first=True
-    )
+    early.refuse_scene(given.scene, given.set, given.out, given.force, ("accuracy",), first=True)
     with progress.step(LOADING):
         from rolling.accuracy import study
-    given = {
+    chosen = {
         name: value
         for name in ("finest", "duration")
-        if (value := getattr(arguments, name)) is not None
+        if (value := getattr(given, name)) is not None
     }
-    return study.run_study(
-        arguments.scene, arguments.set, arguments.out, arguments.force, arguments.workers, **given
-    )
+    return study.run_study(given.scene, given.set, given.out, given.force, given.workers, **chosen)
 
 
-def _hard_cases(arguments: argparse.Namespace) -> int:
+def _hard_cases(given: argparse.Namespace) -> int:
     from rolling.check import cost
     from rolling.folders import new_folder, run_record
 
-    target = new_folder.aim(Path("outputs") / "hard-cases", arguments.out, False, ["hard-cases"])
+    target = new_folder.aim(Path("outputs") / "hard-cases", given.out, False, ["hard-cases"])
     with progress.step(LOADING):
         from rolling.verification import judge
     held = new_folder.make(target, run_record.new("hard-cases"))
     with held:
-        workers = arguments.workers or cost.cores()
-        random = arguments.random or defaults.RANDOM_SCENES
-        code = judge.main_report(held.folder, random, workers, arguments.long)
+        workers = given.workers or cost.cores()
+        random = given.random or defaults.RANDOM_SCENES
+        code = judge.main_report(held.folder, random, workers, given.long)
         held.mark(
             held.folder, "failed" if code else "done", "not every case holds" if code else None
         )
@@ -533,22 +311,22 @@ def _reproduce(given: argparse.Namespace) -> int:
     return done.exit_code
 
 
-def _scenes(arguments: argparse.Namespace) -> int:
+def _scenes(given: argparse.Namespace) -> int:
     from rolling import tables
     from rolling.scene import library
 
-    print(tables.columns(library.titles(arguments.all)))
-    if not arguments.all:
+    print(tables.columns(library.titles(given.all)))
+    if not given.all:
         inner = len(library.scenes()) - len(library.titles())
         print(f"\n{inner} more scenes are of studies; `rolling scenes --all` lists them")
     return OK
 
 
-def _init(arguments: argparse.Namespace) -> int:
+def _init(given: argparse.Namespace) -> int:
     from rolling.scene import library
 
     try:
-        written = library.copy(arguments.name, Path())
+        written = library.copy(given.name, Path())
     except library.LibraryError as error:
         _say(str(error))
         return BAD_INPUT
@@ -556,7 +334,7 @@ def _init(arguments: argparse.Namespace) -> int:
     return OK
 
 
-def _schema(arguments: argparse.Namespace) -> int:
+def _schema(given: argparse.Namespace) -> int:
     import json
 
     from rolling.scene import file
@@ -597,52 +375,54 @@ _COMMANDS = (
         "run",
         _run,
         "run a scene: release, sound, levels and plots",
-        (_scene, _settings, _target, _workers, _drawn),
+        (arguments.scene, arguments.settings, arguments.target, arguments.workers, arguments.drawn),
     ),
     _Command(
         "check",
         _check,
         "validate a scene, estimate its cost and name its doubtful numbers",
-        (_scene, _settings, _fast),
+        (arguments.scene, arguments.settings, arguments.fast),
     ),
     _Command(
         "resume",
         _resume,
         "continue an interrupted run",
-        (_folder, _workers, _drawn, _take_over),
+        (arguments.folder, arguments.workers, arguments.drawn, arguments.take_over),
     ),
     _Command(
         "resound",
         _resound,
         "make a new sound from a stored run, without solving again",
-        (_folder, _settings, _target, _drawn),
+        (arguments.folder, arguments.settings, arguments.target, arguments.drawn),
     ),
     _Command(
         "report",
         _report,
         "write one page to hear, see and read runs: a single HTML file that needs no network",
-        (_reported_folders,),
+        (arguments.reported_folders,),
     ),
     _Command(
         "accuracy",
         _accuracy,
         "speed against error: a scene on finer grids, with other edges, tolerances, steps; or the"
         " solver on hard cases",
-        (_settings, _accuracy_target, _workers, _trial),
+        (arguments.settings, arguments.accuracy_target, arguments.workers, arguments.trial),
     ),
     _Command(
         "reproduce",
         _reproduce,
         "run the study of an article in several readings and answer for its statements; again:"
         " goes on where it stopped",
-        (_study, _workers, _take_over),
+        (arguments.study, arguments.workers, arguments.take_over),
     ),
-    _Command("scenes", _scenes, "list the scenes that come with the program", (_all,)),
+    _Command(
+        "scenes", _scenes, "list the scenes that come with the program", (arguments.all_scenes,)
+    ),
     _Command(
         "init",
         _init,
         "copy a scene that comes with the program into the current folder",
-        (_library_scene,),
+        (arguments.library_scene,),
     ),
     _Command("schema", _schema, "print the JSON Schema of scene files, for editors"),
 )
@@ -656,12 +436,14 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "-V", "--version", action="version", version=f"rolling-contact-noise {__version__}"
     )
-    _volume(parser, False)
+    arguments.volume(parser, False)
     parsers = parser.add_subparsers(required=True, metavar="COMMAND")
     for command in _COMMANDS:
         sub = parsers.add_parser(command.name, help=command.text, description=command.text)
         sub.set_defaults(command=command.act, parser=sub)
-        _volume(sub, argparse.SUPPRESS)  # a default would undo what stands before the command
+        arguments.volume(
+            sub, argparse.SUPPRESS
+        )  # a default would undo what stands before the command
         for part in command.parts:
             part(sub)
     return parser

@@ -9,7 +9,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rolling import defaults
 from rolling.accuracy import errors, plot, text
 from rolling.accuracy.errors import Findings, Measurement
 from rolling.accuracy.variants import Study, Variant, study_of, tasks
@@ -20,7 +19,7 @@ from rolling.scene import file, library
 from rolling.simulation import pool, simulate, summary
 from rolling.simulation.batch import Run
 from rolling.surface import contact_of_scene
-from rolling.terminal import progress
+from rolling.terminal import defaults, progress
 
 
 def run_study(

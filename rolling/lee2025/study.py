@@ -20,7 +20,6 @@ from acoustics.bands import third_octave_mean_square
 from acoustics.level import I_REF_W_M2
 from acoustics.spectrum import article_line_level_db, line_spectrum
 from acoustics.weighting import a_weighting_db
-from rolling import defaults
 from rolling._typing import Array
 from rolling.contact import closed_forms
 from rolling.folders import files as run_folder
@@ -35,6 +34,7 @@ from rolling.simulation.batch import Run
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.terminal import defaults
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from markupsafe import Markup
 
 from acoustics import wav
 from acoustics.plot_style import PREFIXES
-from rolling import __version__, defaults
+from rolling import __version__
 from rolling.figures import run_figures
 from rolling.figures.picture import Picture
 from rolling.folders import program
@@ -32,6 +32,7 @@ from rolling.simulation import caveats
 from rolling.simulation.caveats import Caveat
 from rolling.simulation.labels import printable
 from rolling.simulation.run_result import RunResult
+from rolling.terminal import defaults
 
 LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
 GENERATOR = f"{program.NAME} {__version__}"

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from rolling import defaults
 from rolling._typing import Array
 from rolling.contact import closed_forms
 from rolling.contact.state import RollingContact
 from rolling.surface import heights as surface
+from rolling.terminal import defaults
 
 STEEL = 210e9 / (1 - 0.3**2)  # E* [Pa] of the plate under a rigid sphere
 CELL = 4e-12  # [m2], area of a node at the common spacing of 2 um

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from rolling import defaults, tables
+from rolling import tables
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
@@ -25,7 +25,7 @@ from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.folders import files
 from rolling.simulation import lifeline, spawning
-from rolling.terminal import progress
+from rolling.terminal import defaults, progress
 from rolling.verification import hard_cases, optimality
 from rolling.verification.hard_cases import CAPACITY, CASES, ROOM, SOLVED, WIDTH, HardCase
 from rolling.verification.random_cases import found_cases, random_case

@@ -14,7 +14,7 @@ import pytest
 from scene_text import PLAIN
 
 from rolling import cli
-from rolling import commands as run
+from rolling.commands import work
 from rolling.folders import run_record
 from rolling.scene import identity
 from rolling.scene.file import loads, read_scene
@@ -40,7 +40,7 @@ def made(seed: int, steps: int = STEPS) -> np.ndarray:
 @pytest.fixture(autouse=True)
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out all pictures, which no test here reads."""
-    monkeypatch.setattr(run, "_write_pictures", lambda *_: [])
+    monkeypatch.setattr(work, "write_pictures", lambda *_: [])
 
 
 @pytest.fixture
@@ -195,7 +195,7 @@ def test_heights_replaced_after_the_sound_give_no_pictures(
 
     drawn: list[object] = []
     monkeypatch.setattr(simulate, "march_pieces", replace)
-    monkeypatch.setattr(run, "_write_pictures", lambda *given: drawn.append(given) or [])
+    monkeypatch.setattr(work, "write_pictures", lambda *given: drawn.append(given) or [])
     out, whole = tmp_path / "out", tmp_path / "whole"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
     assert "not the surface that was solved" in capsys.readouterr().err

@@ -17,11 +17,11 @@ ROOT = Path(__file__).parents[2]
 # a new room needs a floor.
 FLOORS = {
     "rolling": (
-        ("_own_acoustics", "_typing", "defaults", "tables", "terminal"),
+        ("_own_acoustics", "_typing", "tables", "terminal"),
         ("contact", "scene"),
         ("folders", "surface"),
         ("check", "sound"),
-        ("early", "simulation"),
+        ("simulation"),
         ("accuracy", "figures", "verification"),
         ("plot", "report"),
         ("commands", "lee2025"),

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling import cli, commands
+from rolling import cli
 from rolling.check import demand
-from rolling.commands import drawing
+from rolling.commands import drawing, work
 from rolling.commands.interface import open_run
 from rolling.folders import files, run_record
 from rolling.report import page
@@ -46,7 +46,7 @@ def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the pictures, which take longer than the rest."""
-    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
+    monkeypatch.setattr(work, "write_pictures", lambda *_: [])
 
 
 def run(scene: Path, out: Path, *more: str) -> int:
@@ -229,8 +229,8 @@ def test_a_worker_that_is_killed_while_it_draws_loses_nothing(
     with monkeypatch.context() as patch:
         # The solver has the same pool.
         patch.setattr(
-            commands,
-            "_write_pictures",
+            work,
+            "write_pictures",
             lambda folder, runs, wanted: (
                 patch.setattr(drawing.pool, "work", killed),
                 drawing.draw(folder, runs, True, False, 1),

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from rolling import cli, commands
+from rolling.commands import work
 from rolling.folders import files, run_record
 from rolling.folders.run_record import RunRecord
 from rolling.report import page as report
@@ -35,7 +36,7 @@ LONG = ("--set", "rolling.duration_s=2", "--workers", "1")
 
 @pytest.fixture(autouse=True)
 def _without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
+    monkeypatch.setattr(work, "write_pictures", lambda *_: [])
 
 
 @pytest.fixture
@@ -324,7 +325,7 @@ def test_an_interrupted_sweep_waits(scene, tmp_path, monkeypatch, capsys) -> Non
         None,
     )
     monkeypatch.undo()
-    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
+    monkeypatch.setattr(work, "write_pictures", lambda *_: [])
     # One run by itself, the last one: the sweep is done with it, and nothing is solved again.
     waiting = next(name for name in record(out).runs if record(out / name).state == "waiting")
     assert cli.main(["resume", str(out / waiting), "--workers", "1"]) == 0

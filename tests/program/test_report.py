@@ -14,6 +14,7 @@ from report_runs import HOSTILE, Runs, run_results
 from ruamel.yaml import YAML
 
 from rolling import cli, commands
+from rolling.commands import work
 from rolling.folders import run_record
 from rolling.report import citation, page, pressure_maps, text
 from rolling.report.playback import PEAK, playbacks
@@ -154,7 +155,7 @@ def test_three_records_of_ten_seconds_stay_below_15_mb(runs, tmp_path) -> None:
     """At 0.009 m/s the stored runs last 10 s, without a new solve."""
     slow = tmp_path / "slow"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(commands, "_write_pictures", lambda *_: [])
+        patch.setattr(work, "write_pictures", lambda *_: [])
         assert (
             commands.resound(runs.three(), ["rolling.speed_m_s=0.009"], slow, page=False).exit_code
             == 0

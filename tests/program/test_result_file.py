@@ -21,6 +21,7 @@ import xarray as xr
 from old_results import save_old
 
 from rolling import cli, commands
+from rolling.commands import work
 from rolling.folders import run_record
 from rolling.folders.files import FolderError
 from rolling.simulation import _hdf5_probe, batch, result_file, simulate
@@ -43,7 +44,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("runs")
     (folder / "s.yaml").write_text(SCENE)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(commands, "_write_pictures", lambda *_: [])
+        patch.setattr(work, "write_pictures", lambda *_: [])
         assert (
             cli.main(
                 ["run", str(folder / "s.yaml"), "--out", str(folder / "out"), "--workers", "1"]
@@ -187,7 +188,7 @@ def test_the_sound_in_the_file_is_the_run_s(whole: Path, tmp_path: Path) -> None
     """After run and resound the mean square of the sound is the level in summary.json."""
     out = tmp_path / "far"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(commands, "_write_pictures", lambda *_: [])
+        patch.setattr(work, "write_pictures", lambda *_: [])
         assert (
             cli.main(["resound", str(whole), "--set", "sound.distance_m=10", "--out", str(out)])
             == 0
@@ -486,7 +487,7 @@ def test_old_files_are_read_and_gone_on_with(
     # The missing piece, then the file of today.
     shutil.copy(whole / "resolved.yaml", tmp_path)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(commands, "_write_pictures", lambda *_: [])
+        patch.setattr(work, "write_pictures", lambda *_: [])
         shutil.copy(whole / "scene.yaml", tmp_path)
         assert cli.main(["resume", str(tmp_path), "--workers", "1"]) == 0
     result, once = result_file.load(tmp_path / "result.h5"), result_file.load(whole / "result.h5")
@@ -510,9 +511,10 @@ def test_an_old_file_of_another_length_is_refused(
 
 COMMAND = """\
 import sys, resource
-from rolling import cli, commands as run
+from rolling import cli
+from rolling.commands import work
 from rolling.folders import files as run_folder
-run._write_pictures = lambda *_: []
+work.write_pictures = lambda *_: []
 run_folder.Keeper.due = lambda self: True
 LIMIT
 sys.exit(cli.main(sys.argv[1:]))
@@ -540,7 +542,7 @@ def test_a_file_that_may_not_grow_ends_in_one_message(whole: Path, tmp_path: Pat
     assert not (tmp_path / "out" / "result.h5").exists()
     assert not list((tmp_path / "out").glob(".*partial"))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(commands, "_write_pictures", lambda *_: [])
+        patch.setattr(work, "write_pictures", lambda *_: [])
         assert cli.main(["resume", str(tmp_path / "out"), "--workers", "1"]) == 0
     assert np.array_equal(
         result_file.load(tmp_path / "out" / "result.h5").series["approach"],

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from rolling import cli, defaults
+from rolling import cli
 from rolling.contact import compiling
 from rolling.folders import run_record
-from rolling.terminal import progress, streams
+from rolling.terminal import defaults, progress, streams
 from rolling.terminal.progress import Level
 from rolling.verification import judge
 

@@ -11,6 +11,7 @@ import pytest
 from rolling import cli, commands
 from rolling.check import cost, findings
 from rolling.check.finding import Finding
+from rolling.commands import work
 from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.sound import contact_sound as sound
@@ -136,7 +137,7 @@ def test_level_is_a_key_with_three_values(tmp_path: Path) -> None:
 def test_run_over_a_seam_says_so_and_does_not_loop(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])  # slow, and not of the subject
+    monkeypatch.setattr(work, "write_pictures", lambda *_: [])  # slow, and not of the subject
     scene(tmp_path, tilted_crop())
     (tmp_path / "measured.yaml").write_text(TEXT)
     out = tmp_path / "out"

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from acoustics import wav
-from rolling import cli, commands
+from rolling import cli
+from rolling.commands import work
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
 from rolling.simulation import simulate
@@ -74,7 +75,7 @@ def test_the_sphere_of_the_scenarios_is_silent_at_the_default_tolerance(
     """An earlier version gave -37.6 dB(A), and rounding at -14 dB of full scale to listen to."""
     path = Path(__file__).parents[2] / "scenarios" / "smooth.yaml"
     out = tmp_path / "out"
-    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
+    monkeypatch.setattr(work, "write_pictures", lambda *_: [])
     settings = [
         "--set",
         "numerics.tolerance=1e-4",

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from rolling import commands
+from rolling.commands import work
 from rolling.folders import run_record
 from rolling.simulation import batch, result_file, simulate
 from rolling.simulation.run_result import RunResult
@@ -53,7 +54,7 @@ class Runs:
             scene.write_text(text.replace("PATH", f"'{self.heights}'"))
             with pytest.MonkeyPatch.context() as patch:
                 # files beside the page, not in it
-                patch.setattr(commands, "_write_pictures", lambda *_: [])
+                patch.setattr(work, "write_pictures", lambda *_: [])
                 assert commands.run(scene, settings, out, workers=1, page=False).exit_code == 0
         return out
 
@@ -117,7 +118,7 @@ class Runs:
         out = self.folder / name
         if not out.exists():
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr(commands, "_write_pictures", lambda *_: [])
+                patch.setattr(work, "write_pictures", lambda *_: [])
                 assert commands.resound(self.one(), [setting], out, page=False).exit_code == 0
         return out
 
