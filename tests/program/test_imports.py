@@ -21,7 +21,7 @@ FLOORS = {
         ("contact", "scene"),
         ("folders", "surface"),
         ("check", "sound"),
-        ("simulation"),
+        ("simulation",),
         ("accuracy", "figures", "verification"),
         ("plot", "report"),
         ("commands", "lee2025"),
