@@ -145,7 +145,7 @@ def test_help_gives_the_numbers_that_are_used(
     assert made is not None and {defaults.FINEST, defaults.ACCURACY_SECONDS} <= set(made)
     assert f"default {defaults.FINEST})" in text
     assert f"default {defaults.ACCURACY_SECONDS:g}:" in text
-    assert f"of {page.MOST_RUNS} runs at most" in help_of("run", capsys)
+    assert f"more than {page.MOST_RUNS} runs" in help_of("run", capsys)
     text = help_of("reproduce", capsys)
     assert f"{QUICK.seeds} surface" in text and f"{QUICK.duration_s:g} s" in text
     assert f"{QUICK.strides} times as long" in text
@@ -363,7 +363,7 @@ def test_quiet_prints_the_folder_and_a_finished_run_is_left_alone(
     (out / "result.h5").unlink()  # then there is something to resume
     assert cli.main(["resume", str(out), "-v", "--no-report"]) == 0
     printed = capsys.readouterr()
-    for words in ("1 pieces of 1 runs", "iterations per state", "window ", "steps solved", "sound"):
+    for words in ("1 pieces of 1 runs", "iterations per state", "window ", "steps solved"):
         assert words in printed.err
     assert cli.main(["check", "-q", "--fast", str(scene)]) == 0
     printed = capsys.readouterr()
