@@ -198,7 +198,7 @@ def single(
 
     Parameters
     ----------
-        name, title, note, columns : see `Picture` and `lay_out`.
+    name, title, note, columns : see `Picture` and `lay_out`.
     draw : function of axes. It draws the curves.
     """
     figure = blank()

@@ -178,7 +178,7 @@ def test_heights_replaced_in_the_last_moment_give_no_numbers(
     monkeypatch.setattr(simulate, "simulate_piece", replace)
     out = tmp_path / "out"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
-    assert "another surface than the one solved" in capsys.readouterr().err
+    assert "not the surface that was solved" in capsys.readouterr().err
     assert result_file.load(out / "result.h5").complete and not (out / "summary.json").exists()
 
 

@@ -45,9 +45,7 @@ def drawn(texts: list[str]) -> Picture:
         for text in texts:
             ax.plot([0, 1], [0, 1], label=text)
 
-    return single(
-        "odd", texts[0], "; ".join(texts), {text: np.zeros(2) for text in texts}, draw, texts
-    )
+    return single("odd", texts[0], "; ".join(texts), {text: np.zeros(2) for text in texts}, draw)
 
 
 @pytest.mark.slow

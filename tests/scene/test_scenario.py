@@ -78,14 +78,14 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
             "radius_mm: 5, youngs_modulus_gpa: 210",
             "s.yaml:2: sphere.poissons_ratio: missing beside youngs_modulus_gpa; an elastic sphere "
             "needs both, a"
-            " rigid one neither",
+            " rigid sphere neither",
         ),
         (
             "radius_mm: 5",
             "radius_mm: 5, poissons_ratio: 0.3",
             "s.yaml:2: sphere.youngs_modulus_gpa: missing beside poissons_ratio; an elastic sphere "
             "needs both, a"
-            " rigid one neither",
+            " rigid sphere neither",
         ),
         (
             "sphere: {radius_mm: 5}\n",

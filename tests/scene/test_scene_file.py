@@ -248,7 +248,7 @@ def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
             "sphere.poissons_ratio=0.3",
             "s.yaml:2: sphere.youngs_modulus_gpa: missing beside poissons_ratio; an elastic sphere "
             "needs both, a"
-            " rigid one neither",
+            " rigid sphere neither",
         ),
     ],
 )
