@@ -1,8 +1,7 @@
-"""Sound from a released power: levels, third octaves, weighting, spectra, uncertainty, sound files,
-plots.
+"""Sound from a released power: levels, spectra, weighting, uncertainty, sound files and plots.
 
-The package knows arrays and sample rates and nothing of contact. Every name below is imported when
-it is first used, so that ``import acoustics`` takes no time.
+The package works on arrays and sample rates and knows nothing about contact. Every name below is
+imported when it is first used, so ``import acoustics`` takes no time.
 
 >>> import numpy as np
 >>> import acoustics
@@ -15,6 +14,8 @@ from __future__ import annotations
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+__distribution__ = "rolling-contact-noise"  # tells this package from others of its name
 
 if TYPE_CHECKING:
     from acoustics import plots, wav

@@ -10,8 +10,8 @@ from acoustics._typing import Array
 # Nominal mid frequencies of IEC 61260-1:2014. They name the bands; they are not used to calculate.
 # fmt: off
 NOMINAL_HZ: tuple[float, ...] = (
-    20, 25, 31.5, 40, 50, 63, 80, 100, 125, 160, 200, 250, 315, 400, 500, 630, 800, 1000, 1250, 1600, 2000, 2500, 3150,
-    4000, 5000, 6300, 8000, 10000, 12500, 16000, 20000,
+    20, 25, 31.5, 40, 50, 63, 80, 100, 125, 160, 200, 250, 315, 400, 500, 630, 800, 1000, 1250,
+    1600, 2000, 2500, 3150, 4000, 5000, 6300, 8000, 10000, 12500, 16000, 20000,
 )
 # fmt: on
 BAND_NAMES: tuple[str, ...] = tuple(f"{nominal:g}" for nominal in NOMINAL_HZ)
@@ -33,7 +33,8 @@ def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Ar
     """Sum the mean squares of the lines in each third octave.
 
     A line on an edge belongs to the band above it. Every line in ``AUDIBLE_HZ`` is therefore
-    counted once, and the bands add up to the lines. Lines outside are not counted.
+    counted once, and the sum of the bands equals the sum of the lines. Lines outside are not
+    counted.
 
     Parameters
     ----------
@@ -92,7 +93,7 @@ def band_uncertainty_db(duration_s: float) -> Array:
 
 
 def reliable(duration_s: float) -> NDArray[np.bool_]:
-    """Return for each band whether a record is long enough to read its level, B T >= 5.
+    """Return for each band whether a record is long enough for its level, B T >= 5.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Spectra and records thinned to the points that a plot can show."""
+"""Spectra and records, thinned to the points that a plot can show."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ import numpy as np
 from acoustics._typing import Array
 from acoustics.bands import AUDIBLE_HZ
 
-PER_OCTAVE = 12  # of the means drawn of dense spectra
-NOTHING_DB = -300.0  # stands for -inf, which matplotlib would drop together with its neighbours
-DENSE = 500  # more lines than this hide one another: they fade behind their mean
-# across a plot: more than its dots, so that an envelope looks like the curve itself
+PER_OCTAVE = 12  # means per octave drawn for dense spectra
+NOTHING_DB = -300.0  # replaces -inf, which matplotlib would drop together with its neighbours
+DENSE = 500  # more lines hide one another, so they fade behind their mean
+# columns across a plot: more than its dots, so an envelope looks like the curve itself
 _COLUMNS = 1500
 
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """A spectrum as it is drawn, 20 Hz to 20 kHz, with means and envelope that are computed once.
+    """A spectrum from 20 Hz to 20 kHz for a plot; its means and envelope are computed once.
 
     Parameters
     ----------
     frequency_hz : array (n,), Hz. Rising frequencies of the lines.
-    level_db : array (n,), dB. Their levels; -inf is no sound.
+    level_db : array (n,), dB. Their levels; -inf is silence.
     """
 
     frequency_hz: Array
@@ -39,18 +39,22 @@ class Lines:
 
     @property
     def dense(self) -> bool:
-        """Whether there are too many lines to tell them apart."""
+        """Whether there are too many lines to distinguish them."""
         return len(self.frequency_hz) > DENSE
 
     @cached_property
     def mean(self) -> tuple[Array, Array]:
-        """Mid frequency and level of the mean power of the lines in each 1/12 octave that has any."""
+        """Mid frequency and level of the mean power of the lines in each 1/12 octave.
+
+        Parts of the axis without lines are left out.
+        """
         return _band_mean(self.frequency_hz, self.level_db)
 
     @cached_property
     def envelope(self) -> tuple[Array, Array]:
-        """The lines, or minimum and maximum of each column of the plot where several lines share
-        one.
+        """The lines, thinned to the minimum and maximum of each column of the plot.
+
+        Columns with a single line are unchanged.
         """
         low, high = np.log(AUDIBLE_HZ)
         column = (np.log(self.frequency_hz) - low) / (high - low)
@@ -73,8 +77,9 @@ def is_thinned(time_s: Array) -> bool:
 
 
 def power_envelope(time_s: Array, power_w: Array) -> tuple[Array, Array]:
-    """Return time and power as drawn: minimum and maximum in each of 1,500 columns of more than
-    3,000 values.
+    """Return time and power as they are drawn.
+
+    More than 3,000 values are thinned to the minimum and maximum in each of 1,500 columns.
     """
     if not is_thinned(time_s):
         return time_s, power_w
@@ -101,8 +106,9 @@ def _thinned(x: Array, y: Array, share: Array) -> tuple[Array, Array]:
 
 
 def _band_mean(frequency_hz: Array, level_db: Array) -> tuple[Array, Array]:
-    """Return mid frequency and level of the mean power of the lines in each 1/12 octave that has
-    any.
+    """Return mid frequency and level of the mean power of the lines in each 1/12 octave.
+
+    Parts of the axis without lines are left out.
     """
     octaves = math.log2(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
     edges = AUDIBLE_HZ[0] * 2.0 ** (np.arange(math.ceil(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)

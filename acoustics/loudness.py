@@ -1,4 +1,4 @@
-"""Loudness and sharpness of a steady sound, by the package mosqito, which is imported when needed."""
+"""Loudness and sharpness of a steady sound by the package mosqito, which is imported on use."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from acoustics._typing import Array
 from acoustics.spectrum import check_record
 
-LEAST_RATE_HZ = 48000  # below, mosqito would resample
+LEAST_RATE_HZ = 48000  # mosqito would resample lower rates
 
 # The filters of the lowest bands (25 Hz, 5.8 Hz wide) settle in 0.2 s; a loop is played long enough
 # to make that negligible.
@@ -68,7 +68,7 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
         raise ValueError(
             f"loudness needs a sample rate of {LEAST_RATE_HZ} Hz or more, got {sample_rate_hz:g}"
         )
-    # the onset of a mean would be a bang to the filters
+    # the onset of a mean would excite the filters like a bang
     fluctuation = pressure_pa - np.mean(pressure_pa)
     if not np.any(fluctuation):
         return Loudness(0.0, None)
@@ -77,7 +77,7 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
         sone, specific, _ = loudness_zwst(
             np.tile(fluctuation, rounds), sample_rate_hz, field_type="free"
         )
-    except ValueError:  # raised in either case
+    except ValueError:  # both cases raise this error
         return Loudness(None, None)
     if not sone > 0.0:
         return Loudness(0.0, None)

@@ -1,25 +1,37 @@
 """Plots of levels and power: each function draws on `ax` and returns it.
 
-The colours are those of Okabe and Ito (2008), which differ for any colour vision. Line styles
-differ too, for grey print. More curves than colours go from dark to light in the order given. The
-functions label their curves, but leave title and legend to the caller.
+The functions label their curves, but leave title and legend to the caller.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
 
 from acoustics._typing import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, LEAST_BT, MID_HZ, reliable
 from acoustics.drawn_lines import DENSE, NOTHING_DB, PER_OCTAVE, Lines, is_thinned, power_envelope
+from acoustics.plot_style import (
+    COLOURS,
+    FEW,
+    GREY,
+    LINE_STYLES,
+    MARKERS,
+    bars,
+    finish,
+    level_limits,
+    look_of,
+    numbers,
+    say_if_silent,
+    short_name,
+    steps,
+    unit_prefix,
+)
 from acoustics.spectrogram import Spectrogram
 
 __all__ = [
@@ -41,54 +53,12 @@ __all__ = [
     "third_octaves",
 ]
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-LINE_STYLES: tuple[str | tuple[int, tuple[int, ...]], ...] = (
-    "-", "--", "-.", ":", (0, (8, 2)), (0, (4, 1, 1, 1, 1, 1)), (0, (1, 1)),
-)  # fmt: skip
-MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-_GREY = "0.6"
-
-_SHOWN_DB = 70.0
-# of a spectrogram: 2 dB in 70, less than noise leaves uncertain; more make large files
+# Shades of a spectrogram are 2 dB apart, less than the uncertainty of noise; more make large files.
 _SHADES = 36
-FEW = 3  # curves whose single lines or error bars can be told apart
-
-
-def level_limits(levels_db: Iterable[float | None]) -> tuple[float, float]:
-    """Return limits of a level axis, at most 70 dB apart.
-
-    The limits are multiples of 5 dB and leave room of at least 2.5 dB.
-
-    Give all curves of several plots at once to put them on the same axis.
-
-    Parameters
-    ----------
-    levels_db : iterable of float or None, dB. Levels; None and values below -300 do not count.
-
-    Returns
-    -------
-    pair of float, dB
-        Lower and upper limit; 0 to 70 without any level.
-
-    Examples
-    --------
-    >>> from acoustics import plots
-    >>> plots.level_limits([41.0, None, 62.0])
-    (35.0, 65.0)
-    """
-    values = _numbers(levels_db)
-    values = values[np.isfinite(values) & (values > NOTHING_DB)]
-    if not len(values):
-        return 0.0, _SHOWN_DB
-    top = 5.0 * math.ceil(float(values.max()) / 5.0 + 0.5)
-    bottom = 5.0 * math.floor(float(values.min()) / 5.0 - 0.5)
-    return max(bottom, top - _SHOWN_DB), top
 
 
 def drawn_as_means(curves: Sequence[tuple[str, Lines]]) -> list[tuple[str, Lines]]:
-    """Return the curves whose mean over 1/12 octave is drawn: dense spectra, or all of more than
-    three.
-    """
+    """Return the curves drawn as means: dense spectra, or all of more than three curves."""
     return [curve for curve in curves if curve[1].dense or len(curves) > FEW]
 
 
@@ -120,7 +90,7 @@ def spectrum(
     'frequency [Hz]'
     """
     for number, (label, lines) in enumerate(curves):
-        look = _look(number, len(curves))
+        look = look_of(number, len(curves))
         del look["marker"]
         if (label, lines) in drawn_as_means(curves):
             if len(curves) <= FEW:
@@ -135,14 +105,14 @@ def spectrum(
     ax.set_xscale("log")
     ax.set_xlim(*AUDIBLE_HZ)
     ax.xaxis.set_minor_locator(NullLocator())
-    _say_if_silent(ax, any(lines.extremes for _, lines in curves))
+    say_if_silent(ax, any(lines.extremes for _, lines in curves))
     octaves = slice(2, None, 3)
     ax.xaxis.set_major_locator(FixedLocator(list(MID_HZ[octaves])))
     ax.xaxis.set_major_formatter(
-        FuncFormatter(lambda f, _: _short(BAND_NAMES[int(np.abs(MID_HZ - f).argmin())]))
+        FuncFormatter(lambda f, _: short_name(BAND_NAMES[int(np.abs(MID_HZ - f).argmin())]))
     )
     ax.set_xlabel("frequency [Hz]")
-    return _finish(ax, "level [dB]")
+    return finish(ax, "level [dB]")
 
 
 def third_octaves(
@@ -154,8 +124,8 @@ def third_octaves(
     """Draw third-octave levels as steps over the bands, 20 Hz to 20 kHz.
 
     More than three curves are drawn as lines from band to band instead. A band is grey if the
-    record is too short to read its level (B T < 5, uncertain by 2 dB or more). In the other bands
-    up to three curves have bars of their standard uncertainty.
+    record is too short for its level (B T < 5, uncertain by 2 dB or more). In the other bands up to
+    three curves have bars of their standard uncertainty.
 
     Parameters
     ----------
@@ -179,15 +149,15 @@ def third_octaves(
     'third octave, nominal mid frequency [Hz]'
     """
     read = reliable(duration_s)
-    # bands widen upwards, so the grey ones are the lowest
+    # bands widen upwards, so the grey bands are the lowest
     first = int(np.argmax(read)) if read.any() else len(read)
     seen: list[float] = []
     for number, (label, levels, uncertainty) in enumerate(curves):
         level, spread = (
-            _numbers(by_name[name] for name in BAND_NAMES) for by_name in (levels, uncertainty)
+            numbers(by_name[name] for name in BAND_NAMES) for by_name in (levels, uncertainty)
         )
         seen += [*level]
-        look = _look(number, len(curves))
+        look = look_of(number, len(curves))
         _band_curve(ax, label, level, spread, first, look, len(curves) <= FEW)
     if first > 0:
         ax.axvspan(
@@ -201,39 +171,40 @@ def third_octaves(
     ax.set_xscale("log")
     ax.set_xlim(*AUDIBLE_HZ)
     ax.xaxis.set_minor_locator(NullLocator())
-    _say_if_silent(ax, bool(np.isfinite(seen).any()))
-    ax.set_xticks(MID_HZ, [_short(name) for name in BAND_NAMES], rotation=90, fontsize="small")
+    say_if_silent(ax, bool(np.isfinite(seen).any()))
+    ax.set_xticks(MID_HZ, [short_name(name) for name in BAND_NAMES], rotation=90, fontsize="small")
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
-    return _finish(ax, "sound pressure level [dB re 20 µPa]")
+    return finish(ax, "sound pressure level [dB re 20 µPa]")
 
 
 def _band_curve(
     ax: Axes, label: str, level: Array, spread: Array, first: int, look: dict[str, Any], few: bool
 ) -> None:
-    """Draw one curve of third octaves: grey bands below the first that can be read, coloured ones
-    from it on.
+    """Draw a curve of third octaves.
+
+    The bands below the first reliable band are grey, the others coloured.
     """
     colour, style = look["color"], look["linestyle"]
     marker = {"marker": look["marker"], "markersize": 4, "linestyle": "none"}
     if first > 0:
         width = 1.2 if few else 0.7
-        _steps(
+        steps(
             ax,
             level[:first],
             EDGES_HZ[: first + 1],
             few,
-            color=_GREY,
+            color=GREY,
             linestyle=style,
             linewidth=width,
         )
         if few:
-            ax.plot(MID_HZ[:first], level[:first], color=_GREY, markerfacecolor="white", **marker)
+            ax.plot(MID_HZ[:first], level[:first], color=GREY, markerfacecolor="white", **marker)
     if first < len(level):
-        _steps(
+        steps(
             ax, level[first:], EDGES_HZ[first:], few, color=colour, linestyle=style, linewidth=1.5
         )
         if few:
-            _bars(ax, MID_HZ[first:], level[first:], spread[first:], colour)
+            bars(ax, MID_HZ[first:], level[first:], spread[first:], colour)
     ax.plot(MID_HZ[first:], level[first:], color=colour, **marker)
     ax.plot(
         [], [], color=colour, linestyle=style, marker=marker["marker"], markersize=4, label=label
@@ -247,7 +218,7 @@ def spectrogram(
     duration_s: float,
     limits_db: tuple[float, float],
 ) -> Axes:
-    """Draw a spectrogram as colours over time and frequency, light where there is no sound.
+    """Draw a spectrogram as colours over time and frequency, light where there is silence.
 
     Parameters
     ----------
@@ -271,7 +242,7 @@ def spectrogram(
     >>> plots.spectrogram(Figure().subplots(), None, shown, 0.5, (20.0, 90.0)).get_xlabel()
     'time [ms]'
     """
-    factor, prefix = _prefix(duration_s)
+    factor, prefix = unit_prefix(duration_s)
     first, last = (shown.time_s[[0, -1]] + np.array([-0.5, 0.5]) * shown.hop_s) / factor
     low, high = np.log10(shown.edges_hz[[0, -1]])
     colours = matplotlib.colormaps["magma"].resampled(_SHADES).with_extremes(bad="0.85")
@@ -287,11 +258,11 @@ def spectrogram(
         vmax=limits_db[1],
         interpolation="none",
     )
-    _say_if_silent(ax, bool(np.isfinite(shown.level_db).any()))
+    say_if_silent(ax, bool(np.isfinite(shown.level_db).any()))
     ax.set_xlim(0.0, duration_s / factor)
     ax.set_ylim(low, high)
     octaves = slice(2, None, 3)
-    ax.set_yticks(np.log10(MID_HZ[octaves]), [_short(name) for name in BAND_NAMES[octaves]])
+    ax.set_yticks(np.log10(MID_HZ[octaves]), [short_name(name) for name in BAND_NAMES[octaves]])
     ax.set_xlabel(f"time [{prefix}s]")
     ax.set_ylabel("frequency [Hz]")
     ax.figure.colorbar(
@@ -314,7 +285,7 @@ def power(
 ) -> Axes:
     """Draw release power against time with its mean, in units that suit the numbers.
 
-    The power axis spans at least 2 % of the mean, so that a steady power looks steady. More than
+    The power axis spans at least 2 % of the mean, so a steady power looks steady. More than
     3,000 values are drawn as minimum and maximum in each of 1,500 columns.
 
     Parameters
@@ -340,7 +311,7 @@ def power(
     >>> ax.get_ylabel()
     'release power [µW]'
     """
-    time_unit, power_unit = _prefix(duration_s), _prefix(np.max(np.abs(power_w)))
+    time_unit, power_unit = unit_prefix(duration_s), unit_prefix(np.max(np.abs(power_w)))
     mean = mean_w / power_unit[0]
     time, shown = power_envelope(time_s, power_w)
     ax.plot(
@@ -363,7 +334,7 @@ def power(
     ax.set_xlim(0.0, duration_s / time_unit[0])
     ax.ticklabel_format(useOffset=False)
     ax.set_xlabel(f"time [{time_unit[1]}s]")
-    return _finish(ax, f"release power [{power_unit[1]}W]")
+    return finish(ax, f"release power [{power_unit[1]}W]")
 
 
 def power_share(power_w: Array, mean_w: float) -> tuple[float, float]:
@@ -382,7 +353,9 @@ def level_against(
     xlabel: str,
     limits_db: tuple[float, float] | None = None,
 ) -> Axes:
-    """Draw levels against a varied quantity, such as the load; logarithmic over more than a decade.
+    """Draw levels against a varied quantity, such as the load.
+
+    The axis is logarithmic if the quantity varies by more than a decade.
 
     Parameters
     ----------
@@ -409,11 +382,11 @@ def level_against(
     order = np.argsort(values)
     seen: list[float] = []
     for number, (label, levels, uncertainty) in enumerate(curves):
-        level, spread = _numbers(levels)[order], _numbers(uncertainty)[order]
+        level, spread = numbers(levels)[order], numbers(uncertainty)[order]
         seen += [*level]
-        look = _look(number, len(curves))
+        look = look_of(number, len(curves))
         ax.plot(values[order], level, markersize=5, label=label, **look)
-        _bars(ax, values[order], level, spread, look["color"])
+        bars(ax, values[order], level, spread, look["color"])
     if values.min(initial=np.inf) > 0.0 and values.max() > 10.0 * values.min():
         ax.set_xscale("log")
         ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -423,82 +396,4 @@ def level_against(
         ax.xaxis.set_minor_locator(NullLocator())
     ax.set_ylim(limits_db or level_limits(seen))
     ax.set_xlabel(xlabel)
-    return _finish(ax, "level [dB]")
-
-
-def _finish(ax: Axes, ylabel: str) -> Axes:
-    """Label the vertical axis and draw a grid behind the curves."""
-    ax.set_ylabel(ylabel)
-    ax.grid(True, color="0.85", linewidth=0.5)
-    ax.set_axisbelow(True)
-    return ax
-
-
-def _say_if_silent(ax: Axes, sounds: bool) -> None:
-    """Write `no sound` on axes without a level."""
-    if not sounds:
-        ax.text(
-            0.5,
-            0.5,
-            "no sound",
-            transform=ax.transAxes,
-            ha="center",
-            va="center",
-            color="0.4",
-            fontsize=14,
-        )
-
-
-def _look(number: int, count: int) -> dict[str, Any]:
-    """Return colour, line style and marker of a curve among a count of curves."""
-    colour = COLOURS[number % len(COLOURS)]
-    if count > len(COLOURS):  # beyond 0.9 the map is too light for white paper
-        colour = to_hex(matplotlib.colormaps["viridis"](0.9 * number / (count - 1)))
-    return {
-        "color": colour,
-        "linestyle": _cycled(LINE_STYLES, number),
-        "marker": _cycled(MARKERS, number),
-    }
-
-
-def _steps(ax: Axes, level_db: Array, edges_hz: Array, few: bool, **look: Any) -> None:
-    """Draw bands as steps, or as a line where the steps of many curves would hide one another."""
-    if few:
-        ax.stairs(level_db, edges_hz, baseline=None, **look)
-    else:
-        ax.plot(np.sqrt(edges_hz[:-1] * edges_hz[1:]), level_db, **look)
-
-
-def _bars(ax: Axes, x: Array, level_db: Array, uncertainty_db: Array, colour: str) -> None:
-    ax.errorbar(
-        x,
-        level_db,
-        yerr=uncertainty_db,
-        fmt="none",
-        ecolor=colour,
-        elinewidth=0.9,
-        capsize=2.5,
-        capthick=0.9,
-    )
-
-
-def _numbers(levels_db: Iterable[float | None]) -> Array:
-    return np.array([np.nan if level is None else level for level in levels_db], dtype=float)
-
-
-def _prefix(largest: float) -> tuple[float, str]:
-    """Return the factor and the SI prefix that bring a value to between 1 and 1000."""
-    prefixes = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M"}
-    thousands = math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
-    thousands = min(max(thousands, min(prefixes)), max(prefixes))
-    return 1000.0**thousands, prefixes[thousands]
-
-
-def _short(name: str) -> str:
-    """Write a frequency for a tick label: 1000 is 1k."""
-    value = float(name)
-    return f"{value / 1000.0:g}k" if value >= 1000.0 else name
-
-
-def _cycled(items: Sequence[Any], number: int) -> Any:
-    return items[number % len(items)]
+    return finish(ax, "level [dB]")

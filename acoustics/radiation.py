@@ -1,4 +1,4 @@
-"""From radiated power to intensity and sound pressure at a distance."""
+"""Conversion of radiated power to intensity and sound pressure at a distance."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ RHO_C = 413.3  # characteristic impedance of air at 20 C, Pa s/m
 
 
 def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
-    """Return the intensity q W / (4 pi r^2) of a compact source that radiates evenly in all
-    directions.
+    """Return the intensity q W / (4 pi r^2) of a compact omnidirectional source.
 
     Parameters
     ----------
@@ -44,10 +43,10 @@ def sound_pressure(
 ) -> tuple[Array, float]:
     """Convert the intensity fluctuation to a sound pressure, p = factor * I'.
 
-    Without a gain the factor is sqrt(rho c / rms(I')), so that mean(p^2)/(rho c) = rms(I'). The
-    factor is one number per record: *between* records the level follows 10 lg of the release,
-    *within* a record 20 lg. A fixed gain follows 20 lg everywhere and keeps superposition, but the
-    gain then decides the level.
+    Without a gain the factor is sqrt(rho c / rms(I')), so that mean(p^2)/(rho c) = rms(I'). Each
+    record has its own factor: *between* records the level follows 10 lg of the release, *within* a
+    record 20 lg. With a fixed gain the level follows 20 lg everywhere and superposition holds, but
+    the gain then decides the level.
 
     Parameters
     ----------

@@ -104,7 +104,7 @@ def resample_closed(signal: Array, n_out: int) -> Array:
     below_nyquist = (min(n, n_out) + 1) // 2
     kept[:below_nyquist] = lines[:below_nyquist]
     if n < n_out and n % 2 == 0:
-        # it stood for +Nyquist and -Nyquist, which are two lines now
+        # this line stood for +Nyquist and -Nyquist, which are now two lines
         kept[n // 2] = lines[n // 2] / 2.0
     return np.fft.irfft(kept, n_out) * (n_out / n)
 
@@ -134,8 +134,7 @@ def interpolate_closed(signal: Array, index: Array) -> Array:
 
 
 def fade(signal: Array, n: int) -> Array:
-    """Fade a record that does not close to zero over its first and last n samples by a raised
-    cosine.
+    """Fade the first and last n samples of an open record to zero by a raised cosine.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ _FRAME_S = 0.04
 _FRAMES_IN_RECORD = 12.5  # 40 ms in 0.5 s; a shorter record has shorter frames
 _HOPS_IN_FRAME = 16
 _LEAST_FRAME = 16
-_ROUNDING = 1e-20  # of the maximum density, as for levels
+_ROUNDING = 1e-20  # share of the maximum density, as for levels
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Spectrogram:
     ----------
     time_s : array (m,), s. Middles of the frames.
     edges_hz : array (r + 1,), Hz. Edges of the rows.
-    level_db : array (r, m), dB re (20 uPa)^2/Hz. NaN where there is no sound or none is known.
+    level_db : array (r, m), dB re (20 uPa)^2/Hz. NaN where the sound is silent or unknown.
     window : str. Name of the window.
     frame_s, hop_s : float, s. Length and distance of the frames.
     line_width_hz, enbw_hz : float, Hz. Distance and equivalent noise bandwidth of the lines.
@@ -95,8 +95,8 @@ def spectrogram(
     hop = max(1, frame // _HOPS_IN_FRAME, -(-n // _MOST_FRAMES))
     frame = max(frame, 2 * hop)
     frames = max(1, n // hop)
-    first = (n - (frames - 1) * hop) // 2  # the middle of the first frame
-    before = -(-frame // hop) * hop  # whole hops, more than half a frame
+    first = (n - (frames - 1) * hop) // 2  # middle of the first frame
+    before = -(-frame // hop) * hop  # silence of whole hops, more than half a frame
     padded = np.pad(pressure_pa, (before - first, frame), mode="wrap" if closed else "constant")
 
     window = get_window("hann", frame)
@@ -123,8 +123,9 @@ def spectrogram(
 
 
 def _share_of_lines(frequency_hz: Array, line_width_hz: float) -> Array:
-    """Return the share of each row's width that each line (l,) covers: (r, l), 1 in all along a
-    row.
+    """Return the share of each row's width that each line covers: (r, l).
+
+    The shares of a row add up to 1.
     """
     low, high = ROW_EDGES_HZ[:-1, np.newaxis], ROW_EDGES_HZ[1:, np.newaxis]
     from_line = np.maximum(low, frequency_hz - line_width_hz / 2.0)

@@ -1,5 +1,6 @@
-"""Spectra of a record: lines that add up, density by Welch's method, line level of Lee, Kim & Kim
-(2025).
+"""Spectra of a record: lines that add up, density by Welch's method, and the article's lines.
+
+The article is Lee, Kim & Kim (2025).
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class Psd:
 
 
 def check_record(signal: Array) -> None:
-    """Refuse an array that is no record (n,) of any unit.
+    """Refuse an array that is not a record (n,).
 
     Raises
     ------
@@ -56,10 +57,10 @@ def check_record(signal: Array) -> None:
 
 
 def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
-    """Compute the mean square of each spectral line; their sum is mean(signal**2) (Parseval's
-    theorem).
+    """Compute the mean square of each spectral line.
 
-    The window is rectangular, so the record must close on itself or be faded.
+    Their sum is mean(signal**2) by Parseval's theorem. The window is rectangular, so the record
+    must close on itself or be faded.
 
     Parameters
     ----------
@@ -151,10 +152,9 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
 
 
 def equivalent_noise_bandwidth(window: Array, sample_rate_hz: float) -> float:
-    """Return the width of the rectangle that passes as much white noise as a line of this window
-    [Hz].
+    """Return the equivalent noise bandwidth of a line of this window [Hz].
 
-    It is 1.5 lines for a Hann window.
+    It is the width of a rectangle that passes as much white noise, 1.5 lines for a Hann window.
 
     Parameters
     ----------
@@ -167,14 +167,13 @@ def equivalent_noise_bandwidth(window: Array, sample_rate_hz: float) -> float:
 def article_line_level_db(
     power_w: Array, sample_rate_hz: float, distance_m: float, q: float = 1.0
 ) -> tuple[Array, Array]:
-    """Return the A-weighted line levels as the article plots them, 10 lg(q |E'^(f)| / (S I_ref)) +
-    A(f).
+    """Return the A-weighted line levels of the article, 10 lg(q |E'^(f)| / (S I_ref)) + A(f).
 
-    |E'^(f)| is the single-sided amplitude of a line of the release power in watts, and S = 4 pi r^2.
+    |E'^(f)| is the single-sided amplitude of a line of the release power in watts; S = 4 pi r^2.
     **The level depends on the length of the record**: the lines of a noise fall by 5 dB when the
     record becomes ten times as long, because an amplitude falls with the square root of the line
-    width and is read here as a power; a tone stays. State duration and line width beside it. This
-    spectrum is a second view of the power; no sound pressure has it.
+    width and is treated here as a power. The line of a tone stays. State duration and line width
+    beside it. This spectrum shows the power and is not the spectrum of a sound pressure.
 
     Parameters
     ----------
@@ -219,7 +218,8 @@ def _frequencies(n: int, sample_rate_hz: float) -> Array:
 
 
 def _paired(n: int) -> slice:
-    """Return the lines with a mirror image at negative frequency: all but 0 Hz and, for even n,
-    Nyquist.
+    """Return the lines that have a mirror image at negative frequency.
+
+    They are all lines except 0 Hz and, for even n, Nyquist.
     """
     return slice(1, (n + 1) // 2)

@@ -18,11 +18,11 @@ SLOW_S = 1.0
 def running_mean_square(
     pressure_pa: Array, sample_rate_hz: float, time_constant_s: float, closed: bool
 ) -> Array:
-    """Return the exponentially weighted mean square at every sample, as a sound level meter shows
-    it.
+    """Return the exponentially weighted mean square at every sample.
 
-    The squared pressure passes a low-pass of first order. At 48 kHz the squares of a record of the
-    audible band fold back to 3 kHz and above, where Fast leaves 1/2500 of them.
+    A sound level meter shows it as a level. The squared pressure passes a low-pass of first order.
+    At 48 kHz the squares of a record of the audible band fold back to 3 kHz and above, where Fast
+    leaves 1/2500 of them.
 
     Parameters
     ----------
@@ -41,13 +41,13 @@ def running_mean_square(
     IEC 61672-1:2013, 3.8 and 5.8.
     """
     n = len(pressure_pa)
-    decay = 1.0 / (sample_rate_hz * time_constant_s)  # per sample, in nepers
+    decay = 1.0 / (sample_rate_hz * time_constant_s)  # decay per sample in nepers
     running: Array = signal.lfilter(
         [-math.expm1(-decay)], [1.0, -math.exp(-decay)], np.square(pressure_pa)
     )
     if closed:
-        # One round takes the state s to s exp(-n decay) + the last value from silence; the settled
-        # state stays.
+        # A lap turns the state s into s exp(-n decay) plus the last value from silence. The settled
+        # state does not change.
         settled = running[-1] / -math.expm1(-n * decay)
         running += settled * np.exp(-decay * np.arange(1, n + 1))
     return running
@@ -56,8 +56,9 @@ def running_mean_square(
 def maximum_mean_square(
     pressure_pa: Array, sample_rate_hz: float, time_constant_s: float, closed: bool
 ) -> float:
-    """Return the maximum of `running_mean_square` [Pa^2]; as a level it is the maximum that a meter
-    holds.
+    """Return the maximum of `running_mean_square` [Pa^2].
+
+    Its level is the maximum that a sound level meter holds.
     """
     return float(running_mean_square(pressure_pa, sample_rate_hz, time_constant_s, closed).max())
 
@@ -65,8 +66,8 @@ def maximum_mean_square(
 def a_weighted(pressure_pa: Array, sample_rate_hz: float) -> Array:
     """Return the A-weighted record, each line weighted by the exact curve.
 
-    Its mean square is the one of LAeq. The weighting has no phase. A meter's filter delays and
-    smears by milliseconds at most, which no time weighting resolves.
+    Its mean square is the mean square of LAeq. The weighting has no phase. A meter's filter delays
+    and smears by milliseconds at most, which no time weighting resolves.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ from acoustics.weighting import a_weighting_db
 
 _DB = 10.0 / math.log(10.0)
 
-# The lines below give the density at 0 Hz: enough of them to average, all of them close to 0 Hz.
+# The lines below this frequency, or at least this many, give the density at 0 Hz.
 _NEAR_ZERO_HZ = 50.0
 _FEWEST_LINES = 4
 
@@ -56,14 +56,15 @@ def level_uncertainty(
 ) -> LevelUncertainty:
     """Compute the standard uncertainty of the levels of one record.
 
-    - LZeq, LAeq: 4.34/sqrt(N) with the number N of independent lines, 2 (sum P)^2 / (sum P^2) - 1, over
-      their mean squares P (A-weighted for LAeq). The factor 2 follows from the exponential
-      distribution of a line of Gaussian noise, E P^2 = 2 (E P)^2. The 1 accounts for the same few
-      lines in numerator and denominator; it makes N = M for M equal lines. N is at least 1.
+    - LZeq, LAeq: 4.34/sqrt(N) with the number N of independent lines,
+      2 (sum P)^2 / (sum P^2) - 1, over their mean squares P (A-weighted for LAeq). The factor 2
+      follows from the exponential distribution of a line of Gaussian noise, E P^2 = 2 (E P)^2. The
+      1 accounts for the same few lines in numerator and denominator; it makes N = M for M equal
+      lines. N is at least 1.
     - Third octaves: 4.34/sqrt(B T), see `band_uncertainty_db`.
-    - LAFmax, LASmax: the spread of a single reading, an average over min(T, 2 tau), because exponential
-      averaging over tau equals a block of 2 tau. This is an upper bound: the maximum of many
-      readings spreads less than each of them.
+    - LAFmax, LASmax: the spread of a single reading, an average over min(T, 2 tau), because
+      exponential averaging over tau equals a block of 2 tau. This is an upper bound: the maximum of
+      many readings spreads less than each of them.
     - LZpeak: the spread of the maximum of N extremes of Gaussian noise (Gumbel), relatively
       pi/sqrt(6) / (2 (ln N + 0.577)) with N = 2 f T and the rms frequency f, combined with LZeq.
 
@@ -122,8 +123,9 @@ def level_uncertainty(
         weighted, part = _variance(a, z, exponent), _variance(a, z, 0.0)
 
         def a_maximum_db(time_constant_s: float) -> float:
-            # A reading is a part of the record: it varies with Z as the whole does, and by itself
-            # in addition.
+            # A reading is a part of the record. It varies with Z as the whole record does, and also
+            # on
+            # its own.
             return _db(
                 weighted + part * (duration_s / min(duration_s, 2.0 * time_constant_s) - 1.0)
             )
@@ -174,11 +176,12 @@ def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
 
 
 def _variance(part: Array, whole: Array, exponent: float) -> float:
-    """Return the relative variance of sum(part) / sum(whole)**exponent over lines of Gaussian
-    noise.
+    """Return the relative variance of sum(part) / sum(whole)**exponent.
+
+    The sums run over lines of Gaussian noise.
     """
     share, total = part / part.sum(), whole / whole.sum()
-    # Sums of few lines make this too small by 1/N.
+    # This is too small by 1/N for sums of few lines.
     few = float(np.sum(share**2)) / 2.0
     return float(np.sum(np.square(share - exponent * total))) / 2.0 / (1.0 - few)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import os
+import struct
 from typing import Any, Literal
 
 import numpy as np
@@ -23,14 +24,17 @@ SAMPLE_RATE_HZ = 48000
 # libsndfile writes longer strings but reads back 2048 bytes at most.
 _LONGEST_TEXT = 2000
 
-_TARGET_RMS = 10.0 ** (-23.0 / 20.0)  # the programme loudness of EBU R 128, here as A-weighted rms
-PEAK = 10.0 ** (-1.0 / 20.0)  # largest sample of a record for listening, of full scale
+_TARGET_RMS = 10.0 ** (-23.0 / 20.0)  # programme loudness of EBU R 128, here as A-weighted rms
+PEAK = 10.0 ** (-1.0 / 20.0)  # maximum sample of a record for listening, as a share of full scale
 # The threshold of hearing, 0 dB(A), reaches the target. Quieter records stay quieter, because an
 # unbounded gain would make the rounding of a silent record as loud as a sound.
 MOST_GAIN = _TARGET_RMS / P_REF_PA  # full scale per pascal
 
+_MIDDLE_C = 60  # the MIDI note at which a sampler plays a record at its own pitch
+_FORWARD, _FOREVER = 0, 0  # direction of a loop, and how often it is played
 
-def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "") -> bytes:
+
+def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "", loops: bool = False) -> bytes:
     """Write sound pressure as a mono 32-bit float WAV in which 1.0 is 1 Pa.
 
     Full scale is a sine of 91 dB rms, so a quiet record plays quietly. Players read 32 bits, and
@@ -41,6 +45,7 @@ def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "") -> bytes:
     pressure_pa : array (n,), Pa. Sound pressure at 48 kHz.
     comment, title : str. Metadata of the file, up to 2000 bytes of UTF-8 each. Default title:
         empty.
+    loops : bool. Mark the whole record as a loop for samplers and editors. Default: false.
 
     Returns
     -------
@@ -70,11 +75,16 @@ def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "") -> bytes:
         raise ValueError(
             f"the record reaches {np.max(np.abs(samples)):g} Pa, more than a 32-bit float holds"
         )
-    return _wav(samples, "FLOAT", comment, title)
+    return _wav(samples, "FLOAT", comment, title, loops)
 
 
 def listening(
-    pressure_pa: Array, gain: float, comment: str, title: str = "", bits: Literal[16, 24] = 24
+    pressure_pa: Array,
+    gain: float,
+    comment: str,
+    title: str = "",
+    bits: Literal[16, 24] = 24,
+    loops: bool = False,
 ) -> bytes:
     """Write gain * pressure as a mono PCM WAV for listening.
 
@@ -90,6 +100,7 @@ def listening(
     comment, title : str. Metadata of the file, up to 2000 bytes of UTF-8 each; the comment should
         state the gain. Default title: empty.
     bits : 16 or 24. Bits of a sample. Default 24.
+    loops : bool. Mark the whole record as a loop for samplers and editors. Default: false.
 
     Returns
     -------
@@ -125,7 +136,7 @@ def listening(
     # libsndfile would round down, which leaves half a step of offset. It takes 32-bit integers and
     # writes their upper bits. Full scale itself lies one step above the largest number.
     steps = np.minimum(np.rint(samples * 2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1.0)
-    return _wav(steps.astype(np.int32) << (32 - bits), f"PCM_{bits}", comment, title)
+    return _wav(steps.astype(np.int32) << (32 - bits), f"PCM_{bits}", comment, title, loops)
 
 
 def listening_gain(
@@ -140,7 +151,7 @@ def listening_gain(
     ----------
     pressure_pa : array (n,), Pa. Sound pressure at 48 kHz.
     target_rms : float, of full scale. A-weighted rms to reach. Default -23 dB.
-    peak : float, of full scale. Largest sample allowed; it takes precedence over the target.
+    peak : float, of full scale. Maximum sample; it takes precedence over the target.
         Default -1 dB.
 
     Returns
@@ -152,12 +163,13 @@ def listening_gain(
     --------
     >>> import numpy as np
     >>> from acoustics import wav
-    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(48000) / 48000)  # 1 Pa rms, 0 dB at 1 kHz
+    >>> # 1 Pa rms; A-weighting is 0 dB at 1 kHz
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(48000) / 48000)
     >>> round(float(20 * np.log10(wav.listening_gain(tone))), 2)
     -23.0
     """
     largest = float(np.max(np.abs(pressure_pa), initial=0.0))
-    if largest < np.finfo(float).tiny:  # the gain would be no number
+    if largest < np.finfo(float).tiny:  # the gain would not be a number
         return 1.0
     weighted = a_weighted_rms(pressure_pa, SAMPLE_RATE_HZ)
     return min(target_rms / weighted if weighted > 0.0 else MOST_GAIN, peak / largest, MOST_GAIN)
@@ -180,13 +192,13 @@ def read(path: str | os.PathLike[str]) -> tuple[Array, int, str]:
     Raises
     ------
     soundfile.LibsndfileError
-        If the file is missing or no sound file.
+        If the file is missing or not a sound file.
     """
     with soundfile.SoundFile(os.fspath(path)) as file:
         return file.read(dtype="float64"), file.samplerate, file.comment
 
 
-def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str) -> bytes:
+def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str, loops: bool) -> bytes:
     for field, text in (("comment", comment), ("title", title)):
         length = len(text.encode())
         if length > _LONGEST_TEXT:
@@ -195,12 +207,33 @@ def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str) -> bytes
     with soundfile.SoundFile(
         memory, "w", SAMPLE_RATE_HZ, channels=1, subtype=subtype, format="WAV"
     ) as file:
-        if comment:  # libsndfile refuses an empty one
+        if comment:  # libsndfile refuses an empty title
             file.comment = comment
         if title:
             file.title = title
         file.write(samples)
-    return _without_time_stamp(memory.getvalue())
+    wav = _without_time_stamp(memory.getvalue())
+    return _with_loop(wav, len(samples)) if loops else wav
+
+
+def _with_loop(wav: bytes, samples: int) -> bytes:
+    """Append a `smpl` chunk with one loop over all samples, which soundfile cannot write.
+
+    References
+    ----------
+    Microsoft, *Multimedia Programming Interface and Data Specifications 1.0*, 1991, and its
+    *New Multimedia Data Types and Data Techniques*, 1994: `smpl`, the sampler chunk. Numbers are
+    little-endian and take 32 bits; the end of a loop is its last sample.
+    """
+    manufacturer = product = fraction = smpte_format = smpte_offset = sampler_data = cue = 0
+    period_ns = round(1e9 / SAMPLE_RATE_HZ)
+    sampler = (manufacturer, product, period_ns, _MIDDLE_C, fraction, smpte_format, smpte_offset)
+    loop = (cue, _FORWARD, 0, samples - 1, fraction, _FOREVER)
+    numbers = (*sampler, 1, sampler_data, *loop)
+    content = struct.pack(f"<{len(numbers)}I", *numbers)
+    even = wav + bytes(len(wav) % 2)  # a chunk begins at an even place
+    whole = even + b"smpl" + struct.pack("<I", len(content)) + content
+    return whole[:4] + struct.pack("<I", len(whole) - 8) + whole[8:]
 
 
 def _without_time_stamp(wav: bytes) -> bytes:

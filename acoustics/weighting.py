@@ -12,8 +12,9 @@ _REFERENCE, _LOW, _HIGH, _A = 1000.0, 10.0**1.5, 10.0**3.9, 10.0**2.45
 
 
 def _pole_frequencies() -> tuple[float, float, float, float]:
-    """Return the pole frequencies in Hz, not rounded: 20.60 (double), 107.7, 737.9 and 12194
-    (double).
+    """Return the unrounded pole frequencies in Hz.
+
+    They are 20.60 (double), 107.7, 737.9 and 12194 (double).
     """
     d = np.sqrt(0.5)
     c = (_LOW * _HIGH) ** 2
@@ -39,8 +40,9 @@ _RESPONSE_1KHZ = float(_response(_REFERENCE))
 def a_weighting_db(frequency_hz: ArrayLike) -> Array:
     """Return the A-weighting: 0 dB at 1 kHz exactly, -inf at 0 Hz.
 
-    This is the exact curve with poles that are not rounded. The standard's table holds at the exact
-    mid frequencies 10**(n/10) Hz; at the nominal ones the curve differs from it by up to 0.28 dB.
+    This is the exact curve with unrounded poles. The standard's table holds at the exact mid
+    frequencies 10**(n/10) Hz. At the nominal frequencies the curve differs from it by up to
+    0.28 dB.
 
     Parameters
     ----------

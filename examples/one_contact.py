@@ -18,6 +18,7 @@ hertz_area = np.pi * rc.closed_forms.hertz_radius(LOAD, RADIUS, MODULUS) ** 2
 print(f"load carried: {contact.pressure.sum() * cell:.6f} N of {LOAD} N")
 print(f"contact area: {(contact.pressure > 0).sum() * cell / hertz_area:.2f} of the Hertz area")
 print(
-    f"plastic area: {(contact.pressure >= HARDNESS).sum() * cell / hertz_area:.2f} of the Hertz area"
+    f"plastic area: {(contact.pressure >= HARDNESS).sum() * cell / hertz_area:.2f} "
+    "of the Hertz area"
 )
 print(f"KKT residual: {contact.residual:.1e} after {contact.iterations} iterations")

@@ -1,5 +1,6 @@
-"""Contact noise of a sphere that rolls over a rough surface: a scene in, the released energy and
-its sound out.
+"""Contact noise of a sphere that rolls over a rough surface.
+
+A scene goes in; the released energy and its sound come out.
 
 Public names are imported when they are first used, so `import rolling` and `rolling --help` are
 instant.
@@ -18,6 +19,8 @@ from __future__ import annotations
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from rolling import _own_acoustics
 
 __version__ = "0.2.0.dev0"
 
@@ -46,7 +49,7 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     )
 
 _SECTIONS, _RUNS = "rolling.scene.sections", "rolling.commands.interface"
-_PLACES = {  # module and name in it; None: the module itself
+_PLACES = {  # module and name in it; None stands for the module itself
     "read_scene": ("rolling.scene.file", "read_scene"),
     "Scene": ("rolling.scene.scene", "Scene"),
     "Sphere": (_SECTIONS, "Sphere"),
@@ -107,6 +110,8 @@ def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if message := _own_acoustics.fault():
+        raise ImportError(message, name="acoustics")
     module, attribute = _PLACES[name]
     if not module.startswith("rolling.contact"):
         _bind_check()

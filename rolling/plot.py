@@ -1,4 +1,6 @@
-"""Plots of runs. Each draws on the axes it is given, or on new ones, and returns them.
+"""Plots of runs.
+
+Each function draws on the axes that it is given, or on new axes, and returns them.
 
 Examples
 --------
@@ -41,13 +43,17 @@ def third_octaves(
 
     Parameters
     ----------
-    runs : one run or several.
-    ax : matplotlib.axes.Axes. Axes to draw on. Default: new ones.
-    a_weighted : bool. Default: false, levels without weighting (Z).
+    runs : RunResult or iterable of RunResult
+        Runs to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+    a_weighted : bool
+        If true, plot A-weighted levels, otherwise levels without weighting (Z). Default: false.
 
     Returns
     -------
-    ax : levels, dB re 20 µPa, over nominal mid frequency, Hz.
+    ax : matplotlib.axes.Axes
+        Axes with levels, dB re 20 µPa, over nominal mid frequency, Hz.
     """
     shown = _listed(runs)
     curves = [
@@ -70,12 +76,15 @@ def spectrum(runs: RunResult | Iterable[RunResult], ax: Axes | None = None) -> A
 
     Parameters
     ----------
-    runs : one run or several.
-    ax : matplotlib.axes.Axes. Axes to draw on. Default: new ones.
+    runs : RunResult or iterable of RunResult
+        Runs to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
 
     Returns
     -------
-    ax : A-weighted line levels, dB re 20 µPa, over frequency, Hz.
+    ax : matplotlib.axes.Axes
+        Axes with A-weighted line levels, dB re 20 µPa, over frequency, Hz.
     """
     shown = _listed(runs)
     curves = [
@@ -93,11 +102,13 @@ def release_power(run: RunResult, ax: Axes | None = None) -> Axes:
 
     Parameters
     ----------
-    ax : matplotlib.axes.Axes. Axes to draw on. Default: new ones.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
 
     Returns
     -------
-    ax : release power over time, in units that suit the numbers.
+    ax : matplotlib.axes.Axes
+        Axes with release power over time, in units that suit the numbers.
     """
     sound = run.sound
     ax = plots.power(_axes(ax), sound.time, sound.power, sound.mean_power, sound.duration)
@@ -110,15 +121,18 @@ def contact_pressure(run: RunResult, ax: Axes | None = None) -> Axes:
 
     Parameters
     ----------
-    ax : matplotlib.axes.Axes. Axes to draw on. Default: new ones.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
 
     Returns
     -------
-    ax : pressure, GPa, over the plate, µm.
+    ax : matplotlib.axes.Axes
+        Axes with pressure, GPa, over the plate, µm.
 
     Raises
     ------
-    ValueError : the run has no snapshot, because its first steps are not solved.
+    ValueError
+        The run has no snapshot, because its first steps are not solved.
     """
     snapshot = run.result.snapshot
     if snapshot is None:
@@ -136,11 +150,13 @@ def surface(shown: RunResult | Scene, ax: Axes | None = None) -> Axes:
 
     Parameters
     ----------
-    ax : matplotlib.axes.Axes. Axes to draw on. Default: new ones.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
 
     Returns
     -------
-    ax : heights, µm, over the first 0.8 mm of the plate, µm.
+    ax : matplotlib.axes.Axes
+        Axes with heights, µm, over the first 0.8 mm of the plate, µm.
     """
     scene = shown.scene if isinstance(shown, RunResult) else shown
     ax = _axes(ax)
@@ -152,17 +168,22 @@ def levels(runs: Iterable[RunResult], key: str, ax: Axes | None = None) -> Axes:
 
     Parameters
     ----------
-    runs : the values of a sweep, for instance.
-    key : str. Dotted key of the scene, such as `rolling.load_n`.
-    ax : matplotlib.axes.Axes. Axes to draw on. Default: new ones.
+    runs : iterable of RunResult
+        Runs to plot, such as the runs of a sweep.
+    key : str
+        Dotted key of the scene, such as `rolling.load_n`.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
 
     Returns
     -------
-    ax : levels, dB re 20 µPa, with their standard uncertainty.
+    ax : matplotlib.axes.Axes
+        Axes with levels, dB re 20 µPa, with their standard uncertainty.
 
     Raises
     ------
-    ValueError : a scene has no number at the key.
+    ValueError
+        A scene has no number at the key.
     """
     shown = sorted(_listed(runs), key=lambda run: _number(run.scene, key))
     curves = [
@@ -182,7 +203,7 @@ def levels(runs: Iterable[RunResult], key: str, ax: Axes | None = None) -> Axes:
 
 
 def _axes(ax: Axes | None) -> Axes:
-    """Return the axes, or new ones in a figure of their own."""
+    """Return the given axes, or new axes in a figure of their own."""
     if ax is not None:
         return ax
     import matplotlib.pyplot as plt
@@ -196,7 +217,7 @@ def _bar(ax: Axes) -> Axes:
 
 
 def _listed(runs: RunResult | Iterable[RunResult]) -> Sequence[RunResult]:
-    """Return one run or several as a list; of a dictionary its values."""
+    """Return one or several runs as a list; a dictionary gives its values."""
     if isinstance(runs, dict):
         return [*runs.values()]
     return [*runs] if isinstance(runs, Iterable) else [runs]

@@ -1,4 +1,4 @@
-"""Tables of text: in Markdown, and in aligned columns for a terminal."""
+"""Tables of text, in Markdown or in aligned columns for a terminal."""
 
 from __future__ import annotations
 
@@ -15,11 +15,14 @@ def markdown(
 
     Parameters
     ----------
-    head : sequence of str. Titles of the columns.
-    rows : sequence of sequences of str. Cells. A row with fewer cells ends with a remark, which
-        widens no column.
-    padded : bool. If true, all cells of a column have the same width. Default: False.
-    right : collection of int. Columns of numbers, aligned to the right where padded. Default: none.
+    head : sequence of str
+        Titles of the columns.
+    rows : sequence of sequences of str
+        Cells. A row with fewer cells ends with a remark, which widens no column.
+    padded : bool
+        If true, all cells of a column have the same width. Default: false.
+    right : collection of int
+        Columns of numbers, which are aligned to the right where padded. Default: none.
     """
     if not padded:
         return "\n".join(f"| {' | '.join(line)} |" for line in (head, ["---"] * len(head), *rows))

@@ -1,6 +1,4 @@
-"""What holds in every test: numbers that are none are errors, and a test that opens a browser is
-marked so.
-"""
+"""Rules of every test: invalid numbers are errors, and a test with a browser is marked."""
 
 from __future__ import annotations
 
@@ -9,14 +7,24 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from rolling.terminal import progress
+
 
 @pytest.fixture(autouse=True)
 def floating_point_errors() -> Iterator[None]:
-    """Raise where numpy would go on with inf or nan; code that divides by zero on purpose says so
-    by `np.errstate`.
+    """Raise where numpy would continue with inf or nan.
+
+    Code that divides by zero on purpose uses `np.errstate`.
     """
     with np.errstate(divide="raise", invalid="raise", over="raise"):
         yield
+
+
+@pytest.fixture(autouse=True)
+def no_lines_of_long_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Say no lines for steps that only a busy machine makes long: tests compare what is printed."""
+    monkeypatch.setattr(progress, "PATIENCE", 600.0)
+    monkeypatch.setattr(progress, "FIRST_LINE", 600.0)
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest selects by -m

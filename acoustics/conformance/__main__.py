@@ -1,7 +1,7 @@
-"""Results of this package against IEC 61672-1, IEC 61260-1 and its own requirements, as a Markdown
-page.
+"""The conformance page in Markdown: results of this package against standards and own requirements.
 
-`python -m acoustics.conformance` prints it; every number on it is computed then.
+`python -m acoustics.conformance` prints it and computes every number on it. The standards are
+IEC 61672-1 and IEC 61260-1.
 """
 
 from __future__ import annotations
@@ -54,14 +54,19 @@ def page(measured: Sequence[Table]) -> str:
         "# Conformance of the package `acoustics`",
         f"Every number on this page is computed by\n\n```sh\n{COMMAND}\n```\n\n"
         "and a test fails when the page differs from the output of that command.",
-        "- *Limits* are on the difference between computed and expected; for an attenuation, which ideally is infinite "
+        "- *Limits* are on the difference between computed and expected; for an attenuation, "
+        "which ideally is infinite "
         "(∞), the lower limit is the minimum attenuation.\n"
-        "- *Share* is the part of the tolerance used: the difference over the limit on its side, or the attenuation "
-        "required over the one computed. Above 100 % the limit is exceeded; such a share is in **bold**.\n"
+        "- *Share* is the part of the tolerance used: the difference over the limit on its side, "
+        "or the attenuation "
+        "required over the one computed. Above 100 % the limit is exceeded; "
+        "such a share is in **bold**.\n"
         f"- *> {MAX_DB:g}*: the remainder is rounding, or close to it.\n"
-        "- *Class 1*: the acceptance limits of IEC 61672-1:2013 and IEC 61260-1:2014. They leave out the uncertainty of "
+        "- *Class 1*: the acceptance limits of IEC 61672-1:2013 and IEC 61260-1:2014. "
+        "They leave out the uncertainty of "
         "a testing laboratory, which the tolerance limits of earlier editions included.\n"
-        "- Only arithmetic is tested here: no microphone, no display, no environment. This is no pattern evaluation.",
+        "- Only arithmetic is tested here: no microphone, no display, no environment. "
+        "This is no pattern evaluation.",
         "## Summary",
         _markdown(("section", "source", "rows", "worst share %", "verdict"), summary, "llrrl"),
     ]
@@ -109,8 +114,9 @@ def _cells(row: Row, decimals: int) -> tuple[str, ...]:
 
 
 def _number(value: float, decimals: int, signed: bool = False) -> str:
-    """Write a rounded number without the sign of a zero, so that rounding does not show; empty
-    without a limit.
+    """Write a rounded number without the sign of a zero, so that rounding does not show.
+
+    The text is empty for a missing limit.
     """
     if math.isinf(value):
         return "∞" if value > 0.0 else ""

@@ -22,10 +22,10 @@ from acoustics.resampling import fade
 from acoustics.spectrum import line_spectrum
 from acoustics.wav import SAMPLE_RATE_HZ
 
-# Where the standard gives exact formulas and no tolerance: the fifth digit.
+# limit where the standard gives exact formulas and no tolerance: the fifth digit
 FREQUENCY_LIMIT_PPM = 10.0
 
-# A record that does not close is faded over this time at both ends before it gets here.
+# The program fades a record that does not close over this time at both ends.
 _FADE_S = 0.01
 
 # From here on half a period is less than a thousandth of the frequency.
@@ -41,8 +41,10 @@ def mid_band_frequencies() -> Table:
         "Third octaves: mid-band frequencies and names",
         f"the limit of {FREQUENCY_LIMIT_PPM:g} ppm",
         "IEC 61260-1:2014, 5.2 to 5.4 and annex E",
-        "Expected: 1000 G^(x/3) Hz with G = 10^(3/10) and x = -17 to 13, named by the R10 series. Computed: "
-        "`bands.MID_HZ`, named by `bands.BAND_NAMES`. The standard gives no tolerance; 10 ppm is the fifth digit.",
+        "Expected: 1000 G^(x/3) Hz with G = 10^(3/10) and x = -17 to 13, named by the R10 series. "
+        "Computed: "
+        "`bands.MID_HZ`, named by `bands.BAND_NAMES`. The standard gives no tolerance; "
+        "10 ppm is the fifth digit.",
         ("R10 Hz", "name"),
         "Hz",
         4,
@@ -67,7 +69,8 @@ def band_edges() -> Table:
         "Third octaves: band edges",
         f"the limit of {FREQUENCY_LIMIT_PPM:g} ppm",
         "IEC 61260-1:2014, 5.6",
-        "Expected: mid-band frequency times G^(-1/6) and G^(1/6). Computed: `bands.EDGES_HZ`; the upper edge of a band "
+        "Expected: mid-band frequency times G^(-1/6) and G^(1/6). Computed: `bands.EDGES_HZ`; "
+        "the upper edge of a band "
         "is the lower edge of the next, so no frequency is counted twice or left out.",
         ("edge",),
         "Hz",
@@ -124,8 +127,9 @@ def attenuation_db(
     phase: float = 0.4,
     fade_s: float = 0.0,
 ) -> float:
-    """Return the level of a tone's record minus its level in a band, dB; infinite if the band holds
-    rounding.
+    """Return the level of a tone's record minus its level in a band, dB.
+
+    It is infinite if the band holds only rounding.
     """
     record = fade(tone(frequency_hz, samples, rate_hz, phase), round(fade_s * rate_hz))
     lines_hz, mean_square = line_spectrum(record, rate_hz)
@@ -134,7 +138,7 @@ def attenuation_db(
 
 
 def closed_records() -> Table:
-    """Measure the attenuation on records of a whole number of periods, as closed tracks give them."""
+    """Measure the attenuation on records of a whole number of periods, as of closed tracks."""
     duration_s = 10.0
     samples = round(duration_s * SAMPLE_RATE_HZ)
     rows = []
@@ -156,10 +160,14 @@ def closed_records() -> Table:
         "Third octaves: tones on a line",
         "class 1",
         "IEC 61260-1:2014, 5.10, Table 1 and formulas (9), (10)",
-        "Tones at the standard's normalised frequencies f/f_mid, each moved to the nearest of the 0.1 Hz lines of a 10 s "
-        "record at 48 kHz, so that the record holds a whole number of periods. The lines of a record that closes on "
-        "itself are the signal itself, as for every sound at constant speed on a closed track. Computed: level of "
-        "the tone minus its level in the band. *in*, *out*: the line next to the edge, on this side of it. No record at "
+        "Tones at the standard's normalised frequencies f/f_mid, each moved to the nearest of the "
+        "0.1 Hz lines of a 10 s "
+        "record at 48 kHz, so that the record holds a whole number of periods. "
+        "The lines of a record that closes on "
+        "itself are the signal itself, as for every sound at constant speed on a closed track. "
+        "Computed: level of "
+        "the tone minus its level in the band. *in*, *out*: the line next to the edge, "
+        "on this side of it. No record at "
         "48 kHz holds a tone above 24 kHz.",
         ("band", "f/f_mid", "f Hz"),
         "dB",
@@ -205,13 +213,13 @@ _PARTS: tuple[tuple[str, Callable[[MaskPoint], bool]], ...] = (
 
 
 def open_attenuation(record: OpenRecord, band: int, part: Callable[[MaskPoint], bool]) -> Row:
-    """Measure the worst attenuation of a band at the points of one part, for tones half a line off.
+    """Measure the worst attenuation of a band at the points of a part, for tones half a line off.
 
-    The tones have the standard's frequencies, and the record is lengthened or shortened by up to
-    half a period until they lie midway between two lines; many periods are changed in frequency
-    instead, which keeps the length of the transform a fast one. Tones at the edges are one to two
-    lines off. The two phases are a quarter period apart, because a tone's mirror at negative
-    frequency adds or subtracts.
+    The tones have the standard's frequencies. The record is lengthened or shortened by up to half a
+    period until they lie midway between two lines. Many periods are changed in frequency instead,
+    which keeps the length of the transform fast. Tones at the edges are one to two lines off. The
+    two phases are a quarter period apart, because a tone's mirror at negative frequency adds or
+    subtracts.
     """
     # The standard's highest frequency, 5.39 f_mid, and a fade of 10 ms need no more samples.
     rate_hz = float(np.clip(12.0 * math.ceil(MID_HZ[band]), 2400.0, SAMPLE_RATE_HZ))
@@ -266,8 +274,9 @@ def min_lines_inside() -> float:
 
 
 def open_records() -> Table:
-    """Measure the attenuation on records that do not close: the leakage of their ends, cut or
-    faded.
+    """Measure the attenuation on records that do not close.
+
+    Their ends leak, whether cut or faded.
     """
     shown = (0, BAND_NAMES.index("100"), BAND_NAMES.index("1000"), len(BAND_NAMES) - 1)
     rows: list[Row] = []
@@ -298,23 +307,33 @@ def open_records() -> Table:
         "Third octaves: tones that do not fit the record",
         "class 1",
         "IEC 61260-1:2014, 5.10, Table 1 and formulas (9), (10)",
-        "Tones at the standard's normalised frequencies, in records that are cut, or faded by 10 ms at both ends as the "
-        "program fades every record that does not close: the ends leak into all lines. The record is lengthened or shortened "
-        "by up to half a period (from 500 periods on, the frequency changes instead), so that the tone lies midway between "
+        "Tones at the standard's normalised frequencies, in records that are cut, "
+        "or faded by 10 ms at both ends as the "
+        "program fades every record that does not close: the ends leak into all lines. "
+        "The record is lengthened or shortened "
+        "by up to half a period (from 500 periods on, the frequency changes instead), "
+        "so that the tone lies midway between "
         "two lines. Computed: "
-        "level of the record minus its level in the band, at the worst of the frequencies *inside* the band, at its "
-        "*edges* (one to two lines off: nearer to an edge than a line, a tone counts with the nearest line) and "
-        "*outside*. B T: lines in the band. Sampled at 12 times the mid-band frequency, at least 2.4 kHz, at most 48 kHz.",
+        "level of the record minus its level in the band, at the worst of the frequencies "
+        "*inside* the band, at its "
+        "*edges* (one to two lines off: nearer to an edge than a line, "
+        "a tone counts with the nearest line) and "
+        "*outside*. B T: lines in the band. Sampled at 12 times the mid-band frequency, "
+        "at least 2.4 kHz, at most 48 kHz.",
         ("record", "band", "B T", "worst f/f_mid", "part"),
         "dB",
         2,
         tuple(rows),
-        "Bands in which class 1 holds (records of 10 s searched up to the band of 500 Hz, and in the bands of the table):\n\n"
+        "Bands in which class 1 holds (records of 10 s searched up to the band of 500 Hz, "
+        "and in the bands of the table):\n\n"
         + "\n".join(holds)
         + "\n\nInside the bands class 1 holds for records of every length scanned from "
-        f"B T = {min_lines_inside():.1f} on; the bands `bands.reliable` names have B T of {LEAST_BT:g} or more. Outside "
-        "it holds only from the bands above on: in lower bands a strong tone or a steep spectrum several octaves away "
-        f"shows at the attenuations of the table, {worst_db:.0f} dB in the worst faded case, instead of the 70 dB asked "
+        f"B T = {min_lines_inside():.1f} on; the bands `bands.reliable` names have B T of "
+        f"{LEAST_BT:g} or more. Outside "
+        "it holds only from the bands above on: in lower bands a strong tone or a steep spectrum "
+        "several octaves away "
+        f"shows at the attenuations of the table, {worst_db:.0f} dB in the worst faded case, "
+        "instead of the 70 dB asked "
         "for. A record that closes has neither limit.",
     )
 
@@ -326,7 +345,7 @@ def _from_band(failing: list[int], searched: int) -> str:
 
 
 def effective_bandwidth() -> Table:
-    """Measure the level of a flat spectrum in each band, where whole lines stand for the bandwidth."""
+    """Measure the level of a flat spectrum in each band, in which lines replace bandwidth."""
     rows = []
     for duration_s in (0.5, 10.0):
         lines_hz = np.arange(round(duration_s * SAMPLE_RATE_HZ / 2.0) + 1) / duration_s
@@ -341,9 +360,12 @@ def effective_bandwidth() -> Table:
         "Third octaves: effective bandwidth",
         "class 1",
         "IEC 61260-1:2014, 5.12",
-        "A band holds a whole number of lines, so of a flat spectrum up to one line more or less than its bandwidth. "
-        "Computed: level of the lines it holds, each 1/T wide, over that of its bandwidth. Records that close are no exception. "
-        "It is less than half the random uncertainty of noise in such a band (`bands.band_uncertainty_db`).",
+        "A band holds a whole number of lines, so of a flat spectrum up to one line more or less "
+        "than its bandwidth. "
+        "Computed: level of the lines it holds, each 1/T wide, over that of its bandwidth. "
+        "Records that close are no exception. "
+        "It is less than half the random uncertainty of noise in such a band "
+        "(`bands.band_uncertainty_db`).",
         ("record", "band", "B T"),
         "dB",
         2,

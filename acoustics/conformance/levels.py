@@ -15,13 +15,14 @@ from acoustics.time_weighting import FAST_S, SLOW_S, a_weighted, running_mean_sq
 from acoustics.wav import SAMPLE_RATE_HZ
 from acoustics.weighting import a_weighting_db
 
-# Limit where no standard has one: rounding and interpolation.
+# own limit for rounding and interpolation, where no standard gives a limit
 LEVEL_LIMIT_DB = 0.01
 
 
 def whole_periods(frequency_hz: float, longest_s: float = 1.0) -> int:
-    """Return the samples of the record up to ``longest_s`` that is nearest to a whole number of
-    periods.
+    """Return the samples of the longest record that nearly holds a whole number of periods.
+
+    The record is at most ``longest_s`` long.
     """
     samples = np.rint(
         np.arange(1, int(longest_s * frequency_hz) + 1) * SAMPLE_RATE_HZ / frequency_hz
@@ -47,7 +48,8 @@ def a_weighting() -> Table:
         "A-weighting",
         "class 1",
         "IEC 61672-1:2013, 5.5 and Table 3",
-        "Sines of 1 Pa rms at the exact frequencies 10^(n/10) Hz, 48 kHz, in records of up to 1 s nearest to a whole "
+        "Sines of 1 Pa rms at the exact frequencies 10^(n/10) Hz, 48 kHz, "
+        "in records of up to 1 s nearest to a whole "
         "number of periods. Computed: LAeq minus LZeq of `level.sound_levels`. *Formula*: annex E, "
         "`weighting.a_weighting_db`. Expected is the standard's table, rounded to 0.1 dB.",
         ("nominal Hz", "exact Hz", "formula dB"),
@@ -99,9 +101,12 @@ def tone_bursts() -> Table:
         "Tone bursts",
         "class 1",
         "IEC 61672-1:2013, 5.9 and Table 4",
-        "Bursts of 4 kHz in silence, beginning at a zero of the sine, 48 kHz. Computed: LAFmax and LASmax of "
-        "`level.sound_levels` (record not closed), and the sound exposure level LAE = LAeq + 10 lg(T / 1 s), each minus "
-        "LAeq of the steady tone. The A-weighting of the time signal has no phase here, which a short burst shows.",
+        "Bursts of 4 kHz in silence, beginning at a zero of the sine, 48 kHz. Computed: "
+        "LAFmax and LASmax of "
+        "`level.sound_levels` (record not closed), and the sound exposure level LAE = LAeq + 10 "
+        "lg(T / 1 s), each minus "
+        "LAeq of the steady tone. The A-weighting of the time signal has no phase here, "
+        "which a short burst shows.",
         ("level", "burst ms"),
         "dB",
         2,
@@ -116,7 +121,7 @@ def _burst_row(
 
 
 def decay_rates() -> Table:
-    """Measure how fast the running levels fall after a steady tone."""
+    """Measure the rate at which the running levels fall after a steady tone."""
     record = np.concatenate([tone(4000.0, SAMPLE_RATE_HZ, phase=0.0), np.zeros(2 * SAMPLE_RATE_HZ)])
     weighted = a_weighted(record, SAMPLE_RATE_HZ)
     rows = []
@@ -129,7 +134,8 @@ def decay_rates() -> Table:
         "Decay of the time weightings",
         "class 1",
         "IEC 61672-1:2013, 5.8.2",
-        "4 kHz for 1 s, then silence. Computed: fall of the A-weighted level of `time_weighting.running_mean_square` "
+        "4 kHz for 1 s, then silence. Computed: fall of the A-weighted level of "
+        "`time_weighting.running_mean_square` "
         "from 0.1 s to 1.1 s after the end of the tone.",
         ("time weighting",),
         "dB/s",
@@ -199,7 +205,8 @@ def levels() -> Table:
         "Levels",
         f"the limit of {LEVEL_LIMIT_DB:g} dB",
         "own requirement: levels within 0.01 dB; Parseval's theorem",
-        "`level.sound_levels`. The noise is Gaussian, 1 Pa before it is limited to 20 Hz to 20 kHz, 0.5 s, with a fixed "
+        "`level.sound_levels`. The noise is Gaussian, 1 Pa before it is limited to 20 Hz to 20 "
+        "kHz, 0.5 s, with a fixed "
         "seed.",
         ("quantity",),
         "dB",

@@ -1,4 +1,4 @@
-"""Resampling and interpolation against this package's own requirements."""
+"""Resampling and interpolation against the package's own requirements."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def step_means(frequency_hz: float, samples: int, rate_hz: float) -> Array:
 
 
 def resampled_levels() -> Table:
-    """Sines from step means to 48 kHz, through every stage of the program."""
+    """Measure sines from step means to 48 kHz through every stage of the program."""
     rows = []
     for rate_hz, frequencies_hz in (
         (STEP_RATE_HZ, (20, 63, 200, 630, 2000, 6300, 12500, 16000, 20000)),
@@ -55,8 +55,10 @@ def resampled_levels() -> Table:
         "Resampling: level of sines",
         f"the limit of {RIPPLE_DB:g} dB",
         "own requirement: ripple below 0.1 dB up to 20 kHz",
-        "Step means of a sine of 1 Pa rms over 1 s in closed form, through `resampling.undo_step_mean`, "
-        "`resample_closed` to 48 kHz and `band_limit`; computed: level minus 93.98 dB. 50 kHz is 2 um at 0.1 m/s.",
+        "Step means of a sine of 1 Pa rms over 1 s in closed form, "
+        "through `resampling.undo_step_mean`, "
+        "`resample_closed` to 48 kHz and `band_limit`; computed: level minus 93.98 dB. "
+        "50 kHz is 2 um at 0.1 m/s.",
         ("steps per s", "f Hz"),
         "dB",
         3,
@@ -76,7 +78,8 @@ def step_mean_correction() -> Table:
         "Resampling: correction of the step means",
         f"the limit of {RIPPLE_DB:g} dB",
         "own requirement: ripple below 0.1 dB up to 20 kHz",
-        "Averaging over a step takes sinc(f/rate); expected: -20 lg sinc(f / 50 kHz); computed: gain of "
+        "Averaging over a step takes sinc(f/rate); expected: -20 lg sinc(f / 50 kHz); computed: "
+        "gain of "
         "`resampling.undo_step_mean` on the step means of a sine.",
         ("f Hz",),
         "dB",
@@ -94,7 +97,8 @@ def alias_rejection() -> Table:
         (250_000, (24_001, 48_000, 72_000, 124_999)),
     ):
         for frequency_hz in frequencies_hz:
-            # The phase counted in whole steps of the record, so that the tone is pure to rounding.
+            # The phase is counted in whole steps of the record, so the tone is pure except for
+            # rounding.
             signal = np.sin(
                 2.0 * np.pi * (np.arange(rate_hz) * frequency_hz % rate_hz) / rate_hz + 0.4
             )
@@ -104,7 +108,8 @@ def alias_rejection() -> Table:
         "Resampling: rejection of aliases",
         f"the limit of {REJECTION_DB:g} dB",
         "own requirement: rejection above 80 dB",
-        "Tones above 24 kHz that would fold back into the record; computed: level before minus level after "
+        "Tones above 24 kHz that would fold back into the record; computed: "
+        "level before minus level after "
         "`resampling.resample_closed` to 48 kHz.",
         ("steps per s", "f Hz"),
         "dB",
@@ -136,7 +141,8 @@ def varying_speed() -> Table:
         f"the limit of {REJECTION_DB:g} dB",
         "own requirement: error below -80 dB",
         "Sines read by `resampling.interpolate_closed` at positions between the samples; and "
-        "sines along a track of 2 um steps passed at 0.1 to 0.2 m/s, from step means to 48 kHz the way the program "
+        "sines along a track of 2 um steps passed at 0.1 to 0.2 m/s, from step means to 48 kHz "
+        "the way the program "
         "goes, faded by 10 ms. Computed: mean square of the signal over that of its error.",
         ("signal", "compared"),
         "dB",
@@ -146,7 +152,7 @@ def varying_speed() -> Table:
 
 
 def _sweep_error(top_hz: float) -> float:
-    """Return mean square error over mean square of a sine along a track passed at rising speed."""
+    """Return the relative mean square error of a sine along a track at rising speed."""
     step_m, slow, fast, duration_s = 2e-6, 0.1, 0.2, 0.5
     samples = round(duration_s * SAMPLE_RATE_HZ)
     oversampling = math.ceil(fast / step_m / SAMPLE_RATE_HZ)

@@ -1,4 +1,4 @@
-"""Rows and tables of the conformance page, and what its measurements share."""
+"""Rows and tables of the conformance page, and the functions that its measurements share."""
 
 from __future__ import annotations
 
@@ -39,16 +39,16 @@ class Row:
 
     @property
     def difference(self) -> float:
-        """Computed - expected; not a number where the design goal is infinite."""
+        """Computed - expected; not a number if the design goal is infinite."""
         return math.nan if math.isinf(self.expected) else self.computed - self.expected
 
     @property
     def share(self) -> float:
-        """Share of the tolerance used, %: the difference over the limit on its side, or required
-        over computed.
+        """Share of the tolerance used, %.
 
-        Above 100 the limit is exceeded. It is rounded to the digits of the page, so that rows that
-        differ by rounding are equal.
+        It is the difference over the limit on its side, or the required over the computed
+        attenuation. Above 100 the limit is exceeded. The share is rounded to the digits of the
+        page, so rows that differ only by rounding are equal.
         """
         if math.isinf(self.expected):
             share = self.lower / self.computed if self.computed > 0.0 else math.inf
@@ -91,7 +91,7 @@ class Table:
 
     @property
     def worst(self) -> Row:
-        """The row with the maximum share of its tolerance, the first of equals."""
+        """The first row with the maximum share of its tolerance."""
         return max(self.rows, key=lambda row: row.share)
 
     @property
@@ -111,20 +111,21 @@ def tone(
 
 
 def suppression_db(left: float) -> float:
-    """Return the attenuation that leaves a share of a mean square, dB; infinite if only rounding is
-    left.
+    """Return the attenuation that leaves a share of a mean square, dB.
+
+    It is infinite if only rounding is left.
     """
     attenuation = -10.0 * math.log10(left) if left > 0.0 else math.inf
     return attenuation if attenuation <= MAX_DB else math.inf
 
 
 def known(level: float | None) -> float:
-    """Return a level that must exist.
+    """Return a level, which must exist.
 
     Raises
     ------
     ValueError
-        If it does not.
+        If the level is None.
     """
     if level is None:
         raise ValueError("a level that must exist is None")

@@ -1,5 +1,4 @@
-"""Tables of IEC 61672-1:2013 and IEC 61260-1:2014, class 1, that `acoustics.conformance` measures
-against.
+"""Tables of IEC 61672-1:2013 and IEC 61260-1:2014, class 1, for `acoustics.conformance`.
 
 The limits are acceptance limits on the deviation from the design goal. The editions of 2013 and
 2014 leave out the uncertainty of a testing laboratory, which the tolerance limits of earlier
@@ -14,7 +13,7 @@ import numpy as np
 
 
 class WeightingRow(NamedTuple):
-    """A-weighting at the exact frequency 10**(n/10) Hz; all but n and nominal_hz in dB."""
+    """A-weighting at the exact frequency 10**(n/10) Hz, in dB except n and nominal_hz."""
 
     n: int
     nominal_hz: float
@@ -39,7 +38,7 @@ class BurstRow(NamedTuple):
 
 
 class DecayRow(NamedTuple):
-    """Fall of the level after a steady tone ends, with limits, dB/s."""
+    """Rate at which the level falls after a steady tone ends, with limits, dB/s."""
 
     weighting: str
     rate_db_s: float
@@ -48,8 +47,9 @@ class DecayRow(NamedTuple):
 
 
 class AttenuationRow(NamedTuple):
-    """Minimum and maximum relative attenuation of an octave-band filter at f/f_mid = G**exponent,
-    dB.
+    """Minimum and maximum relative attenuation of an octave-band filter, dB.
+
+    They hold at f/f_mid = G**exponent.
     """
 
     exponent: float
@@ -60,7 +60,7 @@ class AttenuationRow(NamedTuple):
 _NONE = float("inf")
 
 # IEC 61672-1:2013, Table 3, column A and class 1. With a lower limit of minus infinity only the
-# upper one applies.
+# upper limit applies.
 A_WEIGHTING: tuple[WeightingRow, ...] = (
     WeightingRow(10, 10, -70.4, -_NONE, 3.0),
     WeightingRow(11, 12.5, -63.4, -_NONE, 2.5),
@@ -149,15 +149,17 @@ _R10 = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
 
 
 def third_octave_mid_hz(x: int) -> float:
-    """Return the exact mid-band frequency of the band x third octaves above 1 kHz, Hz (IEC
-    61260-1:2014, 5.4).
+    """Return the exact mid-band frequency of the band x third octaves above 1 kHz, Hz.
+
+    The formula is IEC 61260-1:2014, 5.4.
     """
     return float(REFERENCE_HZ * OCTAVE_RATIO ** (x / 3.0))
 
 
 def third_octave_edge_hz(x: int, side: int) -> float:
-    """Return the band-edge frequency below (side -1) or above (side 1) the mid-band frequency, Hz
-    (IEC 61260-1:2014, 5.6).
+    """Return the band-edge frequency below (side -1) or above (side 1) the mid-band frequency, Hz.
+
+    The formula is IEC 61260-1:2014, 5.6.
     """
     return float(third_octave_mid_hz(x) * OCTAVE_RATIO ** (side / 6.0))
 

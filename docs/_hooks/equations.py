@@ -1,5 +1,6 @@
-"""Equations as MathML at build time, so that a page shows them without a script and without a
-network.
+"""Equations as MathML, made at build time.
+
+A page then shows them without a script and without a network.
 """
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
-"""Pages of the site that stand elsewhere in the repository, and the list of modules of the API
-page.
+"""Pages of the site that stand elsewhere in the repository, and the API page.
 
 A page links to a file outside of docs/ by its path in the repository (`../CHANGELOG.md`), so that
 the link also works where the repository is browsed. In the site such a link leads to the copy of
@@ -68,8 +67,7 @@ def _within_site(match):
 
 
 def exported_names(package):
-    """List the names that a package exports and their full paths, from the imports in its
-    `__init__.py`.
+    """List the names that a package exports, with their full paths.
 
     Public names are imported lazily at run time; for editors the same imports stand under
     `TYPE_CHECKING`.
@@ -95,8 +93,9 @@ def public_modules(room):
 
 
 def api_page():
-    """Return the Markdown of the API page: the exported names of each package, or its modules where
-    it exports none.
+    """Return the Markdown of the API page.
+
+    A package is listed by its exported names, or by its modules where it exports none.
     """
     lines = [
         "# API",

@@ -1,5 +1,7 @@
 """Speed against error of a scene: its variants, their errors, and the text and plot of a study.
 
-- `study`: the command; `variants`: grids, steps and solver settings to compare.
-- `errors`: numbers of a variant, errors, orders, recommendation; `text`, `plot`: accuracy.md and its picture.
+- `study`: the command.
+- `variants`: grids, steps and solver settings to compare.
+- `errors`: numbers of a variant, errors, orders, recommendation.
+- `text`, `plot`: accuracy.md and its picture.
 """

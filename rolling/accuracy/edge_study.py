@@ -1,7 +1,7 @@
 """Errors of contact edges on many kinds of surface, against a fine grid of the same surface.
 
-`python -m rolling.accuracy.edge_study` prints the table of docs/accuracy.md, which takes five minutes
-of one free core; texts after it choose the scenes whose names hold one of them.
+`python -m rolling.accuracy.edge_study` prints the table of docs/accuracy.md, which takes five
+minutes of one free core. Arguments choose the scenes whose names contain one of them.
 """
 
 from __future__ import annotations
@@ -35,10 +35,14 @@ class EdgeScene:
 
     Parameters
     ----------
-    name : str. Name in the table.
-    make : function. Makes the heights, (along, across) [m].
-    hardness_gpa, load_n : float, GPa and N.
-    unseen : bool. Whether the scene was kept from all tuning. Default: False.
+    name : str
+        Name in the table.
+    make : callable
+        Function that makes the heights, an (along, across) array [m].
+    hardness_gpa, load_n : float, GPa and N
+        Hardness of the plate and normal load.
+    unseen : bool
+        True if no constant of the edges was fitted on the scene. Default: false.
     """
 
     name: str
@@ -105,7 +109,9 @@ SCENES = (
     EdgeScene("Ra 0.5, L 15, 2.1 GPa, 5 N", lambda: rough(0.5, 15, seed=13), 2.1, 5, True),
     EdgeScene("Ra 0.7, L 10, 4 GPa, 5 N", lambda: rough(0.7, 10, seed=14), 4.0, 5, True),
     EdgeScene("Ra 1, seed 15, 2.1 GPa, 5 N", lambda: rough(1, 10, seed=15), 2.1, 5, True),
-    EdgeScene("Ra 0.3 exponential, 4 GPa, 5 N", lambda: rough(0.3, 10, "exponential", 16), 4, 5, True),
+    EdgeScene(
+        "Ra 0.3 exponential, 4 GPa, 5 N", lambda: rough(0.3, 10, "exponential", 16), 4, 5, True
+    ),
     EdgeScene("grooves of 2 nodes, 2.1 GPa, 5 N", lambda: grooved(0.1, 2, 1, 17), 2.1, 5, True),
     EdgeScene("scratches of a node, 3 GPa, 5 N", lambda: scratched(0.05, 18), 3.0, 5, True),
     EdgeScene("1 % pits, Ra 0.3, 4 GPa, 5 N", lambda: pitted(0.3, 0.01, 1, 19), 4.0, 5, True),
@@ -119,11 +125,16 @@ class Stretch:
 
     Parameters
     ----------
-    release : (steps,) array, J.
-    contact_area, plastic_area : float, m2. Means.
-    convolutions : float. Mean number per step.
-    step_ms : float, ms. Processor time per step.
-    subcells : int. Sub-cells along the side of a cell.
+    release : (steps,) array, J
+        Release of each step.
+    contact_area, plastic_area : float, m2
+        Mean areas.
+    convolutions : float
+        Mean number per step.
+    step_ms : float, ms
+        Processor time per step.
+    subcells : int
+        Sub-cells along the side of a cell.
     """
 
     release: Array
@@ -148,7 +159,10 @@ def finer(contact: RollingContact, times: int) -> RollingContact:
 
 
 def roll(contact: RollingContact, steps: int) -> Stretch:
-    """March a contact over some steps, after one that prepares compiled code and transforms."""
+    """March a contact over some steps.
+
+    A step in advance prepares compiled code and transforms.
+    """
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
     list(march(contact, 0, 1, half_space))
     began = time.process_time()
@@ -172,7 +186,7 @@ def roll(contact: RollingContact, steps: int) -> Stretch:
 
 
 def variants(contact: RollingContact) -> dict[str, RollingContact]:
-    """Return the contact with sharp edges and with blended ones on 1, 2 x 2 and `auto` sub-cells."""
+    """Return the contact with sharp edges, and blended on 1, 2 x 2 and `auto` sub-cells."""
     blended = replace(contact, blended=True)
     chosen = auto_subcells(blended)
     return {
@@ -186,7 +200,7 @@ def variants(contact: RollingContact) -> dict[str, RollingContact]:
 def reference(contact: RollingContact, times: int = FINEST) -> RollingContact:
     """Return the contact on a fine grid, with blended edges where its surface is smooth.
 
-    Cells that are flat end where they end.
+    Flat cells have sharp edges, because their own borders are the borders of patches.
     """
     fine = replace(finer(contact, times), tolerance=REFERENCE_TOLERANCE)
     return replace(fine, blended=fine.slopes)

@@ -1,7 +1,7 @@
-"""Errors of a scene's variants against a fine reference, orders of convergence, and the cheapest
-good variant.
+"""Errors of a scene's variants against a fine reference, with orders and a recommendation.
 
-The module holds numbers only: `study` marches the variants, `text` and `plot` show the results.
+The module computes numbers only: `study` marches the variants, `text` and `plot` show the results.
+The recommendation is the cheapest variant within the limits.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rolling.scene.sections import Numerics
 from rolling.simulation import simulate
 from rolling.sound.contact_sound import contact_sound
 
-Errors = dict[str, float]  # by ERRORS and BANDS; NaN: unknown, inf: lost
+Errors = dict[str, float]  # errors by ERRORS and BANDS; NaN: unknown, inf: lost
 
 BANDS = tuple(name for name in BAND_NAMES if 100 <= float(name) <= 16000)
 PERCENT = ("release", "contact_area", "plastic_area", "max_pressure")
@@ -29,12 +29,11 @@ ERRORS = ("signal", "laeq_db", *(f"{name}_percent" for name in PERCENT))
 ORDERED = ("signal", "release_percent", "contact_area_percent", "max_pressure_percent")
 LAEQ_LIMIT, BAND_LIMIT = 0.1, 0.5  # dB, maximum errors of a recommended variant
 ROUNDING = 1e-10  # ratio, dB or percent
-LEAST_NYQUIST = 20e3  # [Hz] of steps that cover all of hearing
-MOST_ORDER, LEAST_ORDER = 2.0, 0.5  # of convergence, limits in an extrapolation
+LEAST_NYQUIST = 20e3  # Nyquist frequency [Hz] of steps that cover all of hearing
+MOST_ORDER, LEAST_ORDER = 2.0, 0.5  # limits of the order of convergence in an extrapolation
 
 
 # ---- the numbers of a variant
-# -----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -156,14 +155,12 @@ def worst_band(errors_by_name: Errors) -> tuple[str, float]:
 
 
 # ---- the reference's own error, orders
-# -------------------------------------------------------------------------------
 
 
 def extrapolated(coarse: Errors | None, fine: Errors) -> Errors:
-    """Extrapolate the error of the finest of three grids (Richardson) from the differences between
-    the grids.
+    """Extrapolate the error of the finest of three grids from their differences (Richardson).
 
-    The order is the observed one, limited to 0.5 to 2; without a third grid it is 1.
+    The order is the observed order, limited to 0.5 to 2; without a third grid it is 1.
     """
     left = {}
     for name, value in fine.items():
@@ -175,7 +172,7 @@ def extrapolated(coarse: Errors | None, fine: Errors) -> Errors:
 
 
 def either(estimates: Sequence[Errors]) -> Errors:
-    """Return the largest of several estimates of each error, inf without any."""
+    """Return the maximum of several estimates of each error, or inf without an estimate."""
     largest = {}
     for name in (*ERRORS, *BANDS):
         known = [abs(estimate[name]) for estimate in estimates if not math.isnan(estimate[name])]
@@ -184,7 +181,7 @@ def either(estimates: Sequence[Errors]) -> Errors:
 
 
 def observed_order(sizes: Sequence[float], errors_by_size: Sequence[float]) -> float:
-    """Return the slope of log error over log size; NaN with fewer than two errors above rounding."""
+    """Return the slope of log error over log size, or NaN with fewer than two usable errors."""
     points = [
         (size, abs(error))
         for size, error in zip(sizes, errors_by_size, strict=True)
@@ -197,9 +194,9 @@ def observed_order(sizes: Sequence[float], errors_by_size: Sequence[float]) -> f
 
 
 def orders_of_differences(series: Sequence[tuple[float, Measurement]]) -> Errors:
-    """Compute orders from the differences between each size and the next smaller one.
+    """Compute orders from the differences between each size and the next smaller size.
 
-    No reference is needed, so none can flatter them.
+    This estimate needs no reference, so no reference can flatter it.
     """
     differences = [errors(a, b) for (_, a), (_, b) in pairwise(series)]
     sizes = [size for size, _ in series[:-1]]
@@ -210,7 +207,6 @@ def orders_of_differences(series: Sequence[tuple[float, Measurement]]) -> Errors
 
 
 # ---- the recommendation
-# -----------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -231,15 +227,13 @@ class Candidate:
 
     @property
     def excess(self) -> float:
-        """The worst error as a share of its limit; up to 1 it is within."""
+        """The worst error as a share of its limit; up to 1 it is within the limit."""
         return max(self.laeq_db / LAEQ_LIMIT, self.band_db / BAND_LIMIT)
 
 
 @dataclass(frozen=True)
 class Recommendation:
-    """The cheapest variant within both limits, the cheapest within the limit of LAeq, and the
-    nearest to both.
-    """
+    """The cheapest variants within both limits and within the limit of LAeq, and the nearest."""
 
     both: Candidate | None
     laeq_only: Candidate | None
@@ -247,7 +241,7 @@ class Recommendation:
 
 
 def candidate(measurement: Measurement, errors_by_name: Errors, uncertainty: Errors) -> Candidate:
-    """Return a variant with its errors; unknown ones count as infinite."""
+    """Return a variant with its errors; unknown errors count as infinite."""
     bands = [
         abs(errors_by_name[band]) + uncertainty[band]
         for band in BANDS
@@ -264,7 +258,7 @@ def candidate(measurement: Measurement, errors_by_name: Errors, uncertainty: Err
 
 
 def recommend(candidates: Sequence[Candidate]) -> Recommendation:
-    """Choose among the candidates; None where none keeps the limits."""
+    """Choose among the candidates; the choice is None if no candidate keeps the limits."""
 
     def cheapest(allowed: list[Candidate]) -> Candidate | None:
         return min(allowed, key=lambda candidate: candidate.seconds_per_second, default=None)
@@ -278,10 +272,10 @@ def recommend(candidates: Sequence[Candidate]) -> Recommendation:
 
 
 def loosest_tolerance(signal_errors: Mapping[float, float], grid_error: float) -> float | None:
-    """Return the loosest tolerance whose signal error is at most a fifth of the grid's and -40 dB,
-    or None.
+    """Return the loosest tolerance whose signal error is small beside the grid's.
 
-    A fifth adds 0.2 dB to the whole error.
+    It is at most a fifth of the grid's error and at most -40 dB; a fifth adds 0.2 dB to the whole
+    error. The result is None if no tolerance qualifies.
     """
     return max(
         (
@@ -299,12 +293,11 @@ def default_tolerance() -> float:
 
 
 # ---- all together
-# ----------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Findings:
-    """The results of a study, whole or not.
+    """The results of a study, complete or partial.
 
     Parameters
     ----------
@@ -338,12 +331,12 @@ class Findings:
 
     @property
     def silent(self) -> bool:
-        """True if the reference has no sound whose level could be compared."""
+        """True if the reference has no sound and levels cannot be compared."""
         return self.reference is not None and math.isnan(self.errors[self.reference]["signal"])
 
 
 def judge(study: Study, done: dict[Variant, Measurement], failures: dict[Variant, str]) -> Findings:
-    """Compute errors, orders and the recommendation from the variants that are there."""
+    """Compute errors, orders and the recommendation from the variants with results."""
     errors_by_variant: dict[Variant, Errors] = {}
     by_edges = by_refining = dict.fromkeys((*ERRORS, *BANDS), math.nan)
     best = next(
@@ -406,7 +399,10 @@ def _same_grid(variant: Variant, other: Variant) -> bool:
 
 
 def _by_refining(study: Study, done: dict[Variant, Measurement], best: Variant) -> Errors | None:
-    """Extrapolate the error of the reference from the ladder of grids, None without a finer grid."""
+    """Extrapolate the error of the reference from the ladder of grids.
+
+    The result is None without a finer grid.
+    """
     grids = [done.get(study.on_grid(times, best.edges)) for times in study.ladder[-2:]]
     if grids[-1] is None:
         return None
@@ -439,7 +435,7 @@ def _orders(
 
 
 def plain(numbers: Mapping[str, Any]) -> dict[str, Any]:
-    """Convert for JSON: a number that is not finite becomes None."""
+    """Convert for JSON: a non-finite number becomes None."""
     return {
         name: None if isinstance(value, float) and not math.isfinite(value) else value
         for name, value in numbers.items()

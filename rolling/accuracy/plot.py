@@ -1,4 +1,4 @@
-"""The work-precision diagram of a study: errors against cost, one curve per varied setting."""
+"""The work-precision diagram of a study: errors against cost, with a curve per varied setting."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from rolling.folders.files import write_bytes
 
 # variant, seconds of computing per second of sound, error
 Curve = list[tuple[Variant, float, float]]
-Labels = dict[tuple[float, float], str]  # by point
+Labels = dict[tuple[float, float], str]  # labels by point
 OFFSETS = (
     (8, 0),
     (0, 8),
@@ -54,8 +54,8 @@ OFFSETS = (
 
 SOLVE_ALONE = "tolerance, error of the solve alone"
 OTHERS = "others"
-MOST_HIDDEN = 0.3  # share of a label
-LEAST_DB = 1e-3  # smaller errors of a level are drawn here
+MOST_HIDDEN = 0.3  # share of a label's area
+LEAST_DB = 1e-3  # smaller errors of a level are drawn at this value
 
 
 def write(folder: Path, label: str, findings: Findings) -> None:
@@ -195,7 +195,10 @@ def _uncertain(ax: Axes, value: float) -> None:
 
 
 def _draw(ax: Axes, study: Study, curves: dict[str, Curve]) -> Labels:
-    """Draw curves by name, with the same look in every panel; a ring marks the scene as it stands."""
+    """Draw curves by name, with the same look in every panel.
+
+    A ring marks the scene's own settings.
+    """
     labels: Labels = {}
     names = [n for n in study.families() if n not in ("references", OTHERS)] + [SOLVE_ALONE]
     for name, curve in curves.items():
@@ -244,7 +247,10 @@ def _label(study: Study, name: str, variant: Variant) -> str:
 
 
 def _place_labels(ax: Axes, labels: Labels) -> None:
-    """Place each label where it hides least of the points and of earlier labels, or leave it out."""
+    """Place each label where it hides least of the points and of earlier labels.
+
+    A label without a good place is left out.
+    """
     points = [ax.transData.transform(point) for point in labels]
     taken = [Bbox.from_bounds(x - 5, y - 5, 10, 10) for x, y in points]
     inside = ax.get_window_extent()
@@ -259,7 +265,7 @@ def _place_labels(ax: Axes, labels: Labels) -> None:
             arrowprops=leader,
             zorder=5,
         )
-        # legible over curves
+        # a white outline keeps labels legible over curves
         drawn.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
         box = Text.get_window_extent(drawn)
         hidden, best = min(

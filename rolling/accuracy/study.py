@@ -1,6 +1,4 @@
-"""The command `rolling accuracy SCENE`: it marches the variants of a scene and writes their costs
-and errors.
-"""
+"""The command `rolling accuracy SCENE`, which marches the variants of a scene and compares them."""
 
 from __future__ import annotations
 
@@ -11,18 +9,17 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
 from rolling.accuracy import errors, plot, text
 from rolling.accuracy.errors import Findings, Measurement
 from rolling.accuracy.variants import Study, Variant, study_of, tasks
 from rolling.check import cost, long_steps, refusals
 from rolling.folders import claim, files, new_folder, run_record
 from rolling.folders.claim import Claim
-from rolling.scene import file
+from rolling.scene import file, library
 from rolling.simulation import pool, simulate, summary
 from rolling.simulation.batch import Run
 from rolling.surface import contact_of_scene
+from rolling.terminal import defaults, progress
 
 
 def run_study(
@@ -31,24 +28,24 @@ def run_study(
     out: Path | None = None,
     force: bool = False,
     workers: int = 0,
-    finest: int = 4,
-    duration: float = 0.045,
+    finest: int = defaults.FINEST,
+    duration: float = defaults.ACCURACY_SECONDS,
 ) -> int:
-    """March all variants of the first run of a scene file, print the table and write the folder.
+    """March all variants of the first run of a scene file, print the table, write the folder.
 
     Parameters
     ----------
-    scene_path : Path. The scene file.
+    scene_path : Path. The scene file, or the name of a scene of the library.
     overrides : sequence of str. Values of keys, as after --set. Default: none.
     out : Path or None. Folder of the study. Default: None, for a folder below outputs/.
     force : bool. If true, replace an earlier study. Default: False.
     workers : int. Number of processes. Default: 0, for one per core.
-    finest : int. Divisor of the spacing for the reference. Default: 4.
-    duration : float, s. Duration of rolling. Default: 0.045.
+    finest : int. Divisor of the spacing for the reference. Default: `defaults.FINEST`.
+    duration : float, s. Duration of rolling. Default: `defaults.ACCURACY_SECONDS`.
 
     Returns
     -------
-    The exit code.
+    code : int. The exit code.
 
     Raises
     ------
@@ -60,8 +57,9 @@ def run_study(
     long_steps.refuse_long_steps(single)
     study = study_of(single, duration, finest)
     refusals.refuse_variants_that_cannot_fit(study.scene, finest, workers, out or refusals.OUTPUTS)
-    # a missing surface is refused before anything is written
+    # this refuses a missing surface before anything is written
     contact_of_scene.rolling_contact(study.scene)
+    scene_path = library.find(scene_path)
     given = scene_path.read_bytes()
     inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]
     target = new_folder.aim(
@@ -73,14 +71,19 @@ def run_study(
 
     label = Run(values, single, target.folder).label
     if len(runs) > 1:
-        print(
-            f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set {next(iter(values))}=..."
+        progress.line(
+            f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set "
+            f"{next(iter(values))}=..."
         )
     with new_folder.make(target, run_record.new("accuracy"), fill) as held:
         results, interrupted = _march(study, held.folder, workers or cost.cores())
-        _write(held.folder, label, results)
-        print(text.compact(results))
-        print(f"\ntables, picture, numbers: {held.folder}")
+        with progress.step("writing tables and picture"):
+            _write(held.folder, label, results)
+        if progress.is_quiet():
+            print(held.folder)
+        else:
+            print(text.compact(results))
+            print(f"\ntables, picture, numbers: {held.folder}")
         return _ended(held, results, interrupted)
 
 
@@ -88,7 +91,12 @@ def _ended(held: Claim, results: Findings, interrupted: bool) -> int:
     """Write the state of the study, give the reason if it is not done, and return the exit code."""
     if interrupted:
         held.mark(held.folder, "waiting", claim.INTERRUPTED)
-        reason = "interrupted: the tables hold the variants that were finished"
+        kept = len(results.measurements)
+        reason = (
+            f"interrupted: the tables hold the {kept} variants that were finished"
+            if kept
+            else "interrupted before a variant was finished"
+        )
     elif results.reference is None:
         reason = "the reference failed: there are no errors to show"
         held.mark(held.folder, "failed", reason)
@@ -107,7 +115,7 @@ def _ended(held: Claim, results: Findings, interrupted: bool) -> int:
 
 
 def _march(study: Study, folder: Path, workers: int) -> tuple[Findings, bool]:
-    """March all variants and write each as soon as its last piece is done."""
+    """March all variants and write each variant when its last piece is done."""
     variants = study.variants()
     todo = tasks(study, variants)
     missing = Counter(task.run for task in todo)
@@ -120,23 +128,18 @@ def _march(study: Study, folder: Path, workers: int) -> tuple[Findings, bool]:
         if len(pieces[number]) == missing[number]:
             measurement = errors.measure(study, variants[number], pieces.pop(number))
             done[measurement.variant] = measurement
+            progress.detail(_measurement_text(measurement))
             files.write_json(
                 folder / "variants" / f"{measurement.variant.name}.json", _row(measurement)
             )
 
     total = sum(task.cost for task in todo)
-    layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
-    with tqdm(
-        total=total,
-        disable=None,
-        desc=f"{study.scene.name}: {len(variants)} variants",
-        bar_format=layout,
-    ) as bar:
+    with progress.bar(total, f"{study.scene.name}: {len(variants)} variants") as bar:
         outcome = pool.work(todo, workers, finished, bar.update)
     failures = {variants[number]: reason for number, reason in outcome.failures.items()}
-    return errors.judge(
-        study, {v: done[v] for v in sorted(done, key=_in_table)}, failures
-    ), outcome.interrupted
+    with progress.step("comparing the variants"):
+        measurements = {v: done[v] for v in sorted(done, key=_in_table)}
+        return errors.judge(study, measurements, failures), outcome.interrupted
 
 
 def _in_table(variant: Variant) -> tuple[Any, ...]:
@@ -150,8 +153,15 @@ def _in_table(variant: Variant) -> tuple[Any, ...]:
     )
 
 
+def _measurement_text(measurement: Measurement) -> str:
+    """Write steps, iterations and time of a variant."""
+    return (
+        f"{measurement.variant.name}: {measurement.steps} steps of {measurement.step_ms:.2f} ms,"
+        f" {measurement.iterations:.1f} iterations per step"
+    )
+
+
 # ---- numbers
-# ---------------------------------------------------------------------------------------------------------
 
 
 def _row(measurement: Measurement) -> dict[str, Any]:
@@ -213,6 +223,6 @@ def _write(folder: Path, label: str, results: Findings) -> None:
     """Write accuracy.json, accuracy.md and the picture."""
     files.write_json(folder / "accuracy.json", _numbers(label, results))
     files.write_bytes(folder / "accuracy.md", text.text(label, results).encode())
-    # neither silent nor the reference alone
+    # a plot needs sound and more than the reference
     if any(e["signal"] > 0 for e in results.errors.values()):
         plot.write(folder, label, results)

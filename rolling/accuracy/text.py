@@ -22,13 +22,22 @@ WORDS = {
 
 def keys(study: Study, variant: Variant) -> str:
     """Return the scene keys of a variant."""
-    numerics = f"tolerance: {tolerance_text(variant.tolerance)}, step_nodes: {variant.step_nodes * variant.times:g}"
-    words = f"surface.spacing_um: {study.spacing_um(variant):g}, numerics: {{{numerics}, edges: {variant.edges}"
+    numerics = (
+        f"tolerance: {tolerance_text(variant.tolerance)}, step_nodes: "
+        f"{variant.step_nodes * variant.times:g}"
+    )
+    words = (
+        f"surface.spacing_um: {study.spacing_um(variant):g}, numerics: {{{numerics}, edges: "
+        f"{variant.edges}"
+    )
     return words + (", precision: double}" if variant.precision == "double" else "}")
 
 
 def _settings(study: Study, v: Variant) -> list[str]:
-    """Return the cells with the settings of a variant; a star marks a step too long for hearing."""
+    """Return the cells with the settings of a variant.
+
+    A star marks a step that is too long for hearing.
+    """
     step = f"{study.step_um(v):g}" + ("*" if study.highest(v) < errors.LEAST_NYQUIST else "")
     return [f"{study.spacing_um(v):g}", v.edges, tolerance_text(v.tolerance), step, v.precision]
 
@@ -37,7 +46,10 @@ SETTINGS = ["spacing µm", "edges", "tolerance", "step µm", "precision"]
 
 
 def _shown(value: float, uncertainty: float, digits: int) -> str:
-    """Write an error with its sign, in brackets where it is within the reference's own uncertainty."""
+    """Write an error with its sign.
+
+    Brackets mark an error within the reference's own uncertainty.
+    """
     if not math.isfinite(value):
         return "lost" if math.isinf(value) else "-"
     text = f"{value:+.{digits}f}"
@@ -45,8 +57,9 @@ def _shown(value: float, uncertainty: float, digits: int) -> str:
 
 
 def _signal(value: float, uncertainty: float) -> str:
-    """Write the signal's error in dB, in brackets where it is within the reference's own
-    uncertainty.
+    """Write the signal's error in dB.
+
+    Brackets mark an error within the reference's own uncertainty.
     """
     text = "-" if not value or not math.isfinite(value) else f"{decibel(value):.1f}"
     return f"({text})" if value and value <= uncertainty else text
@@ -64,7 +77,7 @@ def _errors(e: Errors, uncertainty: Errors, names: Sequence[str]) -> list[str]:
 
 
 def _main_table(findings: Findings, names: Sequence[str], cost: Sequence[str]) -> str:
-    """Write the table of all variants with their costs and errors; failures stand at the end."""
+    """Write the table of all variants with their costs and errors; failures come last."""
     study = findings.study
     head = [*SETTINGS, *cost, "signal dB", "LAeq dB", "worst third octave dB"]
     rows = [head + [f"{WORDS[name]} %" for name in names] + ["raw rms W"]]
@@ -103,7 +116,8 @@ def text(label: str, findings: Findings) -> str:
     all_costs = ["ms/step", "s per s", "iterations", "convolutions"]
     parts = [
         f"# Speed against error: {study.scene.name}, {label}",
-        f"{length:.4g} mm of track ({study.nodes} nodes), {closed}. s per s: seconds of computing per second of sound,"
+        f"{length:.4g} mm of track ({study.nodes} nodes), {closed}. s per s: "
+        "seconds of computing per second of sound,"
         " on one core.",
         _main_table(findings, ERRORS[2:], all_costs),
         *_notes(findings),
@@ -113,13 +127,15 @@ def text(label: str, findings: Findings) -> str:
         "The errors are against the same grid and step, solved to 1e-8 in double precision.",
         _solver_table(findings),
         "## The reference's own error",
-        "By edges: difference from the other edges on its grid. By refining: extrapolation of the ladder of spacings (Richardson,"
+        "By edges: difference from the other edges on its grid. By refining: "
+        "extrapolation of the ladder of spacings (Richardson,"
         " observed order from 0.5 to 2). The larger counts.",
         _uncertainty_table(findings),
         "## Third octaves",
         _bands_table(findings),
         "## Observed orders",
-        "By spacing and step: from the differences between neighbours. By tolerance: from the errors of the solve alone.",
+        "By spacing and step: from the differences between neighbours. By tolerance: "
+        "from the errors of the solve alone.",
         _orders_table(findings),
         "## The raw fluctuation",
         _raw(findings),
@@ -191,8 +207,10 @@ def _raw(findings: Findings) -> str:
             laeq = "silent" if measurement.laeq_db is None else f"{measurement.laeq_db:.2f}"
             rows.append([f"{findings.study.step_um(v):g}", f"{measurement.raw_rms:.4g}", laeq])
     return (
-        "Rms of the release power of each step about its mean. Steps shorter than a node show the release of single nodes, above"
-        " hearing. Where the plate yields, this rms need not converge as the step shrinks, least of all with sharp edges. The"
+        "Rms of the release power of each step about its mean. Steps shorter than a node show the "
+        "release of single nodes, above"
+        " hearing. Where the plate yields, this rms need not converge as the step shrinks, "
+        "least of all with sharp edges. The"
         " levels within hearing converge."
         "\n\n" + tables.markdown(rows[0], rows[1:], padded=True)
     )
@@ -219,11 +237,13 @@ def _advice(findings: Findings) -> list[str]:
     if off > errors.BAND_LIMIT:
         finer = 2 * findings.study.finest
         lines.append(
-            f"the reference itself may be off by {off:.2f} dB at {band} Hz; --finest {finer} makes a finer one"
+            f"the reference itself may be off by {off:.2f} dB at {band} Hz; "
+            f"--finest {finer} makes a finer one"
         )
     if advice.laeq_only:
         lines.append(
-            f"cheapest with LAeq within {errors.LAEQ_LIMIT} dB: {_offer(findings, advice.laeq_only)}"
+            f"cheapest with LAeq within {errors.LAEQ_LIMIT} dB: "
+            f"{_offer(findings, advice.laeq_only)}"
         )
     return [*lines, _tolerance_advice(findings)]
 
@@ -242,7 +262,10 @@ def _tolerance_advice(findings: Findings) -> str:
         else "looser"
     )
     loosest = tolerance_text(findings.tolerance)
-    return f"the loosest tolerance with an {wanted} is {loosest}; the program's default {tolerance_text(default)} is {comparison}"
+    return (
+        f"the loosest tolerance with an {wanted} is {loosest}; "
+        f"the program's default {tolerance_text(default)} is {comparison}"
+    )
 
 
 def _offer(findings: Findings, candidate: Candidate) -> str:
@@ -261,6 +284,7 @@ def _notes(findings: Findings) -> list[str]:
     )
     if any(findings.study.highest(v) < errors.LEAST_NYQUIST for v in findings.measurements):
         notes.append(
-            "*: the step is too long for hearing, its Nyquist frequency is below 20 kHz; third octaves above are lost"
+            "*: the step is too long for hearing, its Nyquist frequency is below 20 kHz; "
+            "third octaves above are lost"
         )
     return notes

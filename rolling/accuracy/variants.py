@@ -1,7 +1,7 @@
-"""The variants of one scene for `rolling accuracy`: finer grids, other edges, tolerances, steps and
-precision.
+"""The variants of a scene for `rolling accuracy`.
 
-All variants roll over the same stretch of the same surface.
+They differ in grid, edges, tolerance, step or precision. All variants roll over the same stretch of
+the same surface.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rolling.surface.refinement import dies_out, subcell_heights
 from rolling.surface.refinement import refined as refined
 
 TOLERANCES = (1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6)
-FINE_TOLERANCES = (1e-3, 1e-4)  # on finer grids
+FINE_TOLERANCES = (1e-3, 1e-4)  # tolerance on finer grids
 REFERENCE_TOLERANCE, SOLVER_REFERENCE_TOLERANCE = 1e-6, 1e-8
 STEP_NODES = (0.5, 1.0, 2.0, 4.0)
 
@@ -46,7 +46,8 @@ class Variant:
     def name(self) -> str:
         """The name of the variant in files."""
         step = f"{self.step_nodes:g}"
-        return f"spacing-over-{self.times}_step-{step}_{tolerance_text(self.tolerance)}_{self.edges}_{self.precision}"
+        grid, tolerance = f"spacing-over-{self.times}", tolerance_text(self.tolerance)
+        return f"{grid}_step-{step}_{tolerance}_{self.edges}_{self.precision}"
 
 
 def tolerance_text(value: float) -> str:
@@ -57,7 +58,7 @@ def tolerance_text(value: float) -> str:
 
 @dataclass(frozen=True)
 class Study:
-    """A scene without sweep and the stretch of track that all variants roll over.
+    """A scene without a sweep and the stretch of track that all variants roll over.
 
     Parameters
     ----------
@@ -87,7 +88,7 @@ class Study:
 
     @property
     def all_edges(self) -> tuple[str, ...]:
-        """The edges to be compared; an elastic plate has sharp ones only."""
+        """The edges to compare; an elastic plate has sharp edges only."""
         return ("sharp", "blended") if self.yields else ("sharp",)
 
     @property
@@ -105,14 +106,16 @@ class Study:
         return replace(self.own, tolerance=SOLVER_REFERENCE_TOLERANCE, precision="double")
 
     def on_grid(self, times: int, edges: str) -> Variant:
-        """Return the variant on a finer grid; tolerance and spacing shrink together, or one would
-        hide the other.
+        """Return the variant on a finer grid.
+
+        Tolerance and spacing shrink together, because the larger error would hide the smaller.
         """
         return replace(self.own, times=times, edges=edges, tolerance=self.own.tolerance / times)
 
     def families(self) -> dict[str, list[Variant]]:
-        """Return families of variants that differ in one setting, by its name; the references come
-        first.
+        """Return families of variants that differ in a single setting, by the name of the setting.
+
+        The references come first.
         """
         own, finer = self.own, self.ladder[1:2]
         families = {"references": [self.reference(e) for e in self.all_edges[::-1]]}
@@ -147,7 +150,7 @@ class Study:
         return families
 
     def variants(self) -> list[Variant]:
-        """Return all variants, finest grids first, since every error waits for them."""
+        """Return all variants, the finest grids first, because all errors need the reference."""
         every = [
             *(v for variants in self.families().values() for v in variants),
             self.solver_reference,
@@ -163,14 +166,15 @@ class Study:
         return self.scene.spacing * 1e6 * variant.step_nodes
 
     def highest(self, variant: Variant) -> float:
-        """Return the Nyquist frequency of the steps [Hz] at the maximum speed that is reached."""
+        """Return the Nyquist frequency of the steps [Hz] at the maximum speed."""
         motion = self.scene.motion
         duration = motion.duration(self.nodes * self.scene.spacing)
         return motion.fastest(duration) / (2 * variant.step_nodes * self.scene.spacing)
 
     def as_solved(self, variant: Variant) -> Scene:
-        """Return the scene with the numerics of a variant, which decide how far its release is
-        resolved.
+        """Return the scene with the numerics of a variant.
+
+        They set the resolution of its release.
         """
         changed = {
             "tolerance": variant.tolerance,
@@ -184,15 +188,14 @@ class Study:
 
 
 def study_of(scene: Scene, duration: float, finest: int) -> Study:
-    """Cut a scene to a stretch of whole numbers of every step that is tried, a closed lap where
-    possible.
+    """Cut a scene to a stretch that is a whole number of every tried step.
 
-    A height file is used as it is: where it is longer, or not a whole number of the longest step,
-    the record does not close.
+    The stretch is a closed lap where possible. A height file is used unchanged: where it is longer
+    than the stretch, or not a whole number of the longest step, the record does not close.
 
     Parameters
     ----------
-    scene : Scene. A scene without sweep.
+    scene : Scene. A scene without a sweep.
     duration : float, s. Duration of rolling.
     finest : int. Divisor of the spacing for the references.
     """
@@ -209,14 +212,13 @@ def study_of(scene: Scene, duration: float, finest: int) -> Study:
 
 
 # ---- marching
-# --------------------------------------------------------------------------------------------------------
 
 
-_kept: list[tuple[Array, int, bool, Array]] = []  # the last refined surface
+_kept: list[tuple[Array, int, bool, Array]] = []  # the last refined surface is kept
 
 
 def _refined(heights: Array, times: int) -> tuple[bool, Array]:
-    """Return whether a surface runs on between its nodes, and its heights on a finer grid."""
+    """Return whether a surface continues between its nodes, and its heights on a finer grid."""
     if not _kept or _kept[0][0] is not heights or _kept[0][1] != times:
         smooth = dies_out(heights)
         fine = refined(heights, times) if smooth else subcell_heights(heights, times, smooth)
@@ -249,7 +251,10 @@ def rolling_contact(scene: Scene, variant: Variant) -> RollingContact:
 
 
 def subcells_of(scene: Scene, contact: RollingContact) -> int:
-    """Return the sub-cells of a variant: those of its scene, which `auto` chooses on its own grid."""
+    """Return the sub-cells of a variant from its scene.
+
+    `auto` chooses them on the variant's own grid.
+    """
     chosen = scene.numerics.subcells
     return contact_of_scene.auto_subcells(contact) if chosen == "auto" else chosen
 
@@ -286,9 +291,9 @@ def _step_cost(variant: Variant) -> float:
 
 
 def tasks(study: Study, variants: Sequence[Variant]) -> list[pool.Task]:
-    """Return the pieces of all variants as tasks; their run is the number of the variant.
+    """Return the pieces of all variants as tasks, with the number of the variant as their run.
 
-    All pieces have the same length of track, about as long as the pieces of a run.
+    All pieces have the same length of track, about the length of a piece of a run.
     """
     unit = math.lcm(round(STEP_NODES[-1]), max(1, math.ceil(study.own.step_nodes)))
     length = unit * max(1, round(simulate.PIECE_STEPS * study.own.step_nodes / unit))

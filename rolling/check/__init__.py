@@ -1,12 +1,11 @@
-"""The check of a scene before it is run: its cost, whether its result can be believed, and
-refusals.
+"""Check of a scene before it is run: its cost, the credibility of its result, and refusals.
 
 findings
-    `check_scene` judges all runs of a scene, `findings` a single one
+    `check_scene` judges all runs of a scene, `findings` a single run
 size, smooth_contact, sampling, height_files, validity
     findings by subject
-long_steps, resonance, resolution
-    limits behind the findings: step against contact, ball on its contact, error of the solver
+long_steps, resonance
+    limits behind the findings: step against contact, ball on its contact
 probe
     solves a few positions
 cost, demand, machine
@@ -14,5 +13,5 @@ cost, demand, machine
 refusals
     scenes that cannot be run here
 finding, report
-    one finding and its numbers in words; `Findings`, all of a scene, and their table
+    a finding and its numbers in words; `Findings` of all runs of a scene and their table
 """

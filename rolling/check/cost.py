@@ -1,4 +1,4 @@
-"""Window and time of the steps of a scene, expected before it is run."""
+"""Window and time of the steps of a scene, estimated before it is run."""
 
 from __future__ import annotations
 
@@ -11,19 +11,22 @@ from rolling.scene.sections import Gaussian
 from rolling.surface import heights
 from rolling.surface.scene_surface import scene_surface
 
-# Overlap of a rough surface beyond that of a smooth one, in rms roughnesses. Fitted to solved
-# contacts at Ra 0.01 to 5 um and 1 to 100 N, where it lay between 0.2 (elastic, light) and 2.4
-# (plastic, heavy).
+# A rough surface overlaps the sphere by this many rms roughnesses more than a smooth surface. The
+# value is fitted to solved contacts at Ra 0.01 to 5 um and 1 to 100 N, where it lay between 0.2
+# (elastic, light) and 2.4 (plastic, heavy).
 RISE = 1.5
 
 
 def cores() -> int:
-    """Return the number of cores that this process may use, the default number of worker processes."""
+    """Return the number of cores that this process may use.
+
+    It is the default number of worker processes.
+    """
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def roughness(scene: Scene) -> tuple[float, float]:
-    """Return rms roughness [m] and rms slope of the surface, which need not be made yet.
+    """Estimate rms roughness [m] and rms slope of the surface without making random heights.
 
     The slope is the norm of the gradient over one spacing.
 
@@ -36,7 +39,7 @@ def roughness(scene: Scene) -> tuple[float, float]:
     if isinstance(s, Gaussian):
         rq = s.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
         decay, exponent = heights.AUTOCORRELATIONS[s.autocorrelation]
-        # Mean square of a difference over one spacing: 2 (rq^2 - C(spacing)).
+        # The mean square of a difference over one spacing is 2 (rq^2 - C(spacing)).
         drops = [
             -math.expm1(-decay * (s.spacing_um / length) ** exponent)
             for length in correlation_lengths(s)
@@ -49,31 +52,34 @@ def roughness(scene: Scene) -> tuple[float, float]:
 
 
 def overlap_radius(scene: Scene, rq: float) -> float:
-    """Estimate the radius [m] within which the sphere overlaps a surface of rms roughness rq [m].
+    """Estimate the radius [m] within which the sphere overlaps a rough surface.
 
-    It is sqrt(2 R (a^2/R + 1.5 rq)) with the radius R of the sphere and the Hertz radius a.
+    It is sqrt(2 R (a^2/R + 1.5 rq)) with the radius R of the sphere, the Hertz radius a and the rms
+    roughness rq [m] of the surface.
     """
     approach = closed_forms.hertz_approach(scene.load, scene.radius, scene.contact_modulus)
     if math.isfinite(scene.hardness):
-        # Rigid-plastic sinking: the overlap's area times the hardness is the load.
+        # In rigid-plastic sinking the area of overlap times the hardness equals the load.
         approach = max(approach, scene.load / (2 * math.pi * scene.radius * scene.hardness))
     return math.sqrt(2 * scene.radius * (approach + RISE * rq))
 
 
 def window_nodes(scene: Scene, rq: float) -> float:
-    """Return the number of nodes along a side of the window, which holds the overlap at both ends
-    of a step.
+    """Estimate the number of nodes along a side of the window.
+
+    The window holds the overlap at both ends of a step.
     """
     return 2 * overlap_radius(scene, rq) / scene.spacing + max(1.0, scene.numerics.step_nodes)
 
 
 def expected_step_ms(window_nodes: float) -> float:
-    """Estimate the time of a step [ms] on one core, on a square window of n nodes a side: 1.1
-    (n/70)^1.95.
+    """Estimate the time of a step [ms] on one core.
 
-    Measured at tolerance 1e-4, the whole step: 1.1 ms at 70 x 70 nodes, 2.4 ms at 106 x 106, 6.9 ms
-    at 180 x 180. Rough surfaces need fewer iterations: at Ra 1 um 9 ms at 230 x 230 (the law says
-    11).
+    The law is 1.1 (n/70)^1.95 on a square window with n nodes along a side.
+
+    A whole step at tolerance 1e-4 took 1.1 ms at 70 x 70 nodes, 2.4 ms at 106 x 106 and 6.9 ms at
+    180 x 180. Rough surfaces need fewer iterations: at Ra 1 um a step took 9 ms at 230 x 230, where
+    the law gives 11 ms.
     """
     return 1.1 * float((window_nodes / 70) ** 1.95)
 

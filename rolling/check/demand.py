@@ -17,54 +17,57 @@ from rolling.scene.scene import Scene
 from rolling.scene.track import Track
 
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
-MAPS, MAP_CELLS = 120, 96  # pressure maps of a run and cells along their sides, of `simulate`
-PIECE_STEPS = 200  # of `simulate`: the smallest share of the work of a process
-PAGE_RUNS = 24  # most runs on a page, of `report`
-HEARING_SHARE = 20_000 / SAMPLE_RATE  # spectral lines on a picture per sample
+MAPS, MAP_CELLS = 120, 96  # pressure maps of a run and cells along their sides (`simulate`)
+PIECE_STEPS = 200  # minimum share of the work of a process (`simulate`)
+PAGE_RUNS = 24  # maximum number of runs on a page (`report`)
+HEARING_SHARE = 20_000 / SAMPLE_RATE  # spectral lines per sample on a picture
 
-# Of a process: the program with its libraries, compiled code and transforms, pictures and page.
+# Bytes of a process: the program with its libraries, compiled code and transforms, pictures and
+# page.
 PROGRAM, SOLVER, PICTURES, WORKER, TRACKER = 210e6, 100e6, 110e6, 230e6, 15e6
-# Per node of the surface: while it is made or read, as long as it is kept, while its statistics are
-# taken.
+# Bytes per node of the surface: while it is made or read, as long as it is kept, and while its
+# statistics are computed.
 MADE = {"gaussian": 44.0, "file": 50.0, "smooth": 0.0}
 KEPT = {"gaussian": 8.0, "file": 8.0, "smooth": 0.0}
 STATISTICS = {"gaussian": 26.0, "file": 46.0, "smooth": 17.0}
-# per node of the window: contact, and transforms of all padded sizes that its windows meet (310 to
-# 660)
+# Bytes per node of the window: the contact, and transforms of all padded sizes that occur (310 to
+# 660 bytes).
 WINDOW = 720.0
-# per solved step, as long as it is kept; per step, while result.h5 is written
+# Bytes per solved step, as long as it is kept, and per step, while result.h5 is written.
 RESULT, RESULT_FILE = 112.0, 270.0
-TABLE = 180.0  # per number of a CSV, while it is written
+TABLE = 180.0  # per number of a CSV file, while it is written
 STEP_SOUND, STEP_DENSE = 60.0, 210.0  # per step, for its sound at constant and at varying speed
-# per sample, and of a varying speed; loudness takes less, and afterwards
+# Bytes per sample, and per oversampled sample at a varying speed. Loudness takes less, later.
 SAMPLE_SOUND, FINE_SOUND = 262.0, 64.0
 AWKWARD = 150.0  # per value of a transform whose length has a large prime factor
-# per step and sample of each run, kept to compare; a run's page
+# Bytes per step and per sample of each run, kept to compare runs, and bytes of its page.
 STEP_HEARD, SAMPLE_HEARD, RUN_HEARD = 60.0, 16.0, 4e6
-PAGE_COPIES, LAP_MAP = 5.0, 60.0  # of the page while it is put together; per map in each lap
-EVENTS_PER_NODE = 0.6  # recovery events of a node that the contact passes over, about
-EVENT = 260.0  # per recovery event, while they are joined
+PAGE_COPIES, LAP_MAP = 5.0, 60.0  # copies of the page while it is composed; per map and lap
+EVENTS_PER_NODE = 0.6  # approximate recovery events of a node that the contact passes over
+EVENT = 260.0  # per recovery event, while events are joined
 
-# On disk.
-# result.h5: per step, event, node of the window
+# Bytes on disk.
+# result.h5 per step, per event and per node of the window:
 STEP_FILE, EVENT_FILE, SNAPSHOT_FILE = 153.0, 41.0, 16.0
-ROW_FILE = 25.0  # of a table of two columns
-SAMPLE_FILE, SAMPLE_PAGE, LAP_MAP_PAGE = 15.0, 2.7, 13.5  # WAVs; on the page
+ROW_FILE = 25.0  # per row of a table with two columns
+LABELLED_ROW_FILE = 45.0  # per row of such a table with the labels of runs
+FEW_FILES = 0.2e6  # short tables and files of a run that has no pictures
+SAMPLE_FILE, SAMPLE_PAGE, LAP_MAP_PAGE = 15.0, 2.7, 13.5  # in WAV files; on the page
 MAP_FILE = 1.0  # per cell of the pressure maps, compressed
-RUN_FILES, PAGE_RUN, PAGE = (
-    1.6e6,
-    0.4e6,
-    0.8e6,
-)  # pictures and short tables of a run, its part of the page, the page itself
+# Pictures and short tables of a run, its part of the page, and the page itself:
+RUN_FILES, PAGE_RUN, PAGE = 1.6e6, 0.4e6, 0.8e6
 
 ADVICE = {
     "program": "give fewer --workers",
-    "surface": "choose a smaller surface.width_um or rolling.duration_s, a larger surface.spacing_um, or fewer --workers",
+    "surface": "choose a smaller surface.width_um or rolling.duration_s, a larger"
+    " surface.spacing_um, or fewer --workers",
     "height file": "cut the height file or take every second node of it, or give fewer --workers",
     "window": "choose a larger surface.spacing_um, or fewer --workers",
-    "steps": "shorten rolling.duration_s, or choose a larger step (numerics.step_nodes, surface.spacing_um)",
+    "steps": "shorten rolling.duration_s, or choose a larger step"
+    " (numerics.step_nodes, surface.spacing_um)",
     "sound samples": "shorten rolling.duration_s",
-    "oversampling of the varying speed": "lower the maximum of rolling.speed_m_s, or shorten rolling.duration_s",
+    "oversampling of the varying speed": "lower the maximum of rolling.speed_m_s,"
+    " or shorten rolling.duration_s",
     "recovery events": "set recovery.events to false, or shorten rolling.duration_s",
     "pressure maps": "shorten rolling.duration_s",
     "runs of the sweep": "give sweep fewer values",
@@ -73,7 +76,7 @@ ADVICE = {
 
 @dataclass(frozen=True)
 class Amount:
-    """An amount of bytes in parts, each with a key of ADVICE."""
+    """Amount of bytes in parts, each with a key of ADVICE."""
 
     parts: tuple[tuple[str, float], ...]
 
@@ -84,7 +87,7 @@ class Amount:
 
     @property
     def largest(self) -> tuple[str, float]:
-        """Name and size of the largest part, parts of the same name taken together."""
+        """Name and size of the largest part, with parts of the same name added up."""
         sizes: dict[str, float] = {}
         for name, size in self.parts:
             sizes[name] = sizes.get(name, 0.0) + size
@@ -93,7 +96,7 @@ class Amount:
 
 @dataclass(frozen=True)
 class Demand:
-    """Memory of all processes at the worst moment, memory of the largest process, and disk."""
+    """Maximum memory of all processes together, memory of the largest process, and disk."""
 
     memory: Amount
     process: Amount
@@ -102,7 +105,7 @@ class Demand:
 
 @dataclass(frozen=True)
 class Size:
-    """Numbers of a run that its demand grows with.
+    """Numbers of a run that determine its demand.
 
     Attributes
     ----------
@@ -113,11 +116,12 @@ class Size:
     steps, solved : int
         Steps, and the steps that are solved.
     samples, fine : int
-        Samples of the sound, and of its oversampling at a varying speed; 0 at a constant one.
+        Samples of the sound, and of its oversampling at a varying speed; the latter is 0 at a
+        constant speed.
     lines : (int, int)
         Lines of both spectra that are written.
     map_cells, lap_maps : float
-        Cells of all pressure maps; maps, counted in every lap.
+        Cells of all pressure maps, and maps counted in every lap.
     events : float
         Expected number of recovery events.
     """
@@ -156,8 +160,8 @@ def size(scene: Scene, rq: float) -> Size:
     samples = max(2, round(duration * SAMPLE_RATE))
     dense = max(1, math.ceil(scene.motion.fastest(duration) / track.step / SAMPLE_RATE))
     across = 2 * cost.overlap_radius(scene, rq) / scene.spacing
-    # The window holds the overlap and what its transforms are padded to; it never exceeds the
-    # surface by much.
+    # The window holds the overlap and the padding of its transforms; it never exceeds the surface
+    # by much.
     side = min(cost.window_nodes(scene, rq), 2.0 * max(track.n_along, track.n_across))
     seen = min(across, track.n_along, track.n_across)
     cells = math.ceil(seen / max(1, math.ceil(seen / MAP_CELLS))) ** 2
@@ -211,8 +215,9 @@ def demand(sizes: Sequence[Size], workers: int) -> Demand:
 
 
 def of_variants(scene: Scene, rq: float, finest: int, workers: int) -> Demand:
-    """Estimate the demand of `rolling accuracy`, whose processes hold the surface on the finest
-    grid and its window.
+    """Estimate the demand of `rolling accuracy`.
+
+    Its processes hold the surface on the finest grid and its window.
     """
     track, fine = scene.track, finest**2
     worker = [
@@ -250,12 +255,15 @@ def _in_solver(each: Size) -> list[tuple[str, float]]:
 
 
 def _keeping(each: Size) -> list[tuple[str, float]]:
-    """List the parts while result.h5 is written."""
+    """List the parts in memory while result.h5 is written."""
     return [("steps", RESULT_FILE * each.steps), ("pressure maps", 4.0 * each.map_cells)]
 
 
 def _solving(each: Size, workers: int, results: list[tuple[str, float]]) -> list[Amount]:
-    """List the moments of the main process until all is solved; without workers it solves as well."""
+    """List the moments of the main process until all is solved.
+
+    Without workers the main process solves as well.
+    """
     made = _parts([("program", PROGRAM), *results, (each.surface, MADE[each.kind] * each.nodes)])
     own = (
         [("program", PROGRAM + SOLVER), *_in_solver(each)]
@@ -268,8 +276,9 @@ def _solving(each: Size, workers: int, results: list[tuple[str, float]]) -> list
 def _finishing(
     each: Size, sizes: Sequence[Size], workers: int, results: list[tuple[str, float]]
 ) -> list[Amount]:
-    """List the moments of the main process while it makes sound, numbers, files and page of a run,
-    and keeps the others.
+    """List the moments of the main process while it finishes a run.
+
+    It makes sound, numbers, files and page of the run, and keeps the other runs.
     """
     before = [("program", PROGRAM + (SOLVER if workers == 1 else 0.0)), *results]
     before += [
@@ -312,7 +321,7 @@ def _finishing(
 
 
 def _sounding(each: Size) -> list[tuple[str, float]]:
-    """List the parts while the sound of a run is made."""
+    """List the parts in memory while the sound of a run is made."""
     parts = [("sound samples", SAMPLE_SOUND * each.samples + _transform(each.samples))]
     parts.append(("steps", STEP_SOUND * each.steps + _transform(each.steps)))
     if not each.fine:
@@ -321,7 +330,7 @@ def _sounding(each: Size) -> list[tuple[str, float]]:
         ("steps", STEP_DENSE * each.steps + _transform(8 * each.steps)),
         ("oversampling of the varying speed", FINE_SOUND * each.fine + _transform(each.fine)),
     ]
-    return max(parts, dense, key=lambda some: sum(bytes_ for _, bytes_ in some))
+    return max(parts, dense, key=lambda moment: sum(bytes_ for _, bytes_ in moment))
 
 
 def _page(sizes: Sequence[Size]) -> list[tuple[str, float]]:
@@ -335,8 +344,9 @@ def _page(sizes: Sequence[Size]) -> list[tuple[str, float]]:
 
 
 def _disk(sizes: Sequence[Size]) -> Amount:
-    """Estimate all files and the largest result.h5 once more: a new one is whole before it replaces
-    the old one.
+    """Estimate all files, and the largest result.h5 once more.
+
+    A new result.h5 is complete before it replaces the old file.
     """
     stored = [
         [
@@ -349,28 +359,32 @@ def _disk(sizes: Sequence[Size]) -> Amount:
     ]
     parts = [part for each in stored for part in each]
     parts += max(stored, key=lambda each: sum(bytes_ for _, bytes_ in each))
-    tables = 2 if len(sizes) > 1 else 1  # of each run, and of all side by side
+    whole = len(sizes) <= PAGE_RUNS
+    # per run, and with all runs side by side
+    row = ROW_FILE * whole + LABELLED_ROW_FILE * (len(sizes) > 1)
     for each in sizes:
         parts += [
-            ("steps", ROW_FILE * each.steps),
-            ("sound samples", (tables * ROW_FILE * HEARING_SHARE + SAMPLE_FILE) * each.samples),
-            ("steps", tables * ROW_FILE * each.lines[1]),
-            ("program", RUN_FILES),
+            ("steps", ROW_FILE * each.steps * whole),
+            ("sound samples", (row * HEARING_SHARE + SAMPLE_FILE) * each.samples),
+            ("steps", row * each.lines[1]),
+            ("program", RUN_FILES if whole else FEW_FILES),
         ]
-    return _parts([*parts, *(_page(sizes) if len(sizes) <= PAGE_RUNS else ())])
+    return _parts([*parts, *(_page(sizes) if whole else [("program", PAGE)])])
 
 
 def _transform(length: int) -> float:
-    """Return the bytes that a Fourier transform takes in addition for a length with a large prime
-    factor.
+    """Return the additional bytes of a Fourier transform.
+
+    Only a long transform whose length has a large prime factor needs them.
     """
     return AWKWARD * length if length > 100_000 and _awkward(length) else 0.0
 
 
 @lru_cache(maxsize=1024)
 def _awkward(length: int) -> bool:
-    """Tell whether the largest prime factor is above the square root: the transform is then of
-    twice the length or more.
+    """Tell whether the largest prime factor of a length is above its square root.
+
+    The transform then has twice the length or more.
     """
     rest, factor = length, 2
     while factor * factor <= rest:
@@ -382,7 +396,8 @@ def _awkward(length: int) -> bool:
 
 
 def of_scenes(scenes: Sequence[tuple[Scene, float]], workers: int) -> Demand:
-    """Estimate the demand of runs, each a scene without sweep and the rms roughness [m] of its
-    surface.
+    """Estimate the demand of runs.
+
+    Each run is a scene without sweep with the rms roughness [m] of its surface.
     """
     return demand([size(scene, rq) for scene, rq in scenes], workers)

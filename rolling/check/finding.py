@@ -1,4 +1,4 @@
-"""A line of the check, and the words for its numbers."""
+"""Line of the check and the words for its numbers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Finding:
     quantity, value : str
         Quantity and its value with unit, in words.
     warning : str or None
-        Number that is doubtful, and what to change.
+        Doubtful number, and the advice to change it.
     seconds : float, s
         Time of computing, which the runs of a sweep add up.
     """
@@ -33,7 +33,7 @@ class Finding:
 
 
 def si(value: float, unit: str) -> str:
-    """Write three digits and a prefix: 6.87e-5, "m" gives "68.7 um"."""
+    """Write a number with three digits and a prefix: 6.87e-5 m becomes "68.7 um"."""
     for prefix, size in (
         ("G", 1e9),
         ("M", 1e6),
@@ -73,16 +73,16 @@ def clock(seconds: float) -> str:
 
 
 def rounded_down(value: float) -> str:
-    """Write two digits, rounded down, so that advice that is followed holds."""
+    """Write a number with two digits, rounded down, so that followed advice holds."""
     return f"{_rounded(value, math.floor):g}"
 
 
 def rounded_up(value: float) -> str:
-    """Write two digits, rounded up."""
+    """Write a number with two digits, rounded up."""
     return f"{_rounded(value, math.ceil):g}"
 
 
 def _rounded(value: float, towards: Callable[[float], int]) -> float:
     size = 10.0 ** (math.floor(math.log10(value)) - 1)
-    # A whole number stays, whatever its rounding error.
+    # A whole number keeps its value despite its rounding error.
     return towards(round(value / size, 9)) * size

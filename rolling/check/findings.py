@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from rolling.check import (
     cost,
     demand,
+    finishing,
     height_files,
     long_steps,
     refusals,
@@ -24,6 +25,7 @@ from rolling.check.finding import Finding, clock, on_cores
 from rolling.check.report import Findings, RunFindings
 from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
+from rolling.terminal import progress
 
 if TYPE_CHECKING:
     from rolling.check.probe import Probe
@@ -35,7 +37,7 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     Parameters
     ----------
     solve : bool
-        Solve a few positions of each run, which tells more than closed forms. Default true.
+        If true, solve a few positions of each run, which tell more than closed forms. Default true.
 
     Raises
     ------
@@ -49,20 +51,22 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     for run in runs:
         refusals.refuse_large_heights(run.scene)
     solved = _solved([run.scene for run in runs], solve)
-    by_run = tuple(
-        RunFindings(run_name(run.values) or scene.name, findings(run.scene, probe))
-        for run, probe in zip(runs, solved, strict=True)
-    )
-    if len(runs) == 1:
-        return Findings(by_run)
+    with progress.step("judging the numbers of the scene"):
+        by_run = tuple(
+            RunFindings(run_name(run.values) or scene.name, findings(run.scene, probe))
+            for run, probe in zip(runs, solved, strict=True)
+        )
     seconds = sum(finding.seconds for run in by_run for finding in run.findings)
+    time = _time_text(seconds, finishing.seconds([run.scene for run in runs], cost.cores()))
+    if len(runs) == 1:
+        return Findings((_with_time(by_run[0], time),))
     roughness = refusals.roughness_read_once()
     needed = demand.of_scenes([(run.scene, roughness(run.scene)) for run in runs], cost.cores())
     excess = refusals.excess(needed, refusals.OUTPUTS)
     return Findings(
         by_run,
         (
-            ("expected time of all", f"about {clock(seconds)} on {on_cores()}, {len(runs)} runs"),
+            ("expected time of all", f"{time}, {len(runs)} runs"),
             ("memory of all", refusals.amount_text(needed.memory)),
             ("disk of all", refusals.amount_text(needed.disk)),
         ),
@@ -70,13 +74,32 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     )
 
 
+def _time_text(solving: float, after: float) -> str:
+    """Write the expected time of a command, and the share of it that is not solving [s]."""
+    return (
+        f"about {clock(solving + after)} on {on_cores()},"
+        f" {clock(after)} of it for start, sound and pictures"
+    )
+
+
+def _with_time(run: RunFindings, time: str) -> RunFindings:
+    """Replace the time of solving a run alone by that of the whole command."""
+    return RunFindings(
+        run.name,
+        [
+            replace(finding, value=time) if finding.key == "expected_time" else finding
+            for finding in run.findings
+        ],
+    )
+
+
 def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
-    """Judge one run; the sweep of the scene is not looked at.
+    """Judge one run without regard to the sweep of its scene.
 
     Parameters
     ----------
     solved : Probe, optional
-        Solved positions, whose numbers replace those of the closed forms.
+        Solved positions, whose numbers replace the numbers of the closed forms.
 
     Raises
     ------
@@ -98,14 +121,16 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
 def _solved(scenes: Sequence[Scene], solve: bool) -> Sequence[Probe | None]:
     if not solve:
         return [None] * len(scenes)
-    from rolling.check import probe  # the solver is slow to import
+    with progress.step("loading the solver"):
+        from rolling.check import probe
 
     return probe.probes(scenes)
 
 
 def _replaced(findings: Sequence[Finding], better: Sequence[Finding]) -> list[Finding]:
-    """Replace findings by better ones with the same key, whose warnings stay, and append the
-    others.
+    """Replace findings by better findings with the same key, and append the others.
+
+    The warnings of the replaced findings stay.
     """
     by_key = {finding.key: finding for finding in better}
     result: list[Finding] = []

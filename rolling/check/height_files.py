@@ -12,14 +12,14 @@ from rolling.scene.sections import HeightFile
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
-# Of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of it; noise
-# of 4 % doubles that.
+# Share of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of the
+# variance; noise of 4 % doubles that difference.
 MAX_NOISE = 0.05
-MAX_FORM = 0.5  # of the variance that a plane and a parabola may make up
+MAX_FORM = 0.5  # share of the variance that a plane and a parabola may make up
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """Judge the heights of a file; a made surface has no such findings.
+    """Judge the heights of a file; generated surfaces have no such findings.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def findings(scene: Scene) -> list[Finding]:
     if not isinstance(scene.surface, HeightFile):
         return []
     surface = scene_surface(scene)
-    assert surface.levelling is not None  # of every file
+    assert surface.levelling is not None  # every file has one
     return [
         *_resolution(surface, MIN_CORRELATION_NODES),
         Finding("level", "tilt", tilt_text(surface.levelling)),
@@ -39,8 +39,9 @@ def findings(scene: Scene) -> list[Finding]:
 
 
 def tilt_text(levelling: Levelling) -> str:
-    """Write the slopes that were taken off with the roughness before and after, or the slopes that
-    the heights keep.
+    """Write the slopes that were taken off, or the slopes that the heights keep.
+
+    The roughness before and after stands with slopes that were taken off.
     """
     taken = any(levelling.taken)
     slopes, directions = (levelling.taken if taken else levelling.plane), ("along", "across")
@@ -51,7 +52,10 @@ def tilt_text(levelling: Levelling) -> str:
     )
     if not taken:
         return f"nothing taken off, the plane has {each}"
-    return f"plane taken off: {each}; Ra {si(levelling.ra_before, 'm')} before, {si(levelling.ra_after, 'm')} after"
+    return (
+        f"plane taken off: {each}; Ra {si(levelling.ra_before, 'm')} before,"
+        f" {si(levelling.ra_after, 'm')} after"
+    )
 
 
 def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
@@ -63,18 +67,21 @@ def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
     warnings = []
     if nodes < 1:
         warnings.append(
-            f"neighbouring heights have nothing in common: less than 1 node per correlation length (1/e of the"
-            f" autocorrelation), {least_nodes:g} are wanted; a finer measurement is needed, or noise must be filtered out"
+            "neighbouring heights have nothing in common: less than 1 node per correlation length"
+            f" (1/e of the autocorrelation), {least_nodes:g} are wanted; a finer measurement is"
+            " needed, or noise must be filtered out"
         )
     elif round(nodes, 1) < least_nodes:
         warnings.append(
-            f"{nodes:.2g} nodes per correlation length ({si(length, 'm')}, 1/e of the autocorrelation), {least_nodes:g} are"
-            f" wanted: a finer measurement is needed, with a spacing of at most {rounded_down(length / least_nodes * 1e6)} um"
+            f"{nodes:.2g} nodes per correlation length ({si(length, 'm')}, 1/e of the"
+            f" autocorrelation), {least_nodes:g} are wanted: a finer measurement is needed, with a"
+            f" spacing of at most {rounded_down(length / least_nodes * 1e6)} um"
         )
     if noise > MAX_NOISE and nodes >= 1:
         warnings.append(
-            f"{100 * noise:.2g} % of the variance of the heights changes from each node to the next: noise of the"
-            " measurement, which must be filtered out, or detail that needs a finer measurement"
+            f"{100 * noise:.2g} % of the variance of the heights changes from each node to the"
+            " next: noise of the measurement, which must be filtered out, or detail that needs a"
+            " finer measurement"
         )
     return [
         Finding(
@@ -87,7 +94,7 @@ def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
 
 
 def _seam(scene: Scene, levelling: Levelling) -> Finding:
-    """Judge the step from the last row to the first, and how long the contact is on it."""
+    """Judge the step from the last row to the first and the time of contact on it."""
     seam = levelling.seams[0]
     sizes = f"{si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')} between neighbouring rows"
     if not seam.stands_out:
@@ -97,11 +104,13 @@ def _seam(scene: Scene, levelling: Levelling) -> Finding:
     if share > 0:
         on_seam, record = si(share * scene.duration, "s"), si(scene.duration, "s")
         warning = (
-            f"the step from the last row of the file to the first is {si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')}"
-            " between neighbouring rows: the file is no period of a surface. The contact is on that step for"
-            f" {on_seam} of the record's {record} ({100 * share:.2g} %); the sound of that time"
-            " belongs to the cut and may be louder than the rest, and the record does not loop. Roll over the middle of the file"
-            " only (rolling.start_um, rolling.duration_s), or blend the end of the file into its beginning"
+            f"the step from the last row of the file to the first is {si(seam.step, 'm')} rms,"
+            f" {si(seam.neighbours, 'm')} between neighbouring rows: the file is no period of a"
+            f" surface. The contact is on that step for {on_seam} of the record's {record}"
+            f" ({100 * share:.2g} %); the sound of that time belongs to the cut and may be louder"
+            " than the rest, and the record does not loop. Roll over the middle of the file only"
+            " (rolling.start_um, rolling.duration_s), or blend the end of the file into its"
+            " beginning"
         )
     return Finding("seam", "step across the seam", f"{sizes}, stands out", warning)
 
@@ -124,7 +133,8 @@ def _form(surface: SceneSurface) -> list[Finding]:
     warning = None
     if share > MAX_FORM:
         warning = (
-            f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights: if they are tilt and form of the"
-            " part, they pass for roughness; take the tilt off with surface.level plane, the form before"
+            f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights: if"
+            " they are tilt and form of the part, they pass for roughness; take the tilt off with"
+            " surface.level plane, the form before"
         )
     return [Finding("form", "plane and parabola", f"{100 * share:.2g} % of the variance", warning)]

@@ -1,8 +1,8 @@
-"""Steps against the width of the contact: the release that a long step loses, and the step that is
-refused.
+"""Steps against the width of the contact: the release that long steps lose, and their refusal.
 
-The release of a step is the mean pressure at its ends times the fall between them. It is second
-order in the step, and wrong as soon as the contacts at both ends have little in common.
+The release of a step is the mean pressure at its ends times the fall between them. It is
+accurate to second order in the step, and wrong as soon as the contacts at both ends have little in
+common.
 """
 
 from __future__ import annotations
@@ -17,29 +17,30 @@ from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
 
-DOUBTFUL_RADII = 0.25  # step over contact radius from which a scene is warned
-MAX_RADII = 4.0  # above which it is refused: half of the release is lost
+DOUBTFUL_RADII = 0.25  # step over contact radius, above which a scene gets a warning
+MAX_RADII = 4.0  # step over contact radius, above which half of the release is lost
 
-# Share of the release that a smooth elastic sphere loses, marched at 32 nodes per radius. Rough and
-# yielding contacts are wider than the radius and lose the same to 0.02, or less (twelve scenes, 5
-# to 100 N, Ra 0 to 1 um, elastic and down to 0.7 GPa).
+# A smooth elastic sphere, marched at 32 nodes per radius, loses these shares of the release. Rough
+# and yielding contacts are wider than the radius and lose the same within 0.02, or less (twelve
+# scenes, 5 to 100 N, Ra 0 to 1 um, elastic and down to 0.7 GPa).
 _RADII = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
 _LOST = (0.0, 0.0045, 0.0167, 0.0368, 0.0644, 0.1393, 0.2347, 0.3344, 0.4177, 0.5383)
-# Bound of the error of the level up to the Nyquist frequency of the steps [dB per radius], read
-# from the ten rough ones of them.
+# The error of the level up to the Nyquist frequency of the steps stays below this bound [dB per
+# radius], which is read from the ten rough scenes among the twelve.
 LEVEL_ERROR_DB = 3.0
 
 
 def contact_radius(scene: Scene) -> float:
-    """Return the Hertz radius or the radius of a contact that yields everywhere [m], whichever is
-    larger.
+    """Return the radius [m] of the contact of a smooth sphere.
+
+    It is the Hertz radius or the radius of a contact that yields everywhere, whichever is larger.
     """
     elastic = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     return max(elastic, math.sqrt(scene.load / (math.pi * scene.hardness)))
 
 
 def lost_release(radii: float) -> float:
-    """Return the share of the mean release that steps of so many contact radii lose."""
+    """Estimate the share of the mean release that steps of so many contact radii lose."""
     return float(np.interp(radii, _RADII, _LOST))
 
 
@@ -55,7 +56,7 @@ def refuse_long_steps(scene: Scene) -> None:
     for values, run in scene.runs():
         radius = contact_radius(run)
         if run.step > MAX_RADII * radius:
-            fault = _fault(run, radius)
+            fault = f"{scene.place('numerics.step_nodes')}: {_fault(run, radius)}"
             faults.append(
                 f"{fault} (in the run {run_name(values)} of the sweep)" if values else fault
             )
@@ -71,7 +72,8 @@ def _fault(scene: Scene, radius: float) -> str:
     else:
         advice = f"a smaller surface.spacing_um, {longest * 1e6:.3g} at steps of one node"
     return (
-        f"numerics.step_nodes: got {scene.numerics.step_nodes:g}, steps of {scene.step * 1e6:.4g} um,"
-        f" {scene.step / radius:.3g} times the contact radius of {radius * 1e6:.3g} um; allowed: steps of at most"
-        f" {MAX_RADII:g} times the radius, {longest * 1e6:.4g} um here; nearest: {advice}"
+        f"numerics.step_nodes: got {scene.numerics.step_nodes:g}, steps of {scene.step * 1e6:.4g}"
+        f" um, {scene.step / radius:.3g} times the contact radius of {radius * 1e6:.3g} um;"
+        f" allowed: steps of at most {MAX_RADII:g} times the radius, {longest * 1e6:.4g} um here;"
+        f" nearest: {advice}"
     )

@@ -1,7 +1,7 @@
 """Memory and disk of this machine that a run may take.
 
 Memory is the minimum of the built-in memory and the limits of the control groups of Linux. Quotas
-of users on a disk cannot be seen.
+of users on a disk are unknown here.
 """
 
 from __future__ import annotations
@@ -11,19 +11,19 @@ import os
 import shutil
 from pathlib import Path
 
-# of memory or free disk that a run may take: the rest belongs to the system and to others
+# A run may take this share of memory or free disk; the rest belongs to the system and to others.
 SHARE = 0.8
 _GROUPS_OF_PROCESS = Path("/proc/self/cgroup")
 _GROUPS = Path("/sys/fs/cgroup")
 
 
 def memory() -> float:
-    """Return the memory [bytes] that all processes of a run share, infinite where it is unknown."""
+    """Return the memory [bytes] that all processes of a run share, infinite if unknown."""
     return min(_built_in(), group_limit(_GROUPS_OF_PROCESS, _GROUPS))
 
 
 def address_space() -> float:
-    """Return the bytes that one process may address, infinite without a limit."""
+    """Return the bytes that a process may address, infinite without a limit."""
     try:
         import resource
     except ImportError:  # not on Windows
@@ -33,7 +33,7 @@ def address_space() -> float:
 
 
 def free_disk(folder: Path) -> float:
-    """Return the free bytes where a folder is or will be, infinite where they are unknown."""
+    """Return the free bytes where a folder is or will be, infinite if unknown."""
     there = next(
         (place for place in (folder, *folder.absolute().parents) if place.exists()), Path()
     )
@@ -52,8 +52,9 @@ def _built_in() -> float:
 
 
 def group_limit(of_process: Path, groups: Path) -> float:
-    """Return the minimum memory limit [bytes] of the control groups of a process and all above;
-    infinite without any.
+    """Return the minimum memory limit [bytes] of a process's control groups.
+
+    Groups above them count too. The limit is infinite without any groups.
 
     Parameters
     ----------
@@ -77,8 +78,8 @@ def group_limit(of_process: Path, groups: Path) -> float:
         else:
             continue
         parts = [part for part in path.split("/") if part not in ("", "..")]
-        # In a container the path may be the one on the host; the top is then the container's own
-        # group.
+        # In a container the path may be the path on the host; the top is then the group of the
+        # container itself.
         limits += [
             _limit(top.joinpath(*parts[:depth], file))
             for top in tops
@@ -88,7 +89,7 @@ def group_limit(of_process: Path, groups: Path) -> float:
 
 
 def _limit(file: Path) -> float:
-    """Read the number in a file; infinite where there is none, or "max" in it."""
+    """Read the number in a file; return infinity for "max" or without a file."""
     try:
         return float(int(file.read_text()))
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""A few solved positions of a scene: contact areas, pressure and time of a step before it is run.
+"""A few solved positions of a scene: contact areas, pressure and time of a step.
 
 The closed forms of a smooth sphere cannot tell whether asperities yield. Eight cold starts along
 the track can, for less than a hundredth of the cost of a run.
@@ -15,11 +15,11 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from rolling._typing import Array
 from rolling.check import cost
 from rolling.check.finding import Finding, clock, on_cores, si
+from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
@@ -31,14 +31,16 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
 from rolling.surface import scene_surface
 from rolling.surface.contact_of_scene import rolling_contact
+from rolling.terminal import progress
 
 POSITIONS = 8
 WARM_STEPS = 3  # after each cold start, for the time of a step
-COLD_STEPS = 8  # cost of a cold start in steps, the run-in of blended edges included
-MAX_NODES = 10_000_000  # of a surface that is made: about 4 s and 400 MB
+COLD_STEPS = 8  # cost of a cold start in steps, including the run-in of blended edges
+MAX_NODES = 10_000_000  # maximum for a generated surface, which takes about 4 s and 400 MB
 MAX_SECONDS = 60.0  # expected time of the solved positions, of one run and of all runs of a sweep
-MAX_RUNS = 12  # of a sweep; of more, or of slow ones, the first and the last are solved
-NODE_SECONDS = 4e-7  # per node of a surface that is made
+# If a sweep has more runs, or slow runs, only its first and last runs are solved.
+MAX_RUNS = 12
+NODE_SECONDS = 4e-7  # per node of a generated surface
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class Probe:
     tried : int
         Number of positions.
     contact_area, plastic_area : (positions,) arrays, m2
-        Areas in contact and yielding.
+        Contact area and yielding area.
     max_pressure : (positions,) array, Pa
         Maximum pressure.
     window : (positions, 2) array
@@ -79,15 +81,19 @@ class Probe:
         return cls(0, nothing, nothing, nothing, np.empty((0, 2), np.int64), nothing, (), reason)
 
     def findings(self, scene: Scene) -> list[Finding]:
-        """State the numbers of the solved positions, which replace those of closed forms and cost
-        model.
+        """State the numbers of the solved positions.
+
+        They replace the numbers of closed forms and cost model.
         """
         count = len(self.contact_area)
         if self.left_out:
             return [Finding("positions", "positions solved", f"none: {self.left_out}")]
         failed = None
         if self.failures:
-            failed = f"{len(self.failures)} of {self.tried} positions fail, and so will the run: {self.failures[0]}"
+            failed = (
+                f"{len(self.failures)} of {self.tried} positions fail, and so will the run:"
+                f" {self.failures[0]}"
+            )
         result = [Finding("positions", "positions solved", f"{count} of {self.tried}", failed)]
         if not count:
             return result
@@ -143,9 +149,11 @@ class Probe:
 
 
 def probes(scenes: Sequence[Scene]) -> list[Probe]:
-    """Solve positions of the runs of a sweep, for a minute at most, with a progress bar on stderr.
+    """Solve positions of the runs of a sweep, for a minute at most.
 
-    Runs that share a surface are solved one after the other, so that it is made once.
+    A progress bar is shown on stderr.
+
+    Runs that share a surface are solved in succession, so that it is made only once.
 
     Raises
     ------
@@ -156,41 +164,42 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
     chosen = [k for k, reason in enumerate(reasons) if not reason]
     chosen.sort(key=lambda k: str(scene_surface.identity(scenes[k])))
     result = [Probe.without(reason) for reason in reasons]
-    with tqdm(
-        total=POSITIONS * len(chosen), disable=None, desc="solving positions", delay=1, leave=False
-    ) as bar:
+    bar = progress.bar(POSITIONS * len(chosen), "solving positions", delay=1, leave=False)
+    with bar, compiling.told(progress.compiling):
         for k in chosen:
             result[k] = probe(rolling_contact(scenes[k]), scenes[k].track.solved_steps, bar.update)
     return result
 
 
 def probe(
-    contact: RollingContact, steps: int, progress: Callable[[int], object] = lambda count: None
+    contact: RollingContact, steps: int, tell: Callable[[int], object] = lambda count: None
 ) -> Probe:
-    """Solve positions evenly along a track of so many steps, each from a cold start, and time the
-    next steps.
+    """Solve positions evenly along a track, each from a cold start, and time warm steps.
 
-    The first position is solved once before, so that the times are without compilation. The cold
+    The first position is solved once in advance, so that the times exclude compilation. The cold
     start at each position prepares the transforms of its window.
 
     Parameters
     ----------
-    progress : callable
+    steps : int
+        Number of steps of the track.
+    tell : callable
         Function that is called with 1 after each of POSITIONS positions.
     """
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
     places = np.arange(POSITIONS) * steps // POSITIONS
     solved: dict[int, tuple[ContactState, Window, float]] = {}
     failures: dict[int, str] = {}
-    with suppress(ContactError):  # it fails once more below
+    with suppress(ContactError):  # the same position fails again below
         _position(contact, 0, half_space)
     for k in places.tolist():
         try:
             if k not in solved:  # a track may have fewer steps than positions
                 solved[k] = _position(contact, k, half_space)
+                progress.detail(_position_text(*solved[k]))
         except ContactError as error:
             failures[k] = str(error)
-        progress(1)
+        tell(1)
     states = [state for state, _, _ in solved.values()]
     return Probe(
         len(set(places.tolist())),
@@ -205,12 +214,19 @@ def probe(
     )
 
 
+def _position_text(state: ContactState, window: Window, ms: float) -> str:
+    """Write window, iterations and time of a solved position."""
+    size = f"window {window.rows} x {window.columns} nodes"
+    return f"position {state.position}: {size}, {state.iterations} iterations, {ms:.2f} ms a step"
+
+
 def _position(
     contact: RollingContact, k: int, half_space: HalfSpace
 ) -> tuple[ContactState, Window, float]:
-    """Return the cold state at position k, the window in cells of a warm one, and a warm step's time.
+    """Solve position k from a cold start, then time the warm steps after it.
 
-    The time [ms] is the median of the steps after position k with their release.
+    The window of a warm step counts cells. The time [ms] is the median over the warm steps with
+    their release.
     """
     states: list[ContactState] = []
     times: list[float] = []
@@ -225,7 +241,7 @@ def _position(
 
 
 def _left_out(scenes: Sequence[Scene]) -> list[str]:
-    """Give for each run the reason why its positions are not solved; an empty one where they are."""
+    """Give the reason per run why its positions are not solved, empty where they are."""
     reasons: list[str] = []
     seconds: list[float] = []
     seen = set()

@@ -1,5 +1,6 @@
-"""Refusals before anything large is computed or written: missing packages, memory and disk that do
-not suffice.
+"""Refusals before anything large is computed or written.
+
+A package may be missing, or memory and disk may not suffice.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ def refuse_unavailable(scene: Scene) -> None:
     if scene.sound.loudness and find_spec("mosqito") is None:
         raise SceneError(
             [
-                "sound.loudness: needs the package mosqito, which is not installed;"
+                f"{scene.place('sound.loudness')}: sound.loudness:"
+                " needs the package mosqito, which is not installed;"
                 ' pip install "rolling-contact-noise[loudness]", or set it to false'
             ]
         )
@@ -90,7 +92,7 @@ def refuse_variants_that_cannot_fit(
 
 
 def refuse_large_heights(scene: Scene) -> None:
-    """Refuse a height file that does not fit into memory, by its header."""
+    """Refuse a height file that does not fit into memory, judged by its header."""
     if scene.height_path is not None:
         faults = excess(demand.reading(scene.track), OUTPUTS)
         if faults:
@@ -103,8 +105,11 @@ def _refuse_excess(
     folder: Path,
     written: float = 0.0,
 ) -> None:
-    """Refuse a demand, which depends on the rms roughness [m] of each scene, where it does not fit."""
-    # By the header of a height file alone, before it is read.
+    """Refuse a demand that does not fit.
+
+    The demand depends on the rms roughness [m] of each scene.
+    """
+    # The header of a height file alone decides first, before the file is read.
     first = [lambda scene: 0.0] if any(scene.height_path is not None for scene in scenes) else []
     for roughness in (*first, roughness_read_once()):
         if faults := excess(needed(roughness), folder, written):
@@ -112,8 +117,9 @@ def _refuse_excess(
 
 
 def roughness_read_once() -> Callable[[Scene], float]:
-    """Return a function for the rms roughness [m] of a scene that reads a height file of many runs
-    once.
+    """Return a function for the rms roughness [m] of a scene.
+
+    It reads a height file that many runs share only once.
     """
     known: dict[str, float] = {}
 
@@ -129,12 +135,16 @@ def roughness_read_once() -> Callable[[Scene], float]:
 def amount_text(amount: demand.Amount) -> str:
     """Write a demand with the part that dominates it."""
     part, size = amount.largest
-    return f"about {byte_size(amount.total)}, {byte_size(size)} for {PURPOSES.get(part, f'the {part}')}"
+    return (
+        f"about {byte_size(amount.total)}, {byte_size(size)} for"
+        f" {PURPOSES.get(part, f'the {part}')}"
+    )
 
 
 def excess(needed: demand.Demand, folder: Path, written: float = 0.0) -> dict[str, str]:
-    """Write by "memory" and "disk" why a demand does not fit: need, limit, the largest part and
-    what to change.
+    """Write by "memory" and "disk" why a demand does not fit.
+
+    A text holds need, limit, the largest part and the advice.
 
     Parameters
     ----------
@@ -161,8 +171,9 @@ def excess(needed: demand.Demand, folder: Path, written: float = 0.0) -> dict[st
         if amount.total > machine.SHARE * limit and key not in faults:
             part = amount.largest[0]
             faults[key] = (
-                f"needs {amount_text(amount)}, allowed: {byte_size(machine.SHARE * limit)}, {100 * machine.SHARE:.0f} % of the"
-                f" {byte_size(limit)} {words}; {demand.ADVICE[part]}"
+                f"needs {amount_text(amount)}, allowed: {byte_size(machine.SHARE * limit)},"
+                f" {100 * machine.SHARE:.0f} % of the {byte_size(limit)} {words};"
+                f" {demand.ADVICE[part]}"
             )
     return faults
 

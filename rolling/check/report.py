@@ -1,6 +1,4 @@
-"""Findings of all runs of a scene as a sequence and as a table: text for the terminal, HTML for a
-notebook.
-"""
+"""Findings of all runs of a scene as a sequence, as text and as HTML."""
 
 from __future__ import annotations
 
@@ -33,7 +31,7 @@ class Findings(Sequence[Finding]):
     of_all : tuple of (str, str)
         Time, memory and disk of all runs together; empty for a single run.
     excess : tuple of str
-        Warnings that all runs together need too much memory or disk.
+        Warnings where all runs together need too much memory or disk.
     """
 
     runs: tuple[RunFindings, ...]
@@ -68,7 +66,7 @@ class Findings(Sequence[Finding]):
 
 
 def text(findings: Findings) -> str:
-    """Write the values that all runs share, then a column per run, then the warnings."""
+    """Write the shared values, then a column per run, then the warnings."""
     shared, by_run = _rows(findings)
     blocks = [tables.columns(shared)]
     if len(by_run) > 1:
@@ -98,7 +96,7 @@ def html(findings: Findings) -> str:
 
 
 def warnings(findings: Findings) -> list[str]:
-    """List the warnings, each once, with the runs that it is about unless it is about all."""
+    """List each warning once, with the runs that it concerns unless it concerns all."""
     names_of: dict[str, list[str]] = {}
     for quantity in _quantities(findings):
         for name, of_run in findings.runs:
@@ -107,20 +105,21 @@ def warnings(findings: Findings) -> list[str]:
                     names_of.setdefault(f"{quantity}: {finding.warning}", []).append(name)
     lines = []
     for warning, names in names_of.items():
-        some = (
+        listed = (
             names
             if len(names) <= RUNS_ABREAST
             else [*names[:RUNS_ABREAST], f"{len(names)} runs in all"]
         )
         lines.append(
-            warning + ("" if len(names) == len(findings.runs) else f" ({', '.join(some)})")
+            warning + ("" if len(names) == len(findings.runs) else f" ({', '.join(listed)})")
         )
     return lines
 
 
 def _rows(findings: Findings) -> tuple[list[list[str]], list[list[str]]]:
-    """Return the rows that all runs share, and those with a column per run under a row of their
-    names.
+    """Return the rows that all runs share, and the rows with a column per run.
+
+    A row of the names of the runs heads the latter.
     """
     quantities = _quantities(findings)
     cells = {

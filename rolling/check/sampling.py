@@ -1,6 +1,4 @@
-"""Sampling of the contact, the surface and the sound: Nyquist frequency, step length, nodes, length
-of the record.
-"""
+"""Sampling of contact, surface and sound: Nyquist frequency, steps, nodes, length of the record."""
 
 from __future__ import annotations
 
@@ -11,12 +9,12 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
-MIN_SHARE = 0.01  # of a record: a shorter stretch that is too slow for hearing is not worth a word
+MIN_SHARE = 0.01  # share of a record; shorter stretches that are too slow for hearing are ignored
 MIN_CORRELATION_NODES = 5  # across the correlation length
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """Judge the step against hearing and contact, and the spacing against the correlation length."""
+    """Judge the step against hearing and contact, and the spacing against the heights."""
     tone = [_grid_tone(scene)] if scene.numerics.step_nodes < 1 else []
     return [_nyquist(scene), _step_length(scene), *tone, *_correlation(scene)]
 
@@ -30,15 +28,16 @@ def _correlation(scene: Scene) -> list[Finding]:
     coarse = None
     if nodes < MIN_CORRELATION_NODES * (1 - 1e-9):
         coarse = (
-            f"{nodes:.2g} nodes per correlation length, {MIN_CORRELATION_NODES} are wanted: choose a"
-            f" surface.spacing_um of at most {rounded_down(shortest / MIN_CORRELATION_NODES)}"
+            f"{nodes:.2g} nodes per correlation length, {MIN_CORRELATION_NODES} are wanted: choose"
+            f" a surface.spacing_um of at most {rounded_down(shortest / MIN_CORRELATION_NODES)}"
         )
     return [Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}", coarse)]
 
 
 def _nyquist(scene: Scene) -> Finding:
-    """Say up to where the steps carry sound, and for how much of the record that is below the end
-    of hearing.
+    """Judge the Nyquist frequency of the steps against the end of hearing.
+
+    At a varying speed the share of the record with a short band counts.
     """
     motion, duration = scene.motion, scene.duration
     low, high = (
@@ -57,11 +56,13 @@ def _nyquist(scene: Scene) -> Finding:
     warning = None
     if seconds >= MIN_SHARE * duration:
         warning = (
-            f"for {100 * seconds / duration:.3g} % of the record ({si(seconds, 's')}) the simulated band ends below"
-            f" {si(HEARING[1], 'Hz')}, at {si(low, 'Hz')} when the sphere is slowest ({motion.slowest(duration):.3g} m/s):"
-            " the bands above hold the sound of the faster stretches alone; choose a step of at most"
-            f" {rounded_down(_usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6)} um (numerics.step_nodes or"
-            f" surface.spacing_um) or a speed of at least {rounded_up(wanted)} m/s for {100 - 100 * MIN_SHARE:g} % of the record"
+            f"for {100 * seconds / duration:.3g} % of the record ({si(seconds, 's')}) the simulated"
+            f" band ends below {si(HEARING[1], 'Hz')}, at {si(low, 'Hz')} when the sphere is"
+            f" slowest ({motion.slowest(duration):.3g} m/s): the bands above hold the sound of the"
+            " faster stretches alone; choose a step of at most"
+            f" {rounded_down(_usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6)} um"
+            " (numerics.step_nodes or surface.spacing_um) or a speed of at least"
+            f" {rounded_up(wanted)} m/s for {100 - 100 * MIN_SHARE:g} % of the record"
         )
     return Finding("nyquist", "simulated Nyquist", f"{si(low, 'Hz')} to {si(high, 'Hz')}", warning)
 
@@ -71,14 +72,19 @@ def _short_band(scene: Scene, speed: float) -> str | None:
     if speed / (2 * scene.track.step) >= HEARING[1]:
         return None
     return (
-        f"the simulated band ends at {si(speed / (2 * scene.track.step), 'Hz')} at {speed:g} m/s, hearing at"
-        f" {si(HEARING[1], 'Hz')}: choose a step of at most {rounded_down(speed / (2 * HEARING[1]) * 1e6)} um"
-        f" (numerics.step_nodes or surface.spacing_um) or a speed of at least {rounded_up(2 * HEARING[1] * scene.track.step)} m/s"
+        f"the simulated band ends at {si(speed / (2 * scene.track.step), 'Hz')} at {speed:g} m/s,"
+        f" hearing at {si(HEARING[1], 'Hz')}: choose a step of at most"
+        f" {rounded_down(speed / (2 * HEARING[1]) * 1e6)} um (numerics.step_nodes or"
+        " surface.spacing_um) or a speed of at least"
+        f" {rounded_up(2 * HEARING[1] * scene.track.step)} m/s"
     )
 
 
 def _usual_speed(scene: Scene, duration: float) -> float:
-    """Return the speed [m/s] below which the sphere rolls for less than `MIN_SHARE` of the record."""
+    """Return the speed [m/s] that the sphere reaches for most of the record.
+
+    It rolls more slowly for less than `MIN_SHARE` of the record.
+    """
     low, high = 0.0, scene.motion.fastest(duration)
     for _ in range(60):
         middle = (low + high) / 2
@@ -88,7 +94,7 @@ def _usual_speed(scene: Scene, duration: float) -> float:
 
 
 def _grid_tone(scene: Scene) -> Finding:
-    """Name the tone that steps below a node sound."""
+    """Name the tone of the grid that steps below a node make audible."""
     motion, duration = scene.motion, scene.duration
     low, high = (
         speed / scene.spacing for speed in (motion.slowest(duration), motion.fastest(duration))
@@ -97,24 +103,27 @@ def _grid_tone(scene: Scene) -> Finding:
     audible = None
     if motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration:
         audible = (
-            f"steps below one node sound a tone of the grid at {tone}: choose numerics.step_nodes 1 or a"
-            f" surface.spacing_um of at most {rounded_down(_usual_speed(scene, duration) / HEARING[1] * 1e6)}"
+            f"steps below one node sound a tone of the grid at {tone}: choose numerics.step_nodes 1"
+            " or a surface.spacing_um of at most"
+            f" {rounded_down(_usual_speed(scene, duration) / HEARING[1] * 1e6)}"
         )
     return Finding("grid_tone", "tone of the grid", tone, audible)
 
 
 def _step_length(scene: Scene) -> Finding:
-    """Compare the step with the contact, and say what a long one costs."""
+    """Compare the step with the contact, and state the error of a long step."""
     radius = long_steps.contact_radius(scene)
     radii = scene.track.step / radius
     warning = None
     if radii > long_steps.DOUBTFUL_RADII:
         lost = long_steps.lost_release(radii)
         warning = (
-            f"a step is {radii:.2g} contact radii of {si(radius, 'm')}, at most {long_steps.DOUBTFUL_RADII:g} are wanted:"
-            f" the mean release is up to about {100 * lost:.2g} % low, levels are off by up to"
+            f"a step is {radii:.2g} contact radii of {si(radius, 'm')}, at most"
+            f" {long_steps.DOUBTFUL_RADII:g} are wanted: the mean release is up to about"
+            f" {100 * lost:.2g} % low, levels are off by up to"
             f" {long_steps.LEVEL_ERROR_DB * radii:.2g} dB; choose a step of at most"
-            f" {rounded_down(long_steps.DOUBTFUL_RADII * radius * 1e6)} um (numerics.step_nodes or surface.spacing_um)"
+            f" {rounded_down(long_steps.DOUBTFUL_RADII * radius * 1e6)} um (numerics.step_nodes or"
+            " surface.spacing_um)"
         )
     return Finding("step_length", "step / contact radius", f"{radii:.2g}", warning)
 
@@ -126,9 +135,10 @@ def record(scene: Scene) -> Finding:
     if not certain.all():
         short = [name for name, sure in zip(bands.BAND_NAMES, certain, strict=True) if not sure]
         warning = (
-            f"{len(short)} of {len(certain)} third octaves, up to {short[-1]} Hz, have a bandwidth times duration below"
-            f" {bands.LEAST_BT:g} and are uncertain by 2 dB or more: for all of them choose a rolling.duration_s of at"
-            f" least {rounded_up(bands.LEAST_BT / float(bands.BANDWIDTH_HZ[0]))}"
+            f"{len(short)} of {len(certain)} third octaves, up to {short[-1]} Hz, have a bandwidth"
+            f" times duration below {bands.LEAST_BT:g} and are uncertain by 2 dB or more: for all"
+            " of them choose a rolling.duration_s of at least"
+            f" {rounded_up(bands.LEAST_BT / float(bands.BANDWIDTH_HZ[0]))}"
         )
     return Finding(
         "third_octaves", "certain third octaves", f"{certain.sum()} of {len(certain)}", warning

@@ -21,7 +21,10 @@ def findings(scene: Scene, rq: float) -> list[Finding]:
 
 def _track(scene: Scene) -> list[Finding]:
     duration = scene.duration
-    size = f"{si(scene.track.n_along * scene.track.spacing, 'm')} x {si(scene.track.n_across * scene.track.spacing, 'm')}"
+    size = (
+        f"{si(scene.track.n_along * scene.track.spacing, 'm')} x"
+        f" {si(scene.track.n_across * scene.track.spacing, 'm')}"
+    )
     return [
         Finding("steps", "steps", f"{scene.track.steps} of {si(scene.track.step, 'm')}"),
         Finding(
@@ -45,10 +48,12 @@ def _window(scene: Scene, rq: float) -> list[Finding]:
     if across > period:
         side = "width" if scene.track.n_across <= scene.track.n_along else "length"
         key = {"width": "surface.width_um", "length": "rolling.duration_s"}[side]
-        key = "height file" if isinstance(scene.surface, HeightFile) else key
+        is_file = isinstance(scene.surface, HeightFile)
+        is_profile = is_file and scene.surface.width_um is not None
+        key = "height file" if is_file and not (is_profile and side == "width") else key
         warning = (
-            f"the contact is about {si(across, 'm')} across, the surface has a {side} of {si(period, 'm')}: choose a"
-            f" larger {key}, at least {across * 1e6:.0f} um of surface"
+            f"the contact is about {si(across, 'm')} across, the surface has a {side} of"
+            f" {si(period, 'm')}: choose a larger {key}, at least {across * 1e6:.0f} um of surface"
         )
     step_ms = cost.expected_step_ms(nodes)
     seconds = scene.track.steps * step_ms * 1e-3 / cost.cores()

@@ -1,6 +1,4 @@
-"""The contact of a smooth sphere by closed forms: radius, pressure, hardness, and the load that the
-surface can bear.
-"""
+"""Contact of a smooth sphere by closed forms: radius, pressure, hardness and load capacity."""
 
 from __future__ import annotations
 
@@ -14,9 +12,7 @@ MIN_HERTZ_NODES = 10  # across the Hertz radius
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """State the smooth elastic contact, how it compares with the hardness, and how many nodes
-    resolve it.
-    """
+    """State the smooth elastic contact, its hardness, and the nodes that resolve it."""
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     pressure = closed_forms.hertz_pressure(scene.load, scene.radius, scene.contact_modulus)
     return [
@@ -28,8 +24,9 @@ def findings(scene: Scene) -> list[Finding]:
 
 
 def _hardness(scene: Scene, pressure: float) -> list[Finding]:
-    """Compare the hardness with the Hertz pressure [Pa], and the load with the plastic capacity of
-    the surface.
+    """Compare the hardness with the Hertz pressure [Pa].
+
+    The load is compared with the plastic capacity of the surface.
     """
     if not math.isfinite(scene.hardness):
         return [Finding("hardness", "hardness", "none, purely elastic")]
@@ -42,8 +39,9 @@ def _hardness(scene: Scene, pressure: float) -> list[Finding]:
     warning = None
     if scene.load >= capacity:
         warning = (
-            f"the load is {scene.load:g} N, hardness times one period of the surface is {si(capacity, 'N')}:"
-            " the run will be refused; lower rolling.load_n or enlarge the surface"
+            f"the load is {scene.load:g} N, hardness times one period of the surface is"
+            f" {si(capacity, 'N')}: the run will be refused; lower rolling.load_n or enlarge the"
+            " surface"
         )
     return [
         Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}"),
@@ -57,7 +55,7 @@ def _nodes(scene: Scene, radius: float) -> Finding:
     coarse = None
     if nodes < MIN_HERTZ_NODES:
         coarse = (
-            f"{nodes:.2g} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose a surface.spacing_um of"
-            f" at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
+            f"{nodes:.2g} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose a"
+            f" surface.spacing_um of at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
         )
     return Finding("hertz_nodes", "nodes per Hertz radius", f"{nodes:.3g}", coarse)

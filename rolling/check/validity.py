@@ -37,8 +37,8 @@ def _half_space(scene: Scene, slope: float) -> list[Finding]:
     share = long_steps.contact_radius(scene) / scene.radius
     if share > MAX_CONTACT:
         wide = (
-            f"the contact radius is {share:.2g} of the sphere's, a half-space holds up to {MAX_CONTACT:g}: lower"
-            " rolling.load_n or enlarge sphere.radius_mm"
+            f"the contact radius is {share:.2g} of the sphere's, a half-space holds up to"
+            f" {MAX_CONTACT:g}: lower rolling.load_n or enlarge sphere.radius_mm"
         )
     return [
         Finding("slope", "rms slope", f"{slope:.2g}", steep),
@@ -47,8 +47,9 @@ def _half_space(scene: Scene, slope: float) -> list[Finding]:
 
 
 def _resonance(scene: Scene) -> Finding:
-    """Name the frequency at which the ball bounces, and weigh its part by the maximum speed, where
-    the record holds it.
+    """Name the frequency at which the ball bounces, and weigh its part of the sound.
+
+    The maximum speed decides, where the record holds the frequency.
     """
     frequency = resonance.frequency(scene)
     speed = scene.motion.fastest(scene.duration)
@@ -68,12 +69,13 @@ def _resonance(scene: Scene) -> Finding:
         part = "its part is heard: do not trust the bands about that frequency"
     else:
         part = (
-            "it is a large part of the sound or most of it: do not trust levels, nor bands from a half of that frequency up,"
-            " or choose a lower rolling.speed_m_s"
+            "it is a large part of the sound or most of it: do not trust levels, nor bands from a"
+            " half of that frequency up, or choose a lower rolling.speed_m_s"
         )
     warning = (
-        f"a free ball {ball} would bounce on its contact at {si(frequency, 'Hz')}, inside hearing and the"
-        f" simulated band, and the load is held constant here; at {speed:.3g} m/s waves of {si(speed / frequency, 'm')} feed"
-        f" it, {wave:.2g} of contact radius and correlation length: {part}"
+        f"a free ball {ball} would bounce on its contact at {si(frequency, 'Hz')}, inside hearing"
+        f" and the simulated band, and the load is held constant here; at {speed:.3g} m/s waves of"
+        f" {si(speed / frequency, 'm')} feed it, {wave:.2g} of contact radius and correlation"
+        f" length: {part}"
     )
     return Finding("resonance", "contact resonance", si(frequency, "Hz"), warning)

@@ -1,4 +1,4 @@
-"""Runs in memory, for Python: scenes in, results out. Nothing is written, and errors are raised."""
+"""Runs in memory, for Python. Nothing is written, and errors are raised."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from rolling.simulation.run_result import RunResult, hear
 from rolling.simulation.stored_runs import read_runs
 
 Values = float | tuple[float, ...]
-_HERE = Path()  # of a run in memory
+_HERE = Path()  # folder of a run in memory
 
 
 class SweepError(ContactError):
-    """Runs of a sweep that failed, beside the runs that did not.
+    """Runs of a sweep that failed, beside the successful runs.
 
     failures : dict. Reasons by the label of the run.
-    runs : dict. The other runs, as `simulate_sweep` returns them.
+    runs : dict. The successful runs, as `simulate_sweep` returns them.
     """
 
     def __init__(self, failures: dict[str, str], runs: dict[Values, RunResult]) -> None:
@@ -52,9 +52,9 @@ def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> Ru
     Raises
     ------
     SceneError : the scene sweeps, does not fit into memory, or its surface cannot be read.
-    ContactError : a contact has no solution, for instance because the load is more than the surface
-        can carry.
-    KeyboardInterrupt : Ctrl-C, after the step at hand.
+    ContactError : a contact has no solution, for instance because the load exceeds the capacity of
+        the surface.
+    KeyboardInterrupt : Ctrl-C was pressed; the current step was completed.
 
     Examples
     --------
@@ -87,17 +87,17 @@ def simulate_sweep(
     Parameters
     ----------
     scene : Scene. A scene with a sweep.
-    workers, progress : as of `simulate`.
+    workers, progress : as in `simulate`.
 
     Returns
     -------
-    runs : dict. Runs by their swept value; by a tuple of values where several keys are swept.
+    runs : dict. Runs by their swept value, or by a tuple of values if several keys are swept.
 
     Raises
     ------
-    SceneError : the scene does not sweep, or as `simulate` does.
+    SceneError : the scene does not sweep, or as in `simulate`.
     SweepError : a run failed; the error holds the other runs. It is a ContactError.
-    KeyboardInterrupt : Ctrl-C, after the step at hand.
+    KeyboardInterrupt : Ctrl-C was pressed; the current step was completed.
     """
     if not scene.sweep:
         raise SceneError(["sweep: the scene has no sweep; simulate runs it"])
@@ -107,7 +107,7 @@ def simulate_sweep(
 
 
 def open_run(folder: Path | str) -> RunResult:
-    """Read a stored run; its sound is made again, without solving.
+    """Read a stored run and make its sound again, without solving.
 
     Parameters
     ----------
@@ -115,11 +115,12 @@ def open_run(folder: Path | str) -> RunResult:
 
     Returns
     -------
-    run : the run as `simulate` returned it, or as far as it was solved.
+    run : RunResult. The run as `simulate` returns it, or its solved part.
 
     Raises
     ------
-    FolderError : no run folder, the folder of a whole sweep, or too little is solved.
+    FolderError : the folder is not a run folder, belongs to a whole sweep, or has too few solved
+        steps.
     SceneError : the surface of the run cannot be read.
     """
     runs = read_runs(Path(folder))
@@ -153,7 +154,7 @@ class _Single:
 def _simulated(
     scene: Scene, singles: Sequence[_Single], workers: int, progress: bool | None
 ) -> dict[Values, RunResult]:
-    """Simulate the runs of a scene; return them by their swept values."""
+    """Simulate the runs of a scene and return them by their swept values."""
     refuse(scene, workers, None)
     results = [Result.empty(single.scene.track, single.scene.start) for single in singles]
     for single, result in zip(singles, results, strict=True):
@@ -178,7 +179,7 @@ def _simulated(
 def _raise_failures(
     outcome: Outcome, names: Sequence[str], runs: dict[Values, RunResult], swept: bool
 ) -> None:
-    """Raise ContactError if a run failed."""
+    """Raise an error if a run failed."""
     if outcome.failures and swept:
         raise SweepError(
             {names[number]: reason for number, reason in outcome.failures.items()}, runs
@@ -188,13 +189,14 @@ def _raise_failures(
 
 
 def _key(values: Mapping[str, float]) -> Values:
-    """Return the key of a run in a sweep: its swept value, or the tuple of them."""
+    """Return the key of a run in a sweep: its swept value, or the tuple of its values."""
     return next(iter(values.values())) if len(values) == 1 else tuple(values.values())
 
 
 def _with_stored_time(run: RunResult) -> RunResult:
-    """Take the seconds that the sound took from summary.json, so that the numbers are the stored
-    ones.
+    """Take the time that the sound took from summary.json.
+
+    The summary then equals the stored summary.
     """
     path = run.folder / "summary.json"
     if not path.is_file():

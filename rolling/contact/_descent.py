@@ -1,6 +1,4 @@
-"""One descent: conjugate gradients on the candidate nodes of a window, and the work that a solve
-has done.
-"""
+"""Descent by conjugate gradients on the candidate nodes of a window, and its cost."""
 
 from __future__ import annotations
 
@@ -27,20 +25,21 @@ from rolling.contact._system import (
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace, love
 
 MAX_ITERATIONS = 1000
-# Edges move after each descent: the first one, with predicted edges, goes to this share of the
-# maximum deflection, the next ones to this share of the violation that the moved edges left.
+# Edges move after each descent. The first descent, with predicted edges, goes to this share of the
+# maximum deflection, the next descents to this share of the violation that the moved edges left.
 FIRST_EDGES = 1e-3
 TO_GO = 0.1
 MAX_MOVES = 100  # of the edges in a solve, before they stay
-# of the tolerance: the rest is for the difference between the deflection carried along and one
-# computed afresh
+# The descent aims at this share of the tolerance. The rest allows for the difference between the
+# updated deflection and a recomputed deflection.
 AIM = 0.98
 
 
 @lru_cache(maxsize=1)
 def _inverse_stencil() -> Array:
-    """Return the 3 x 3 middle of the inverse of Love's coefficients on a large periodic grid, for
-    unit spacing and pi E* = 1.
+    """Return the 3 x 3 centre of the inverse of Love's coefficients.
+
+    It holds on a large periodic grid, for unit spacing and pi E* = 1.
     """
     distance = np.minimum(np.arange(256), 256 - np.arange(256))
     inverse = np.fft.irfft2(1.0 / np.fft.rfft2(love(distance, distance)).real)
@@ -61,15 +60,13 @@ class Effort:
 
     @property
     def is_spent(self) -> bool:
-        """Whether the solve is stuck or out of iterations."""
+        """Tell whether the solve is stuck or out of iterations."""
         return self.stuck > 1 or self.iterations >= MAX_ITERATIONS or self.rounds > MAX_ITERATIONS
 
 
 @dataclass(frozen=True)
 class Candidates:
-    """The nodes of a window that may be in contact, as flat indices, and the block of rows and
-    columns that holds them.
-    """
+    """Nodes of a window that may be in contact, as flat indices, and their block."""
 
     node: NDArray[np.int64]
     first_row: int
@@ -87,8 +84,10 @@ class Candidates:
         subcells: int = 1,
         neighbours: bool = False,
     ) -> Candidates:
-        """Find the nodes that are loaded or lie lower than `highest` [m] before the approach is
-        taken off, with their neighbours if asked for, and a block of whole cells that holds them.
+        """Find the nodes that are loaded or lie lower than `highest` [m], and their block.
+
+        Heights count before the approach is subtracted. With `neighbours` the nodes around them are
+        candidates too. The block consists of whole cells.
         """
         find = _solver_kernels.with_neighbours if neighbours else _solver_kernels.candidates
         listed = np.empty(pressure.size, dtype=np.int64)
@@ -104,18 +103,21 @@ class Candidates:
 
 
 class BlendedEdges:
-    """The edges of patches within the cells of a window, found from the deflection that they belong
-    to.
+    """Edges of patches within the cells of a window, which belong to a deflection.
 
     Parameters
     ----------
-    gap, shape : (m, n) arrays, m. Undeformed gap of the nodes, and as it runs within cells.
-    levelled : float, m. Half range of gaps over a cell that elastic pressures level.
+    gap, shape : (m, n) arrays, m
+        Undeformed gap of the nodes, and the undeformed gap as it continues within cells.
+    levelled : float, m
+        Half range of gaps over a cell that elastic pressures level.
 
     Attributes
     ----------
-    edge : (m, n) array, m. Half of the range of gaps over the cell of each node.
-    u_max : float, m. Maximum deflection.
+    edge : (m, n) array, m
+        Half the range of gaps over the cell of each node.
+    u_max : float, m
+        Maximum deflection.
     """
 
     def __init__(self, gap: Array, shape: Array, levelled: float) -> None:
@@ -125,14 +127,14 @@ class BlendedEdges:
 
     def find(self, deflection: Array, change: Array | None = None) -> None:
         """Find the edges by a deflection and its expected change [m]."""
-        # what was returned with a solution must not change
+        # The edges that a solution returned must not change.
         self.edge = np.empty_like(self._gap)
         self.u_max = float(deflection.max())
         expected = deflection if change is None else deflection + change
         _solver_kernels.cell_ranges(self._shape, expected, self.levelled, self.edge)
 
     def between_nodes(self, node: NDArray[np.int64]) -> Array:
-        """Return the gap as it runs within cells less that of the nodes, at candidates [m]."""
+        """Return the gap as it continues within cells less the gap of the nodes [m]."""
         if self._shape is self._gap:
             return np.zeros(node.size)
         difference: Array = self._shape.ravel()[node] - self._gap.ravel()[node]
@@ -140,25 +142,33 @@ class BlendedEdges:
 
 
 class Descent:
-    """Conjugate gradients on the candidates for contact, until these hold the conditions to
-    `allowed`.
+    """Conjugate gradients on the candidates, until they satisfy the contact conditions.
 
     Parameters
     ----------
-    half_space : HalfSpace. Pressure to deflection.
-    candidates : Candidates. Nodes that may be in contact.
-    pressure, gap : (m, n) arrays on the window, Pa and m. Start, and its gaps before the approach
-        is taken off.
-    edges : BlendedEdges or None. Edges within cells, which `gap` has in it.
-    limits : Limits. Hardness and sum of pressures.
-    allowed : float, m. Largest violation of the contact conditions.
-    single : bool. Whether transforms are of single precision.
+    half_space : HalfSpace
+        Pressure to deflection.
+    candidates : Candidates
+        Nodes that may be in contact.
+    pressure, gap : (m, n) arrays on the window, Pa and m
+        Start, and its gaps before the approach is subtracted.
+    edges : BlendedEdges or None
+        Edges within cells, which `gap` contains.
+    limits : Limits
+        Hardness and sum of pressures.
+    allowed : float, m
+        Maximum allowed violation of the contact conditions.
+    single : bool
+        If true, transforms are in single precision.
 
     Attributes
     ----------
-    system, packed : System. Arrays of the compiled passes, and plain tuples of the same.
-    direction : Direction. Numbers of the direction at hand.
-    step : Step. State after the last step.
+    system, packed : System
+        Arrays of the compiled passes, and the same arrays in plain tuples.
+    direction : Direction
+        Numbers of the current direction.
+    step : Step
+        State after the last step.
     """
 
     def __init__(
@@ -221,17 +231,18 @@ class Descent:
         return self.system.nodes.p
 
     def lead(self, pressure_trend: Array, deflection_trend: Array) -> None:
-        """Take the first direction from the extrapolation of the last solutions by their trends on
-        the window.
+        """Take the first direction from the extrapolation of the last solutions.
+
+        Their trends on the window give the extrapolation.
         """
         ahead = pressure_trend.ravel()[self.node], deflection_trend.ravel()[self.node]
         self.direction = Direction(*_solver_kernels.lead(self.packed, *ahead))
 
     def iterate(self, effort: Effort) -> None:
-        """Step until converged, stuck or out of iterations, at one convolution per step."""
+        """Step until converged, stuck or out of iterations, with one convolution per step."""
         effort.rounds += 1
         snap = 0.01 * self.allowed * self.system.stencil.stiffness if effort.snapping else 0.0
-        # of the snap that a node may take, so that the sum of them makes no difference
+        # The snap is divided by the number of nodes, so that its sum makes no difference.
         share = self.node.size
         if self.direction.slope < 0:  # the direction of `lead`
             self._convolve(effort)
@@ -253,14 +264,12 @@ class Descent:
             self._convolve(effort)
 
     def _step(self, snap: float, goal: float) -> None:
-        """Step along the direction and find the next one, unless the violation is within `goal`
-        [m].
-        """
+        """Step along the direction, and find the next one unless the violation is within `goal`."""
         step, direction = _solver_kernels.iterate(self.packed, tuple(self.direction), snap, goal)
         self.step, self.direction = Step(*step), Direction(*direction)
 
     def _move_edges(self, effort: Effort) -> float:
-        """Move the edges to where the gaps at hand put them; return the violation to go on to."""
+        """Move the edges to the place that the present gaps give them; return the next goal [m]."""
         effort.moves += 1
         _solver_kernels.move_edges(self.packed)
         self.direction = Direction(0.0, 0.0, 0.0, 1.0)
@@ -270,21 +279,22 @@ class Descent:
         return max(self.goal, TO_GO * self.step.worst)
 
     def settle(self, effort: Effort) -> None:
-        """Make the pressures carry the load exactly, or, where no step descends, replace them by a
-        feasible restart.
+        """Make the pressures carry the load exactly.
+
+        Where no step descends, a feasible restart replaces them.
         """
         (p, g, *_), work, step = self.system.nodes, self.system.work, self.step
         if not step.worst > self.goal:
-            # A node put on a bound took its share of the load along: the free nodes have it, or
-            # those nearest to moving.
+            # A node that was put on a bound took its share of the load along. The free nodes make
+            # up for it, or else the nodes that are nearest to moving.
             if step.free:
                 _solver_kernels.carry_load(self.packed, step.approach, step.free)
             elif abs(p.sum() / self.limits.total - 1) > 1e-13:
                 effort.snapping = False
                 _projection.settle_load(p, g, self.limits, 0.0)
         elif not self.direction.slope < 0:
-            # Pressures of the order of rounding can pass for free nodes and set the approach: take
-            # the projection for the state.
+            # Pressures of the order of rounding errors can pass for free nodes and set the
+            # approach, so the projection becomes the state.
             effort.stuck += 1
             p += work.d
             _projection.settle_load(p, g, self.limits, 1e-9 * p.max())

@@ -1,19 +1,21 @@
-"""Compiled passes of the march: gap, overlap, trends, and the measures of a solved window.
+"""Compiled passes of the march: gap, overlap, trends and measures.
 
-Rows and columns are those of the unrolled plate; heights repeat with their period.
+Rows and columns count on the unrolled plate; heights repeat with their period.
 """
 
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from rolling.contact._compiled import njit
 
 
 @njit(cache=True)
 def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
-    """Set out to ((x_i - x)^2 + (y_j - y)^2) / (2 R) - z on the window that begins at node (row,
-    column).
+    """Set `out` to the undeformed gap on the window that begins at node (row, column).
+
+    The gap is ((x_i - x)^2 + (y_j - y)^2) / (2 R) - z.
     """
     along, across = heights.shape
     curvature = 0.5 / radius
@@ -23,7 +25,7 @@ def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
         z = heights[(row + i) % along]
         node = column % across
         j = 0
-        while j < out.shape[1]:  # a stretch within one period at a time
+        while j < out.shape[1]:  # each turn handles a stretch within one period
             stretch = min(out.shape[1] - j, across - node)
             for k in range(stretch):
                 dy = (column + j + k) * spacing - y
@@ -34,11 +36,13 @@ def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
 
 @njit(cache=True)
 def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach):
-    """Find the bounding block (first row, last row, first column, last column) of the nodes whose
-    gap is below the approach.
+    """Find the bounding block of the nodes whose gap is below the approach.
 
-    The search covers the whole disc that the highest node allows, at most one period to each side:
-    an island may lie outside any earlier window. An empty block has its last row before its first.
+    The block is (first row, last row, first column, last column).
+
+    The search covers the whole disc that the highest node allows, at most one period to each side,
+    because an island may lie outside any earlier window. An empty block has its last row before its
+    first.
     """
     along, across = heights.shape
     first_row, last_row, first_column, last_column = 1, 0, 1, 0
@@ -79,8 +83,9 @@ def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach
 
 @njit(cache=True)
 def towards_the_sphere(p, u, gap, row_offset, column_offset, nodes):
-    """Return slope and curvature of the energy from pressures that stay with the plate towards the
-    same ones `nodes` rows on.
+    """Return slope and curvature of the energy from plate-fixed towards sphere-fixed pressures.
+
+    Sphere-fixed pressures are the plate-fixed pressures moved `nodes` rows on.
 
     `gap` is the new undeformed gap on its window; the window of the pressures p and deflections u
     begins at the offsets in it.
@@ -101,10 +106,11 @@ def towards_the_sphere(p, u, gap, row_offset, column_offset, nodes):
 
 @njit(cache=True)
 def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend):
-    """Compute the changes of p and u since the position before, whose window begins at the offsets
-    in the window of p and u.
+    """Compute the changes of p and u since the previous position.
 
-    Outside the window before, all nodes were unloaded; their deflections are unknown, and their
+    The previous window begins at the offsets in the window of p and u.
+
+    All nodes outside the previous window were unloaded. Their deflections are unknown, and the
     changes are set to zero.
     """
     p_trend[:] = p
@@ -118,8 +124,10 @@ def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend
 
 @njit(cache=True)
 def loaded(pressure, deflection, hardness, edge, levelled):
-    """Return the numbers of nodes in contact and at the hardness, maximum pressure, sum of p u,
-    block of the loaded nodes.
+    """Measure the loaded nodes of a window.
+
+    Returns the numbers of nodes in contact and at the hardness, the maximum pressure, the sum of p
+    u, and the block of the loaded nodes.
 
     A cell that the edge of a patch crosses is in contact and at the hardness on its share of the
     hardness. It counts so as far as its range of gaps counts (see `cell_ranges`), and as an elastic
@@ -154,8 +162,9 @@ def loaded(pressure, deflection, hardness, edge, levelled):
 
 @njit(cache=True)
 def copy_block(source, target, row_offset, column_offset):
-    """Set target[i + row_offset, j + column_offset] to source[i, j] where both exist, and to 0
-    elsewhere.
+    """Set target[i + row_offset, j + column_offset] to source[i, j] where both exist.
+
+    The target is 0 elsewhere.
     """
     target[:] = 0.0
     for i in range(max(0, -row_offset), min(source.shape[0], target.shape[0] - row_offset)):

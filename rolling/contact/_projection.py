@@ -1,7 +1,6 @@
-"""Compiled projection of pressures onto the bounds and the load: shift, restoration of the load,
-slope and longest step.
+"""Compiled projection of pressures onto the bounds and the load.
 
-Numba's cache of `_solver_kernels` does not see changes here or in `_system`: delete `__pycache__`
+The cache of Numba for `_solver_kernels` misses changes here and in `_system`: delete `__pycache__`
 after an edit.
 """
 
@@ -9,8 +8,8 @@ after an edit.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from rolling.contact._compiled import njit
 from rolling.contact._system import Sets
 
 
@@ -18,12 +17,12 @@ from rolling.contact._system import Sets
 def project(p, g, approach, trial, sets, limits, d):
     """Set d to the direction from p to the feasible pressures nearest to `trial`.
 
-    Free nodes are shifted and clipped, bound nodes go to their bound, all others stay. One shift of
-    the free nodes restores the load exactly. `trial` [Pa] holds unbounded pressures of the free
-    nodes before and feasible ones after.
+    Free nodes are shifted and clipped, bound nodes go to their bound, and all others stay. A common
+    shift of the free nodes restores the load exactly. `trial` [Pa] holds unbounded pressures of the
+    free nodes before, and feasible pressures after.
 
-    Returns slope of the energy along d [Pa m] and longest step length within the bounds, or (inf,
-    0) where the free nodes cannot take up the load.
+    Returns the slope of the energy along d [Pa m] and the maximum step length within the bounds, or
+    (inf, 0) where the free nodes cannot take up the load.
     """
     active, hardness, total = sets.active, limits.hardness, limits.total
     target = total
@@ -54,9 +53,11 @@ def project(p, g, approach, trial, sets, limits, d):
 
 @njit(cache=True)
 def find_shift(trial, sets, target, limits):
-    """Find the shift [Pa] of the free trial pressures whose sum within the bounds is `target` [Pa].
+    """Find the shift [Pa] of the free trial pressures that makes them carry `target` [Pa].
 
-    The sum is a monotone, piecewise linear function of the shift: Newton's method, kept within a
+    Their sum within the bounds then equals `target`.
+
+    The sum is a monotone, piecewise linear function of the shift. Newton's method finds it within a
     shrinking bracket.
     """
     active, hardness = sets.active, limits.hardness
@@ -96,12 +97,13 @@ def find_shift(trial, sets, target, limits):
 
 @njit(cache=True)
 def restore_load(trial, g, sets, target, limits):
-    """Spread the part of the load that rounding of the shift has lost over the free nodes between
-    the bounds.
+    """Spread the load that rounding of the shift has lost over the free nodes.
+
+    Only nodes between the bounds take part.
 
     The shift is rounded coarsely where the direction is much larger than the pressures. Where no
     node lies between the bounds, the lowest open node takes the missing part, or the highest loaded
-    one gives it up.
+    node gives the excess up.
     """
     active, hardness = sets.active, limits.hardness
     for turn in range(64):
@@ -127,8 +129,9 @@ def restore_load(trial, g, sets, target, limits):
 
 @njit(cache=True)
 def slope_and_longest_step(p, g, approach, sets, hardness, d):
-    """Return the slope of the energy along d [Pa m] and the longest step length, at least 1, within
-    the bounds.
+    """Return the slope of the energy along d [Pa m] and the maximum step length.
+
+    The step length within the bounds is at least 1.
     """
     slope = 0.0
     longest = np.inf
@@ -144,10 +147,11 @@ def slope_and_longest_step(p, g, approach, sets, hardness, d):
 
 @njit(cache=True)
 def settle_load(p, g, limits, trace):
-    """Give the missing load to the lowest open nodes, or take the excess from the highest loaded
-    ones.
+    """Give the missing load to the lowest open nodes, or take the excess from loaded nodes.
 
-    Nodes within `trace` [Pa] of a bound are put on it first: they may be loaded by mistake.
+    The excess comes from the highest loaded nodes.
+
+    Nodes within `trace` [Pa] of a bound are put on it first, because their load may be an artefact.
     """
     hardness = limits.hardness
     missing = limits.total
@@ -174,8 +178,9 @@ def settle_load(p, g, limits, trace):
 
 @njit(cache=True)
 def extrapolate(p, trend, g, limits, work, q):
-    """Set q to p + trend within the bounds, its free nodes shifted to carry the load; return
-    whether they can.
+    """Set q to p + trend within the bounds; return whether q can carry the load.
+
+    The free nodes are shifted to carry the load.
 
     The trial, direction and active nodes of `work` are overwritten.
     """
@@ -195,12 +200,12 @@ def extrapolate(p, trend, g, limits, work, q):
 
 @njit(cache=True)
 def step_by_way_of(q, p, g, hardness, d):
-    """Make d, a direction from q, one from p; return its slope and longest step length there."""
+    """Turn d from a direction at q into a direction at p; return slope and maximum step there."""
     slope = 0.0
     longest = np.inf
     for k in range(p.size):
         d[k] = min(max(q[k] + d[k], 0.0), hardness) - p[k]
-        slope += g[k] * d[k]  # the approach has no part in it: d carries no load
+        slope += g[k] * d[k]  # d carries no load, so the approach cancels
         if d[k] < 0.0:
             longest = min(longest, -p[k] / d[k])
         elif d[k] > 0.0:

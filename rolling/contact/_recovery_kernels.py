@@ -1,21 +1,20 @@
-"""Compiled passes over two successive states: the release of each node, and the events it belongs
-to.
-"""
+"""Compiled passes over two successive states: release of each node, and its events."""
 
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
-from numba import njit
+from rolling.contact._compiled import njit
 
 
 @njit(cache=True)
 def node_work(old, offset, new, left_end, cell, work):
-    """Set work to pressure times fall of the deflection [J] of each node; return the sums of
-    release and loading.
+    """Set `work` to pressure times fall of the deflection [J] of each node.
 
-    Positive work is release, negative loading. `old` and `new` are pressure and deflection on their
-    windows; the old window begins at `offset` (row, column) in the new one. A node outside the old
-    window was unloaded before and is so now.
+    Returns the sums of release and loading.
+
+    Positive work is release, and negative work is loading. `old` and `new` are pressure and
+    deflection on their windows; the old window begins at `offset` (row, column) in the new window.
+    A node outside the old window was unloaded before and is unloaded now.
     """
     p_old, u_old = old
     p_new, u_new = new
@@ -36,8 +35,9 @@ def node_work(old, offset, new, left_end, cell, work):
 
 @njit(cache=True)
 def extend_events(work, origin, step, open_event, table, count):
-    """Add the releases of one step to the table of events; a node that released in the step before
-    goes on with its event.
+    """Add the releases of a step to the table of events.
+
+    A node that released in the previous step continues its event.
 
     `work` [J] begins at node `origin` (row, column); `open_event` holds the last event of each node
     of the surface, and `table` the columns node, first, last, energy and peak.

@@ -1,44 +1,46 @@
-"""Compiled passes of the contact solve: conjugate gradients in the notation of the textbooks.
+"""Compiled passes of the contact solve: conjugate gradients in the notation of textbooks.
 
-r is the residual, the gap left open or overlapped on a free node [m]; z the preconditioned
-residual, d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
-direction. `violation`, `candidates` and `cell_ranges` look at a whole window; all others at its candidates, the
-nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead` and `carry_load`.
+r is the residual, the remaining gap or overlap on a free node [m]; z is the preconditioned residual
+and d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
+direction. `violation`, `candidates` and `cell_ranges` read a whole window. All other passes read
+its candidates, the nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead` and
+`carry_load`.
 """
 
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from rolling.contact._compiled import njit
 from rolling.contact._projection import extrapolate, project, step_by_way_of
 from rolling.contact._system import Direction, Nodes, Sets, unpack
 
 LEAST_STEP = (
-    # after a step length alpha below it the direction is dropped: nodes put on a bound point the
-    # wrong way
+    # After a step length alpha below it the direction is dropped, because nodes that were put on a
+    # bound point the wrong way.
     1e-3
 )
 
 
 @njit(cache=True)
 def find_approach(inside, gap_sum, lowest_open, highest_capped):
-    """Return the approach [m] that closes the gaps of the nodes between the bounds in the mean.
+    """Return the approach [m] at which the mean gap of the nodes between the bounds vanishes.
 
-    With no such node the approach is free over an interval, and the middle is returned.
+    Without such a node the approach is free over an interval, and the middle is returned.
     """
     if inside:
         return gap_sum / inside
     middle = 0.5 * (lowest_open + highest_capped)
-    # An infinite middle means that each node is capped, or that the open ones are no candidates.
+    # An infinite middle means that each node is capped, or that the open nodes are no candidates.
     return middle if np.isfinite(middle) else highest_capped
 
 
 @njit(cache=True)
 def state_of(p, e, u, hardness):
-    """Return approach [m] and maximum deflection [m] of pressures p and deflections u over
-    undeformed gaps e, flat arrays.
+    """Return approach [m] and maximum deflection [m] of a state.
+
+    The state has pressures p and deflections u over undeformed gaps e, as flat arrays.
     """
     inside, gap_sum, lowest_open, highest_capped, u_max = 0, 0.0, np.inf, -np.inf, 0.0
     for k in range(p.size):
@@ -56,8 +58,9 @@ def state_of(p, e, u, hardness):
 
 @njit(cache=True)
 def violation(p, e, u, hardness, approach):
-    """Return the maximum violation of the contact conditions [m]; it is infinite where numbers are
-    not finite.
+    """Return the maximum violation of the contact conditions [m].
+
+    It is infinite where numbers are not finite.
     """
     worst = 0.0
     for k in range(p.size):
@@ -72,10 +75,11 @@ def violation(p, e, u, hardness, approach):
 
 @njit(cache=True)
 def candidates(p, e, u, highest, node):
-    """List the nodes of a window that are loaded or lie lower than `highest` [m]; their flat
-    indices go into `node`.
+    """List the nodes of a window that are loaded or lie lower than `highest` [m].
 
-    Heights are those before the approach is taken off. Returns the number of candidates and their
+    Their flat indices go into `node`.
+
+    Heights count before the approach is subtracted. Returns the number of candidates and their
     block (first row, last row, first column, last column).
     """
     rows, columns = p.shape
@@ -124,8 +128,9 @@ def with_neighbours(p, e, u, highest, node):
 
 @njit(cache=True)
 def places(node, columns, corner, row_lengths, in_image, in_grid):
-    """Find the index of each candidate in the array of the transforms and in the residual's grid,
-    which has a border of one.
+    """Find the index of each candidate in the array of the transforms and in the grid.
+
+    The grid of the residual has a border of one node.
 
     `corner` is the first row and column of the candidates' block in a window of `columns` columns;
     `row_lengths` are the numbers of nodes in a row of the two arrays.
@@ -140,8 +145,9 @@ def places(node, columns, corner, row_lengths, in_image, in_grid):
 
 @njit(cache=True)
 def line_search(system, direction):
-    """Return the step length alpha at which the energy along d is least; 1 where its curvature is
-    not positive.
+    """Return the step length alpha that minimizes the energy along d.
+
+    It is 1 where the curvature is not positive.
     """
     d, image, node, compliance = (
         system.work.d,
@@ -159,8 +165,9 @@ def line_search(system, direction):
 
 @njit(cache=True)
 def take_step(system, length):
-    """Add `length` times the direction to the pressures, within the bounds, and its deflection to
-    the gaps.
+    """Add `length` times the direction to the pressures, and its deflection to the gaps.
+
+    The pressures stay within the bounds.
     """
     p, g, compliance, d = system.nodes.p, system.nodes.g, system.nodes.compliance, system.work.d
     image, node, hardness = system.transform.image, system.transform.node, system.limits.hardness
@@ -191,13 +198,15 @@ def approach_of(p, g, hardness):
 
 @njit(cache=True)
 def find_residual(nodes, stencil, work, hardness, approach, snap):
-    """Find the residual r and the nodes that may move; return maximum violation [m], numbers of
-    free and of bound nodes.
+    """Find the residual r and the nodes that may move.
 
-    A loaded node that closing its own gap would carry past a bound goes straight there (two-metric
-    projection, Bertsekas, SIAM J. Control Optim. 20(2), 1982): mixed into the conjugate direction
-    it would hold all other nodes back. Partial steps leave such nodes ever closer to their bound
-    but never on it; within `snap` [Pa], too little to change a deflection, they are put there.
+    Returns the maximum violation [m] and the numbers of free and of bound nodes.
+
+    A loaded node goes straight to a bound if closing its own gap would carry it past that bound
+    (two-metric projection, Bertsekas, SIAM J. Control Optim. 20(2), 1982). In the conjugate
+    direction it would hold all other nodes back. Partial steps bring such nodes ever closer to
+    their bound but never onto it; within `snap` [Pa], too little to change a deflection, they are
+    put there.
     """
     p, g, softening = nodes.p, nodes.g, nodes.softening
     grid, place, stiffness = stencil.grid, stencil.node, stencil.stiffness
@@ -229,14 +238,14 @@ def find_residual(nodes, stencil, work, hardness, approach, snap):
             active[free] = k
             free += 1
     for i in range(bound):
-        # in this order nothing is overwritten before it is read
+        # This order reads each entry before it is overwritten.
         active[free + i] = active[p.size - bound + i]
     return worst, free, bound
 
 
 @njit(cache=True)
 def precondition(stencil, softening, work, free):
-    """Set z to the short stencil of the inverse half-space times the residual, on the free nodes."""
+    """Set z to the inverse stencil of the half-space times the residual on the free nodes."""
     values, grid, place, row_length = stencil.values, stencil.grid, stencil.node, stencil.row_length
     active, z = work.active, work.trial
     for a in range(free):
@@ -255,12 +264,13 @@ def precondition(stencil, softening, work, free):
 
 @njit(cache=True)
 def find_direction(nodes, stencil, work, limits, approach, free, bound, direction, plain):
-    """Find the next feasible direction d: preconditioned conjugate gradient (Polak-Ribiere),
-    projected.
+    """Find the next feasible direction d by preconditioned, projected conjugate gradients.
 
-    Where it does not descend, d is the projected preconditioned gradient (a restart), and where
-    that does not descend or if `plain`, the projected gradient of all nodes. r and d hold the
-    residual and, before, the direction of the last iteration.
+    The factor beta follows Polak and Ribiere.
+
+    Where it does not descend, d is the projected preconditioned gradient (a restart). Where that
+    does not descend either, or if `plain`, d is the projected gradient of all nodes. On entry r and
+    d hold the residual and the direction of the last iteration.
 
     Returns the Direction and the numbers of restarts and of plain gradient steps (0 or 1 each).
     """
@@ -299,7 +309,7 @@ def find_direction(nodes, stencil, work, limits, approach, free, bound, directio
         zr = 0.0
         for k in range(p.size):
             active[k] = k
-            # The factor is the same for all nodes: only so does the projection descend.
+            # The projection descends only if the factor is the same for all nodes.
             trial[k] = p[k] - stencil.stiffness * (g[k] - approach)
         slope, longest = project(p, g, approach, trial, Sets(active, p.size, 0), limits, d)
     r_before[:] = r
@@ -320,8 +330,10 @@ def half_range(along, across, levelled):
 
 @njit(cache=True)
 def cell_ranges(shape, u, levelled, out):
-    """Set out to half of the range [m] of the deflected gap over each cell; it is zero on the
-    border of the window and where a deflection is zero, which means that it is not known.
+    """Set `out` to half the range [m] of the deflected gap over each cell.
+
+    It is zero on the border of the window, and beside a deflection of zero, which means an unknown
+    deflection.
     """
     rows, columns = u.shape
     for j in range(columns):
@@ -337,9 +349,9 @@ def cell_ranges(shape, u, levelled, out):
 
 @njit(cache=True)
 def move_edges(packed):
-    """Move the edges of the candidates to where the gaps at hand put them.
+    """Move the edges of the candidates to the place that the present gaps give them.
 
-    The edge of a node beside one that is no candidate stays.
+    The edge of a node beside a node that is no candidate stays.
     """
     system = unpack(packed)
     p, g, compliance, softening = system.nodes
@@ -362,8 +374,9 @@ def move_edges(packed):
 
 @njit(cache=True)
 def scatter(transform, d):
-    """Write the direction into the array of the transforms, in units that make its image a
-    deflection.
+    """Write the direction into the array of the transforms.
+
+    Its units make the image a deflection.
     """
     transform.image[:] = 0.0
     for k in range(d.size):
@@ -372,14 +385,15 @@ def scatter(transform, d):
 
 @njit(cache=True)
 def iterate(packed, direction, snap, allowed):
-    """Step along the direction and, unless the violation is within `allowed` [m], find the next
-    direction.
+    """Step along the direction, and find the next direction unless converged.
 
-    The deflection by the direction must be known. Nodes within `snap` [Pa] of a bound that they
-    move to are put there.
+    The step has converged if the violation is within `allowed` [m].
 
-    Returns the fields of the Step taken and of the Direction to convolve, which after a converged
-    step is the one given.
+    The deflection by the direction must be known. Nodes within `snap` [Pa] of the bound that they
+    approach are put on it.
+
+    Returns the fields of the Step that was taken and of the Direction to convolve. After a
+    converged step the latter is unchanged.
     """
     system, direction = unpack(packed), Direction(*direction)
     nodes, limits = system.nodes, system.limits
@@ -408,13 +422,14 @@ def iterate(packed, direction, snap, allowed):
 
 @njit(cache=True)
 def lead(packed, p_trend, u_trend):
-    """Find a first direction by way of the extrapolation q of the last solutions and of the
-    gradient at q.
+    """Find a first direction by way of the extrapolation q of the last solutions.
 
-    The deflection at q is known but for the part that the bounds cut off. The step starts from the
-    exact pressures, with an exact line search, so that this does no harm.
+    The gradient at q enters as well.
 
-    Returns the fields of the Direction; its slope is 0 where none descends.
+    The deflection at q is known except for the part that the bounds cut off. The step starts from
+    the exact pressures with an exact line search, so the missing part does no harm.
+
+    Returns the fields of the Direction; its slope is 0 where no direction descends.
     """
     system = unpack(packed)
     nodes, limits, work = system.nodes, system.limits, system.work

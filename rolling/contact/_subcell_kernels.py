@@ -8,7 +8,8 @@ flat indices without that border.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from rolling.contact._compiled import njit
 
 
 @njit(cache=True)
@@ -51,8 +52,10 @@ def loaded_cells(fine, subcells, listed):
 
 @njit(cache=True)
 def spread(fine, listed, weights, cells, own):
-    """Set the pressures of cells to those of the sub-cells of listed ones, by the adjoint of the
-    interpolation; keep the latter in `own`, a row for each listed cell.
+    """Set the pressures of cells from the sub-cells of listed cells.
+
+    The adjoint of the interpolation spreads them. `own` receives the pressures of the sub-cells, a
+    row for each listed cell.
     """
     r = weights.shape[0]
     columns = fine.shape[1] // r
@@ -98,7 +101,7 @@ def gather_all(cells, weights, fine):
 
 @njit(cache=True)
 def gather(cells, listed, weights, fine):
-    """Interpolate the deflections of cells on the sub-cells of listed ones."""
+    """Interpolate the deflections of cells on the sub-cells of listed cells."""
     r = weights.shape[0]
     columns = fine.shape[1] // r
     part = np.empty(3, fine.dtype)
@@ -119,7 +122,7 @@ def gather(cells, listed, weights, fine):
 
 @njit(cache=True)
 def add_own(own, listed, block, subcells, fine):
-    """Add the deflections of the sub-cells of listed cells by the pressures within the same cell."""
+    """Add the deflections of the sub-cells of listed cells by pressures within the same cell."""
     r = subcells
     columns = fine.shape[1] // r
     for c in range(listed.size):

@@ -1,8 +1,7 @@
-"""Named tuples that compiled passes of the contact solve take: the system of one descent, its
-direction and its steps.
+"""Named tuples of the contact solve: the system of a descent, its direction and steps.
 
 They stay inside compiled code. Numba unpickles the class of each named tuple that crosses the
-boundary, which takes 1 us or more; plain tuples cross as fast as arguments do (`pack`, `unpack`).
+boundary, which takes 1 us or more; plain tuples cross as fast as arguments (`pack`, `unpack`).
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -11,21 +10,23 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from rolling._typing import Array
+from rolling.contact._compiled import njit
 
 Indices = NDArray[np.uint32]
 
 
 class Limits(NamedTuple):
-    """The bound of each pressure and the sum of all, a constant of a descent.
+    """Bound of each pressure and sum of all pressures, constant in a descent.
 
     Parameters
     ----------
-    hardness : float, Pa. Largest pressure of a node.
-    total : float, Pa. Sum of the pressures that carries the load.
+    hardness : float, Pa
+        Maximum pressure of a node.
+    total : float, Pa
+        Sum of the pressures that carries the load.
     """
 
     hardness: float
@@ -33,13 +34,16 @@ class Limits(NamedTuple):
 
 
 class Sets(NamedTuple):
-    """The candidates that may move.
+    """Candidates that may move.
 
     Parameters
     ----------
-    active : (n,) indices of candidates: first the free ones, then those about to be put on a bound.
-    free : int. Number of free candidates.
-    bound : int. Number of candidates about to be put on a bound.
+    active : (n,) array of int
+        Indices of candidates, first the free nodes, then the nodes that go to a bound.
+    free : int
+        Number of free candidates.
+    bound : int
+        Number of candidates that go to a bound.
     """
 
     active: Indices
@@ -48,15 +52,20 @@ class Sets(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """The candidates of a descent, flat arrays of equal length; the last two are empty where no
-    node is compliant by itself.
+    """Candidates of a descent, as flat arrays of equal length.
+
+    The last two are empty where no node is compliant by itself.
 
     Parameters
     ----------
-    p : pressure, Pa.
-    g : gap before the approach is taken off, m.
-    compliance : closing of a node's gap by its own pressure beside the deflection, m/Pa.
-    softening : square root of the share of a node's stiffness that its compliance leaves.
+    p : (n,) array, Pa
+        Pressure.
+    g : (n,) array, m
+        Gap before the approach is subtracted.
+    compliance : (n,) array, m/Pa
+        Closing of a node's gap by its own pressure in addition to the deflection.
+    softening : (n,) array
+        Square root of the share of a node's stiffness that its compliance leaves.
     """
 
     p: Array
@@ -66,13 +75,16 @@ class Nodes(NamedTuple):
 
 
 class Transform(NamedTuple):
-    """The array of the transforms: the direction goes in, its deflection comes out.
+    """Array of the transforms: the direction goes in, its deflection comes out.
 
     Parameters
     ----------
-    image : flat array, Pa times `unit` before the convolution, m after it.
-    node : index of each candidate in `image`.
-    unit : float, m/Pa. Deflection per pressure and coefficient.
+    image : flat array, m
+        Pressure times `unit` before the convolution, deflection after it.
+    node : (n,) array of int
+        Index of each candidate in `image`.
+    unit : float, m/Pa
+        Deflection per pressure and coefficient.
     """
 
     image: NDArray[np.floating]
@@ -81,15 +93,20 @@ class Transform(NamedTuple):
 
 
 class Stencil(NamedTuple):
-    """The preconditioner, a short stencil of the inverse half-space, and the grid it acts on.
+    """Preconditioner, a short stencil of the inverse half-space, with its grid.
 
     Parameters
     ----------
-    values : (3, 3) stencil, Pa/m.
-    grid : flat array, m. Residual on the block of the candidates with a border of one open node.
-    node : index of each candidate in `grid`.
-    row_length : int. Nodes in a row of `grid`.
-    stiffness : float, Pa/m. Pressure on one node alone that opens its gap by a metre.
+    values : (3, 3) array, Pa/m
+        Stencil.
+    grid : flat array, m
+        Residual on the block of the candidates with a border of one open node.
+    node : (n,) array of int
+        Index of each candidate in `grid`.
+    row_length : int
+        Nodes in a row of `grid`.
+    stiffness : float, Pa/m
+        Pressure on a single node that opens its gap by a metre.
     """
 
     values: Array
@@ -100,14 +117,18 @@ class Stencil(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Vectors that the passes overwrite, one entry per candidate.
+    """Vectors that the passes overwrite, with one entry per candidate.
 
     Parameters
     ----------
-    trial : preconditioned residual, then trial pressure, Pa.
-    d : direction, Pa.
-    r, r_before : residual of this iteration and of the one before, m.
-    active : indices of candidates (see Sets).
+    trial : (n,) array, Pa
+        Preconditioned residual, then trial pressure.
+    d : (n,) array, Pa
+        Direction.
+    r, r_before : (n,) arrays, m
+        Residuals of this and of the previous iteration.
+    active : (n,) array of int
+        Indices of candidates (see Sets).
     """
 
     trial: Array
@@ -136,7 +157,7 @@ class Edges(NamedTuple):
 
 
 class System(NamedTuple):
-    """One descent: its candidates and all that stays where it is in memory."""
+    """One descent: its candidates and all arrays that keep their place in memory."""
 
     nodes: Nodes
     transform: Transform
@@ -147,13 +168,13 @@ class System(NamedTuple):
 
 
 def pack(system: System) -> tuple[tuple[Any, ...], ...]:
-    """Make a System plain tuples, to be handed to compiled code."""
+    """Turn a System into plain tuples, to be handed to compiled code."""
     return tuple(tuple(part) for part in system)
 
 
 @njit(cache=True)
 def unpack(packed):
-    """Make the System again from its plain tuples."""
+    """Rebuild the System from its plain tuples."""
     nodes, transform, stencil, work, limits, edges = packed
     return System(
         Nodes(*nodes),
@@ -166,14 +187,18 @@ def unpack(packed):
 
 
 class Direction(NamedTuple):
-    """The numbers that belong to a direction d.
+    """Numbers that belong to a direction d.
 
     Parameters
     ----------
-    slope : float, Pa m. Slope of the energy along d; not negative: no direction descends.
-    longest : float. Longest step length within the bounds, at least 1.
-    zr : float, Pa m. Product z.r, 0 where the next direction forgets this one.
-    length : float. Step length that the unprojected direction had so far, for the next beta.
+    slope : float, Pa m
+        Slope of the energy along d; it is not negative where no direction descends.
+    longest : float
+        Maximum step length within the bounds, at least 1.
+    zr : float, Pa m
+        Product z.r, 0 where the next direction forgets this direction.
+    length : float
+        Accumulated step length of the unprojected direction, for the next beta.
     """
 
     slope: float
@@ -183,16 +208,18 @@ class Direction(NamedTuple):
 
 
 class Step(NamedTuple):
-    """The state after a step.
+    """State after a step.
 
     Parameters
     ----------
-    approach : float, m.
-    worst : float, m. Maximum violation of the contact conditions.
-    free, bound : int. Numbers of candidates that may move freely and that are about to be put on a
-        bound.
-    restarts, plain_steps : int. Whether the next direction is a restart or a plain gradient, 0 or
-        1.
+    approach : float, m
+        Approach of sphere and plate.
+    worst : float, m
+        Maximum violation of the contact conditions.
+    free, bound : int
+        Numbers of candidates that may move freely and that go to a bound.
+    restarts, plain_steps : int
+        1 if the next direction is a restart or a plain gradient, otherwise 0.
     """
 
     approach: float

@@ -1,4 +1,4 @@
-"""Closed forms of smooth elastic contact, in SI; they use nothing of the solver.
+"""Closed forms of smooth elastic contact in SI, independent of the solver.
 
 Source of the Hertz formulas: K. L. Johnson, Contact Mechanics (1985), ch. 3-4.
 """
@@ -13,13 +13,17 @@ def hertz_radius(load: float, radius: float, contact_modulus: float) -> float:
 
     Parameters
     ----------
-    load : float, N. Normal load W.
-    radius : float, m. Radius R of the sphere.
-    contact_modulus : float, Pa. E* of both bodies.
+    load : float, N
+        Normal load W.
+    radius : float, m
+        Radius R of the sphere.
+    contact_modulus : float, Pa
+        Contact modulus E* of both bodies.
 
     Returns
     -------
-    float, m.
+    float, m
+        Contact radius a.
 
     Examples
     --------
@@ -34,11 +38,13 @@ def hertz_pressure(load: float, radius: float, contact_modulus: float) -> float:
 
     Parameters
     ----------
-    load, radius, contact_modulus : float, N, m, Pa. As for `hertz_radius`.
+    load, radius, contact_modulus : float, N, m, Pa
+        Load W, radius R of the sphere and contact modulus E*, as for `hertz_radius`.
 
     Returns
     -------
-    float, Pa.
+    float, Pa
+        Maximum pressure p0.
 
     Examples
     --------
@@ -53,11 +59,13 @@ def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
 
     Parameters
     ----------
-    load, radius, contact_modulus : float, N, m, Pa. As for `hertz_radius`.
+    load, radius, contact_modulus : float, N, m, Pa
+        Load W, radius R of the sphere and contact modulus E*, as for `hertz_radius`.
 
     Returns
     -------
-    float, m.
+    float, m
+        Approach of sphere and plate.
 
     Examples
     --------
@@ -68,22 +76,28 @@ def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
 
 
 def smooth_release_power(load: float, speed: float, radius: float, contact_modulus: float) -> float:
-    """Return the release power of a smooth elastic rolling sphere, constant in time: 3 W v a / (16
-    R).
+    """Return the release power of a smooth elastic rolling sphere: 3 W v a / (16 R).
+
+    It is constant in time.
 
     It is the Hertz pressure over the trailing half of the contact times the rate v x / R at which
     the deflection falls there.
 
     Parameters
     ----------
-    load : float, N. Normal load W.
-    speed : float, m/s. Rolling speed v.
-    radius : float, m. Radius R of the sphere.
-    contact_modulus : float, Pa. E* of both bodies.
+    load : float, N
+        Normal load W.
+    speed : float, m/s
+        Rolling speed v.
+    radius : float, m
+        Radius R of the sphere.
+    contact_modulus : float, Pa
+        Contact modulus E* of both bodies.
 
     Returns
     -------
-    float, W.
+    float, W
+        Release power.
 
     Examples
     --------
@@ -94,19 +108,23 @@ def smooth_release_power(load: float, speed: float, radius: float, contact_modul
 
 
 def left_end_excess(step: float, contact_radius: float) -> float:
-    """Return the relative excess of the left-end release rule over the mean rule, first order: 4
-    step / (3 a).
+    """Return the relative excess of the left-end release rule over the mean rule.
+
+    To first order it is 4 step / (3 a).
 
     It holds on a smooth sphere.
 
     Parameters
     ----------
-    step : float, m. Distance between two positions.
-    contact_radius : float, m. Hertz radius a.
+    step : float, m
+        Distance between two positions.
+    contact_radius : float, m
+        Hertz radius a.
 
     Returns
     -------
-    float. Excess over the release of the mean rule.
+    float
+        Excess over the release of the mean rule.
 
     Examples
     --------

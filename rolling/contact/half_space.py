@@ -1,5 +1,6 @@
-"""Deflection of an elastic half-space by pressure: Love's influence coefficients and a zero-padded
-FFT convolution (pyfftw).
+"""Deflection of an elastic half-space by pressure.
+
+Love's influence coefficients are convolved with the pressure by zero-padded FFTs (pyfftw).
 """
 
 from __future__ import annotations
@@ -8,13 +9,13 @@ from functools import lru_cache
 
 import numpy as np
 import pyfftw
-from numba import njit
 from numpy.typing import NDArray
 
 from rolling._typing import Array
+from rolling.contact._compiled import njit
 
-# Padded lengths that are quick for their size, by a trial of the products of 2, 3, 5 and 7: any
-# length between costs more than the next one here.
+# These padded lengths are quick for their size, by a trial of the products of 2, 3, 5 and 7: any
+# length between two of them costs more than the longer one.
 _SHORT = (16, 20, 24, 32, 40, 48, 64, 80, 100, 128)
 _LONG = (1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
 _SINGLE_LENGTHS = (
@@ -55,25 +56,27 @@ _DOUBLE_LENGTHS = (
     1280,
     *_LONG,
 )
-MOST_NODES = _LONG[-1] // 2  # across a window
+MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
-OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # of a unit square at its own centre
+OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # coefficient of a unit square at its own centre
 
 
 def padded_length(reach: int, single: bool = False) -> int:
-    """Return the smallest quick length of a transform for nodes up to `reach` spacings from one
-    another.
+    """Return the minimum quick length of a transform for nodes up to `reach` spacings apart.
 
-    The coefficients are even, so that a distance of half the length is still right.
+    The coefficients are even, so a distance of half the length is still correct.
 
     Parameters
     ----------
-    reach : int. Maximum distance between a loaded node and one whose deflection counts.
-    single : bool. Whether the transform is of single precision. Default: False.
+    reach : int
+        Maximum distance between a loaded node and a node whose deflection counts.
+    single : bool
+        If true, the transform is in single precision. Default: false.
 
     Raises
     ------
-    ValueError : `reach` is more than the longest transform has room for.
+    ValueError
+        `reach` exceeds the longest transform.
     """
     for length in _SINGLE_LENGTHS if single else _DOUBLE_LENGTHS:
         if length >= 2 * reach:
@@ -90,17 +93,18 @@ def love(rows: Array, columns: Array) -> Array:
 
     Parameters
     ----------
-    rows, columns : (m,) and (n,) arrays. Distances of nodes from the centre of the loaded square,
-        whole numbers of spacings.
+    rows, columns : (m,) and (n,) arrays
+        Distances of nodes from the centre of the loaded square, whole numbers of spacings.
 
     Returns
     -------
-    (m, n) array. Coefficients k of the deflection u = spacing / (pi E*) * sum k p.
+    (m, n) array
+        Coefficients k of the deflection u = spacing / (pi E*) * sum k p.
     """
 
     def corner(s: Array, t: Array) -> Array:
-        # Corners lie half a spacing off the nodes, so neither is ever zero; arcsinh does not cancel
-        # where log(y + r) would.
+        # Corners lie half a spacing off the nodes, so neither s nor t is ever zero; arcsinh does
+        # not cancel where log(y + r) would.
         return s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))
 
     x, y = rows[:, None].astype(float), columns[None, :].astype(float)
@@ -110,28 +114,35 @@ def love(rows: Array, columns: Array) -> Array:
 
 @lru_cache(maxsize=32)
 def _love_spectrum(m: int, n: int) -> Array:
-    """Compute the transform (m, n // 2 + 1) of the wrapped coefficients; it is real, because they
-    are even in both directions.
+    """Compute the transform (m, n // 2 + 1) of the wrapped coefficients.
+
+    It is real, because they are even in both directions.
     """
     distances = [np.minimum(np.arange(k), k - np.arange(k)) for k in (m, n)]
     return np.ascontiguousarray(np.fft.rfft2(love(*distances)).real)
 
 
 class HalfSpace:
-    """An elastic half-space under pressure on windows of square cells; it keeps the transforms of
-    each padded size met.
+    """Elastic half-space under pressure on windows of square cells.
+
+    It keeps the transforms of each padded size.
 
     Parameters
     ----------
-    spacing : float, m. Node spacing.
-    contact_modulus : float, Pa. E* of both bodies; where both are elastic, the deflection is the
-        sum of theirs.
+    spacing : float, m
+        Node spacing.
+    contact_modulus : float, Pa
+        Contact modulus E* of both bodies. Where both are elastic, the deflection is the sum over
+        both.
 
     Attributes
     ----------
-    unit : float, m/Pa. Deflection per pressure and coefficient.
-    count : int. Convolutions done, a cost that does not depend on the machine.
-    subcells : int. Nodes along the side of a cell of the transforms, 1 here.
+    unit : float, m/Pa
+        Deflection per pressure and coefficient.
+    count : int
+        Number of convolutions so far, a cost that does not depend on the machine.
+    subcells : int
+        Nodes along the side of a cell of the transforms, 1 here.
 
     Examples
     --------
@@ -155,23 +166,27 @@ class HalfSpace:
         self.subcells = 1
 
     def deflection(self, pressure: Array) -> Array:
-        """Compute the deflection of the nodes of a window by the pressure on them; all outside is
-        unloaded.
+        """Compute the deflection of the nodes of a window by the pressure on them.
+
+        All nodes outside the window are unloaded.
 
         The padding is only as wide as the distance between a loaded node and the farthest node of
         the window.
 
         Parameters
         ----------
-        pressure : (m, n) array, Pa.
+        pressure : (m, n) array, Pa
+            Pressure on the nodes.
 
         Returns
         -------
-        (m, n) array, m.
+        (m, n) array, m
+            Deflection of the nodes.
 
         Raises
         ------
-        ValueError : the window is larger than the longest transform has room for.
+        ValueError
+            The window exceeds the longest transform.
         """
         m, n = pressure.shape
         convolution = self.convolution(*_reach(pressure))
@@ -183,8 +198,9 @@ class HalfSpace:
         return deflection
 
     def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
-        """Return the transforms for nodes at most so many rows and columns apart; the caller that
-        applies them adds to `count`.
+        """Return the transforms for nodes at most so many rows and columns apart.
+
+        The caller that applies them adds to `count`.
         """
         key = (self._length(row_reach, single), self._length(column_reach, single), single)
         if key not in self._convolutions:
@@ -202,8 +218,9 @@ class HalfSpace:
 
 @njit(cache=True)
 def _reach(pressure: Array) -> tuple[int, int]:
-    """Return the maximum distance of a row from a loaded one, at least half the window, which must
-    fit; and so for columns.
+    """Return the maximum distances of a row and a column from a loaded row and column.
+
+    They are at least half the window, which must fit.
     """
     rows, columns = pressure.shape
     first_row, last_row, first_column, last_column = rows, 0, columns, 0
@@ -222,7 +239,7 @@ def _reach(pressure: Array) -> tuple[int, int]:
 
 @njit(cache=True)
 def _multiply(lines: Array, coefficients: Array) -> None:
-    """Multiply lines by coefficients; the second half of their rows mirrors the first."""
+    """Multiply lines by coefficients; the second half of their rows mirrors the first half."""
     rows = lines.shape[0]
     for i in range(rows):
         line, row = lines[i], coefficients[min(i, rows - i)]
@@ -231,20 +248,25 @@ def _multiply(lines: Array, coefficients: Array) -> None:
 
 
 class Convolution:
-    """The transforms of one padded size and their work arrays: write the pressure, `apply`, read
-    the deflection.
+    """Transforms of one padded size and their work arrays.
+
+    Write the pressure, call `apply`, then read the deflection.
 
     Parameters
     ----------
-    m, n : int. Padded lengths along and across.
-    single : bool. Whether transforms are of single precision, about 1e-7 of the maximum deflection
-        off and up to twice as fast.
-    spectrum : (m, n // 2 + 1) array. Transform of the wrapped coefficients.
+    m, n : int
+        Padded lengths along and across.
+    single : bool
+        If true, transforms are in single precision: their error is about 1e-7 of the maximum
+        deflection, and they are up to twice as fast.
+    spectrum : (m, n // 2 + 1) array
+        Transform of the wrapped coefficients.
 
     Attributes
     ----------
-    real : (m, n) array. Pressure in its first rows and columns before, deflection in units of
-        spacing / (pi E*) after.
+    real : (m, n) array
+        Pressure in its first rows and columns before `apply`, and deflection in units of
+        spacing / (pi E*) afterwards.
     """
 
     def __init__(self, m: int, n: int, single: bool, spectrum: Array) -> None:
@@ -253,12 +275,12 @@ class Convolution:
         self.real = self._image = pyfftw.zeros_aligned((m, n), real)
         self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
         self._as_pairs = self._lines.view(real)
-        # Each coefficient stands twice, for the real and the imaginary part of its line.
-        # Coefficients are even along the columns: half of the rows is enough and leaves the cache
+        # Each coefficient stands twice, for the real and the imaginary part of its line. The
+        # coefficients are even along the columns, so half of the rows suffices and leaves the cache
         # to the lines.
         self._coefficients = np.repeat(spectrum[: m // 2 + 1] / (m * n), 2, axis=1).astype(real)
-        # FFTW_ESTIMATE, because plans chosen by timing differ from run to run, and with them the
-        # last digits.
+        # FFTW_ESTIMATE is used because plans that are chosen by timing differ from run to run, and
+        # the last digits with them.
         flags = ("FFTW_ESTIMATE",)
         self._column_forward = pyfftw.FFTW(self._lines, self._lines, axes=(0,), flags=flags)
         self._column_backward = pyfftw.FFTW(
@@ -267,23 +289,24 @@ class Convolution:
         self._row_plans: dict[int, tuple[pyfftw.FFTW, pyfftw.FFTW]] = {}
 
     def clear(self, rows: int) -> None:
-        """Unload the first `rows` rows and those that `apply` takes along with them."""
+        """Unload the first `rows` rows and the further rows that `apply` includes."""
         self.head(rows)[:] = 0.0
 
     def head(self, rows: int) -> Array:
-        """Return a view of the first `rows` rows and of those that `apply` takes along with them."""
+        """Return a view of the first `rows` rows and the further rows that `apply` includes."""
         view: Array = self.real[: rows + 8]
         return view
 
     def cells_of(
         self, node: NDArray[np.int64], columns: int, corner: tuple[int, int]
     ) -> NDArray[np.int64] | None:
-        """List the cells of nodes for `apply`; None, because each node is a cell."""
+        """Return None, because each node is a cell."""
         return None
 
     def apply(self, rows: int, listed: NDArray[np.int64] | None = None) -> None:
-        """Replace the pressure on the first `rows` rows by their deflection; the rows below are of
-        no use afterwards.
+        """Replace the pressure on the first `rows` rows by their deflection.
+
+        The rows below are invalid afterwards.
         """
         self._transform(rows)
 

@@ -1,7 +1,7 @@
-"""March of the sphere along the track: one contact solve per position, warm-started, on a window
-that contact cannot leave.
+"""March of the sphere along the track: one warm-started contact solve per position.
 
-The march is in distance: a quasi-static contact knows its position, not its speed.
+Each window holds all nodes that can come into contact. The march is in distance, because a
+quasi-static contact depends on its position, not on its speed.
 """
 
 from __future__ import annotations
@@ -18,13 +18,14 @@ from rolling.contact.solver import Contact, ContactError, SolverOptions, Trend, 
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.window import Window
 
-# Nodes. Up to such a step a window reaches over the next position as well, whose deflection is then
-# known in advance.
+# Up to a step of so many nodes a window includes the next position as well, whose deflection is
+# then known in advance.
 LOOK_AHEAD = 4
-# The smallest useful weight of the sphere-fixed start. Below it the plate-fixed start converges as
-# fast and needs no mixing.
+# This is the minimum useful weight of the sphere-fixed start. Below it the plate-fixed start
+# converges as fast and needs no mixing.
 LEAST_SHARE = 0.2
-# a cold start is solved this much tighter, so that its error does not stand out among warm ones
+# The tolerance of a cold start is multiplied by this factor, so that its error does not stand out
+# among warm starts.
 COLD_TIGHTENING = 0.1
 
 
@@ -33,23 +34,28 @@ def march(
 ) -> Iterator[ContactState]:
     """Solve the contact at the positions first, first + 1, ..., last.
 
-    The march begins with a cold start at the first position. The states depend on `first`, not on positions marched before: pieces of a track
-    may be marched anywhere.
+    The march begins with a cold start at the first position. The states depend on `first` but not
+    on earlier marches, so pieces of a track may be marched anywhere.
 
     Parameters
     ----------
-    contact : RollingContact. Sphere, plate and accuracy.
-    first, last : int. Positions; their distance is the contact's step.
-    half_space : HalfSpace. Of the contact's spacing and modulus.
+    contact : RollingContact
+        Sphere, plate and accuracy.
+    first, last : int
+        Positions; the step of the contact is their distance.
+    half_space : HalfSpace
+        Half-space with the spacing and modulus of the contact.
 
     Yields
     ------
-    ContactState at each position.
+    ContactState
+        State at each position.
 
     Raises
     ------
-    ContactError : load above capacity, contact wider than the surface, or a solve that did not
-        converge (with its position).
+    ContactError
+        The load is above capacity, the contact is wider than the surface, or a solve did not
+        converge; the message has the position.
 
     Examples
     --------
@@ -61,8 +67,8 @@ def march(
     >>> from rolling.contact.march import march
     >>> from rolling.contact.state import RollingContact
     >>> contact = RollingContact(
-    ...     heights=np.zeros((128, 128)), spacing=4e-6, radius=5e-3, contact_modulus=230e9, hardness=np.inf, load=5.0,
-    ...     step=4e-6, start=0.0, tolerance=1e-5,
+    ...     heights=np.zeros((128, 128)), spacing=4e-6, radius=5e-3, contact_modulus=230e9,
+    ...     hardness=np.inf, load=5.0, step=4e-6, start=0.0, tolerance=1e-5,
     ... )
     >>> states = list(march(contact, 0, 3, HalfSpace(contact.spacing, contact.contact_modulus)))
     >>> [round(state.contact_area * 1e12, -3) for state in states]
@@ -88,12 +94,14 @@ def march(
 
 @dataclass(frozen=True)
 class _Problem:
-    """A contact to be solved at position k on a window.
+    """Contact to be solved at position k on a window.
 
     Parameters
     ----------
-    gap : (rows, columns) array on the window, m. Undeformed gap.
-    approach : float, m. The window holds the overlap up to this approach.
+    gap : (rows, columns) array on the window, m
+        Undeformed gap.
+    approach : float, m
+        Approach up to which the window holds the overlap.
     """
 
     contact: RollingContact
@@ -104,6 +112,7 @@ class _Problem:
     approach: float
 
     def solve(self, start: WarmStart, tolerance: float) -> Contact:
+        """Solve the contact from a warm start to a tolerance."""
         contact = self.contact
         options = SolverOptions(tolerance, contact.single)
         return solver.solve_contact(
@@ -117,8 +126,9 @@ class _Problem:
         )
 
     def wider(self, approach: float) -> _Problem | None:
-        """Return the problem on a window that holds the overlap at a larger approach; None if this
-        one does.
+        """Return the problem on a window that holds the overlap at a larger approach.
+
+        Return None if this window holds it.
         """
         overlap = self.contact.overlap(self.k, approach) if approach > self.approach else None
         if overlap is None or self.window.covers(overlap):
@@ -128,8 +138,9 @@ class _Problem:
 
 
 def _solve(problem: _Problem, start: WarmStart, tolerance: float) -> ContactState:
-    """Solve the problem, and again on a larger window where the overlap at the approach found
-    leaves the window.
+    """Solve the problem, again on a larger window where the overlap leaves the window.
+
+    The overlap at the solved approach counts.
     """
     iterations, convolutions = 0, problem.half_space.count
     while True:
@@ -184,8 +195,9 @@ def _state(problem: _Problem, solved: Contact) -> ContactState:
 
 
 def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactState:
-    """Solve from a Winkler foundation that fits Hertz, on a window grown until contact cannot leave
-    it.
+    """Solve from a Winkler foundation that fits Hertz.
+
+    The window grows until contact cannot leave it.
     """
     hertz = closed_forms.hertz_radius(contact.load, contact.radius, contact.contact_modulus)
     stiffness = 4 * contact.contact_modulus / (np.pi * hertz)
@@ -210,12 +222,13 @@ def _follow(
     state: ContactState,
     before: ContactState | None,
 ) -> ContactState:
-    """Solve the next position from pressures that stayed with the plate, on a window of all nodes
-    that were or can be loaded.
+    """Solve the next position from pressures that stayed with the plate.
 
-    On a smooth plate pressures move with the sphere instead: the start is the mixture of both of
-    least energy, as long as that is worth its while. Both deflections are known, so finding it
-    takes no convolution.
+    The window holds all nodes that were or can be loaded.
+
+    On a smooth plate pressures move with the sphere instead. The start is then the mixture of both
+    with minimum energy, as long as this pays. Both deflections are known, so the mixture needs no
+    convolution.
     """
     change = abs(state.approach - before.approach) if before else np.inf
     approach = state.approach + min(4 * change, 0.1 * float(state.deflection.max()))
@@ -243,7 +256,7 @@ def _follow(
 
 
 def _trend(pressure: Array, deflection: Array, window: Window, before: ContactState) -> Trend:
-    """Compute the changes since the position before."""
+    """Compute the changes since the previous position."""
     trend = Trend(np.empty_like(pressure), np.empty_like(pressure))
     offset = before.window.row - window.row, before.window.column - window.column
     _march_kernels.trends(
@@ -261,9 +274,7 @@ def _trend(pressure: Array, deflection: Array, window: Window, before: ContactSt
 def _towards_the_sphere(
     contact: RollingContact, state: ContactState, window: Window, gap: Array, start: Array
 ) -> tuple[float, Array]:
-    """Find the share of the pressures that best goes with the sphere, and mix them with those that
-    stay with the plate.
-    """
+    """Find the best share of sphere-fixed pressures and mix them with plate-fixed pressures."""
     nodes = round(contact.step / contact.spacing)
     moved_on = replace(state.window, row=state.window.row + nodes)
     if nodes * contact.spacing != contact.step or not window.covers(
@@ -282,36 +293,36 @@ def _towards_the_sphere(
 
 
 def _overlaps(contact: RollingContact, k: int, approach: float) -> list[Window]:
-    """Return the overlap at position k as a list of one window, or of none."""
+    """Return the overlap at position k as a list of one window, or as an empty list."""
     overlap = contact.overlap(k, approach)
     return [] if overlap is None else [overlap]
 
 
 def _room(windows: list[Window], subcells: int) -> Window:
-    """Return the window of whole cells to solve on, over the windows that it must hold."""
+    """Return the window of the solve: the given windows and a border, in whole cells."""
     window = Window.around(windows).bordered().whole(subcells)
     rows, columns = window.rows // subcells, window.columns // subcells
-    # sub-cells need a border of one cell all around, in the transforms
+    # The transforms of sub-cells need a border of one cell all around.
     most = MOST_NODES if subcells == 1 else MOST_NODES - 4
     if max(rows, columns) > most:
         raise ContactError(
-            f"the contact needs a window of {rows} by {columns} nodes, more than the {most} there is room"
-            " for; take a larger spacing"
+            f"the contact needs a window of {rows} by {columns} nodes, more than the"
+            f" {most} there is room for; take a larger spacing"
         )
     return window
 
 
 def _refuse_the_impossible(contact: RollingContact) -> None:
-    """Raise ContactError for a load above capacity or a contact wider than one period of the
-    surface.
-    """
+    """Raise ContactError for a load above capacity or a contact wider than the surface."""
     area = contact.heights.size * contact.spacing**2
     if contact.load >= contact.hardness * area:
         raise ContactError(
-            f"a load of {contact.load:g} N is more than the surface can carry: hardness {contact.hardness:g} Pa times one period"
-            f" of {area:.4g} m2 is {contact.hardness * area:.4g} N; take a lower load, a harder plate or a larger surface"
+            f"a load of {contact.load:g} N is more than the surface can carry: hardness"
+            f" {contact.hardness:g} Pa times one period of {area:.4g} m2 is"
+            f" {contact.hardness * area:.4g} N; take a lower load, a harder plate or a larger"
+            " surface"
         )
-    # A rough or yielding contact is at least as wide as the smooth elastic one.
+    # A rough or yielding contact is at least as wide as the smooth elastic contact.
     width = 2 * closed_forms.hertz_radius(contact.load, contact.radius, contact.contact_modulus)
     _refuse_wide(contact, width, width)
 
@@ -325,6 +336,7 @@ def _refuse_wide(contact: RollingContact, along: float, across: float) -> None:
         period = nodes * contact.spacing
         if needed > period:
             raise ContactError(
-                f"contact is {needed * 1e6:.4g} um wide {way}, more than one period of the surface ({period * 1e6:.4g} um);"
-                f" raise {key} to more than {needed * 1e6:.4g} um of surface"
+                f"contact is {needed * 1e6:.4g} um wide {way}, more than one period of the surface"
+                f" ({period * 1e6:.4g} um); raise {key} to more than {needed * 1e6:.4g} um of"
+                " surface"
             )

@@ -1,9 +1,8 @@
-"""Recovery in the frame of the plate: release, loading and stored energy per step, recovery events
-and their statistics.
+"""Recovery in the frame of the plate: energies per step, recovery events, their statistics.
 
 A node whose deflection falls by du under pressure p releases p du dA (Lee, Kim & Kim, Inventions
-10(1), 17 (2025), Eq. 8-9). p is the mean over the step, which is of second order in it, or its left
-end as in the article.
+10(1), 17 (2025), Eq. 8-9). p is the mean over the step, which is accurate to second order, or the
+value at its left end as in the article.
 """
 
 from __future__ import annotations
@@ -30,12 +29,15 @@ class StepEnergy:
 
     Parameters
     ----------
-    release, loading : float, J. Sums of the energies that nodes gave up and took up.
-    defect : float, J. Loading - release - change of the stored energy, zero but for the error of
-        the step.
-    window : Window. Nodes of `node_work`.
-    node_work : (rows, columns) array, J. Energy that each node released (positive) or took up
-        (negative).
+    release, loading : float, J
+        Sums of the energies that nodes released and took up.
+    defect : float, J
+        Loading minus release minus change of the stored energy, zero except for the error of the
+        step.
+    window : Window
+        Nodes of `node_work`.
+    node_work : (rows, columns) array, J
+        Energy that each node released (positive) or took up (negative).
     """
 
     release: float
@@ -50,20 +52,23 @@ def step_energy(
 ) -> StepEnergy:
     """Compute release and loading between two successive positions.
 
-    Each node loaded at either position counts, so that both deflections must be known on all of
-    them. The new window reaches over the nodes that were loaded; where the old one does not reach
-    over the new ones, its deflection is computed there.
+    Each node that is loaded at either position counts, so both deflections must be known on all
+    these nodes. The new window covers the nodes that were loaded; where the old window misses newly
+    loaded nodes, its deflection is computed there.
 
     Parameters
     ----------
-    old, new : ContactState. States at successive positions.
-    half_space : HalfSpace. Pressure to deflection.
-    left_end : bool. Whether the pressure is that at the old position instead of the mean. Default:
-        False.
+    old, new : ContactState
+        States at successive positions.
+    half_space : HalfSpace
+        Pressure to deflection.
+    left_end : bool
+        If true, the pressure is taken at the old position instead of the mean. Default: false.
 
     Returns
     -------
-    StepEnergy.
+    StepEnergy
+        Energies of the step.
     """
     window, p_old, u_old = new.window, old.pressure, old.deflection
     offset = old.window.row - window.row, old.window.column - window.column
@@ -81,16 +86,24 @@ def step_energy(
 
 @dataclass
 class EventTable:
-    """Recovery events of a march; each is an unbroken fall of one loaded node's deflection.
+    """Recovery events of a march.
+
+    Each event is an unbroken fall of the deflection of one loaded node.
 
     Parameters
     ----------
-    shape : (int, int). Nodes of the surface along and across.
-    count : int. Number of events, the rows filled in each column.
-    node : (n, 2) array. Node along and across.
-    first, last : (n,) arrays. Positions between which the deflection fell.
-    energy : (n,) array, J.
-    peak : (n,) array, J per step. Maximum release in a step.
+    shape : (int, int)
+        Nodes of the surface along and across.
+    count : int
+        Number of events, which is the number of filled rows in each column.
+    node : (n, 2) array
+        Node along and across.
+    first, last : (n,) arrays
+        Positions between which the deflection fell.
+    energy : (n,) array, J
+        Energy of the event.
+    peak : (n,) array, J per step
+        Maximum release in a step.
     """
 
     shape: tuple[int, int]
@@ -129,30 +142,33 @@ class EventTable:
                 setattr(self, name, new)
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return copies of the filled part of each column, by its name."""
+        """Return copies of the filled part of each column by name."""
         names = ("node", "first", "last", "energy", "peak")
         return {name: getattr(self, name)[: self.count].copy() for name in names}
 
 
 def join_events(pieces: Iterable[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
-    """Join the tables of successive pieces of a track; an event cut by a border between pieces is
-    made whole.
+    """Join the tables of successive pieces of a track.
+
+    An event that the border between pieces cuts is made whole.
 
     Parameters
     ----------
-    pieces : iterable of tables as EventTable.columns returns them, in the order of the pieces.
+    pieces : iterable of dict
+        Tables as EventTable.columns returns them, in the order of the pieces.
 
     Returns
     -------
-    dict of the joined columns.
+    dict
+        Joined columns.
     """
     copies = [{name: column.copy() for name, column in piece.items()} for piece in pieces]
     tables = [piece for piece in copies if piece["energy"].size]
     if not tables:
         return copies[0] if copies else {}
     kept = [np.ones(table["energy"].size, dtype=bool) for table in tables]
-    # Table and row of each event that reaches the last position of its piece: a long one may run
-    # through whole pieces.
+    # This holds table and row of each event that reaches the last position of its piece, because a
+    # long event may run through whole pieces.
     open_events: dict[tuple[int, ...], tuple[dict[str, NDArray[Any]], int]] = {}
     for table, keep in zip(tables, kept, strict=True):
         border = table["first"].min()
@@ -179,18 +195,22 @@ def join_events(pieces: Iterable[dict[str, NDArray[Any]]]) -> dict[str, NDArray[
 
 @dataclass(frozen=True)
 class EventStatistics:
-    """Statistics of the recovery events of a stretch of track.
+    """Statistics of the recovery events on a length of track.
 
     Parameters
     ----------
-    count : int. Number of events.
-    per_metre : float, 1/m. Events per length of track.
-    energy_mean, energy_median, energy_p90 : float, J. Energy of an event; nine in ten release less
-        than the last.
-    duration_mean : float. Steps that an event lasts.
-    peak : float, J. Maximum release of one node in a step.
-    top_tenth_share : float. Share of the release by the tenth of the events (rounded up) with the
-        most energy.
+    count : int
+        Number of events.
+    per_metre : float, 1/m
+        Events per length of track.
+    energy_mean, energy_median, energy_p90 : float, J
+        Energy of an event: mean, median and 90th percentile.
+    duration_mean : float
+        Steps that an event lasts.
+    peak : float, J
+        Maximum release of a node in a step.
+    top_tenth_share : float
+        Share of the release by the tenth of the events (rounded up) with the highest energies.
     """
 
     count: int
@@ -204,17 +224,19 @@ class EventStatistics:
 
 
 def event_statistics(events: Mapping[str, NDArray[Any]], length: float) -> EventStatistics | None:
-    """Summarize a table of recovery events; return None when there are none.
+    """Summarize a table of recovery events; return None when there are no events.
 
     Parameters
     ----------
-    events : mapping of the columns first, last, energy [J] and peak [J per step], each (n,) (see
-        EventTable).
-    length : float, m. Length of the track that they were released on.
+    events : mapping of str to (n,) array
+        Columns first, last, energy [J] and peak [J per step] (see EventTable).
+    length : float, m
+        Length of the track on which they were released.
 
     Returns
     -------
-    EventStatistics or None.
+    EventStatistics or None
+        Statistics, or None without events.
     """
     energy = events["energy"]
     count = len(energy)

@@ -1,11 +1,11 @@
-"""Contact solve: pressures between 0 and the hardness on a window of nodes, under a given load.
+"""Contact solve: pressures between 0 and the hardness on a window, under a given load.
 
-min over p of  1/2 p.Cp + e.p   subject to 0 <= p <= H, sum(p) dA = W, by conjugate gradients
-projected on both bounds, after Polonsky & Keer, Wear 231 (1999). Three things differ from the
-paper: a short stencil of the inverse half-space operator preconditions, nodes about to reach a
-bound are put there at once, and each trial pressure is made feasible before its one convolution,
-after which the step along it is exact. The energy therefore falls in every iteration, at one
-convolution each.
+It minimizes 1/2 p.Cp + e.p over p subject to 0 <= p <= H and sum(p) dA = W, by conjugate gradients
+projected on both bounds, after Polonsky & Keer, Wear 231 (1999). The solver differs from the paper
+in three points: a short stencil of the inverse half-space operator preconditions, nodes that are
+about to reach a bound are put on it at once, and each trial pressure is made feasible before its
+single convolution, after which the step along it is exact. The energy therefore falls in every
+iteration, at the cost of one convolution.
 
 The iteration runs in single precision on candidate nodes only. A solution is accepted after a
 double-precision check on the full window.
@@ -23,36 +23,47 @@ from rolling.contact._descent import BlendedEdges, Candidates, Descent, Effort
 from rolling.contact._system import Limits, Sets
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
 
-# candidates for contact have a gap below this share of the largest deflection; 0.001 to 0.1 take
-# the same iterations
+# Candidates for contact have a gap below this share of the maximum deflection; shares from 0.001 to
+# 0.1 take the same number of iterations.
 NEAR = 0.01
-SINGLE_TOLERANCE = 1e-6  # single precision, 1e-7 of the largest deflection, serves no tighter one
-# Of a node's deflection by the hardness on its own cell: pressures below the hardness level such a
-# half range of gaps within the cell. At 0.15 to 0.3 scenes that hardly yield keep the error of sharp
-# edges (measured on three, by 0.3 dB); at 0 the rims of elastic contact grow soft.
+# Share of the maximum gap that its rounding adds to the violation: with 32 eps some solves
+# converge.
+ROUNDING = 128 * np.finfo(float).eps
+# Single precision, with an error of 1e-7 of the maximum deflection, serves no tighter tolerance.
+SINGLE_TOLERANCE = 1e-6
+# This share of a node's deflection by the hardness on its own cell is the half range of gaps within
+# the cell that pressures below the hardness level. At 0.15 to 0.3 scenes that hardly yield keep the
+# error of sharp edges (measured on three scenes, by 0.3 dB); at 0 the rims of elastic contact grow
+# soft.
 LEVELLED = 0.3
 
 
 class ContactError(RuntimeError):
-    """A contact that cannot be solved: the limit in numbers, or the methods tried and the residual
-    they reached.
+    """Error of a contact that cannot be solved.
+
+    It tells the limit in numbers, or the methods tried and the residual that they reached.
     """
 
 
 @dataclass(frozen=True)
 class Contact:
-    """A solved contact on its window.
+    """Solved contact on its window.
 
     Parameters
     ----------
-    pressure : (m, n) array, Pa.
-    deflection : (m, n) array, m.
-    approach : float, m.
-    residual : float. KKT residual: maximum violation of the contact conditions over the maximum
-        deflection, from a deflection computed afresh.
-    iterations : int. Iterations that the solve took.
-    edge : (m, n) array, m, or None. Half of the range of gaps over the cell of each node, where
-        edges are blended.
+    pressure : (m, n) array, Pa
+        Contact pressure.
+    deflection : (m, n) array, m
+        Deflection of both bodies.
+    approach : float, m
+        Approach of sphere and plate.
+    residual : float
+        KKT residual: maximum violation of the contact conditions over the maximum deflection, from
+        a recomputed deflection.
+    iterations : int
+        Number of iterations of the solve.
+    edge : (m, n) array, m, or None
+        Half the range of gaps over the cell of each node, where edges are blended.
     """
 
     pressure: Array
@@ -65,12 +76,14 @@ class Contact:
 
 @dataclass(frozen=True)
 class Trend:
-    """Changes of a contact from the position before to this one, a guess at the next changes.
+    """Changes of a contact since the previous position, a prediction of the next changes.
 
     Parameters
     ----------
-    pressure : (m, n) array, Pa.
-    deflection : (m, n) array, m.
+    pressure : (m, n) array, Pa
+        Change of the pressure.
+    deflection : (m, n) array, m
+        Change of the deflection.
     """
 
     pressure: Array
@@ -79,15 +92,19 @@ class Trend:
 
 @dataclass(frozen=True)
 class WarmStart:
-    """Pressures to start a solve from, with all that is known about them.
+    """Pressures to start a solve from, with all known data about them.
 
     Parameters
     ----------
-    pressure : (m, n) array, Pa. Between 0 and the hardness, carrying the load to rounding.
-    deflection : (m, n) array, m, or None. Deflection by `pressure`. Default: it is computed.
-    trend : Trend or None. Expected changes, used where `deflection` is given. Default: none.
-    close : bool. Whether to iterate only on nodes in or near contact, and check the others after
-        convergence. Use it when the start is close to the solution. Default: False.
+    pressure : (m, n) array, Pa
+        Pressure between 0 and the hardness that carries the load to rounding.
+    deflection : (m, n) array, m, or None
+        Deflection by `pressure`. Default: it is computed.
+    trend : Trend or None
+        Expected changes, used where `deflection` is given. Default: none.
+    close : bool
+        If true, iterate only on nodes in or near contact and check the others after convergence.
+        Use it when the start is close to the solution. Default: false.
     """
 
     pressure: Array
@@ -102,10 +119,12 @@ class SolverOptions:
 
     Parameters
     ----------
-    tolerance : float. Largest KKT residual: violation of the contact conditions over the maximum
-        deflection. Default: 1e-5.
-    single : bool. Whether to iterate on deflections of single precision while the tolerance is far
-        above their error. A solution is accepted in double precision all the same. Default: True.
+    tolerance : float
+        Maximum KKT residual: violation of the contact conditions over the maximum deflection.
+        Default: 1e-5.
+    single : bool
+        If true, iterate on deflections in single precision while the tolerance is far above their
+        error. A solution is accepted in double precision in any case. Default: true.
     """
 
     tolerance: float = 1e-5
@@ -129,26 +148,32 @@ def foundation(
 
     Parameters
     ----------
-    gap : (m, n) array, m. Undeformed gap.
-    load : float, N.
-    spacing : float, m. Node spacing.
-    stiffness : float, Pa/m. A Hertz contact of radius a is met by 4 E* / (pi a).
-    hardness : float, Pa. Largest pressure. Default: infinite.
+    gap : (m, n) array, m
+        Undeformed gap.
+    load : float, N
+        Normal load.
+    spacing : float, m
+        Node spacing.
+    stiffness : float, Pa/m
+        Stiffness of the foundation; 4 E* / (pi a) fits a Hertz contact of radius a.
+    hardness : float, Pa
+        Maximum pressure. Default: infinite.
 
     Returns
     -------
-    (m, n) array, Pa. The smaller of hardness and stiffness times overlap, at the approach that
-    carries the load.
+    (m, n) array, Pa
+        Minimum of hardness and stiffness times overlap, at the approach that carries the load.
 
     Raises
     ------
-    ContactError : the window cannot carry the load.
+    ContactError
+        The window cannot carry the load.
     """
     total = load / spacing**2
     if total > hardness * gap.size:
         raise ContactError(
-            f"a load of {load:g} N is more than the surface can carry: hardness {hardness:g} Pa times"
-            f" {gap.size * spacing**2:.4g} m2 is {hardness * gap.size * spacing**2:.4g} N"
+            f"a load of {load:g} N is more than the surface can carry: hardness {hardness:g} Pa"
+            f" times {gap.size * spacing**2:.4g} m2 is {hardness * gap.size * spacing**2:.4g} N"
         )
     e = np.ascontiguousarray(gap, dtype=float).ravel()
     limits, free = (
@@ -157,7 +182,8 @@ def foundation(
     )
     pressure = np.empty_like(e)
     slope, _ = _projection.project(np.zeros_like(e), e, 0.0, -stiffness * e, free, limits, pressure)
-    # heights so large that springs round the load away: the lowest nodes carry it
+    # Heights may be so large that rounding of the springs loses the load. The lowest nodes then
+    # carry it.
     if slope == np.inf:
         pressure[:] = 0.0
         _projection.settle_load(pressure, e, limits, 0.0)
@@ -182,29 +208,39 @@ def solve_contact(
 ) -> Contact:
     """Solve one contact under a normal load on a window of nodes.
 
-    The window must hold the whole contact: all outside it is taken to be open.
+    The window must hold the whole contact, because all nodes outside count as open.
 
     Parameters
     ----------
-    half_space : HalfSpace. Pressure to deflection.
-    gap : (m, n) array, m. Undeformed gap.
-    load : float, N. Normal load.
-    start : WarmStart or None. Default: a Winkler foundation.
-    hardness : float, Pa. Largest pressure. Default: infinite, purely elastic.
-    shape : (m, n) array, m, or None. Undeformed gap as it runs within cells, for blended edges: a
-        patch at the hardness then ends within a cell, where the gap of its own solution says
-        (`cell_ranges`). Default: a cell is in contact as a whole or not at all.
-    options : SolverOptions or None. Default: SolverOptions().
+    half_space : HalfSpace
+        Pressure to deflection.
+    gap : (m, n) array, m
+        Undeformed gap.
+    load : float, N
+        Normal load.
+    start : WarmStart or None
+        Start of the iteration. Default: a Winkler foundation.
+    hardness : float, Pa
+        Maximum pressure. Default: infinite, purely elastic.
+    shape : (m, n) array, m, or None
+        Undeformed gap as it continues within cells, for blended edges: a patch at the hardness then
+        ends within a cell, where the gap of its own solution says (`cell_ranges`). Default: a cell
+        is in contact as a whole or not at all.
+    options : SolverOptions or None
+        Accuracy. Default: SolverOptions().
 
     Returns
     -------
-    Contact. Pressure, deflection and approach, with residual and number of iterations.
+    Contact
+        Pressure, deflection and approach, with residual and number of iterations.
 
     Raises
     ------
-    ContactError : the window cannot carry the load, or the solve did not converge; the message has
-        residual, iterations and the methods tried.
-    ValueError : the start has another shape than the gap.
+    ContactError
+        The window cannot carry the load, or the solve did not converge; the message has residual,
+        iterations and the methods tried.
+    ValueError
+        The start has another shape than the gap.
 
     Examples
     --------
@@ -249,7 +285,8 @@ def solve_contact(
         worst = _solver_kernels.violation(*flat, approach) if fresh else np.nan
         if not np.isfinite(approach) or not 0 < u_max < np.inf or worst == np.inf:
             raise ContactError(
-                "the contact solve met numbers that are not finite: check units of load, modulus and heights"
+                "the contact solve met numbers that are not finite: check units of load, modulus"
+                " and heights"
             )
         if (
             fresh
@@ -259,14 +296,11 @@ def solve_contact(
             edge = None if edges is None else edges.edge
             return Contact(p, u, float(approach), float(worst / u_max), effort.iterations, edge)
         if effort.is_spent:
-            raise ContactError(
-                f"the contact solve stopped after {effort.iterations} iterations at a residual of {worst / u_max:.2g},"
-                f" {options.tolerance:.2g} was asked for (tried: preconditioned conjugate gradients, {effort.restarts} restarts,"
-                f" {effort.plain_steps} plain gradient steps)"
-            )
+            limit = _rounding_limit(gap, u_max, options)
+            raise _not_converged(effort, worst / u_max, options.tolerance, limit)
         highest = approach + near * u_max
         candidates = Candidates.below(p, e, v, highest, half_space.subcells, edges is not None)
-        # Not converged though no new node came into sight: single precision is not enough.
+        # Without convergence and without new candidates single precision does not suffice.
         precise = (
             not options.single
             or options.tolerance < SINGLE_TOLERANCE
@@ -291,3 +325,28 @@ def solve_contact(
         near, seen = NEAR, candidates.node.size
         if edges is not None:
             edges.find(u)
+
+
+def _not_converged(effort: Effort, residual: float, tolerance: float, limit: str) -> ContactError:
+    """Make the error of a solve that stopped at a residual above the tolerance."""
+    return ContactError(
+        f"the contact solve stopped after {effort.iterations} iterations at a residual of"
+        f" {residual:.2g}, {tolerance:.2g} was asked for (tried:"
+        f" preconditioned conjugate gradients, {effort.restarts} restarts,"
+        f" {effort.plain_steps} plain gradient steps){limit}"
+    )
+
+
+def _rounding_limit(gap: Array, deflection: float, options: SolverOptions) -> str:
+    """Name the tolerance that the rounding of gaps allows, where a tighter one was asked for.
+
+    `deflection` is the maximum deflection [m].
+    """
+    highest = float(np.abs(gap).max())
+    limit = ROUNDING * highest / deflection
+    if options.tolerance > limit:
+        return ""
+    return (
+        f"; gaps of up to {highest:.2g} m, rounded in double precision, need a tolerance of at"
+        f" least {limit:.2g} for a deflection of {deflection:.2g} m"
+    )

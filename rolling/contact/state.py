@@ -1,4 +1,4 @@
-"""A rolling contact, given, and its state at one position, solved."""
+"""Rolling contact as a given problem, and its solved state at one position."""
 
 from __future__ import annotations
 
@@ -14,26 +14,39 @@ from rolling.contact.window import Window
 
 @dataclass(frozen=True)
 class RollingContact:
-    """A sphere, the plate it rolls over, and the accuracy of the march.
+    """Sphere, the plate it rolls over, and the accuracy of the march.
 
     Parameters
     ----------
-    heights : (along, across) array, m. Surface of the plate, periodic both ways.
-    spacing : float, m. Node spacing.
-    radius : float, m. Radius of the sphere.
-    contact_modulus : float, Pa. E* of both bodies.
-    hardness : float, Pa. Largest pressure; infinite: purely elastic.
-    load : float, N. Normal load.
-    step : float, m. Distance between two positions.
-    start : float, m. Place of position 0 along the track.
-    tolerance : float. Largest KKT residual of a solve.
-    single : bool. Whether to iterate on deflections of single precision. Default: True.
-    blended : bool. Whether nodes at the edge of yielding patches bear the share of their cell in
-        contact. Default: False.
-    subcells : int. Nodes along the side of a cell of the transforms; nodes are sub-cells where it
-        is more than 1. Cells begin at node 0, and their centre is a place of the track. Default: 1.
-    slopes : bool. Whether the heights between nodes run on from one to the next; if not, each cell
-        is flat. Default: True.
+    heights : (along, across) array, m
+        Surface of the plate, periodic along and across.
+    spacing : float, m
+        Node spacing.
+    radius : float, m
+        Radius of the sphere.
+    contact_modulus : float, Pa
+        Contact modulus E* of both bodies.
+    hardness : float, Pa
+        Maximum pressure, infinite for a purely elastic plate.
+    load : float, N
+        Normal load.
+    step : float, m
+        Distance between two positions.
+    start : float, m
+        Place of position 0 along the track.
+    tolerance : float
+        Maximum KKT residual of a solve.
+    single : bool
+        If true, iterate on deflections in single precision. Default: true.
+    blended : bool
+        If true, nodes at the edge of yielding patches bear the share of their cell in contact.
+        Default: false.
+    subcells : int
+        Nodes along the side of a cell of the transforms; nodes are sub-cells where it is more than
+        1. Cells begin at node 0, and their centre is a place of the track. Default: 1.
+    slopes : bool
+        If true, the surface continues between the nodes; otherwise each cell is flat. Default:
+        true.
     """
 
     heights: Array
@@ -52,10 +65,9 @@ class RollingContact:
 
     @cached_property
     def tops(self) -> Array:
-        """Height that the surface reaches within the cell of each node, an (along, across) array
-        [m].
+        """Maximum height within the cell of each node, an (along, across) array [m].
 
-        With blended edges a cell rises above its node by half of its range.
+        With blended edges a cell rises above its node by half its range.
         """
         if not (self.has_blended_edges and self.slopes):
             return self.heights
@@ -77,8 +89,9 @@ class RollingContact:
 
     @property
     def has_blended_edges(self) -> bool:
-        """Whether edges are blended: an elastic contact has no patch at the hardness whose edge
-        could be.
+        """Tell whether edges are blended.
+
+        An elastic contact has no patch at the hardness whose edge could be blended.
         """
         return self.blended and bool(np.isfinite(self.hardness))
 
@@ -88,7 +101,7 @@ class RollingContact:
         return float((self.heights.shape[1] - 1) / 2 * self.spacing)
 
     def position(self, k: int) -> float:
-        """Return the distance along the track of the sphere's centre at position k [m]."""
+        """Return the distance [m] of the centre of the sphere along the track at position k."""
         return self.start + k * self.step
 
     @property
@@ -108,12 +121,12 @@ class RollingContact:
         return (self.subcells - 1) / 2 * self.spacing
 
     def overlap(self, k: int, approach: float) -> Window | None:
-        """Find the window where the undeformed gap is below the approach [m] at position k, or
-        None.
+        """Find the window where the undeformed gap is below the approach [m] at position k.
 
-        Contact at this approach or a smaller one lies inside. With blended edges a node may bear
-        part of its cell: the gap then is that of the top of each cell, and a border of one node
-        allows for the slope that the sphere adds.
+        Contact at this approach or a smaller approach lies inside. Return None without overlap.
+
+        With blended edges a node may bear part of its cell. The gap then is that of the top of each
+        cell, and a border of one node allows for the slope that the sphere adds.
         """
         block = _march_kernels.overlap_block(
             self.tops,
@@ -135,8 +148,9 @@ class RollingContact:
         return self._gap(k, window, self.heights)
 
     def shape(self, k: int, window: Window, gap: Array) -> Array | None:
-        """Return the gap as it runs within cells, for blended edges: that of the sphere alone where
-        cells are flat; None for sharp edges.
+        """Return the gap as it continues within cells, for blended edges; None for sharp edges.
+
+        Where cells are flat, it is the gap of the sphere alone.
         """
         if not self.has_blended_edges:
             return None
@@ -159,27 +173,38 @@ class RollingContact:
 
 @dataclass(frozen=True)
 class ContactState:
-    """The solved contact at one position.
+    """Solved contact at one position.
 
     Parameters
     ----------
-    position : int. Number of the position.
-    window : Window. Nodes it was solved on.
-    loaded : Window. Bounding block of the nodes under pressure.
-    pressure : (rows, columns) array on the window, Pa.
-    deflection : (rows, columns) array on the window, m.
-    approach : float, m.
-    contact_area, plastic_area : float, m2. Area of the nodes in contact, and of those at the
-        hardness.
-    max_pressure : float, Pa.
-    max_deflection : float, m.
-    stored_energy : float, J. Elastic energy.
-    residual : float. KKT residual.
-    iterations, convolutions : int. Cost of the solve.
-    edge : (rows, columns) array, m, or None. Half of the range of gaps over the cells, of a march
-        with blended edges.
-    sphere_share : float. Share of the initial pressures that moved with the sphere; all others
-        stayed with the plate.
+    position : int
+        Number of the position.
+    window : Window
+        Nodes of the solve.
+    loaded : Window
+        Bounding block of the nodes under pressure.
+    pressure : (rows, columns) array, Pa
+        Contact pressure on the window.
+    deflection : (rows, columns) array, m
+        Deflection on the window.
+    approach : float, m
+        Approach of sphere and plate.
+    contact_area, plastic_area : float, m2
+        Area of the nodes in contact, and area of the nodes at the hardness.
+    max_pressure : float, Pa
+        Maximum pressure.
+    max_deflection : float, m
+        Maximum deflection.
+    stored_energy : float, J
+        Elastic energy.
+    residual : float
+        KKT residual.
+    iterations, convolutions : int
+        Cost of the solve.
+    edge : (rows, columns) array, m, or None
+        Half the range of gaps over the cells; None unless edges are blended.
+    sphere_share : float
+        Share of the initial pressures that moved with the sphere; the rest stayed with the plate.
     """
 
     position: int

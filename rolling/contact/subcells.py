@@ -1,9 +1,8 @@
-"""Sub-cells: pressures, heights and bounds on r x r parts of each cell over transforms of whole
-cells.
+"""Sub-cells: pressures, heights and bounds on r x r parts of cells, with transforms of whole cells.
 
-The far field is smooth, so transforms see cells only: the pressures of sub-cells go into the cells
-around by the adjoint of an interpolation, the deflection of the cells comes back by the
-interpolation, and the exact coefficients among the sub-cells of one cell make up the difference
+The far field is smooth, so transforms act on cells only. The adjoint of an interpolation spreads
+the pressures of sub-cells over the cells around, the interpolation brings the deflection of the
+cells back, and the exact coefficients among the sub-cells of a cell correct the difference
 (multi-level multi-integration, Brandt & Lubrecht, J. Comput. Phys. 90 (1990)). The operator stays
 symmetric and positive.
 """
@@ -21,7 +20,7 @@ from rolling.contact.half_space import Convolution, HalfSpace, love, padded_leng
 
 
 def interpolation(subcells: int) -> Array:
-    """Return the weights (r, 3) of a cell and its two neighbours in the deflection of its sub-cells.
+    """Return the weights (r, 3) of a cell and its neighbours in the deflection of its sub-cells.
 
     The interpolation is quadratic and keeps the mean over the cell.
     """
@@ -31,16 +30,19 @@ def interpolation(subcells: int) -> Array:
 
 
 def mean_coefficients(rows: Array, columns: Array, subcells: int) -> Array:
-    """Compute the mean deflection of a cell by unit pressure on another, from those of sub-cells.
+    """Compute the mean deflection of a cell by unit pressure on another cell.
 
     Parameters
     ----------
-    rows, columns : (m,) and (n,) arrays. Distances of the cells, whole numbers of cells.
-    subcells : int. Sub-cells along the side of a cell.
+    rows, columns : (m,) and (n,) arrays
+        Distances of the cells, whole numbers of cells.
+    subcells : int
+        Sub-cells along the side of a cell.
 
     Returns
     -------
-    (m, n) array. Coefficients for the spacing of sub-cells.
+    (m, n) array
+        Coefficients for the spacing of sub-cells.
     """
     shifts = range(1 - subcells, subcells)
     total = np.zeros((len(rows), len(columns)))
@@ -53,8 +55,9 @@ def mean_coefficients(rows: Array, columns: Array, subcells: int) -> Array:
 
 @lru_cache(maxsize=4)
 def own_block(subcells: int) -> Array:
-    """Return the exact coefficients among the sub-cells of a cell less those that come by way of
-    the cells, (r r, r r).
+    """Return the corrections (r r, r r) of the coefficients among the sub-cells of a cell.
+
+    A correction is the exact coefficient less the coefficient by way of the cells.
     """
     r = subcells
     weights = interpolation(r)
@@ -88,9 +91,12 @@ class SubcellSpace(HalfSpace):
 
     Parameters
     ----------
-    spacing : float, m. Side of a sub-cell.
-    contact_modulus : float, Pa. E* of both bodies.
-    subcells : int. Sub-cells along the side of a cell.
+    spacing : float, m
+        Side of a sub-cell.
+    contact_modulus : float, Pa
+        Contact modulus E* of both bodies.
+    subcells : int
+        Sub-cells along the side of a cell.
     """
 
     def __init__(self, spacing: float, contact_modulus: float, subcells: int) -> None:
@@ -101,7 +107,7 @@ class SubcellSpace(HalfSpace):
         return SubcellConvolution(m, n, single, self.subcells)
 
     def _length(self, reach: int, single: bool) -> int:
-        # a border of one cell on both sides takes what the interpolation spreads
+        # The interpolation spreads pressure into a border of one cell on both sides.
         return padded_length(-(-reach // self.subcells) + 2, single)
 
 
@@ -110,13 +116,17 @@ class SubcellConvolution(Convolution):
 
     Parameters
     ----------
-    m, n : int. Padded numbers of cells along and across.
-    single : bool. Whether transforms are of single precision.
-    subcells : int. Sub-cells along the side of a cell.
+    m, n : int
+        Padded numbers of cells along and across.
+    single : bool
+        If true, transforms are in single precision.
+    subcells : int
+        Sub-cells along the side of a cell.
 
     Attributes
     ----------
-    real : array of sub-cells. Pressure before, deflection in units of spacing / (pi E*) after.
+    real : array of sub-cells
+        Pressure before, deflection in units of spacing / (pi E*) after.
     """
 
     def __init__(self, m: int, n: int, single: bool, subcells: int) -> None:
@@ -135,7 +145,7 @@ class SubcellConvolution(Convolution):
     def apply(self, rows: int, listed: NDArray[np.int64] | None = None) -> None:
         """Replace the pressure on the first `rows` rows of sub-cells by their deflection.
 
-        Where cells are listed, only they are loaded, and only their deflection is of use.
+        Where cells are listed, only they are loaded, and only their deflection is valid.
         """
         r = self._subcells
         fine, count = self.real[:rows], rows // r + 2
@@ -157,8 +167,9 @@ class SubcellConvolution(Convolution):
     def cells_of(
         self, node: NDArray[np.int64], columns: int, corner: tuple[int, int]
     ) -> NDArray[np.int64]:
-        """List the cells that hold nodes of a window of `columns` columns, for `apply` on a block
-        that begins at `corner`.
+        """List the cells that hold nodes of a window, for `apply` on a block of it.
+
+        The window has `columns` columns, and the block begins at its node `corner`.
         """
         cells = np.empty(node.size, np.int64)
         row = self.real.shape[1] // self._subcells
@@ -169,8 +180,9 @@ class SubcellConvolution(Convolution):
 
 
 def half_space_of(spacing: float, contact_modulus: float, subcells: int = 1) -> HalfSpace:
-    """Return the half-space for nodes of this spacing [m], which are sub-cells where there are more
-    than one to a cell.
+    """Return the half-space for nodes of this spacing [m].
+
+    Nodes are sub-cells where a cell has several along its side.
     """
     if subcells == 1:
         return HalfSpace(spacing, contact_modulus)

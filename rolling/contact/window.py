@@ -13,12 +13,14 @@ from rolling.contact import _march_kernels
 
 @dataclass(frozen=True)
 class Window:
-    """A block of nodes on the unrolled plate.
+    """Block of nodes on the unrolled plate.
 
     Parameters
     ----------
-    row, column : int. First node along and across; it may be negative.
-    rows, columns : int. Number of nodes along and across.
+    row, column : int
+        First node along and across; it may be negative.
+    rows, columns : int
+        Number of nodes along and across.
     """
 
     row: int
@@ -28,8 +30,9 @@ class Window:
 
     @classmethod
     def spanning(cls, blocks: list[tuple[int, int, int, int]]) -> Window:
-        """Return the smallest window over blocks given as (first row, last row, first column, last
-        column).
+        """Return the minimum window over blocks.
+
+        A block is (first row, last row, first column, last column).
         """
         row, last_row = min(b[0] for b in blocks), max(b[1] for b in blocks)
         column, last_column = min(b[2] for b in blocks), max(b[3] for b in blocks)
@@ -37,13 +40,13 @@ class Window:
 
     @classmethod
     def around(cls, windows: Iterable[Window]) -> Window:
-        """Return the smallest window that covers all the given ones."""
+        """Return the minimum window that covers all given windows."""
         return cls.spanning(
             [(w.row, w.row + w.rows - 1, w.column, w.column + w.columns - 1) for w in windows]
         )
 
     def covers(self, other: Window) -> bool:
-        """Tell whether all nodes of the other window lie in this one."""
+        """Tell whether all nodes of another window lie in this window."""
         return (
             self.row <= other.row
             and self.column <= other.column
@@ -52,7 +55,7 @@ class Window:
         )
 
     def bordered(self) -> Window:
-        """Add one node on every side, open in any contact that this window cannot cut off."""
+        """Add a node on every side, open in any contact that this window cannot cut off."""
         return Window(self.row - 1, self.column - 1, self.rows + 2, self.columns + 2)
 
     def whole(self, subcells: int) -> Window:
@@ -72,8 +75,9 @@ class Window:
         )
 
     def moved(self, values: Array, target: Window) -> Array:
-        """Copy values (rows, columns) of this window into the target window; they are zero where
-        this one does not reach.
+        """Copy values (rows, columns) of this window into the target window.
+
+        They are zero where this window does not reach.
         """
         out = np.empty((target.rows, target.columns))
         _march_kernels.copy_block(values, out, self.row - target.row, self.column - target.column)

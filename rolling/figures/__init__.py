@@ -1,3 +1,1 @@
-"""Pictures of runs: plots on given axes, figures with title, note and table, and the gallery of a
-run.
-"""
+"""Pictures of runs: plots on given axes, figures with title, note and table, and the gallery."""

@@ -1,7 +1,7 @@
 """Plots of surface, contact and recovery events on given axes.
 
-Each function draws on `ax` and returns it. Maps take a second pair of axes for the colour bar; with
-None the bar takes its room from `ax`.
+Each function draws on `ax` and returns it. Maps take a second pair of axes for the colour bar. If
+it is None, the bar takes its room from `ax`.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from rolling._typing import Array
 from rolling.simulation.simulate import Snapshot
 
 SHOWN_M = 0.8e-3  # length of a track that a map shows, so that single asperities can be seen
-_MOST_DOTS = 110_000  # of a map of heights: a file of 150 kB holds that many
-_SHADES = 24  # of such a map: more shades make larger files and are hardly told apart
+_MOST_DOTS = 110_000  # points of a map of heights, which fit into a file of 150 kB
+_SHADES = 24  # colours of such a map: more shades make larger files and are hardly distinguishable
 
 
 def surface(ax: Axes, bar: Axes | None, heights: Array, spacing: float) -> Axes:
@@ -49,7 +49,7 @@ def shown_nodes(heights: Array, spacing: float) -> int:
 
 
 def map_stride(heights: Array, spacing: float) -> int:
-    """Return the distance of the nodes that a map shows, in nodes: 1 unless there are too many."""
+    """Return the distance of the nodes that a map shows, in nodes: 1 unless it is too large."""
     return math.ceil(math.sqrt(shown_nodes(heights, spacing) * heights.shape[1] / _MOST_DOTS))
 
 

@@ -7,14 +7,16 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from rolling._typing import Array
-from rolling.simulation import caveats
 from rolling.simulation.run_result import RunResult
 
-_NAMED_SCENES = 4  # in a title; more scenes are counted
+_NAMED_SCENES = 4  # scenes named in a title; more scenes are counted
 
 
 def subject(runs: Sequence[RunResult]) -> str:
-    """Name the scenes of runs, and the run where there is only one; count scenes if there are many."""
+    """Name the scenes of runs, or count the scenes if there are many.
+
+    A single run is named by its title.
+    """
     if len(runs) == 1:
         return runs[0].title
     names = dict.fromkeys(run.scene.name for run in runs)
@@ -45,12 +47,6 @@ def number(value: float) -> str:
 def note(facts: Iterable[str]) -> str:
     """Join facts to the line below a title."""
     return "; ".join(facts)
-
-
-def remarks(runs: Sequence[RunResult]) -> tuple[str, ...]:
-    """List the caveats that stand beside the levels of runs."""
-    gathered = caveats.gathered([(run.label, caveats.stored(run.summary)) for run in runs])
-    return tuple(remark.line for remark in gathered)
 
 
 def gaps(values: Iterable[float | None]) -> Array:

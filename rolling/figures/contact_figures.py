@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
+from numpy.typing import NDArray
 
 from rolling._typing import Array
 from rolling.contact.recovery import EventStatistics
@@ -29,15 +31,14 @@ from rolling.simulation.run_result import RunResult
 from rolling.simulation.simulate import Snapshot
 from rolling.surface import scene_surface
 
-_MAP_SIDE_IN = 2.7  # of pressure and of deflection
+_MAP_SIDE_IN = 2.7  # side of the maps of pressure and deflection
 _TALLEST_SURFACE_IN, _PROFILE_IN = 3.6, 1.1
 _ENERGIES_PER_DECADE = 5
-_SMALLEST_SHARE = 1e-6  # of the maximum energy: the axis begins there
+_SMALLEST_SHARE = 1e-6  # share of the maximum energy at which the axis begins
 _MOST_DURATIONS = 50  # columns of a distribution of durations
 
 
 # ---- surface
-# ---------------------------------------------------------------------------------------------------------
 
 
 def surface(run: RunResult) -> Picture:
@@ -56,7 +57,7 @@ def surface(run: RunResult) -> Picture:
     title, note = f"Surface: {captions.subject([run])}", _surface_note(run, heights)
     boxes = _surface_boxes(heights.shape[1] / nodes)
     lay_out(figure, title, note, dict(zip((plot, bar, below), boxes, strict=True)))
-    columns = {"along the track [µm]": along, "height [µm]": profile}
+    columns = {"along_um": along, "height_um": profile}
     return Picture("surface", f"{title}: {note}", figure, columns)
 
 
@@ -90,7 +91,6 @@ def _surface_boxes(ratio: float) -> tuple[Box, Box, Box]:
 
 
 # ---- contact
-# ---------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -102,37 +102,45 @@ class ContactScales:
     reach : float, m. Distance from the sphere to the edge of a map.
     pressure : float, Pa. Maximum pressure.
     deflection : float, m. Maximum deflection.
+    runs : int. Number of runs that are compared.
     """
 
     reach: float
     pressure: float
     deflection: float
+    runs: int
 
     @classmethod
-    def of(cls, runs: Sequence[RunResult]) -> ContactScales:
-        """Derive the scales from all runs that have a snapshot."""
+    def of(cls, runs: Sequence[RunResult]) -> ContactScales | None:
+        """Derive the scales from all runs that have a snapshot; None where none has."""
         compared = [(run, run.result.snapshot) for run in runs if run.result.snapshot is not None]
+        if not compared:
+            return None
         return cls(
             max(_reach(run, snapshot) for run, snapshot in compared),
             max(float(snapshot.pressure.max()) for _, snapshot in compared),
             max(float(snapshot.deflection.max()) for _, snapshot in compared),
+            len(runs),
         )
 
 
-def contact(run: RunResult, among: Sequence[RunResult]) -> Picture | None:
-    """Draw pressure and deflection of a run's snapshot on the scales of all runs; None without a
-    snapshot.
+def contact(run: RunResult, scales: ContactScales | None) -> Picture | None:
+    """Draw pressure and deflection of a run's snapshot on the scales of all runs.
+
+    Returns
+    -------
+    picture : Picture. None without a snapshot.
     """
     snapshot = run.result.snapshot
-    if snapshot is None:
+    if snapshot is None or scales is None:
         return None
     figure = blank()
-    places = _draw_contact(figure, run, snapshot, ContactScales.of(among))
+    places = _draw_contact(figure, run, snapshot, scales)
     title = f"Contact: {captions.subject([run])}"
     facts = [f"sphere at {snapshot.distance * 1e6:.4g} µm"]
     if np.isfinite(run.scene.hardness):
         facts.append(f"hardness {run.scene.hardness * 1e-9:.4g} GPa")
-    if len(among) > 1:
+    if scales.runs > 1:
         facts.append("same scales for all runs compared")
     note = captions.note(facts)
     lay_out(figure, title, note, places)
@@ -142,7 +150,7 @@ def contact(run: RunResult, among: Sequence[RunResult]) -> Picture | None:
 def _draw_contact(
     figure: Figure, run: RunResult, snapshot: Snapshot, scales: ContactScales
 ) -> dict[Axes, Box]:
-    """Draw the maps of pressure and deflection; return the boxes of all axes."""
+    """Draw the maps of pressure and deflection, and return the boxes of all axes."""
     along, across = _sphere_position(run, snapshot)
     places: dict[Axes, Box] = {}
     maps = (
@@ -180,7 +188,6 @@ def _reach(run: RunResult, snapshot: Snapshot) -> float:
 
 
 # ---- recovery events
-# -------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -211,19 +218,9 @@ class EventDistribution:
         )
         return cls(*quantity, edges, counts / counts.sum(), released / released.sum())
 
-    @property
-    def columns(self) -> dict[str, Array]:
-        """The bins as columns of a table."""
-        return {
-            f"{self.name}, lower edge [{self.unit}]": self.edges[:-1],
-            f"{self.name}, upper edge [{self.unit}]": self.edges[1:],
-            f"{self.name}: share of the events": self.events,
-            f"{self.name}: share of the release": self.release,
-        }
-
 
 def event_distributions(run: RunResult) -> tuple[EventDistribution, EventDistribution] | None:
-    """Sort the recovery events of a run by energy and by duration; None without events."""
+    """Sort the recovery events of a run by energy and by duration, if it has any."""
     table = run.events
     if table is None or run.event_statistics is None:
         return None
@@ -244,7 +241,12 @@ def event_distributions(run: RunResult) -> tuple[EventDistribution, EventDistrib
 
 
 def recovery_events(run: RunResult) -> Picture | None:
-    """Draw the distributions of energy and duration of the recovery events; None without events."""
+    """Draw the distributions of energy and duration of the recovery events.
+
+    Returns
+    -------
+    picture : Picture. None without events.
+    """
     distributions, statistics = event_distributions(run), run.event_statistics
     if distributions is None or statistics is None:
         return None
@@ -262,12 +264,23 @@ def recovery_events(run: RunResult) -> Picture | None:
         places[ax] = (LEFT_IN + index * (width + gap), BOTTOM_IN, width, 3.0)
     energies = distributions[0].edges
     figure.axes[0].set_xscale("log")
-    # The tail reaches down to the rounding of the solution: millionths of the maximum.
+    # Energies below a millionth of the maximum are rounding of the solution.
     figure.axes[0].set_xlim(left=max(energies[0], _SMALLEST_SHARE * energies[-1]))
     figure.axes[1].set_ylabel("")
     lay_out(figure, title, note, places)
-    columns = distributions[0].columns | distributions[1].columns
-    return Picture("recovery_events", f"{title}: {note}", figure, columns)
+    return Picture("recovery_events", f"{title}: {note}", figure, _event_columns(distributions))
+
+
+def _event_columns(distributions: Sequence[EventDistribution]) -> dict[str, NDArray[Any]]:
+    """Return the bins of all distributions as a table."""
+    names = [f"{each.name}_{each.unit.lower()}" for each in distributions]
+    return {
+        "quantity": np.repeat(names, [len(each.events) for each in distributions]),
+        "lower_edge": np.concatenate([each.edges[:-1] for each in distributions]),
+        "upper_edge": np.concatenate([each.edges[1:] for each in distributions]),
+        "share_of_events": np.concatenate([each.events for each in distributions]),
+        "share_of_release": np.concatenate([each.release for each in distributions]),
+    }
 
 
 def _events_note(statistics: EventStatistics, step: float) -> str:

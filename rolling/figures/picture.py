@@ -1,7 +1,7 @@
 """A figure with its curves, written as PNG, SVG and CSV; the same figure gives the same bytes.
 
-Sizes are fixed in inches and not fitted to the content. Plots of the same kind therefore lie on one
-another, and drawing takes half the time.
+Sizes are fixed in inches and not fitted to the content. Plots of the same kind therefore have the
+same layout, and drawing takes half the time.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import zip_longest
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -21,21 +22,22 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
+from numpy.typing import NDArray
 
-from rolling._typing import Array
 from rolling.folders.files import write_bytes
 from rolling.simulation.labels import printable
 
 DPI = 110
+MOST_NAMED = 24  # curves; a legend of more takes more room than they do
 WIDTH_IN = 8.5
-SIDE_IN = 0.12  # of white on either side of titles and legends
-# about the axes: tick labels, axis label, titles
+SIDE_IN = 0.12  # white margin on either side of titles and legends
+# margins of the axes for tick labels, axis label and titles
 LEFT_IN, RIGHT_IN, BOTTOM_IN, TOP_IN = 0.85, 0.2, 0.6, 0.68
 BAR_IN = 0.16  # width of a colour bar
-BAR_ROOM_IN = 1.0  # from the end of its axes to the edge: gap, bar, tick labels, label
+BAR_ROOM_IN = 1.0  # from the axes to the edge of the figure: gap, bar, tick labels, label
 Box = tuple[float, float, float, float]  # left, bottom, width and height of axes [inches]
-_ROW_IN = 0.2  # of a legend
-_TALL_IN = 3.5  # the only axes of a picture
+_ROW_IN = 0.2  # height of a row in a legend
+_TALL_IN = 3.5  # height of single axes
 
 
 @dataclass(frozen=True)
@@ -47,17 +49,14 @@ class Picture:
     name : str. Stem of its files.
     alt : str. Description for readers who do not see it.
     figure : matplotlib figure.
-    columns : mapping of arrays. Every plotted curve by its name with unit; lengths may differ. Maps
-        have none.
-    remarks : tuple of str. First lines of its CSV, each behind a `#`. Pictures without levels have
-        none.
+    columns : mapping of arrays, of numbers or text. The plotted curves as a table; names end in the
+        unit. Maps have none.
     """
 
     name: str
     alt: str
     figure: Figure
-    columns: Mapping[str, Array]
-    remarks: tuple[str, ...] = ()
+    columns: Mapping[str, NDArray[Any]]
 
     def png(self) -> bytes:
         """Return the figure as a PNG file."""
@@ -72,13 +71,13 @@ class Picture:
     @cached_property  # folder and page both need it, and drawing takes long
     def _svg(self) -> bytes:
         content = io.BytesIO()
-        # Ids from the name instead of at random, and no date: the same figure gives the same file.
+        # Ids derive from the name and the date is left out, so the same figure gives the same file.
         with matplotlib.rc_context({"svg.hashsalt": self.name}):
             self.figure.savefig(content, format="svg", dpi=DPI, metadata={"Date": None})
         return content.getvalue()
 
     def csv(self) -> bytes:
-        """Return a table: the remarks, then the curves as columns under their names.
+        """Return the curves as a table, with their names in its first line.
 
         A value that is not finite leaves its cell empty.
         """
@@ -86,17 +85,11 @@ class Picture:
 
     @cached_property
     def _csv(self) -> bytes:
-        columns = [
-            [
-                "" if gap else f"{value:.9g}"
-                for value, gap in zip(values.tolist(), ~np.isfinite(values), strict=True)
-            ]
-            for values in self.columns.values()
+        rows = [
+            [quoted(name, ",") for name in self.columns],
+            *zip_longest(*map(_cells, self.columns.values()), fillvalue=""),
         ]
-        rows = [[quoted(name, ",") for name in self.columns], *zip_longest(*columns, fillvalue="")]
-        return "".join(
-            f"{line}\n" for line in [*map(comment, self.remarks), *map(",".join, rows)]
-        ).encode()
+        return "".join(f"{','.join(row)}\n" for row in rows).encode()
 
     def plot_area(self) -> tuple[float, float, float, float]:
         """Return left, bottom, right and top of the first axes, as shares of the figure."""
@@ -122,7 +115,8 @@ def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, Box]) -
     """Place axes, title, note and legend, and set the height of the figure.
 
     Title, note and legend are set smaller where they are too long for the width. The legend shows
-    the curves of the first axes. Text is drawn as it stands: a dollar begins no formula.
+    the curves of the first axes, unless there are more than `MOST_NAMED`. Text is drawn as it
+    stands: a dollar begins no formula.
 
     Parameters
     ----------
@@ -133,6 +127,8 @@ def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, Box]) -
         titles.
     """
     handles, labels = next(iter(places)).get_legend_handles_labels()
+    if len(labels) > MOST_NAMED:
+        handles, labels, note = [], [], f"{note}; {len(labels)} curves, named in the table"
     labels = [drawable(label) for label in labels]
     room = WIDTH_IN - 2 * SIDE_IN
     across = max(1, int(room / (0.75 + 0.068 * max(map(len, labels), default=0))))
@@ -152,7 +148,7 @@ def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, Box]) -
             borderaxespad=0.0,
             ncols=across,
             fontsize=8.5,
-            handlelength=3.4,  # long enough to tell the line styles apart
+            handlelength=3.4,  # long enough to distinguish the line styles
             frameon=False,
         )
         for text in legend.get_texts():
@@ -165,9 +161,9 @@ def lay_out(figure: Figure, title: str, note: str, places: Mapping[Axes, Box]) -
 
 
 def _fit(drawn: Artist, texts: Sequence[Text], room: float) -> None:
-    """Set texts smaller until the artist that holds them is no wider than the room [dots]."""
+    """Shrink texts until the artist that holds them is no wider than the room [dots]."""
     size = float(texts[0].get_fontsize())
-    # Letters are fitted to dots, so a line does not shrink exactly as its letters do.
+    # Letters snap to dots, so a line shrinks only roughly in proportion to its letters.
     while (wide := drawn.get_window_extent().width) > room:
         size *= min(0.99, room / wide)
         for text in texts:
@@ -175,7 +171,10 @@ def _fit(drawn: Artist, texts: Sequence[Text], room: float) -> None:
 
 
 def drawable(text: str) -> str:
-    """Escape letters that the font of the pictures lacks, so that different texts look different."""
+    """Escape letters that the font of the pictures lacks.
+
+    Different texts therefore look different.
+    """
     known = _letters()
     return "".join(
         x if ord(x) in known else x.encode("unicode_escape").decode("ascii") for x in text
@@ -192,16 +191,15 @@ def single(
     name: str,
     title: str,
     note: str,
-    columns: Mapping[str, Array],
+    columns: Mapping[str, NDArray[Any]],
     draw: Callable[[Axes], object],
-    remarks: Sequence[str] = (),
 ) -> Picture:
     """Make a picture with one pair of axes.
 
     Parameters
     ----------
-    name, title, note, columns, remarks : see `Picture` and `lay_out`.
-    draw : function of axes. Draws the curves.
+    name, title, note, columns : see `Picture` and `lay_out`.
+    draw : function of axes. It draws the curves.
     """
     figure = blank()
     ax = figure.add_subplot()
@@ -209,11 +207,20 @@ def single(
     lay_out(
         figure, title, note, {ax: (LEFT_IN, BOTTOM_IN, WIDTH_IN - LEFT_IN - RIGHT_IN, _TALL_IN)}
     )
-    return Picture(name, f"{title}: {note}", figure, columns, tuple(remarks))
+    return Picture(name, f"{title}: {note}", figure, columns)
 
 
 # ---- tables as text
-# --------------------------------------------------------------------------------------------------
+
+
+def _cells(values: NDArray[Any]) -> list[str]:
+    """Write a column of a table, numbers with nine digits."""
+    if values.dtype.kind in "US":
+        return [quoted(text, ",") for text in values.tolist()]
+    return [
+        "" if gap else f"{value:.9g}"
+        for value, gap in zip(values.tolist(), ~np.isfinite(values), strict=True)
+    ]
 
 
 def comment(remark: str) -> str:

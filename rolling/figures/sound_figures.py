@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from acoustics import plots as sound_plots
 from acoustics.bands import BAND_NAMES, MID_HZ
@@ -38,13 +40,15 @@ from rolling.simulation.run_result import RunResult
 
 # label, levels [dB], standard uncertainty [dB]
 LevelCurve = tuple[str, list[float | None], list[float | None]]
+# label, levels [dB] and standard uncertainty [dB] by band
+BandCurve = tuple[str, Mapping[str, float | None], Mapping[str, float | None]]
 
 _TALL_IN = 3.5  # height of axes
 _UNCERTAINTY = "bars: standard uncertainty of Gaussian noise of that duration"
 
 
 class SoundViews:
-    """Spectra of a run's sound, each computed when it is first needed."""
+    """Spectra of a run's sound, each computed when it is first used."""
 
     def __init__(self, run: RunResult) -> None:
         self._sound, self._scene = run.sound, run.scene
@@ -62,7 +66,9 @@ class SoundViews:
         rate = len(power) / self._sound.duration
         sound = self._scene.sound
         frequency, level = article_line_level_db(power, rate, sound.distance_m, sound.q)
-        if self._sound.levels.level_db is None:  # the lines of a steady power are rounding
+        if (
+            self._sound.levels.level_db is None
+        ):  # the lines of a constant power contain rounding errors only
             level = np.full_like(level, -np.inf)
         return Lines.audible(frequency, level)
 
@@ -84,15 +90,15 @@ class SoundViews:
 
     @cached_property
     def density_extremes(self) -> list[float]:
-        """Minimum and maximum level of the spectrogram, dB, without the lowest fiftieth: gaps
-        between peaks.
+        """The extreme levels of the spectrogram, dB, without the lowest fiftieth.
+
+        The lowest fiftieth consists of gaps between peaks.
         """
         shown = self.spectrogram.level_db[np.isfinite(self.spectrogram.level_db)]
         return [float(np.quantile(shown, 0.02)), float(shown.max())] if len(shown) else []
 
 
-# The curves of each run set the axes of all the others: they are computed once and kept as long as
-# the run.
+# The axes of a figure depend on the curves of all runs, so the curves are kept as long as the run.
 _views_by_run: WeakKeyDictionary[RunResult, SoundViews] = WeakKeyDictionary()
 
 
@@ -104,16 +110,19 @@ def views(run: RunResult) -> SoundViews:
 
 
 # ---- spectra
-# ---------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class SpectrumKind:
-    """A kind of spectrum that pictures show, with the lines that a run has of it."""
+    """A kind of spectrum in the pictures, with a function that computes its lines for a run.
+
+    column : str. Name of its levels in a table.
+    """
 
     name: str
     title: str
     ylabel: str
+    column: str
     lines: Callable[[RunResult], Lines]
 
 
@@ -121,34 +130,106 @@ A_WEIGHTED = SpectrumKind(
     "spectrum",
     "A-weighted spectrum",
     "A-weighted line level [dB re 20 µPa]",
+    "a_weighted_line_level_db",
     lambda run: views(run).a_weighted,
 )
 ARTICLE = SpectrumKind(
     "article_spectrum",
     "Per FFT line as Lee, Kim & Kim (2025)",
     "A-weighted line level [dB re 1 pW/m²]",
+    "a_weighted_line_level_db_re_1_pw_m2",
     lambda run: views(run).article,
 )
 PSD = SpectrumKind(
     "psd",
     "Power spectral density",
     "density level [dB re (20 µPa)²/Hz]",
+    "density_level_db_per_hz",
     lambda run: views(run).psd,
 )
+_WEIGHTINGS: dict[str, Callable[[RunResult], Mapping[str, float | None]]] = {
+    "Z": lambda run: run.sound.levels.third_octave_db,
+    "A": lambda run: run.sound.levels.third_octave_a_db,
+}
 
 
-def spectra(shown: Sequence[RunResult], among: Sequence[RunResult]) -> Iterator[Picture]:
-    """Draw the spectra of runs, one curve each, on the axes of all the runs `among`."""
+# ---- scales
+
+
+@dataclass(frozen=True)
+class CurveScales:
+    """Scales that the spectra and third octaves of compared runs share.
+
+    Parameters
+    ----------
+    spectra : dict of pairs. Limits of the level axis [dB] by name of the kind.
+    third_octaves : dict of pairs. Limits of the level axis [dB] by weighting.
+    shortest_s : float, s. Duration of the shortest record without its repetitions. A band that is
+        too uncertain in any run is grey in all of them.
+    """
+
+    spectra: Mapping[str, tuple[float, float]]
+    third_octaves: Mapping[str, tuple[float, float]]
+    shortest_s: float
+
+    @classmethod
+    def of(cls, runs: Sequence[RunResult]) -> CurveScales:
+        """Derive the scales from all runs that are compared."""
+        spectra = {}
+        for kind in (A_WEIGHTED, ARTICLE, PSD):
+            drawn = [run for run in runs if kind is not ARTICLE or run.sound.constant_speed]
+            spectra[kind.name] = sound_plots.level_limits(
+                level for run in drawn for level in kind.lines(run).extremes
+            )
+        bands = {
+            weighting: sound_plots.level_limits(
+                level for run in runs for level in levels_of(run).values()
+            )
+            for weighting, levels_of in _WEIGHTINGS.items()
+        }
+        return cls(spectra, bands, min(unrepeated_seconds(run) for run in runs))
+
+
+@dataclass(frozen=True)
+class TimeScales:
+    """Scales that the pictures over time of compared runs share.
+
+    Parameters
+    ----------
+    density : pair of float, dB. Levels of the first and the last colour of a spectrogram.
+    power_share : pair of float. Limits of the power axis as shares of the mean.
+    runs : int. Number of runs that are compared.
+    """
+
+    density: tuple[float, float]
+    power_share: tuple[float, float]
+    runs: int
+
+    @classmethod
+    def of(cls, runs: Sequence[RunResult]) -> TimeScales:
+        """Derive the scales from all runs that are compared."""
+        density = sound_plots.level_limits(
+            level for run in runs for level in views(run).density_extremes
+        )
+        shares = np.array(
+            [sound_plots.power_share(run.sound.power, run.sound.mean_power) for run in runs]
+        )
+        return cls(density, (float(shares[:, 0].min()), float(shares[:, 1].max())), len(runs))
+
+
+# ---- pictures of spectra
+
+
+def spectra(shown: Sequence[RunResult], scales: CurveScales) -> Iterator[Picture]:
+    """Draw the spectra of runs, one curve per run, on common scales."""
     distance, duration = captions.distance(shown), captions.duration(shown)
     lines = captions.common("lines of", [1 / run.sound.duration for run in shown], "Hz")
-    yield _spectrum(A_WEIGHTED, [distance, duration, lines], shown, among)
+    yield _spectrum(A_WEIGHTED, [distance, duration, lines], shown, scales)
     steady = [run for run in shown if run.sound.constant_speed]
     if steady:
         q = captions.common("q =", [run.scene.sound.q for run in steady])
         facts = [distance, q, duration, lines, "lines of noise fall as T grows"]
-        yield _spectrum(
-            ARTICLE, facts, steady, [run for run in among if run.sound.constant_speed], shown
-        )
+        yield _spectrum(ARTICLE, facts, steady, scales, shown)
     densities = [views(run).welch for run in shown]
     facts = [
         distance,
@@ -157,105 +238,93 @@ def spectra(shown: Sequence[RunResult], among: Sequence[RunResult]) -> Iterator[
         captions.common("lines of", [density.line_width_hz for density in densities], "Hz"),
         captions.common("ENBW", [density.enbw_hz for density in densities], "Hz"),
     ]
-    yield _spectrum(PSD, facts, shown, among)
+    yield _spectrum(PSD, facts, shown, scales)
 
 
 def _spectrum(
     kind: SpectrumKind,
     facts: Sequence[str],
     shown: Sequence[RunResult],
-    among: Sequence[RunResult],
+    scales: CurveScales,
     subject: Sequence[RunResult] = (),
 ) -> Picture:
-    """Draw one kind of spectrum; its title names the `subject`, or the runs shown."""
+    """Draw a kind of spectrum; its title names the `subject`, or by default the runs shown."""
     curves = [(run.label, kind.lines(run)) for run in shown]
-    limits = sound_plots.level_limits(level for run in among for level in kind.lines(run).extremes)
-    mean = f"mean over 1/{sound_plots.PER_OCTAVE} octave"
     if sound_plots.drawn_as_means(curves):
-        facts = [*facts, f"drawn bold: {mean}"]
+        facts = [*facts, f"drawn bold: mean over 1/{sound_plots.PER_OCTAVE} octave"]
 
     def draw(ax: Axes) -> None:
-        sound_plots.spectrum(ax, curves, limits)
+        sound_plots.spectrum(ax, curves, scales.spectra[kind.name])
         ax.set_ylabel(kind.ylabel)
 
     title = f"{kind.title}: {captions.subject(subject or shown)}"
-    columns = _spectrum_columns(curves, kind.ylabel, mean)
-    return single(kind.name, title, captions.note(facts), columns, draw, captions.remarks(shown))
+    columns = _spectrum_columns(curves, kind.column)
+    return single(kind.name, title, captions.note(facts), columns, draw)
 
 
-def _spectrum_columns(
-    curves: Sequence[tuple[str, Lines]], ylabel: str, mean: str
-) -> dict[str, Array]:
-    """Return lines, and the means where they are drawn, as columns of a table."""
-    columns = _line_columns(
-        [(label, lines.frequency_hz, lines.level_db) for label, lines in curves], "", ylabel
-    )
-    means = [(label, *lines.mean) for label, lines in sound_plots.drawn_as_means(curves)]
-    return columns | _line_columns(means, f"{mean}: ", ylabel)
-
-
-def _line_columns(
-    curves: Iterable[tuple[str, Array, Array]], kind: str, ylabel: str
-) -> dict[str, Array]:
-    """Return frequencies and levels as columns; levels at equal frequencies share one column of
-    them.
-    """
-    columns: dict[str, Array] = {}
-    previous: Array | None = None
-    for label, frequency, level in curves:
-        if previous is None or not np.array_equal(previous, frequency):
-            name = f"{kind}frequency of {label} [Hz]" if columns else f"{kind}frequency [Hz]"
-            previous = columns[name] = frequency
-        columns[f"{kind}{label}: {ylabel}"] = level
-    return columns
+def _spectrum_columns(curves: Sequence[tuple[str, Lines]], level: str) -> dict[str, NDArray[Any]]:
+    """Return the lines of each run, and behind them the means where they are drawn, as a table."""
+    means = dict(sound_plots.drawn_as_means(curves))
+    parts = [
+        (label, smoothed, *of_kind)
+        for label, lines in curves
+        for smoothed, of_kind in (
+            (0, (lines.frequency_hz, lines.level_db)),
+            *([(1, lines.mean)] if label in means else []),
+        )
+    ]
+    counts = [len(frequency) for _, _, frequency, _ in parts]
+    columns: dict[str, NDArray[Any]] = {
+        "smoothed": np.repeat([smoothed for _, smoothed, _, _ in parts], counts),
+        "frequency_hz": np.concatenate([frequency for _, _, frequency, _ in parts]),
+        level: np.concatenate([level_db for _, _, _, level_db in parts]),
+    }
+    if len(curves) == 1:
+        return columns
+    return {"run": np.repeat([label for label, _, _, _ in parts], counts), **columns}
 
 
 # ---- third octaves
-# ---------------------------------------------------------------------------------------------------
 
 
-def third_octaves(shown: Sequence[RunResult], among: Sequence[RunResult]) -> Iterator[Picture]:
-    """Draw unweighted and A-weighted third octaves of runs, one curve each, on the axes of all the
-    runs `among`.
-    """
-    yield _third_octaves(
-        "third_octaves", "Z", lambda run: run.sound.levels.third_octave_db, shown, among
-    )
-    yield _third_octaves(
-        "third_octaves_a", "A", lambda run: run.sound.levels.third_octave_a_db, shown, among
-    )
+def third_octaves(shown: Sequence[RunResult], scales: CurveScales) -> Iterator[Picture]:
+    """Draw unweighted and A-weighted third octaves of runs, one curve per run."""
+    yield _third_octaves("third_octaves", "Z", shown, scales)
+    yield _third_octaves("third_octaves_a", "A", shown, scales)
 
 
 def _third_octaves(
-    name: str,
-    weighting: str,
-    levels: Callable[[RunResult], Mapping[str, float | None]],
-    shown: Sequence[RunResult],
-    among: Sequence[RunResult],
+    name: str, weighting: str, shown: Sequence[RunResult], scales: CurveScales
 ) -> Picture:
-    curves = [(run.label, levels(run), run.sound.uncertainty.third_octave_db) for run in shown]
-    limits = sound_plots.level_limits(level for run in among for level in levels(run).values())
-    columns: dict[str, Array] = {"mid frequency [Hz]": MID_HZ}
-    for label, by_name, uncertainty in curves:
-        columns[f"{label} [dB re 20 µPa]"] = captions.gaps(by_name[band] for band in BAND_NAMES)
-        columns[f"{label}: standard uncertainty [dB]"] = captions.gaps(
-            uncertainty[band] for band in BAND_NAMES
-        )
-    # A band that is too short to be read in one run is grey in all of them.
-    shortest = min(unrepeated_seconds(run) for run in among)
+    levels_of = _WEIGHTINGS[weighting]
+    curves = [(run.label, levels_of(run), run.sound.uncertainty.third_octave_db) for run in shown]
     facts = [captions.distance(shown), captions.duration(shown)]
     if len(curves) <= sound_plots.FEW and any(
         run.sound.levels.level_db is not None for run in shown
     ):
         facts.append(_UNCERTAINTY)
+    limits = scales.third_octaves[weighting]
     return single(
         name,
         f"Third octaves, {weighting}-weighted: {captions.subject(shown)}",
         captions.note(facts),
-        columns,
-        lambda ax: sound_plots.third_octaves(ax, curves, shortest, limits),
-        captions.remarks(shown),
+        _band_columns(curves, "a_weighted_level_db" if weighting == "A" else "level_db"),
+        lambda ax: sound_plots.third_octaves(ax, curves, scales.shortest_s, limits),
     )
+
+
+def _band_columns(curves: Sequence[BandCurve], level: str) -> dict[str, NDArray[Any]]:
+    """Return the bands of each run as a table."""
+    columns: dict[str, NDArray[Any]] = {
+        "mid_frequency_hz": np.tile(MID_HZ, len(curves)),
+        level: captions.gaps(levels[band] for _, levels, _ in curves for band in BAND_NAMES),
+        "standard_uncertainty_db": captions.gaps(
+            uncertainty[band] for _, _, uncertainty in curves for band in BAND_NAMES
+        ),
+    }
+    if len(curves) == 1:
+        return columns
+    return {"run": np.repeat([label for label, _, _ in curves], len(BAND_NAMES)), **columns}
 
 
 def unrepeated_seconds(run: RunResult) -> float:
@@ -264,15 +333,11 @@ def unrepeated_seconds(run: RunResult) -> float:
 
 
 # ---- pictures over time
-# ----------------------------------------------------------------------------------------------
 
 
-def spectrogram_of(run: RunResult, among: Sequence[RunResult]) -> Picture:
-    """Draw the spectrogram of a run with the colours of all the runs `among`."""
+def spectrogram_of(run: RunResult, scales: TimeScales) -> Picture:
+    """Draw the spectrogram of a run with the colours of all runs compared."""
     shown = views(run).spectrogram
-    limits = sound_plots.level_limits(
-        level for other in among for level in views(other).density_extremes
-    )
     title = f"Spectrogram: {captions.subject([run])}"
     frames = f"frames of {shown.frame_s * 1e3:.3g} ms every {shown.hop_s * 1e3:.3g} ms"
     note = captions.note(
@@ -280,13 +345,14 @@ def spectrogram_of(run: RunResult, among: Sequence[RunResult]) -> Picture:
             captions.distance([run]),
             captions.duration([run]),
             f"{shown.window.capitalize()} {frames}",
-            f"lines of {captions.number(shown.line_width_hz)} Hz, ENBW {captions.number(shown.enbw_hz)} Hz",
+            f"lines of {captions.number(shown.line_width_hz)} Hz, "
+            f"ENBW {captions.number(shown.enbw_hz)} Hz",
             "rows of 1/12 octave",
         ]
     )
     figure = blank()
     ax, bar = figure.add_subplot(), figure.add_subplot()
-    sound_plots.spectrogram(ax, bar, shown, run.sound.duration, limits)
+    sound_plots.spectrogram(ax, bar, shown, run.sound.duration, scales.density)
     width = WIDTH_IN - LEFT_IN - BAR_ROOM_IN
     places = {
         ax: (LEFT_IN, BOTTOM_IN, width, _TALL_IN),
@@ -296,15 +362,11 @@ def spectrogram_of(run: RunResult, among: Sequence[RunResult]) -> Picture:
     return Picture("spectrogram", f"{title}: {note}", figure, {})
 
 
-def release_power(run: RunResult, among: Sequence[RunResult]) -> Picture:
-    """Draw the release power of a run, with one share of the mean for all the runs `among`."""
-    sound = run.sound
-    shares = np.array(
-        [sound_plots.power_share(other.sound.power, other.sound.mean_power) for other in among]
-    )
-    share = float(shares[:, 0].min()), float(shares[:, 1].max())
+def release_power(run: RunResult, scales: TimeScales) -> Picture:
+    """Draw the release power of a run, with limits that all compared runs share."""
+    sound, share = run.sound, scales.power_share
     facts = [captions.duration([run]), "q and distance are not in it"]
-    if len(among) > 1:
+    if scales.runs > 1:
         facts.append(
             f"axis from {share[0]:.3g} to {share[1]:.3g} of the mean, as for all runs compared"
         )
@@ -314,7 +376,7 @@ def release_power(run: RunResult, among: Sequence[RunResult]) -> Picture:
         "release_power",
         f"Release power: {captions.subject([run])}",
         captions.note(facts),
-        {"time [s]": sound.time, "release power [W]": sound.power},
+        {"time_s": sound.time, "release_power_w": sound.power},
         lambda ax: sound_plots.power(
             ax, sound.time, sound.power, sound.mean_power, sound.duration, share
         ),
@@ -322,32 +384,23 @@ def release_power(run: RunResult, among: Sequence[RunResult]) -> Picture:
 
 
 # ---- levels against a swept quantity
-# ---------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class LevelPanel:
-    """Curves of one level against a swept quantity, one for each combination of the other
-    quantities.
+    """Curves of a level against a swept quantity.
+
+    Each combination of the other quantities has a curve.
     """
 
     name: str
     curves: list[LevelCurve]
 
-    @property
-    def columns(self) -> dict[str, Array]:
-        """The curves as columns of a table."""
-        columns: dict[str, Array] = {}
-        for label, level, uncertainty in self.curves:
-            curve = f"{self.name}, {label}" if label else self.name
-            columns[f"{curve} [dB re 20 µPa]"] = captions.gaps(level)
-            columns[f"{curve}: standard uncertainty [dB]"] = captions.gaps(uncertainty)
-        return columns
-
 
 def swept_key(runs: Sequence[RunResult]) -> str | None:
-    """Return the first key whose value differs between runs, or None if the sweep does not tell
-    them apart.
+    """Return the first key whose value differs between runs.
+
+    The result is None if the swept values do not distinguish the runs.
     """
     for key in runs[0].values:
         if all(key in run.values for run in runs) and len({run.values[key] for run in runs}) > 1:
@@ -382,7 +435,10 @@ def level_panels(key: str, runs: Sequence[RunResult], x: Array) -> list[LevelPan
 
 
 def levels(key: str, runs: Sequence[RunResult]) -> Picture:
-    """Draw LAeq and LZeq against a swept quantity, one curve for each combination of the others."""
+    """Draw LAeq and LZeq against a swept quantity.
+
+    Each combination of the other quantities has a curve.
+    """
     x = np.array(sorted({run.values[key] for run in runs}))
     word, unit = labels.named(key)
     xlabel = f"{word} [{unit}]" if unit else word
@@ -394,9 +450,7 @@ def levels(key: str, runs: Sequence[RunResult]) -> Picture:
     gap = 0.3
     width = (WIDTH_IN - LEFT_IN - RIGHT_IN - gap) / 2
     places: dict[Axes, Box] = {}
-    columns: dict[str, Array] = {xlabel: x}
     for index, panel in enumerate(panels):
-        columns |= panel.columns
         ax = figure.add_subplot()
         sound_plots.level_against(ax, x, panel.curves, xlabel, limits)
         ax.set_ylabel("" if index else "level [dB re 20 µPa]")
@@ -406,7 +460,23 @@ def levels(key: str, runs: Sequence[RunResult]) -> Picture:
     title = f"Levels against {word}: {captions.subject(runs)}"
     note = captions.note([captions.distance(runs), captions.duration(runs), _UNCERTAINTY])
     lay_out(figure, title, note, places)
-    return Picture("levels", f"{title}: {note}", figure, columns, captions.remarks(runs))
+    return Picture("levels", f"{title}: {note}", figure, _level_columns(key, x, panels))
+
+
+def _level_columns(key: str, x: Array, panels: Sequence[LevelPanel]) -> dict[str, NDArray[Any]]:
+    """Return the levels of all curves as a table: a row for each value of each curve."""
+    labels_of_curves = [label for label, _, _ in panels[0].curves]
+    columns: dict[str, NDArray[Any]] = {}
+    if len(labels_of_curves) > 1:
+        columns["curve"] = np.repeat(labels_of_curves, len(x))
+    columns[key.rpartition(".")[2]] = np.tile(x, len(labels_of_curves))
+    for panel in panels:
+        name = panel.name.lower()
+        columns[f"{name}_db"] = captions.gaps(db for _, levels, _ in panel.curves for db in levels)
+        columns[f"{name}_standard_uncertainty_db"] = captions.gaps(
+            db for _, _, spread in panel.curves for db in spread
+        )
+    return columns
 
 
 def _level(mean_square: Array) -> Array:

@@ -1,3 +1,1 @@
-"""Folders of this program: how they are made, claimed by one process, replaced, and told from other
-people's files.
-"""
+"""Folders of this program: they are made, claimed by one process, replaced and recognized."""

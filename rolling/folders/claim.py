@@ -1,7 +1,7 @@
-"""Claims: one process at a time works on a folder. The claim is the state `running` in run.json.
+"""Claims: one process at a time works on a folder.
 
-A sweep and the runs in it respect each other's claims. The claim of a process that has ended does
-not count.
+The claim is the state `running` in run.json. A sweep and the runs in it respect each other's
+claims. The claim of a process that has ended does not count.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from rolling.scene.messages import SceneError
 
 try:
     import fcntl
-except ImportError:  # Windows: two commands of the same millisecond are not kept apart there
+except ImportError:  # Windows cannot separate two commands within the same millisecond
     fcntl = None  # type: ignore[assignment]
 
-LOCK = ".lock"  # held for milliseconds, while claims are looked at and changed; an empty file
+LOCK = ".lock"  # empty file, held for milliseconds while claims are read and changed
 PATIENCE = 10.0  # [s]
 INTERRUPTED = "interrupted"
 
@@ -33,7 +33,7 @@ _held: set[str] = set()  # ids of the records that this process has claimed and 
 
 
 class Claim:
-    """A folder that this process works on.
+    """Folder that this process works on.
 
     Leaving the context gives the folder back with the state of the work.
     """
@@ -51,7 +51,7 @@ class Claim:
         self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
     ) -> None:
         try:
-            # a full disk; the claim ends with the process then
+            # On a full disk the claim ends with the process.
             with suppress(OSError, FolderError):
                 state, reason = self._left(error)
                 for run in [*self._running]:
@@ -61,7 +61,9 @@ class Claim:
                     and _is_refusal(error)
                     and self._before.state != "running"
                 ):
-                    run_record.write(self.folder, self._before)  # to the byte: nothing was done
+                    run_record.write(
+                        self.folder, self._before
+                    )  # restores every byte, because nothing was done
                 elif self.record.state == "running":
                     self.mark(self.folder, state, reason)
         finally:
@@ -74,7 +76,8 @@ class Claim:
 
         Raises
         ------
-        OSError : it cannot be written.
+        OSError
+            The state cannot be written.
         """
         if folder == self.folder:
             if state != self.record.state:
@@ -101,8 +104,8 @@ class Claim:
         run_record.write(self.folder, self.record)
 
     def _left(self, error: BaseException | None) -> tuple[State, str | None]:
-        """Return state and reason of work that ended with an error."""
-        if error is None or _is_refusal(error):  # nothing was done
+        """Return state and reason of the work after an error."""
+        if error is None or _is_refusal(error):  # without any work
             before = self._before
             return (
                 ("waiting", "the process was killed")
@@ -123,14 +126,17 @@ def take(folder: Path, kind: Kind, runs: Sequence[str] = (), take_over: bool = F
 
     Parameters
     ----------
-    kind : Kind. The kind that a folder of version 0.1.0, which has no run.json, is given.
-    runs : Names of the folders of its runs; a study adds them to the runs that it has.
-    take_over : bool. Claim the folder even from a process that cannot be seen from here. Default:
-        false.
+    kind : Kind
+        Kind for a folder of version 0.1.0, which has no run.json.
+    runs : sequence of str
+        Names of the folders of its runs; a study adds them to its earlier runs.
+    take_over : bool
+        If true, claim the folder even from a process that cannot be seen from here. Default: false.
 
     Raises
     ------
-    FolderError : another process works on it, on a run in it or on the sweep that it belongs to.
+    FolderError
+        Another process works on the folder, on a run in it or on its sweep.
     """
     owner = owner_of(folder)
     with guard(owner or _unmarked_sweep(folder) or folder):
@@ -164,8 +170,9 @@ def refuse_folder_in_use(folder: Path, record: RunRecord) -> None:
 
 
 def refuse_in_use(folder: Path, record: RunRecord, take_over: bool) -> None:
-    """Raise FolderError if the record is claimed; `take_over` ignores claims that cannot be judged
-    from here.
+    """Raise FolderError if the record is claimed.
+
+    `take_over` ignores claims that cannot be judged from here.
     """
     process = record.process
     if process is None:
@@ -182,12 +189,12 @@ def refuse_in_use(folder: Path, record: RunRecord, take_over: bool) -> None:
 
 
 def owner_of(folder: Path) -> Path | None:
-    """Return the folder of the sweep or study that a run belongs to, None where it stands alone."""
+    """Return the folder of the sweep or study of a run, None if the run stands alone."""
     own = folder.resolve()
     for above in (own.parent, own.parent.parent):
         try:
             record = run_record.read(above)
-        except FolderError:  # somebody else's
+        except FolderError:  # a folder of another program
             continue
         if record is not None and own.relative_to(above).as_posix() in record.runs:
             return above
@@ -195,8 +202,9 @@ def owner_of(folder: Path) -> Path | None:
 
 
 def _unmarked_sweep(folder: Path) -> Path | None:
-    """Return the sweep of version 0.1.0 that a run belongs to; it has no record until it is
-    resumed.
+    """Return the sweep of version 0.1.0 that a run belongs to.
+
+    Such a sweep has no record until it is resumed.
     """
     above = folder.resolve().parent
     return (
@@ -208,12 +216,12 @@ def _unmarked_sweep(folder: Path) -> Path | None:
 
 @contextmanager
 def guard(folder: Path) -> Iterator[None]:
-    """Keep other processes from looking at the claims of a folder and its runs, or from changing
-    them.
+    """Keep other processes from reading or changing the claims of a folder and its runs.
 
     Raises
     ------
-    FolderError : another process does so for too long.
+    FolderError
+        Another process holds the lock for too long.
     """
     deadline = time.monotonic() + PATIENCE
     while (lock := _locked(folder / LOCK)) == -1:
@@ -230,18 +238,19 @@ def guard(folder: Path) -> Iterator[None]:
 
 
 def _locked(path: Path) -> int | None:
-    """Lock a file; return its descriptor, -1 to try again, or None where the file system has no
-    locks.
+    """Lock a file and return its descriptor.
+
+    Return -1 to try again, or None where the file system has no locks.
     """
     if fcntl is None:
         return None
     try:
         lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
-    except OSError:  # a folder that cannot be written says so when its run.json is
+    except OSError:  # an unwritable folder is reported when its run.json is written
         return None
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        # The folder may have got another name since the file was opened.
+        # The folder may have been renamed since the file was opened.
         if path.exists() and os.path.samestat(os.fstat(lock), path.stat()):
             return lock
     except BlockingIOError:

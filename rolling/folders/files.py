@@ -10,12 +10,13 @@ from typing import Any
 
 
 class FolderError(Exception):
-    """The reason why a folder cannot be written or read, and the way out."""
+    """Error of a folder that cannot be written or read, with the way out."""
 
 
 class Stopped(OSError):
-    """An error of the system that stopped work on a run folder, such as a full disk, and the way
-    on.
+    """Error of the system that stopped work on a run folder, with the way on.
+
+    A full disk is such an error.
     """
 
     def __init__(self, cause: OSError, way_on: str) -> None:
@@ -23,7 +24,10 @@ class Stopped(OSError):
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file under a temporary name, then rename it, so that it is either whole or not there."""
+    """Write a file under a temporary name, then rename it.
+
+    The file is therefore either complete or absent.
+    """
     partial = path.with_name(f".{path.name}.partial")
     try:
         with partial.open("wb") as stream:
@@ -31,26 +35,27 @@ def write_bytes(path: Path, content: bytes) -> None:
             stream.flush()
             os.fsync(stream.fileno())
         partial.replace(path)
-    except BaseException:  # Ctrl-C, too
+    except BaseException:  # includes Ctrl-C
         partial.unlink(missing_ok=True)
         raise
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Write a JSON file, whole or not at all."""
+    """Write a JSON file, complete or not at all."""
     write_bytes(path, (json.dumps(content, indent=2, allow_nan=False) + "\n").encode())
 
 
 class Keeper:
-    """A clock for writing results while a run goes on: often, but for at most a twentieth of the
-    time.
+    """Clock for writing results while a run goes on.
+
+    Writing happens often, but takes at most a twentieth of the time.
     """
 
     def __init__(self) -> None:
         self._next = time.monotonic()
 
     def due(self) -> bool:
-        """Return whether it is time to write."""
+        """Tell whether it is time to write."""
         return time.monotonic() >= self._next
 
     def wrote(self, seconds: float) -> None:

@@ -1,4 +1,4 @@
-"""New folders of this program, and folders that replace older ones.
+"""New folders of this program, and folders that replace older folders.
 
 All refusals come before anything is touched. A folder that replaces another is made under a
 temporary name beside it. The older folder stays as OUT.previous until the work in the new folder is
@@ -23,19 +23,26 @@ from rolling.folders.files import FolderError
 from rolling.folders.run_record import Kind, RunRecord
 
 PREVIOUS = ".previous"
-MOMENT = 60.0  # [s]; a folder without run.json for longer is not being made just now
-Fill = Callable[[Path], object]  # writes the inputs of a run into its folder
+MOMENT = 60.0  # [s]; a folder that lacks run.json for longer is no longer being made
+Fill = Callable[[Path], object]  # function that writes the inputs of a run into its folder
 
 
 @dataclass(frozen=True)
 class Target:
-    """A folder that may be made.
+    """Folder that may be made.
 
-    folder : Path. The folder itself; if `stamped`, its parent.
-    stamped : bool. Whether the folder is named after the time.
-    replaces : bool. Whether a folder of this program is there, which the new folder replaces.
-    kinds : The kinds of folders that the command makes, and may replace.
-    inputs : The files and folders that the command reads.
+    Attributes
+    ----------
+    folder : Path
+        Folder itself, or its parent if `stamped`.
+    stamped : bool
+        If true, the folder is named after the time.
+    replaces : bool
+        If true, the new folder replaces a folder of this program.
+    kinds : tuple of Kind
+        Kinds of folders that the command makes, and may replace.
+    inputs : tuple of Path
+        Files and folders that the command reads.
     """
 
     folder: Path
@@ -52,16 +59,21 @@ def aim(
 
     Parameters
     ----------
-    base : Path. Parent of a folder named after the time, which is made where `out` is None.
-    out : Path. The folder to make.
-    force : bool. Allow a folder of these kinds at `out` to be replaced, if nothing foreign is in
-        it.
-    kinds : The kinds of folders that the command makes.
-    inputs : The files and folders that the command reads; none may be replaced.
+    base : Path
+        Parent of a folder that is named after the time, which is made where `out` is None.
+    out : Path
+        Folder to make.
+    force : bool
+        If true, a folder of these kinds at `out` may be replaced, if nothing foreign is in it.
+    kinds : sequence of Kind
+        Kinds of folders that the command makes.
+    inputs : sequence of Path
+        Files and folders that the command reads; none may be replaced.
 
     Raises
     ------
-    FolderError : `out` is taken, or replacing it would lose something.
+    FolderError
+        `out` is taken, or replacing it would lose something.
     """
     if out is None:
         return Target(base, True, False, tuple(kinds), tuple(inputs))
@@ -99,12 +111,16 @@ def _aim(out: Path, force: bool, kinds: Sequence[Kind], inputs: Sequence[Path]) 
 
 
 def make(target: Target, record: RunRecord, fill: Fill = lambda folder: None) -> Claim:
-    """Make the folder of a target and claim it for this process: run.json first, then its inputs.
+    """Make the folder of a target and claim it for this process.
+
+    It writes run.json first, then the inputs.
 
     Raises
     ------
-    FolderError : it cannot be made, or another process was faster.
-    OSError : an input cannot be written; nothing is left.
+    FolderError
+        The folder cannot be made, or another process was faster.
+    OSError
+        An input cannot be written; nothing is left.
     """
     if target.stamped:
         return _fill(stamped(target.folder), record, fill, True)
@@ -118,7 +134,8 @@ def stamped(base: Path) -> Path:
 
     Raises
     ------
-    FolderError : it cannot be made.
+    FolderError
+        The folder cannot be made.
     """
     stamp = datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S")
     for k in range(1, 1000):
@@ -135,7 +152,7 @@ def previous(folder: Path) -> Path:
 
 
 def drop_previous(held: Claim) -> Path | None:
-    """Remove the older folder that a claimed folder replaces; return it if it has to stay."""
+    """Remove the older folder that a claimed folder replaces; return it if it must stay."""
     if held.record.replaces is None:
         return None
     old = previous(held.folder)
@@ -147,15 +164,16 @@ def drop_previous(held: Claim) -> Path | None:
                 if _contains(old, Path.cwd()) or own_files.foreign(old, record):
                     return old
                 discarded = _temporary(held.folder)
-                old.rename(discarded)  # so that nobody meets it half removed
+                old.rename(discarded)  # so that no process meets it half removed
             own_files.remove(discarded, record)
     held.forget_replaced()
     return None
 
 
 def is_empty(folder: Path) -> bool:
-    """Return whether a folder is empty, apart from traces of a command that was killed before its
-    first file.
+    """Tell whether a folder is empty.
+
+    Traces of a command that was killed before its first file do not count.
     """
     traces = {claim.LOCK, f".{run_record.FILE}.partial"}
     return all(
@@ -164,8 +182,7 @@ def is_empty(folder: Path) -> bool:
     )
 
 
-# ---- what may be replaced
-# --------------------------------------------------------------------------------------------
+# ---- refusals to replace
 
 
 def _marked(folder: Path, kinds: Sequence[Kind]) -> RunRecord:
@@ -173,7 +190,8 @@ def _marked(folder: Path, kinds: Sequence[Kind]) -> RunRecord:
 
     Raises
     ------
-    FolderError : the folder is not of this program, or of another kind.
+    FolderError
+        The folder belongs to another program, or is of another kind.
     """
     record = run_record.read(folder)
     if record is None:
@@ -183,7 +201,8 @@ def _marked(folder: Path, kinds: Sequence[Kind]) -> RunRecord:
                 " take another --out, or remove it yourself"
             )
         raise FolderError(
-            f"{folder}: holds something that is no {_named(kinds)} of this program; take another --out"
+            f"{folder}: holds something that is no {_named(kinds)} of this program; take another"
+            " --out"
         )
     if record.kind not in kinds:
         raise FolderError(
@@ -200,7 +219,7 @@ def _named(kinds: Sequence[Kind]) -> str:
 
 
 def _refuse_losses(target: Target, record: RunRecord) -> None:
-    """Raise FolderError if replacing the folder would lose data, or is in the way of other work."""
+    """Raise FolderError if replacing the folder would lose data or disturb other work."""
     out = target.folder
     if out.is_symlink():
         raise FolderError(
@@ -214,15 +233,16 @@ def _refuse_losses(target: Target, record: RunRecord) -> None:
     old = previous(out)
     if os.path.lexists(old):
         if old.is_symlink() or not old.is_dir():
-            raise FolderError(f"{old}: the name for what --force replaces is taken; move it away")
+            raise FolderError(f"{old}: the name for the replaced folder is taken; move it away")
         _refuse_loss(old, _marked(old, target.kinds), target.inputs)
 
 
 def _refuse_loss(folder: Path, record: RunRecord, inputs: Sequence[Path]) -> None:
-    """Raise FolderError if removing one folder would lose data."""
+    """Raise FolderError if removing a folder would lose data."""
     if record.adopted:
         raise FolderError(
-            f"{folder}: made by version 0.1.0 and never replaced; take another --out, or remove it yourself"
+            f"{folder}: made by version 0.1.0 and never replaced; take another --out, or remove it"
+            " yourself"
         )
     for path in inputs:
         if _contains(folder, path):
@@ -242,7 +262,7 @@ def _refuse_loss(folder: Path, record: RunRecord, inputs: Sequence[Path]) -> Non
 
 
 def _contains(folder: Path, path: Path) -> bool:
-    """Return whether a folder is the path or holds it, however both are written."""
+    """Tell whether a folder is the path or holds it, however both are written."""
     own = path.resolve()
     for above in (own, *own.parents):
         with suppress(OSError):
@@ -252,7 +272,6 @@ def _contains(folder: Path, path: Path) -> bool:
 
 
 # ---- making
-# ----------------------------------------------------------------------------------------------------------
 
 
 def _mkdir(folder: Path, exist_ok: bool = False) -> None:
@@ -323,12 +342,12 @@ def _both_guarded(out: Path) -> Iterator[None]:
 def _exchange(target: Target, new: Claim) -> None:
     """Give the new folder the name OUT, and the older folder the name OUT.previous.
 
-    An OUT.previous that was done once stays if OUT was never done: the last finished run is kept,
-    whatever happened after it. The folder that is not kept is renamed, too; `_left_over` finds it.
+    An OUT.previous that was done stays if OUT was never done, so the last finished run is always
+    kept. The folder that is not kept is renamed too, and `_left_over` finds it.
     """
     out, old = target.folder, previous(target.folder)
     there = _marked(out, target.kinds)
-    _refuse_losses(target, there)  # nothing has changed since
+    _refuse_losses(target, there)  # again, because other commands may have changed the folder
     before = _marked(old, target.kinds) if os.path.lexists(old) else None
     kept = before if before is not None and before.completed and not there.completed else there
     new.record = replace(new.record, replaces=kept.id)
@@ -378,7 +397,8 @@ def _left_over(out: Path) -> Iterator[tuple[Path, RunRecord]]:
                         claim.refuse_folder_in_use(path, record)
                         yield path, record
                     elif time.time() - path.stat().st_mtime > MOMENT:
-                        # the first of a folder, or the last of a removal
+                        # A command was killed at the start of making it or at the end of removing
+                        # it.
                         yield path, run_record.new("run")
 
 

@@ -1,5 +1,6 @@
-"""The names of the files that this program writes; any other file in its folders is foreign and
-never removed.
+"""Names of the files that this program writes; other files in its folders are foreign.
+
+Foreign files are never removed.
 """
 
 from __future__ import annotations
@@ -45,10 +46,10 @@ _OF_A_RUN = [
     "listen.json",
 ]
 
-# By kind of folder. Folders of other kinds are never replaced.
+# These are the names by kind of folder. Folders of other kinds are never replaced.
 FILES: dict[str, frozenset[str]] = {
     "run": frozenset([*_OF_ALL, *_OF_A_RUN]),
-    "sweep": frozenset([*_OF_ALL, "sweep.json"]),
+    "sweep": frozenset([*_OF_ALL, "sweep.json", "runs.csv"]),
     "accuracy": frozenset(
         [*_INPUTS, *(f"accuracy.{ending}" for ending in ("json", "md", "png", "svg"))]
     ),
@@ -60,8 +61,9 @@ _PARTIAL = re.compile(r"\.(.+)\.partial")
 
 @dataclass(frozen=True)
 class Contents:
-    """The contents of a folder of this program: its own files and folders, inner ones first, and
-    foreign entries.
+    """Contents of a folder of this program: its own files and folders, and foreign entries.
+
+    Inner files and folders come first.
     """
 
     files: list[Path]
@@ -70,12 +72,12 @@ class Contents:
 
 
 def contents(folder: Path, record: RunRecord) -> Contents:
-    """Tell the files of this program in one of its folders, and in the runs in it, from foreign
-    ones.
+    """Separate the files of this program in a folder and its runs from foreign files.
 
     Raises
     ------
-    FolderError : the folder cannot be read.
+    FolderError
+        The folder cannot be read.
     """
     result = Contents([], [], [])
     _sort_run(folder, record, result)
@@ -87,15 +89,16 @@ def foreign(folder: Path, record: RunRecord) -> list[Path]:
 
     Raises
     ------
-    FolderError : the folder cannot be read.
+    FolderError
+        The folder cannot be read.
     """
     return contents(folder, record).foreign
 
 
 def remove(folder: Path, record: RunRecord) -> bool:
-    """Remove a folder of this program unless foreign files are in it; return whether it is gone.
+    """Remove a folder of this program unless foreign files are in it.
 
-    Its run.json goes last.
+    Its run.json goes last. Return whether the folder is gone.
     """
     with suppress(FolderError, OSError):
         inside = contents(folder, record)
@@ -118,8 +121,10 @@ def refuse_file(out: Path, force: bool, is_page: Callable[[Path], bool]) -> None
 
     Parameters
     ----------
-    force : Whether a page of this program may be replaced.
-    is_page : Returns whether a file is such a page.
+    force : bool
+        If true, a page of this program may be replaced.
+    is_page : callable
+        Function that tells whether a file is such a page.
     """
     if not os.path.lexists(out):
         return
@@ -141,7 +146,8 @@ def refuse_file(out: Path, force: bool, is_page: Callable[[Path], bool]) -> None
         ) from error
     if not replaceable:
         raise FolderError(
-            f"{out}: not replaced, because it is not a page that this version can tell as its own; take another --out"
+            f"{out}: not replaced, because it is not a page that this version can tell as its own;"
+            " take another --out"
         )
 
 
@@ -164,7 +170,7 @@ def _sort_run(folder: Path, record: RunRecord, into: Contents) -> None:
 
 
 def _sort_inner(folder: Path, into: Contents) -> None:
-    """Sort a run of a sweep; all of it is foreign when its record is."""
+    """Sort a run of a sweep; all of it is foreign when its record is foreign."""
     try:
         record = run_record.read(folder) or run_record.new("run")  # killed before it was written
     except FolderError:
@@ -176,8 +182,9 @@ def _sort_inner(folder: Path, into: Contents) -> None:
 
 
 def _is_own(entry: os.DirEntry[str], names: frozenset[str] | None) -> bool:
-    """Return whether an entry is a file with one of the names; None stands for the names of
-    variants.
+    """Tell whether an entry is a file with one of the names.
+
+    `names` None stands for the names of variants.
 
     Temporary files of killed writes count as well.
     """

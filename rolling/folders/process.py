@@ -1,5 +1,6 @@
-"""Processes told apart by host, number and birth: a number is used again after its process has
-ended.
+"""Processes identified by host, number and birth.
+
+The number alone does not suffice, because it is used again after its process has ended.
 """
 
 from __future__ import annotations
@@ -22,11 +23,19 @@ PROC = Path("/proc")
 
 @dataclass(frozen=True, config=ConfigDict(strict=True, extra="forbid"))
 class Process:
-    """A process in a form that other processes can recognise.
+    """Process in a form that other processes can recognize.
 
-    started : when it was started, for people.
-    birth : for programs; no two processes of a host and number share it. Empty where the system
-        does not tell it.
+    Attributes
+    ----------
+    host : str
+        Name of the host.
+    pid : int
+        Number of the process.
+    started : str
+        Time of the start, for people.
+    birth : str
+        Birth, for programs; no two processes of a host and number share it. It is empty where the
+        system does not tell it.
     """
 
     host: str
@@ -51,7 +60,7 @@ def this_process() -> Process:
 
 
 def is_alive(process: Process) -> bool | None:
-    """Return whether a process still runs; None where that cannot be seen from here."""
+    """Tell whether a process still runs; return None where that cannot be seen from here."""
     if process.host != _host():
         return None
     ours, theirs = (_birth(os.getpid()) or "").split(), process.birth.split()
@@ -64,14 +73,14 @@ def is_alive(process: Process) -> bool | None:
             return None  # numbers of another container
         birth = _birth(process.pid)
         return None if birth is None and _is_hidden(process.pid) else birth == process.birth
-    if sys.platform == "win32":  # there is no harmless signal there
+    if sys.platform == "win32":  # Windows has no harmless signal
         return None
     birth = _birth(process.pid)
     return birth is not None and birth == process.birth
 
 
 def _is_hidden(pid: int) -> bool:
-    """Return whether the system hides a process of another user (mounts of /proc with hidepid)."""
+    """Tell whether the system hides a process of another user (/proc mounted with hidepid)."""
     try:
         os.kill(pid, 0)
     except PermissionError:
@@ -82,15 +91,19 @@ def _is_hidden(pid: int) -> bool:
 
 
 def _birth(pid: int) -> str | None:
-    """Return boot, number space and start of a process on Linux, its start elsewhere; None for no
-    such process.
+    """Return the birth of a process; return None without such a process.
+
+    It holds boot, number space and start on Linux, and the start elsewhere.
     """
     if (PROC / "self" / "stat").exists():
         with suppress(OSError, ValueError, IndexError):
-            # The second field is the command's name in brackets, which may hold brackets and spaces
-            # itself.
+            # The second field is the name of the command in brackets, which may hold brackets and
+            # spaces itself.
             fields = (PROC / str(pid) / "stat").read_bytes().rpartition(b")")[2].split()
-            if fields[0] not in (b"Z", b"X"):  # neither killed and not yet waited for
+            if fields[0] not in (
+                b"Z",
+                b"X",
+            ):  # excludes killed processes that are not yet waited for
                 boot = (PROC / "sys/kernel/random/boot_id").read_text().strip()
                 return f"{boot} {(PROC / 'self/ns/pid').readlink()} {int(fields[19])}"
         return None
@@ -104,7 +117,7 @@ def _birth(pid: int) -> str | None:
 
 
 def _started(birth: str) -> str:
-    """Return the time of a birth for people; empty where it is not known."""
+    """Return the time of a birth for people, empty where it is unknown."""
     parts = birth.split()
     if len(parts) != 3:
         return birth

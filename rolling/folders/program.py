@@ -1,6 +1,4 @@
-"""The identity of this program: its version, the digest of its sources, and the commit of a
-checkout.
-"""
+"""Identity of this program: its version, the digest of its sources, and its commit."""
 
 from __future__ import annotations
 
@@ -22,11 +20,18 @@ ASSETS = "report/assets"  # folder of the files that the program reads besides i
 
 @dataclass(frozen=True)
 class Identity:
-    """The state of the program that made a result.
+    """State of the program that made a result.
 
-    sources : SHA-256 of all modules and page assets, by name and content.
-    commit : full name of the checkout's commit; None outside a checkout.
-    dirty : whether the checkout differs from the commit; None outside a checkout.
+    Attributes
+    ----------
+    version : str
+        Version of the program.
+    sources : str
+        SHA-256 of all modules and page assets, by name and content.
+    commit : str or None
+        Full name of the commit of the checkout; None outside a checkout.
+    dirty : bool or None
+        If true, the checkout differs from the commit; None outside a checkout.
     """
 
     version: str
@@ -43,7 +48,7 @@ def identity() -> Identity:
 
 
 def sources_digest() -> str:
-    """Return the SHA-256 of the program's own files in a fixed order."""
+    """Return the SHA-256 of the files of the program in a fixed order."""
     digest = hashlib.sha256()
     for name, file in _sources():
         content = file.read_bytes()
@@ -68,7 +73,7 @@ def _checkout() -> tuple[str | None, bool | None]:
     if not (root / ".git").exists():
         return None, None
     git = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
-    # A hook's variables would point git at another repository.
+    # The variables of a hook would point git at another repository.
     environment = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
     try:
         text = subprocess.run(

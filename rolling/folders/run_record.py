@@ -1,5 +1,6 @@
-"""The file `run.json`, which marks a folder of this program: its kind, its state, the process that
-works on it, its maker.
+"""Record `run.json`, which marks a folder of this program.
+
+It holds kind and state of the folder, the process that works on it, and its maker.
 
 A process changes the file only while it holds the folder (see `claim`).
 """
@@ -31,7 +32,7 @@ from rolling.folders.process import Process, this_process
 
 FILE = "run.json"
 FORMAT = 1
-LARGEST = 100_000_000  # [bytes]; ten thousand runs take one
+LARGEST = 100_000_000  # [bytes]; ten thousand runs take one million
 
 Kind = Literal["run", "sweep", "accuracy", "hard-cases", "study"]
 State = Literal["waiting", "running", "done", "failed"]
@@ -53,17 +54,32 @@ def _inner(path: str) -> str:
 
 @dataclass(frozen=True, config=ConfigDict(strict=True, extra="forbid"))
 class RunRecord:
-    """The contents of run.json.
+    """Contents of run.json.
 
-    id : The id of this folder alone.
-    reason : The reason why the work failed, or why it waits after it was begun.
-    process : The process that works on the folder while its state is running.
-    version, sources, commit, dirty : The program that worked on it last (see `program.Identity`).
-    completed : The time when it was done first; later work on it does not change this.
-    runs : The folders of its runs, in the order of the scene's sweep; each has a run.json of its
-        own.
-    replaces : The id of OUT.previous beside it, which is removed when the work is done.
-    adopted : Whether version 0.1.0 made the folder; it is never replaced.
+    Attributes
+    ----------
+    kind : Kind
+        Kind of the folder.
+    state : State
+        State of the work.
+    reason : str or None
+        Reason why the work failed, or why it waits after it was begun.
+    process : Process or None
+        Process that works on the folder while its state is running.
+    id : str
+        Id that belongs to this folder alone.
+    version, sources, commit, dirty : str or None, and bool or None
+        Program that worked on it last (see `program.Identity`).
+    created, changed : str
+        Times of the first and of the last record.
+    completed : str or None
+        Time when the work was first done; later work does not change it.
+    runs : tuple of str
+        Folders of its runs, in the order of the sweep of the scene; each has a run.json of its own.
+    replaces : str or None
+        Id of OUT.previous beside it, which is removed when the work is done.
+    adopted : bool
+        If true, version 0.1.0 made the folder, and it is never replaced.
     """
 
     kind: Kind
@@ -91,8 +107,9 @@ class RunRecord:
         return self
 
     def with_state(self, state: State, reason: str | None = None) -> RunRecord:
-        """Return the record with another state from now on, with this process if the state is
-        running.
+        """Return the record with another state from now on.
+
+        It names this process if the state is running.
         """
         process = this_process() if state == "running" else None
         made_by = asdict(program.identity()) if state == "running" else {}
@@ -110,7 +127,7 @@ class RunRecord:
 
 
 def new(kind: Kind, runs: Sequence[str] = (), adopted: bool = False) -> RunRecord:
-    """Return the record of a new folder, which waits."""
+    """Return the record of a new folder, whose state is waiting."""
     now = _now()
     return RunRecord(
         kind=kind,
@@ -131,7 +148,8 @@ def write(folder: Path, record: RunRecord) -> None:
 
     Raises
     ------
-    OSError : it cannot be written; an earlier one is still there.
+    OSError
+        The file cannot be written; an earlier file is kept.
     """
     files.write_json(folder / FILE, {"program": program.NAME, "format": FORMAT, **asdict(record)})
 
@@ -141,7 +159,8 @@ def read(folder: Path) -> RunRecord | None:
 
     Raises
     ------
-    FolderError : the file is damaged, of a later version or of another program.
+    FolderError
+        The file is damaged, or from a later version or another program.
     """
     path = folder / FILE
     try:

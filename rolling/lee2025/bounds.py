@@ -1,6 +1,6 @@
 """Criteria that compare a number with bounds, such as a ratio, a level or a gap between levels.
 
-The module `statements` says which roughnesses, loads and bounds a statement names.
+The module `statements` gives the roughnesses, loads and bounds of each statement.
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ from rolling.lee2025.measures import (
     series,
 )
 
-# a verdict that stays the same in records up to so many times longer and shorter does not depend on
-# it
+# A verdict does not depend on the record if it holds for records this factor longer and shorter.
 LENGTHS = 10.0
 LG_LENGTH_DB = 5.0  # fall of a line of noise in a record ten times as long (10 lg of an amplitude)
-NO_AREA = 0.005  # of the Hertz area: less than a mark in a figure from 0 to 1
+NO_AREA = 0.005  # share of the Hertz area, less than a mark in a figure from 0 to 1
 LARGE_GAP_DB = 6.0
-# 20 to 50 N is 2.5 times the load, the other steps twice: 1.3 steps come without any jump
+# 20 to 50 N is 2.5 times the load, the other steps are twice: a level without jumps rises 1.3 steps
 LARGEST_STEP = 1.5
 
 
 def ratio_at_each_load(
     study: Cases, measure: Measure, over: float, under: float, low: float, high: float
 ) -> Finding:
-    """Judge whether the ratio of the means on two roughnesses lies between two bounds; each load is
-    a part.
+    """Judge whether the ratio of the means on two roughnesses lies between two bounds.
+
+    Each load is a part.
     """
     checks = []
     for load in study.loads:
@@ -67,8 +67,9 @@ def ratio_at_each_load(
 
 
 def below_limit(study: Cases, roughness: float, limit: float) -> Finding:
-    """Judge whether the maximum pressure of all surfaces stays below a limit [Pa]; each load is a
-    part.
+    """Judge whether the maximum pressure of all surfaces stays below a limit [Pa].
+
+    Each load is a part.
     """
     checks = []
     for load in study.loads:
@@ -80,7 +81,10 @@ def below_limit(study: Cases, roughness: float, limit: float) -> Finding:
 
 
 def no_plastic_area(study: Cases, roughness: float) -> Finding:
-    """Judge whether the plastic area is too small to be seen in a figure; each load is a part."""
+    """Judge whether the plastic area is too small to be visible in a figure.
+
+    Each load is a part.
+    """
     checks = []
     for load in study.loads:
         mean = PLASTIC_RATIO.mean(study.at(roughness, load), study.factor)
@@ -96,7 +100,10 @@ def no_plastic_area(study: Cases, roughness: float) -> Finding:
 
 
 def hardness_reached(study: Cases, roughnesses: Sequence[float]) -> Finding:
-    """Judge whether a part of every surface is at the hardness; each roughness and load is a part."""
+    """Judge whether a part of every surface is at the hardness.
+
+    Each roughness and load is a part.
+    """
     checks = []
     for roughness in roughnesses:
         for load in study.loads:
@@ -117,9 +124,9 @@ def hardness_reached(study: Cases, roughnesses: Sequence[float]) -> Finding:
 def exceeds(
     study: Cases, measure: Measure, roughnesses: Sequence[float], least_db: float
 ) -> Finding:
-    """Judge whether a level exceeds a bound at some load; each roughness is a part.
+    """Judge whether a level exceeds a bound at some load.
 
-    The text names the length of the record at which the verdict would turn.
+    Each roughness is a part. The text names the record length at which the verdict would turn.
     """
     if study.factor != 10:
         return Finding(NOT_RUN, f"{study.factor} lg of a power has no absolute value")
@@ -148,7 +155,7 @@ def gap_over(
     low_db: float,
     high_db: float,
 ) -> Finding:
-    """Judge whether each rougher surface lies above the smooth one by an amount between two bounds.
+    """Judge whether the gap from each rougher surface to the smooth surface is within bounds.
 
     The gap is the mean over the loads; each roughness is a part.
     """
@@ -164,7 +171,7 @@ def gap_over(
             checks.append(Check(ra(roughness), None))
             continue
         mean = float(np.mean([step.mean for step in gaps.values()]))
-        # the same surfaces under all loads
+        # all loads use the same surfaces
         error = float(np.mean([step.error for step in gaps.values()]))
         each = ", ".join(measure.text(step.mean, "+") for step in gaps.values())
         text = f"{measure.text(mean, '+')} dB ({each} at {', '.join(gaps)})"
@@ -181,17 +188,17 @@ def gap_over(
 
 
 def _mean_range(ranges: Sequence[tuple[float, float]]) -> tuple[float, float]:
-    """Return the means of the lower and of the upper ends of ranges."""
+    """Return the means of the lower ends and of the upper ends of ranges."""
     return float(np.mean([low for low, _ in ranges])), float(np.mean([high for _, high in ranges]))
 
 
 def rise_over_loads(
     study: Cases, measure: Measure, lowest: float, highest: float, low_db: float, high_db: float
 ) -> Finding:
-    """Judge whether the rise from one load to another lies between two bounds, averaged over the
-    roughnesses.
+    """Judge whether the mean rise from one load to another lies between two bounds.
 
-    It is near if the rise on one roughness lies between them.
+    The mean is taken over the roughnesses. The verdict is near if the rise on one roughness is
+    within the bounds.
     """
     steps = {}
     for roughness in study.roughnesses:
@@ -228,10 +235,10 @@ def rise_over_loads(
 def flattens(
     study: Cases, measure: Measure, lowest: float, knee: float, highest: float, most: float
 ) -> Finding:
-    """Judge whether a level rises much less per doubling of the load beyond the knee than before
-    it.
+    """Judge whether a level rises much less per doubling of the load beyond the knee.
 
-    The rise beyond may be at most a given share of the rise before. Each roughness is a part.
+    The rise beyond the knee may be at most a given share of the rise before it. Each roughness is a
+    part.
     """
     checks = []
     for roughness in study.roughnesses:
@@ -256,8 +263,9 @@ def flattens(
 def stands_apart(
     study: Cases, measure: Measure, roughness: float, low: float, high: float
 ) -> Finding:
-    """Judge whether the gap between two neighbouring loads is large in itself and larger than any
-    other step.
+    """Judge whether the gap between two neighbouring loads is large.
+
+    It must be large in itself and larger than any other step.
     """
     means = {load: measure.mean(study.at(roughness, load), study.factor) for load in study.loads}
     known = {load: mean for load, mean in means.items() if mean is not None}
@@ -297,8 +305,9 @@ def stands_apart(
 
 
 def within(study: Cases, measure: Measure, roughnesses: Sequence[float], most_db: float) -> Finding:
-    """Judge whether the highest and the lowest mean of the roughnesses lie close together; each
-    load is a part.
+    """Judge whether the maximum and the minimum mean of the roughnesses lie close together.
+
+    Each load is a part.
     """
     checks = []
     for load in study.loads:

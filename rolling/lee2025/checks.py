@@ -1,8 +1,7 @@
-"""Verdicts on statements: a statement has parts that hold or fail, and its verdict follows from
-them.
+"""Verdicts on statements, which follow from parts that hold or fail.
 
-A part may be unsure, where the grid, the number of surfaces or the length of the record could turn
-it. Then the verdict may be unsure, too.
+A part is unsure if the grid, the number of surfaces or the length of the record could turn it. The
+verdict may then be unsure, too.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ import numpy as np
 
 REPRODUCED, PARTLY, NOT, NOT_RUN = "reproduced", "partly", "not", "not run"
 # The grid's error, the number of surfaces or the length of the record may turn this verdict into
-# another one.
+# another verdict.
 UNDECIDED = "undecided"
 GRID, SURFACES, RECORD = "the grid", "the number of surfaces", "the length of the record"
 
@@ -27,10 +26,10 @@ class Check:
     Parameters
     ----------
     place : str. The loads or roughnesses of the part.
-    holds : bool or None. None without cases that can tell.
+    holds : bool or None. None without suitable cases.
     measured : str. The measured numbers, in words. Default: empty.
     numbers : any. The measured numbers. Default: None.
-    near : bool. True if it fails, but not by far. Default: False.
+    near : bool. True if it nearly holds. Default: False.
     unsure : str. GRID, SURFACES or RECORD if that may turn it. Default: empty.
     """
 
@@ -44,7 +43,10 @@ class Check:
 
 @dataclass(frozen=True)
 class Numbers:
-    """The measured values of a finding by place, and the places that hold, fail or have no cases."""
+    """The measured values of a finding by place.
+
+    It also lists the places that hold, fail or have no cases.
+    """
 
     values: dict[str, Any]
     holds: list[str]
@@ -118,7 +120,7 @@ def _verdict(known: Sequence[Check]) -> str:
 def doubt(
     value: float, holds: Callable[[float], bool], grid: tuple[float, float], error: float
 ) -> str:
-    """Return the cause for which a value may fail a test that it passes, or pass one that it fails.
+    """Return the cause for which the result of a test on a value may be wrong.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ def _names(cases: Sequence[Case]) -> list[str]:
 def _judgements(
     claim: Claim, judged: Mapping[str, tuple[Case, ...]], twins: tuple[Case, ...]
 ) -> list[Judgement]:
-    """Judge one claim under all readings, once for each scale of levels where it concerns levels."""
+    """Judge a claim under all readings, and for each scale of levels if it concerns levels."""
     return [
         Judgement(
             name,
@@ -91,8 +91,9 @@ def _judgements(
 
 
 def _finding(claim: Claim, study: Cases) -> Finding:
-    """Judge one claim by the cases of one reading; a sweep judges only the claims about its own
-    variable.
+    """Judge a claim by the cases of a reading.
+
+    A sweep judges only the claims about its own variable.
     """
     if claim.varied == _swept(study):
         return claim.judge(study)
@@ -103,15 +104,16 @@ def _finding(claim: Claim, study: Cases) -> Finding:
 
 
 def _swept(study: Cases) -> str | None:
-    """Return the field that a reading varies besides roughness and load; the reading is about that
-    alone.
+    """Return the field that a reading varies besides roughness and load.
+
+    Such a reading serves for claims about that field alone.
     """
     fields = (claim.varied for claim in OUTLOOK if claim.varied)
     return next((name for name in fields if len(study.values(name)) > 1), None)
 
 
 def _extent(study: Cases, assumptions: str, departs: tuple[str, ...]) -> Extent:
-    """Compare the cases of a reading with the roughnesses, loads and single cases of the article."""
+    """Compare the cases of a reading with the roughnesses, loads and cases of the article."""
     swept = _swept(study)
     lacks: list[str] = []
     if swept is None:

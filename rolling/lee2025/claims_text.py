@@ -39,7 +39,8 @@ def markdown(table: Table) -> str:
     """Write claims.md: the tables, the extent of each reading, each claim in full."""
     parts = [
         "# Claims of Lee, Kim & Kim (2025)",
-        "Verdicts are computed from the cases of each reading; statements are in our own words. \\*: some cases that the"
+        "Verdicts are computed from the cases of each reading; statements are in our own words. "
+        "\\*: some cases that the"
         " statement names were not run.",
         _tables(table),
         "## Cases that were run",
@@ -51,9 +52,7 @@ def markdown(table: Table) -> str:
 
 
 def tables(table: Table) -> str:
-    """Write tables.md, the part of docs/lee2025.md that follows from the study, from its mark to
-    the end.
-    """
+    """Write tables.md, the generated part of docs/lee2025.md from its mark to the end."""
     return f"{DOCS_MARK}\n\n{_tables(table)}\n"
 
 
@@ -78,7 +77,7 @@ def _tables(table: Table) -> str:
 
 
 def headline(table: Table) -> str:
-    """Say how many statements hold in every reading, in none, and how many depend on the reading."""
+    """Count the statements that hold in every reading, in no reading, or depend on the reading."""
     names, state = table.of_kind(READING), table.standing
     if not names or state is None or not state.judged:
         return "No reading was run that could be judged."
@@ -87,14 +86,15 @@ def headline(table: Table) -> str:
         f"{len(state.every)} hold in {f'each of {len(names)} readings' if several else names[0]}",
         f"{len(state.part)} in part",
         f"{len(state.none)} {'in none' if several else 'not at all'}",
-        f"{len(state.differs)} depending on {'the reading or on ' if several else ''}the scale of levels",
+        f"{len(state.differs)} depending on {'the reading or on ' if several else ''}the scale of "
+        "levels",
         f"{len(state.undecided)} undecided",
     ]
     return f"Of {state.judged} judged statements {', '.join(counts)}."
 
 
 def _standing(state: Standing | None) -> list[str]:
-    """Write a table of the statements by their standing, empty without any."""
+    """Write a table of the statements by their standing, or nothing without statements."""
     if state is None:
         return []
     keys_by_standing = {
@@ -114,9 +114,7 @@ def _standing(state: Standing | None) -> list[str]:
 
 
 def _verdicts(table: Table, kind: str, heading: str, words: str) -> list[str]:
-    """Write a table of the verdicts of all readings of a kind on the statements that concern such
-    readings.
-    """
+    """Write a table of the verdicts of all readings of a kind."""
     names = table.of_kind(kind)
     if not names:
         return []
@@ -147,14 +145,14 @@ def _cell(judged: JudgedClaim, reading: str) -> str:
 
 
 def _word(finding: Finding) -> str:
-    """Return the verdict, with its cause where it is undecided."""
+    """Return the verdict, with its cause if it is undecided."""
     return (
         f"{UNDECIDED} ({finding.decided_by})" if finding.verdict == UNDECIDED else finding.verdict
     )
 
 
 def _cautions(table: Table) -> list[str]:
-    """List the cautions, each once with all statements that it concerns."""
+    """List the cautions, each once with all its statements."""
     keys_by_caution: dict[str, list[str]] = {}
     for judged in table.claims:
         if judged.claim.caution:
@@ -173,7 +171,10 @@ def _extent(name: str, extent: Extent) -> str:
 
 
 def _scores(table: Table) -> list[str]:
-    """Write the scores: first of the readings, with the leader if there is one, then of the rest."""
+    """Write the scores of the readings, then the scores of variations and sweeps.
+
+    The leading reading is named if there is a clear lead.
+    """
     if not table.scores:
         return []
     readings = [score for score in table.scores if table.kind(score.reading) == READING]
@@ -185,11 +186,15 @@ def _scores(table: Table) -> list[str]:
     )
     if first:
         words += (
-            f"**{first.reading} with {first.scale} lg explains more than the other readings, by {standing.LEAD:g} statements"
+            f"**{first.reading} with {first.scale} lg explains more than the other readings, "
+            f"by {standing.LEAD:g} statements"
             " or more.**"
         )
     else:
-        words += f"**No reading leads by {standing.LEAD:g} statements or more: none explains the article best.**"
+        words += (
+            f"**No reading leads by {standing.LEAD:g} statements or more: "
+            "none explains the article best.**"
+        )
     parts = ["### Statements that each explains", words, _score_table(readings)]
     rest = [score for score in table.scores if score not in readings]
     return (
@@ -214,9 +219,7 @@ def _score_table(scores: Sequence[Score]) -> str:
 
 
 def _paragraph(judged: JudgedClaim) -> str:
-    """Write a claim in full: the statement, its place, the tolerance, a caution, and all measured
-    numbers.
-    """
+    """Write a claim in full: statement, place, tolerance, caution, and all measured numbers."""
     claim = judged.claim
     head = [
         f"### {claim.key}",

@@ -1,7 +1,6 @@
-"""Figures of curves: plastic ratio (Fig. 7), spectra (Fig. 8), maximum levels (Fig. 9), and
-correlation length.
+"""Figures of curves: plastic ratio, spectra, maximum levels and correlation length.
 
-All readings are drawn on the same axes.
+They are Fig. 7 to 9 of the article. All readings are drawn on the same axes.
 """
 
 from __future__ import annotations
@@ -29,9 +28,7 @@ _SCALE_ROOM_IN = 0.75  # room for the axis on the right
 
 
 def plastic_ratio(reading: Reading, on: Scales) -> Picture:
-    """Draw Fig. 7: plastic area over the Hertz area against load, mean and standard deviation over
-    surfaces.
-    """
+    """Draw Fig. 7: plastic area over the Hertz area against load, over all surfaces."""
     figure = blank()
     ax = figure.add_subplot()
     columns = _against_load(
@@ -40,13 +37,17 @@ def plastic_ratio(reading: Reading, on: Scales) -> Picture:
     ax.set_ylim(-0.03 * on.plastic_ratio, on.plastic_ratio)
     shown = shown_roughnesses(reading, on)
     places: dict[Axes, Place] = {ax: (LEFT_IN, BOTTOM_IN, WIDTH_IN - LEFT_IN - RIGHT_IN, 3.5)}
-    note = f"{_surfaces_of(reading.cases)}; mean along the track; Hertz area: of the smooth elastic contact"
+    note = (
+        f"{_surfaces_of(reading.cases)}; mean along the track; Hertz area: "
+        "of the smooth elastic contact"
+    )
     return finish("fig7_plastic_ratio", "Plastic ratio", note, reading, shown, places, columns)
 
 
 def spectra(reading: Reading, on: Scales) -> Picture:
-    """Draw Fig. 8: the article's A-weighted line spectra, a panel for each roughness, a curve for
-    each load.
+    """Draw Fig. 8: the article's A-weighted line spectra.
+
+    Each roughness has a panel, each load a curve.
     """
     figure = blank()
     shown = shown_roughnesses(reading, on)
@@ -59,8 +60,9 @@ def spectra(reading: Reading, on: Scales) -> Picture:
         curves = []
         for load in on.loads:
             frequency, level = _mean_spectrum(reading.at(roughness_um=ra, load_n=load))
-            # The first panel's legend serves all panels: it names the loads of any panel, but no
-            # label "_".
+            # The legend is taken from the first panel, so it must name the loads of all panels.
+            # Labels
+            # that begin with "_" are left out of it.
             curves.append((f"{load:g} N" if reading.at(load_n=load) else "_", frequency, level))
             if len(frequency):
                 _add(columns, f"Ra {ra:g} µm, {load:g} N", frequency, level)
@@ -79,9 +81,7 @@ def spectra(reading: Reading, on: Scales) -> Picture:
 
 
 def maximum_level(reading: Reading, on: Scales) -> Picture:
-    """Draw Fig. 9: maximum A-weighted line level against load, mean and standard deviation over
-    surfaces.
-    """
+    """Draw Fig. 9: maximum A-weighted line level against load, over all surfaces."""
     figure = blank()
     ax = figure.add_subplot()
     label = "maximum A-weighted line level"
@@ -144,7 +144,10 @@ def correlation_length(reading: Reading) -> Picture:
     }
     shown = sorted({case.roughness_um for case in reading.cases})
     loads = sorted({case.load_n for case in reading.cases})
-    conditions = f"Ra {', '.join(f'{ra:g}' for ra in shown)} µm; {', '.join(f'{load:g}' for load in loads)} N"
+    conditions = (
+        f"Ra {', '.join(f'{ra:g}' for ra in shown)} µm; "
+        f"{', '.join(f'{load:g}' for load in loads)} N"
+    )
     note = "; ".join(
         [conditions, _duration(reading.cases), f"spectra: {_mean_over(reading.cases)}"]
     )
@@ -152,7 +155,7 @@ def correlation_length(reading: Reading) -> Picture:
 
 
 def _heading(ax: Axes, text: str, warned: bool) -> None:
-    """Write the title of a panel, in colour as a warning."""
+    """Write the title of a panel; a coloured title is a warning."""
     colour = WARNING if warned else "black"
     ax.text(
         0.03,
@@ -180,7 +183,7 @@ def _against_load(
     label: str,
     unit: str,
 ) -> dict[str, Array]:
-    """Plot mean and standard deviation of a quantity against load, a curve for each roughness.
+    """Plot mean and standard deviation of a quantity against load, with a curve per roughness.
 
     Returns the plotted numbers as columns.
     """
@@ -291,7 +294,7 @@ def _first_reliable(durations_s: Sequence[float]) -> int:
 
 
 def _duration(cases: Sequence[Case]) -> str:
-    """Write the duration of the records, and from which third octave on they are reliable."""
+    """Write the duration of the records, and the lowest reliable third octave."""
     durations = [case.duration_s for case in cases]
     ends = dict.fromkeys(f"{value:.3g}" for value in (min(durations), max(durations)))
     first = _first_reliable(durations)
@@ -330,7 +333,7 @@ def _surface_count(cases: Sequence[Case]) -> str:
 
 
 def _reference_db(reading: Reading) -> float | None:
-    """Return the maximum line level to which 20 lg levels are relative, None without that case."""
+    """Return the maximum line level that 20 lg levels refer to, or None without that case."""
     ra, load = SCALE_REFERENCE
     mean, _ = _statistics([reading.at(roughness_um=ra, load_n=load)], lambda case: case.maximum_db)
     return float(mean[0]) if np.isfinite(mean[0]) else None
@@ -345,8 +348,9 @@ def _scale_note(reference_db: float | None) -> str:
 
 
 def _twice(ax: Axes, reference_db: float | None) -> None:
-    """Add a dashed axis on the right: 20 lg of the power, whose differences are twice those with 10
-    lg.
+    """Add a dashed axis on the right: 20 lg of the power.
+
+    Its differences are twice the differences with 10 lg.
     """
     if reference_db is None:
         return
@@ -359,14 +363,14 @@ def _twice(ax: Axes, reference_db: float | None) -> None:
         return level / 2 + reference_db
 
     other = ax.secondary_yaxis("right", functions=(doubled, halved))
-    ax.spines["right"].set_visible(False)  # it would show between the dashes
+    ax.spines["right"].set_visible(False)  # the solid axis would show between the dashes
     other.set_ylabel(f"20 lg, re maximum of Ra {ra:g} µm, {load:g} N [dB]", fontsize=8.5)
     other.spines["right"].set_linestyle((0, (4, 3)))
     other.tick_params(labelsize=8.5)
 
 
 def _add(columns: dict[str, Array], label: str, frequency: Array, level: Array) -> None:
-    """Add a spectrum as columns, with its frequencies only where they differ from the last ones."""
+    """Add a spectrum as columns; repeated frequencies are left out."""
     known = [values for name, values in columns.items() if "frequency" in name]
     if not known or not np.array_equal(known[-1], frequency):
         columns[f"frequency of {label} [Hz]" if known else "frequency [Hz]"] = frequency

@@ -1,4 +1,4 @@
-"""The data of a reading's figures, and the axes on which all readings can be compared."""
+"""The data of a reading's figures, and the common axes for comparing all readings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rolling.surface import heights as surface
 from rolling.surface import scene_surface
 
 PATCH_M = 512e-6  # side of the surfaces of the article's Fig. 1
-NOTHING_DB = -300.0  # levels from here down mean no sound
+NOTHING_DB = -300.0  # levels at or below this value mean no sound
 
 
 @dataclass(frozen=True)
@@ -128,14 +128,15 @@ class Scales:
 def gather(
     name: str, runs: Sequence[Run], results: Sequence[Result], cases: Sequence[Case]
 ) -> Reading:
-    """Gather the data of a reading's figures: slopes of all its surfaces, surface and contacts of
-    the first seed.
+    """Gather the data of a reading's figures.
+
+    The data are the slopes of all its surfaces, and surface and contacts of the first seed.
 
     Parameters
     ----------
     name : str. Name of the reading.
-    runs, results : sequences of Run and Result. As `study.runs` and `study.open_results` give them,
-        in that order. Results may be empty.
+    runs, results : sequences of Run and Result. The lists of `study.runs` and `study.open_results`,
+        in the same order. Results may be empty.
     cases : sequence of Case. The solved cases.
     """
     slopes: dict[tuple[float, float], float] = {}
@@ -164,7 +165,7 @@ def _contact(scene: Scene, snapshot: simulate.Snapshot) -> Contact:
 
 
 def scales(readings: Sequence[Reading]) -> Scales:
-    """Find axes on which all these readings can be compared."""
+    """Compute axes on which all these readings can be compared."""
     cases = [case for reading in readings for case in reading.cases]
     contacts = [contact for reading in readings for contact in reading.contacts.values()]
     heights = [patch.heights for reading in readings for patch in reading.patches.values()]
@@ -193,5 +194,5 @@ def scales(readings: Sequence[Reading]) -> Scales:
 
 
 def positions(count: int, spacing: float) -> Array:
-    """Return the positions [m] of so many nodes from the first."""
+    """Return the positions [m] of `count` nodes from the first."""
     return np.linspace(0.0, (count - 1) * spacing, count)

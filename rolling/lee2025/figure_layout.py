@@ -1,4 +1,4 @@
-"""Title, note and axes of a figure, and the warning of surfaces too steep for half-space theory."""
+"""Title, note and axes of a figure, and warnings about surfaces too steep for half-space theory."""
 
 from __future__ import annotations
 
@@ -64,8 +64,9 @@ def finish(
 
 
 def warnings(reading: Reading, roughness_um: float) -> list[str]:
-    """Return the warnings of surfaces of this Ra that are too steep, one line for each correlation
-    length.
+    """Return the warnings about surfaces of this Ra that are too steep.
+
+    Each correlation length has a line.
     """
     lines = []
     for (ra, length), norm in sorted(reading.slopes.items()):
@@ -73,9 +74,10 @@ def warnings(reading: Reading, roughness_um: float) -> list[str]:
             surface = f"Ra {ra:g} µm" + (
                 f", length {length:g} µm" if len(reading.lengths) > 1 else ""
             )
-            each = norm / np.sqrt(2)  # isotropic
+            each = norm / np.sqrt(2)  # the surface is isotropic
             lines.append(
-                f"{surface}: rms slope {each:.2g} along each direction, norm {norm:.2g} > {MAX_SLOPE:g}: half-space"
+                f"{surface}: rms slope {each:.2g} along each direction, "
+                f"norm {norm:.2g} > {MAX_SLOPE:g}: half-space"
                 " theory does not hold"
             )
     return lines

@@ -1,4 +1,4 @@
-"""The figures of the article, drawn anew for one reading.
+"""The figures of the article, drawn for a reading of this study.
 
 Each figure warns of surfaces that are too steep for half-space theory.
 """
@@ -13,9 +13,7 @@ from rolling.lee2025.figure_data import Reading, Scales
 
 
 def gallery(reading: Reading, on: Scales) -> Iterator[Picture]:
-    """Draw all pictures of a reading that it has data for: Fig. 1, 5 to 9, or the correlation
-    length.
-    """
+    """Draw all pictures of a reading that has their data: Fig. 1, 5 to 9, or correlation length."""
     if len(reading.lengths) > 1:
         yield curves.correlation_length(reading)
         return

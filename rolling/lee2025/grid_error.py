@@ -1,8 +1,8 @@
 """Measured errors of the study's grid (2 um, blended edges) against a fine grid.
 
-They were measured on the same stretches of the same surfaces, refined without new detail, as
-`docs/accuracy.md` says. A reading, roughness or number that is missing here was not measured:
-verdicts take its grid for exact.
+They were measured on the same stretches of the same surfaces, refined without new detail;
+`docs/accuracy.md` describes the method. Readings, roughnesses or numbers without an entry were not
+measured, and verdicts take their grid as exact.
 """
 
 from __future__ import annotations
@@ -39,9 +39,7 @@ class GridError:
         return self._at(name, roughness_um, load_n) or (1.0, 1.0)
 
     def ratio(self, name: str, over: float, under: float, load_n: float) -> Range:
-        """Return the range of factors on the ratio of a number on two roughnesses [um]; it contains
-        1.
-        """
+        """Return the range of factors on the ratio of a number on two roughnesses [um]."""
         a, b = self.factor(name, over, load_n), self.factor(name, under, load_n)
         return min(1.0, a[0] / b[1]), max(1.0, a[1] / b[0])
 
@@ -52,18 +50,15 @@ class GridError:
     def shift_db(
         self, name: str, over: tuple[float, float], under: tuple[float, float], factor: int
     ) -> Range:
-        """Return the range of changes [dB] of a difference of levels between two pairs of Ra [um]
-        and load [N].
+        """Return the range of changes [dB] of a level difference between two cases.
 
-        The range contains 0.
+        A case is a pair of Ra [um] and load [N]. The range contains 0.
         """
         a, b = self.change_db(name, *over), self.change_db(name, *under)
         return min(0.0, a[0] - b[1]) * factor / 10, max(0.0, a[1] - b[0]) * factor / 10
 
     def _at(self, name: str, roughness_um: float, load_n: float) -> Range | None:
-        """Return the range over both neighbouring loads, or of the nearest one beyond the measured
-        loads.
-        """
+        """Return the range over both neighbouring loads, or at the nearest measured load."""
         ranges: Ranges = getattr(self, name) if name else {}
         loads = ranges.get(roughness_um, {})
         if not loads:

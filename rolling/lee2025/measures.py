@@ -1,4 +1,4 @@
-"""The cases of a reading, the numbers of a case, and the change from one group of cases to another."""
+"""The cases of a reading, the numbers of a case, and the change between groups of cases."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Cases:
     grid: GridError = field(default_factory=GridError)
 
     def at(self, roughness_um: float, load_n: float) -> list[Case]:
-        """Return all surfaces of one roughness under one load."""
+        """Return all surfaces of a roughness under a load."""
         return [
             case
             for case in self.cases
@@ -43,7 +43,7 @@ class Cases:
         ]
 
     def twin(self, case: Case) -> Case | None:
-        """Find the same scene without hardness: same bodies, surface, load and record."""
+        """Find the same scene without hardness: equal bodies, surface, load and record."""
 
         def key(scene: Case) -> tuple[object, ...]:
             return (
@@ -74,11 +74,11 @@ class Cases:
 
 @dataclass(frozen=True)
 class Measure:
-    """A number of a case with 10 or 20 lg, with its unit and format; NaN where there is none.
+    """A number of a case with 10 or 20 lg, with its unit and format; NaN if it is unknown.
 
     Parameters
     ----------
-    of : function. Takes a case and the factor of lg.
+    of : function. It takes a case and the factor of lg.
     grid : str. Name of its error in `GridError`: a difference [dB] for levels, else a factor.
         Default: empty, for unknown.
     """
@@ -90,7 +90,7 @@ class Measure:
     grid: str = ""
 
     def by_seed(self, group: Sequence[Case], factor: int) -> dict[int, float]:
-        """Return the value of each surface that has one."""
+        """Return the value of each surface that has the measure."""
         values = {case.seed: float(self.of(case, factor)) for case in group}
         return {seed: value for seed, value in values.items() if math.isfinite(value)}
 
@@ -100,13 +100,14 @@ class Measure:
         return float(np.mean(list(values.values()))) if values else None
 
     def deviation(self, group: Sequence[Case], factor: int) -> float | None:
-        """Return the standard deviation over surfaces, None with fewer than two."""
+        """Return the standard deviation over surfaces, or None with fewer than two surfaces."""
         values = self.by_seed(group, factor)
         return float(np.std(list(values.values()), ddof=1)) if len(values) > 1 else None
 
     def relative_error(self, group: Sequence[Case], factor: int) -> float:
-        """Compute the standard error of the mean over surfaces divided by that mean; 0 with one
-        surface.
+        """Compute the relative standard error of the mean over surfaces.
+
+        It is 0 with a single surface.
         """
         values = list(self.by_seed(group, factor).values())
         mean = float(np.mean(values)) if values else 0.0
@@ -117,7 +118,7 @@ class Measure:
         )
 
     def text(self, value: float | None, sign: str = "") -> str:
-        """Write a value without its unit, a dash for None."""
+        """Write a value without its unit, or a dash for None."""
         return "-" if value is None else f"{value:{sign}{self.digits}}"
 
 
@@ -144,19 +145,19 @@ class Change:
 
     @property
     def rises(self) -> bool:
-        """True if it rises by more than twice its standard error."""
+        """True if the measure rises by more than twice its standard error."""
         return self.mean > 2 * self.error
 
     @property
     def falls(self) -> bool:
-        """True if it falls by more than twice its standard error."""
+        """True if the measure falls by more than twice its standard error."""
         return self.mean < -2 * self.error
 
 
 def change(
     measure: Measure, first: Sequence[Case], then: Sequence[Case], factor: int
 ) -> Change | None:
-    """Compute the change between two groups of cases, None if they share no seed.
+    """Compute the change between two groups of cases, or return None if they share no seed.
 
     A change is certain when it exceeds twice its standard error, with one seed when it exceeds 0.
     Differences are taken seed by seed: the same seed is the same surface under another load, and

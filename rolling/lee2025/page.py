@@ -1,4 +1,4 @@
-"""The readings of the article side by side on one HTML page that needs no network.
+"""The readings of the article side by side on an HTML page that needs no network.
 
 The claims come first, then a row for each figure with a column for each reading. The template is
 `report/assets/article.html`.
@@ -16,7 +16,7 @@ from rolling.report import citation
 from rolling.report import page as report
 from rolling.report.page import Exhibit
 
-# Sign and word tell verdicts apart, not colour alone.
+# Sign and word distinguish verdicts, not colour alone.
 SIGNS = {"reproduced": "✓", "partly": "◐", "not": "✗", "undecided": "?", "not run": "○"}
 _HEADINGS = {
     "fig1_surfaces": "Fig. 1: surfaces",
@@ -70,7 +70,7 @@ class Row:
 
 @dataclass(frozen=True)
 class ScoreRow:
-    """A line of the table of scores, in words; no counts where none are known."""
+    """A line of the table of scores, in words; counts are empty if they are unknown."""
 
     reading: str
     kind: str

@@ -1,18 +1,17 @@
 """The command that runs the study of an article, judges its statements and draws its figures.
 
-Solved cases are stored one by one, so the same command continues a study that was stopped.
+Solved cases are stored separately, so the same command continues a study that was stopped.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-from tqdm import tqdm
 
 from rolling.figures.picture import Picture
 from rolling.folders import claim, files, new_folder, run_record
@@ -21,18 +20,20 @@ from rolling.folders.files import FolderError
 from rolling.lee2025 import claims, claims_text, figure_data, figures, page, study
 from rolling.lee2025.results import Table
 from rolling.lee2025.study import Case
+from rolling.scene import library
 from rolling.scene.messages import nearest
-from rolling.simulation import batch
 from rolling.simulation.batch import Run
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result_file import Result
-from rolling.simulation.stored_runs import records_of
+from rolling.simulation.stored_runs import is_begun, records_of
+from rolling.terminal import progress
 
-SCENES = Path(__file__).parents[2] / "scenarios"
+SCENES = library.folder()
 CASES = "cases.json"
 CLAIMS = "claims.md"
 TABLES = "tables.md"
 PAGE = "index.html"
+_Item = TypeVar("_Item")
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,7 @@ class Reproduction:
     failures : dict from str to str. Reasons by the folder of the case.
     interrupted : bool. True if the command was stopped.
     solved : frozenset of str. Folders of the solved cases, relative to the folder of the study.
+    begun : bool. True if any step is solved.
     """
 
     folder: Path
@@ -55,6 +57,7 @@ class Reproduction:
     failures: dict[str, str]
     interrupted: bool
     solved: frozenset[str]
+    begun: bool
 
     @property
     def exit_code(self) -> int:
@@ -75,8 +78,8 @@ def reproduce(
     Parameters
     ----------
     name : str. Name of the study.
-    chosen : sequence of str. Readings by name. Default: all, with `quick` all with one correlation
-        length.
+    chosen : sequence of str. Readings by name. Default: all, or with `quick` all readings with a
+        single correlation length.
     out : Path or None. Folder of the study, new or of an earlier run. Default: None, for a folder
         below outputs/.
     quick : bool. If true, solve one surface and three loads on a short track. Default: False.
@@ -91,8 +94,9 @@ def reproduce(
     """
     part = study.QUICK if quick else study.WHOLE
     folders = _readings(name, chosen)
-    scenes = {folder.name: study.scenes(folder, part) for folder in folders}
-    if quick and not chosen:  # the outlook's fine surfaces would add a third to the time
+    with progress.step("reading the scenes"):
+        scenes = {folder.name: study.scenes(folder, part) for folder in folders}
+    if quick and not chosen:  # the fine surfaces of the outlook would add a third to the time
         scenes = {
             name: swept
             for name, swept in scenes.items()
@@ -114,7 +118,7 @@ def _claimed(folder: Path, runs: Sequence[str], take_over: bool) -> Claim:
 
     Raises
     ------
-    FolderError : it holds something else, or another process works on it.
+    FolderError : the folder holds something else, or another process works on it.
     """
     record = run_record.read(folder)
     if record is not None and record.kind == "study":
@@ -153,19 +157,21 @@ def _reproduced(
     if not (folder / CASES).is_file():
         files.write_json(folder / CASES, [])
     outcome, results = _solve(held, [run for each in runs.values() for run in each], workers, name)
-    cases = [
-        study.case(reading, run, results[run.folder])
-        for reading, each in runs.items()
-        for run in each
-        if results[run.folder].complete
-    ]
+    with progress.step("sound and numbers of the cases"):
+        cases = [
+            study.case(reading, run, results[run.folder])
+            for reading, each in runs.items()
+            for run in each
+            if results[run.folder].complete
+        ]
     files.write_json(folder / CASES, [_plain(asdict(case)) for case in cases])
     departures = {
         reading: study.departures([run.scene for run in each]) for reading, each in runs.items()
     }
-    table = claims.table(
-        cases, {reading.name: study.description(reading) for reading in folders}, departures
-    )
+    with progress.step("judging the statements"):
+        table = claims.table(
+            cases, {reading.name: study.description(reading) for reading in folders}, departures
+        )
     files.write_json(folder / "claims.json", table.to_dict())
     files.write_bytes(folder / CLAIMS, claims_text.markdown(table).encode())
     files.write_bytes(folder / TABLES, claims_text.tables(table).encode())
@@ -179,8 +185,9 @@ def _reproduced(
     solved = frozenset(
         run.folder.relative_to(folder).as_posix() for run in flat if results[run.folder].complete
     )
+    begun = any(map(is_begun, results.values()))
     return Reproduction(
-        folder, claims_text.headline(table), cases, failures, outcome.interrupted, solved
+        folder, claims_text.headline(table), cases, failures, outcome.interrupted, solved, begun
     )
 
 
@@ -191,12 +198,13 @@ def _readings(name: str, chosen: Sequence[str]) -> list[Path]:
     }
     if not available:
         raise FolderError(
-            f"{SCENES / name}: no scene files of this study here; they come with the repository"
+            f"{SCENES / name}: no scene files of this study here; the installation is incomplete"
         )
     for reading in chosen:
         if reading not in available:
             raise FolderError(
-                f"--readings: got {reading}, allowed: {', '.join(available)}{nearest(reading, list(available))}"
+                f"--readings: got {reading}, allowed: "
+                f"{', '.join(available)}{nearest(reading, list(available))}"
             )
     return [available[reading] for reading in chosen or available]
 
@@ -205,7 +213,8 @@ def _solve(
     held: Claim, runs: Sequence[Run], workers: int, name: str
 ) -> tuple[Outcome, dict[Path, Result]]:
     """Solve the missing runs and return the outcome with all results by folder."""
-    results = study.open_results(runs)
+    with progress.step("reading the cases that are solved"):
+        results = study.open_results(runs)
     outcome = study.solve_all(
         runs, results, workers, name, lambda run: held.mark(run.folder, "running")
     )
@@ -219,11 +228,9 @@ def _write_pictures(
     cases: Sequence[Case],
     table: Table,
 ) -> None:
-    """Draw the figures of each reading into its folder, and write the page with all readings side
-    by side.
-    """
+    """Draw the figures of each reading into its folder, and write the page of all readings."""
     readings = []
-    for name, each in tqdm(runs.items(), disable=None, desc="surfaces", bar_format=batch.BAR):
+    for name, each in _watched(runs.items(), "surfaces"):
         solved = [run for run in each if results[run.folder].complete]
         if solved and name not in table.twins:
             own = [case for case in cases if case.reading == name]
@@ -234,15 +241,24 @@ def _write_pictures(
         return
     scales = figure_data.scales(readings)
     pictures: dict[str, list[Picture]] = {}
-    for reading in tqdm(readings, disable=None, desc="figures", bar_format=batch.BAR):
+    for reading in _watched(readings, "figures"):
         pictures[reading.name] = list(figures.gallery(reading, scales))
         for picture in pictures[reading.name]:
             picture.write(folder / reading.name)
-    files.write_bytes(folder / PAGE, page.page(page.ordered(pictures, table), table, pictures))
+    with progress.step("writing the page"):
+        files.write_bytes(folder / PAGE, page.page(page.ordered(pictures, table), table, pictures))
+
+
+def _watched(items: Collection[_Item], name: str) -> Iterator[_Item]:
+    """Yield items and show how far they are."""
+    with progress.bar(len(items), name) as bar:
+        for item in items:
+            yield item
+            bar.update(1)
 
 
 def _plain(value: Any) -> Any:
-    """Convert to lists and numbers for JSON; a number that is not finite becomes null."""
+    """Convert to lists and numbers for JSON; a non-finite number becomes null."""
     if isinstance(value, dict):
         return {key: _plain(each) for key, each in value.items()}
     if isinstance(value, np.ndarray | list | tuple):

@@ -1,5 +1,4 @@
-"""The judged claims of a study as data: verdicts by claim and reading, the readings' extent,
-standing and scores.
+"""The judged claims of a study as data: verdicts, extent of the readings, standing and scores.
 
 `Table.to_dict` is the only place where they become plain data for JSON.
 """
@@ -114,8 +113,8 @@ class Standing:
     ----------
     every, part, none : list of str. Reproduced, partly reproduced or not reproduced in each
         reading.
-    undecided : list of str. Undecided in at least one reading, while the others would let it be any
-        of these.
+    undecided : list of str. Undecided in at least one reading; the other readings allow any of the
+        lists above.
     differs : list of str. The verdict depends on the reading or on the scale of levels.
     not_run : list of str. No reading can tell.
     """
@@ -143,8 +142,7 @@ class Standing:
 
 @dataclass(frozen=True)
 class Score:
-    """The number of claims that a reading reproduces with one scale of levels, half a claim for
-    "partly".
+    """The number of claims that a reading reproduces with one scale; "partly" counts half.
 
     Parameters
     ----------
@@ -190,7 +188,7 @@ class Table:
         return [name for name, extent in self.readings.items() if extent.kind == kind]
 
     def kind(self, name: str, default: str = READING) -> str:
-        """Return the kind of a reading, the default for a name that the table does not hold."""
+        """Return the kind of a reading, or the default kind for an unknown name."""
         return self.readings[name].kind if name in self.readings else default
 
     def to_dict(self) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """The verdicts of all readings taken together, and a score for each reading.
 
-A statement stands where every reading says the same of it. No reading is named as the best unless
+A statement stands if every reading gives the same verdict. No reading is named as the best unless
 it leads by `LEAD` statements.
 """
 
@@ -13,12 +13,12 @@ from rolling.lee2025.results import JudgedClaim, Score, Standing
 
 WORTH = {REPRODUCED: 1.0, PARTLY: 0.5, NOT: 0.0}
 WORDS = (REPRODUCED, PARTLY, NOT, UNDECIDED, NOT_RUN)
-# statements by which a reading must lead all others, however the undecided verdicts turn out
+# number of statements by which the best reading must lead, whatever the undecided verdicts become
 LEAD = 2.0
 
 
 def standing(claims: Sequence[JudgedClaim], readings: Sequence[str]) -> Standing:
-    """Sort the keys of all claims by their verdicts in these readings, with either scale of levels."""
+    """Sort the keys of all claims by their verdicts in these readings, with either scale."""
     sorted_keys = Standing()
     agreed = {REPRODUCED: sorted_keys.every, PARTLY: sorted_keys.part, NOT: sorted_keys.none}
     for judged in claims:
@@ -43,7 +43,7 @@ def standing(claims: Sequence[JudgedClaim], readings: Sequence[str]) -> Standing
 def scores(
     claims: Sequence[JudgedClaim], readings: Sequence[str], scales: Sequence[int]
 ) -> list[Score]:
-    """Score each reading with each scale of levels, highest first; the outlook does not count.
+    """Score each reading with each scale, highest first; the outlook does not count.
 
     A reproduced statement counts 1, a partly reproduced one 0.5. An undecided verdict counts with
     both of its ends.
@@ -72,9 +72,7 @@ def scores(
 
 
 def leader(table: Sequence[Score]) -> Score | None:
-    """Return the score that leads all other readings by `LEAD` statements or more, None without
-    one.
-    """
+    """Return the score that leads all other readings by `LEAD` statements or more, if any does."""
     for score in table:
         others = [other for other in table if other.reading != score.reading]
         if others and all(score.least - other.most >= LEAD for other in others):

@@ -1,6 +1,6 @@
 """The statements of Lee, Kim & Kim (2025) in our words, with their tolerances and criteria.
 
-CLAIMS concern the study of roughness and load, OUTLOOK holds the statements that the article only
+CLAIMS concern the study of roughness and load. OUTLOOK holds the statements that the article only
 expects.
 """
 
@@ -31,15 +31,14 @@ SMOOTH, MIDDLE, ROUGH, ROUGHEST = 0.01, 0.1, 1.0, 5.0  # Ra [um] of the article
 ROUGHNESSES = (SMOOTH, MIDDLE, ROUGH, ROUGHEST)
 YIELDING = (MIDDLE, ROUGH, ROUGHEST)
 LOADS = (5.0, 10.0, 20.0, 50.0, 100.0)  # [N]
-SCALES = (10, 20)  # a level is so many times the logarithm of a release power
-LIMIT = 2.1e9  # [Pa] where the article's plate yields
+SCALES = (10, 20)  # factor of the logarithm in the level of a release power
+LIMIT = 2.1e9  # pressure at which the article's plate yields [Pa]
 SQUEAL_DB = 70.0
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the article in our words, with its place there, its tolerance and its
-    criterion.
+    """A statement of the article in our words, with its place, tolerance and criterion.
 
     Parameters
     ----------
@@ -51,7 +50,7 @@ class Claim:
     level : bool. True if it is judged with 10 lg and with 20 lg. Default: False.
     varied : str or None. The field of Case that a sweep must vary for it. Default: None, for the
         study of roughness and load.
-    caution : str. A reader should know this beside the verdict, with numbers. Default: empty.
+    caution : str. Further numbers that limit the verdict. Default: empty.
     """
 
     key: str
@@ -89,7 +88,10 @@ LEVEL_CAUTION = (
     " in hardness-3y-exponential at Ra 1 µm, by 0.3 dB at most at Ra 0.1 µm; maximum line levels"
     " move by 0.4 dB at most."
 )
-_UP = "Every step up by more than twice its standard error over the surfaces, with one surface by more than 0"
+_UP = (
+    "Every step up by more than twice its standard error over the surfaces, "
+    "with one surface by more than 0"
+)
 
 CLAIMS = (
     Claim(
@@ -118,14 +120,16 @@ CLAIMS = (
         "plastic-none",
         "section 3, Fig. 7",
         "At Ra 0.01 µm nothing yields at any load.",
-        f"Plastic area below {NO_AREA:g} of the Hertz area at each load, less than a mark in the figure; partly: some loads.",
+        f"Plastic area below {NO_AREA:g} of the Hertz area at each load, "
+        "less than a mark in the figure; partly: some loads.",
         partial(bounds.no_plastic_area, roughness=SMOOTH),
     ),
     Claim(
         "hardness-reached",
         "section 3, Fig. 5b to d",
         "From Ra 0.1 µm on, the maximum pressure is the pressure at which the plate yields.",
-        "Some plastic area on every surface at each load, at any cap of the pressure; partly: some of them.",
+        "Some plastic area on every surface at each load, at any cap of the pressure; partly: "
+        "some of them.",
         partial(bounds.hardness_reached, roughnesses=YIELDING),
     ),
     Claim(
@@ -152,8 +156,10 @@ CLAIMS = (
     Claim(
         "plastic-ratio-1-over-0.1",
         "section 3, Fig. 7; conclusions",
-        "At any load the plastic area at Ra 1 µm is about one and a half times the area at Ra 0.1 µm.",
-        "Ratio of the means 1.3 to 1.7 at each load; partly: at some loads. Undecided where a fine grid may turn it.",
+        "At any load the plastic area at Ra 1 µm is about one and a half times the area at Ra 0.1 "
+        "µm.",
+        "Ratio of the means 1.3 to 1.7 at each load; partly: at some loads. "
+        "Undecided where a fine grid may turn it.",
         partial(
             bounds.ratio_at_each_load,
             measure=PLASTIC_RATIO,
@@ -237,8 +243,10 @@ CLAIMS = (
         "level-above-70",
         "abstract; section 3, Fig. 8; conclusions",
         "From Ra 0.1 µm on, levels pass the 70 dB of a squeal.",
-        "Maximum line level above 70 dB at some load (the article does not say at which) on each roughness; partly: some"
-        f" roughnesses. Undecided where a record up to {LENGTHS:g} times as long or as short would turn it.",
+        "Maximum line level above 70 dB at some load (the article does not say at which) on each "
+        "roughness; partly: some"
+        f" roughnesses. Undecided where a record up to {LENGTHS:g} times as long or as short "
+        "would turn it.",
         partial(bounds.exceeds, measure=MAXIMUM, roughnesses=YIELDING, least_db=SQUEAL_DB),
         level=True,
         caution=RECORD_CAUTION,
@@ -246,16 +254,20 @@ CLAIMS = (
     Claim(
         "high-frequency-gap",
         "section 3, Fig. 8a",
-        "At Ra 0.01 µm the high-frequency spectra at 50 N and more lie far above the spectra at 20 N and less.",
-        f"Mean height of the curve above {HIGH_HZ / 1000:g} kHz: from the highest to 20 N to the lowest from 50 N at least"
-        f" {LARGE_GAP_DB:g} dB, and {LARGEST_STEP:g} times any other step between loads; partly: one of the two.",
+        "At Ra 0.01 µm the high-frequency spectra at 50 N and more lie far above the spectra at "
+        "20 N and less.",
+        f"Mean height of the curve above {HIGH_HZ / 1000:g} kHz: from the highest to 20 N to the "
+        "lowest from 50 N at least"
+        f" {LARGE_GAP_DB:g} dB, and {LARGEST_STEP:g} times any other step between loads; partly: "
+        "one of the two.",
         partial(bounds.stands_apart, measure=HIGH_BAND, roughness=SMOOTH, low=20.0, high=50.0),
         level=True,
     ),
     Claim(
         "maximum-over-smooth",
         "abstract; section 3, Fig. 9; conclusions",
-        "From Ra 0.1 µm on, the maximum line level lies some 10 to 15 dB above the one at Ra 0.01 µm.",
+        "From Ra 0.1 µm on, the maximum line level lies some 10 to 15 dB above the one at Ra 0.01 "
+        "µm.",
         "Mean over the loads 8 to 17 dB on each roughness; partly: some roughnesses.",
         partial(
             bounds.gap_over,
@@ -271,7 +283,8 @@ CLAIMS = (
     Claim(
         "maximum-load",
         "section 3, Fig. 9",
-        "From 5 to 100 N the maximum line level rises by some 14 dB, averaged over the four surfaces.",
+        "From 5 to 100 N the maximum line level rises by some 14 dB, "
+        "averaged over the four surfaces.",
         "Average 12 to 16 dB; partly: not the average, but some roughness.",
         partial(
             bounds.rise_over_loads,
@@ -313,7 +326,8 @@ CLAIMS = (
         "loudest-100",
         "section 3, Fig. 9",
         "At 100 N, Ra 5 µm is the loudest.",
-        "Highest mean of the maximum line level; partly: another's lead is within twice its standard error.",
+        "Highest mean of the maximum line level; partly: another's lead is within twice its "
+        "standard error.",
         partial(trends.loudest, measure=MAXIMUM, roughness=ROUGHEST, loads=(100.0,)),
         level=True,
         caution=LEVEL_CAUTION,
@@ -322,14 +336,18 @@ CLAIMS = (
         "little-influence",
         "section 3, Fig. 9",
         "From Ra 0.1 µm on, roughness hardly affects the maximum line level.",
-        "At each load the three lie within 5 dB, the width of the article's own 10 to 15 dB; partly: at some loads.",
+        "At each load the three lie within 5 dB, the width of the article's own 10 to 15 dB; "
+        "partly: at some loads.",
         partial(bounds.within, measure=MAXIMUM, roughnesses=YIELDING, most_db=5.0),
         level=True,
         caution=LEVEL_CAUTION,
     ),
 )
 
-_DOWN = "Every step up of the length lowers it by more than twice the standard error, with one surface by more than 0"
+_DOWN = (
+    "Every step up of the length lowers it by more than twice the standard error, "
+    "with one surface by more than 0"
+)
 
 OUTLOOK = (
     Claim(

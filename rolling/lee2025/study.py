@@ -1,8 +1,7 @@
-"""The study of an article: readings as folders of scene files, solved case by case and put into
-numbers.
+"""The study of an article: readings as folders of scene files, solved case by case.
 
-A reading settles the article's open points in one way. A variation changes one of its statements. A
-twin is the scene of a reading without hardness.
+A reading settles the article's open points in one way. A variation changes one of its statements.
+A twin is the scene of a reading without hardness.
 """
 
 from __future__ import annotations
@@ -35,17 +34,17 @@ from rolling.simulation.batch import Run
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.terminal import defaults
 
 
 @dataclass(frozen=True)
 class Part:
-    """The part of a study to be solved: all of it, or fewer cases on a shorter track with longer
-    steps.
+    """The solved part of a study: all of it, or fewer cases on a shorter track with longer steps.
 
     Parameters
     ----------
     seeds : int or None. Number of surfaces. Default: None, for all.
-    loads : tuple of float or None, N. Loads of readings with several. Default: None, for all.
+    loads : tuple of float or None, N. Loads of readings with several loads. Default: None, for all.
     duration_s : float or None, s. Duration of rolling. Default: None, as in the scene files.
     strides : int. Factor on the length of a step. Default: 1.
     """
@@ -57,9 +56,12 @@ class Part:
 
 
 WHOLE = Part()
-# The widest contact is 1.29 mm long, with two bodies at Ra 5 um and 100 N. The track must be
-# longer.
-QUICK = Part(seeds=1, loads=(5, 20, 100), duration_s=0.015, strides=3)
+QUICK = Part(
+    seeds=defaults.QUICK_SEEDS,
+    loads=defaults.QUICK_LOADS_N,
+    duration_s=defaults.QUICK_SECONDS,
+    strides=defaults.QUICK_STRIDES,
+)
 
 # The bodies of the article (section 3): a rigid sphere of 10 mm diameter on steel.
 STATED_RADIUS_MM, STATED_MODULUS_GPA, STATED_POISSON = 5.0, 210.0, 0.3
@@ -67,7 +69,7 @@ STATED_RADIUS_MM, STATED_MODULUS_GPA, STATED_POISSON = 5.0, 210.0, 0.3
 
 @dataclass(frozen=True)
 class Case:
-    """One surface under one load in one reading, in numbers.
+    """A surface under a load in a reading, in numbers.
 
     Parameters
     ----------
@@ -136,8 +138,9 @@ def scenes(folder: Path, part: Part = WHOLE) -> list[Scene]:
 
 
 def description(folder: Path) -> str:
-    """Return the assumptions of a reading: the first line of its first scene file if it is a
-    comment.
+    """Return the assumptions of a reading.
+
+    They stand in the first line of its first scene file, if that line is a comment.
     """
     with sorted(folder.glob("*.yaml"))[0].open(encoding="utf-8") as file:
         line = file.readline()
@@ -145,17 +148,17 @@ def description(folder: Path) -> str:
 
 
 def departures(scenes: Sequence[Scene]) -> list[str]:
-    """List the differences of some scenes from the bodies that the article states; empty for a
-    reading.
+    """List the differences of some scenes from the bodies that the article states.
 
-    A twin, which has no hardness, differs by that.
+    The list is empty for a reading. A twin differs in its missing hardness.
     """
     differences = []
     for scene in scenes:
         sphere, plate = scene.sphere, scene.plate
         if sphere.radius_mm != STATED_RADIUS_MM:
             differences.append(
-                f"a radius of {sphere.radius_mm:g} mm (stated: a diameter of {2 * STATED_RADIUS_MM:g} mm)"
+                f"a radius of {sphere.radius_mm:g} mm (stated: "
+                f"a diameter of {2 * STATED_RADIUS_MM:g} mm)"
             )
         if sphere.youngs_modulus_gpa is not None:
             differences.append("an elastic sphere (stated: a rigid one)")
@@ -169,14 +172,14 @@ def departures(scenes: Sequence[Scene]) -> list[str]:
 
 
 def _bodies(scene: Scene) -> str:
-    """Name all settings that a case shares with its twin without hardness, except those that a
-    study varies.
-    """
+    """Name all settings that a case shares with its twin, except the varied settings."""
     surface, numerics = scene.surface, scene.numerics
     assert isinstance(surface, Gaussian)
     return (
-        f"R {scene.sphere.radius_mm:g} mm, contact modulus {scene.contact_modulus / 1e9:.4g} GPa, {surface.autocorrelation},"
-        f" {surface.width_um:g} um across, nodes of {surface.spacing_um:g} um, steps of {numerics.step_nodes:g}"
+        f"R {scene.sphere.radius_mm:g} mm, contact modulus {scene.contact_modulus / 1e9:.4g} GPa, "
+        f"{surface.autocorrelation},"
+        f" {surface.width_um:g} um across, nodes of {surface.spacing_um:g} um, "
+        f"steps of {numerics.step_nodes:g}"
     )
 
 
@@ -277,7 +280,7 @@ def solve_all(
 
 
 def case(reading: str, run: Run, result: Result) -> Case:
-    """Put a solved run into numbers."""
+    """Compute the numbers of a solved run."""
     scene, rolled = run.scene, run.scene.track
     roughness, load, seed, length = varied(scene)
     energy = result.whole("release_energy")
@@ -327,11 +330,11 @@ def case(reading: str, run: Run, result: Result) -> Case:
 
 
 def _fluctuation(scene: Scene, sound: ContactSound) -> tuple[Array, float]:
-    """Compute the rms [W] of the release power's fluctuation in each third octave (31,), and
-    A-weighted.
+    """Compute the rms [W] of the release power's fluctuation.
 
-    Sound pressure is linear in the fluctuation of the intensity, and so in the fluctuation of the
-    power. Both results are NaN where the sound has no level.
+    The first result has the third octaves (31,), the second is A-weighted. Sound pressure is linear
+    in the fluctuation of the intensity, and so in the fluctuation of the power. Both results are
+    NaN if the sound has no level.
     """
     levels = sound.levels
     if not sound.factor or levels.laeq_db is None:
@@ -352,8 +355,8 @@ def _number(value: float | None) -> float:
 def power_level_db(power: Array | float, factor: int, distance_m: float = 1.0) -> Array:
     """Compute the level of a release power [W] at a distance: factor lg(P / (4 pi r^2 I_ref)).
 
-    The factor is 10 as in the article's equation, or 20. 20 lg takes the power for an amplitude:
-    its differences between cases are twice those with 10 lg, and its absolute value means nothing.
+    The factor is 10 as in the article's equation, or 20. 20 lg treats the power as an amplitude:
+    its differences between cases are doubled, and its absolute value means nothing.
     """
     ratio = np.asarray(power, dtype=float) / (4 * math.pi * distance_m**2 * I_REF_W_M2)
     with np.errstate(divide="ignore"):

@@ -1,5 +1,4 @@
-"""Figures in three dimensions: surfaces (Fig. 1), contact pressure (Fig. 5) and deflection (Fig.
-6).
+"""Figures in three dimensions: surfaces (Fig. 1), contact pressure (Fig. 5), deflection (Fig. 6).
 
 All readings are drawn on the same axes.
 """
@@ -24,7 +23,7 @@ from rolling.lee2025.figure_layout import Place, finish, panel_title
 # positions along (m,) and across (n,) and values (m, n), as drawn
 Sheet = tuple[Array, Array, Array]
 
-_CELLS = 100  # along a side, at most: more can hardly be distinguished
+_CELLS = 100  # maximum number of cells along a side: more can hardly be distinguished
 
 
 def surfaces(reading: Reading, on: Scales) -> Picture:
@@ -61,13 +60,14 @@ def contact_pressure(reading: Reading, on: Scales) -> Picture:
 
     look = _Look("pressure [GPa]", (0.0, on.pressure_gpa), "magma", (-on.reach_um, on.reach_um))
     return _contacts(
-        "fig5_contact_pressure", "Contact pressure", "a facet shows its maximum", reading, on, sheet, look,
+        "fig5_contact_pressure", "Contact pressure", "a facet shows its maximum",
+        reading, on, sheet, look,
         lambda contact: f"maximum {contact.pressure.max() * 1e-9:.2f} GPa",
     )  # fmt: skip
 
 
 def deflection(reading: Reading, on: Scales) -> Picture:
-    """Draw Fig. 6: deflection of the plate [um], downwards, under the lowest and the highest load."""
+    """Draw Fig. 6: deflection of the plate [um], downwards, under the lowest and highest load."""
     reach = on.reach_um * 1e-6
 
     def sheet(contact: Contact) -> Sheet:
@@ -76,7 +76,8 @@ def deflection(reading: Reading, on: Scales) -> Picture:
 
     look = _Look("deflection [µm]", (on.deflection_um, 0.0), "viridis", (-on.reach_um, on.reach_um))
     return _contacts(
-        "fig6_deflection", "Deflection of the plate", "downwards; the solved part, thinned", reading, on, sheet, look,
+        "fig6_deflection", "Deflection of the plate", "downwards; the solved part, thinned",
+        reading, on, sheet, look,
         lambda contact: f"maximum {contact.deflection.max() * 1e6:.2f} µm",
     )  # fmt: skip
 
@@ -116,9 +117,9 @@ def _contacts(
     ----------
     name, title, fact : str. File name without suffix, title, and a fact for the note.
     reading, on : Reading and Scales. The data and the common axes.
-    sheet : function. Makes the drawn sheet of a contact.
+    sheet : function. It makes the drawn sheet of a contact.
     look : _Look. Look of the sheets.
-    number : function. Writes the maximum of a contact.
+    number : function. It writes the maximum of a contact.
     """
     shown = [ra for ra in on.roughnesses if any((ra, load) in reading.contacts for load in on.ends)]
     sheets: list[tuple[str, Sheet | None]] = []
@@ -130,7 +131,10 @@ def _contacts(
                 sheets.append((f"{heading}: not solved", None))
             else:
                 sheets.append((f"{heading}: {number(contact)}", sheet(contact)))
-    note = f"one surface at one position; along and across from the sphere's centre; {fact}; one scale for all readings"
+    note = (
+        f"one surface at one position; along and across from the sphere's centre; {fact}; "
+        "one scale for all readings"
+    )
     return _sheets(name, title, note, reading, shown, sheets, look, 2.75)
 
 
@@ -194,7 +198,7 @@ def _draw(ax: Axes3D, sheet: Sheet, look: _Look) -> None:
         linewidth=0.0,
         antialiased=False,
     )
-    drawn.set_rasterized(True)  # thousands of facets: as an image a tenth of the size
+    drawn.set_rasterized(True)  # as an image the thousands of facets need a tenth of the space
     ax.set_xlim(look.sides)
     ax.set_ylim(look.sides)
     ax.set_zlim(look.limits)
@@ -244,7 +248,7 @@ def _blocks(values: Array, every: int) -> Array:
 
 
 def _drawn(nodes: set[int], every: str, noun: str) -> str:
-    """Write how many of the nodes are drawn."""
+    """Write the share of the nodes that are drawn."""
     return (
         f"drawn: {every} {' or '.join(map(str, sorted(nodes)))} {noun}"
         if nodes != {1}

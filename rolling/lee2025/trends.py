@@ -1,6 +1,6 @@
-"""Criteria of the form "rises with load": the sign of changes decides.
+"""Criteria of the form "rises with load", which the sign of changes decides.
 
-The module `statements` says which roughnesses and loads a statement names.
+The module `statements` gives the roughnesses and loads of each statement.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class _Step:
 
 
 def _step(study: Cases, measure: Measure, under: float, over: float, load: float) -> _Step | None:
-    """Compute the change from one roughness to another at a load, None where cases are missing."""
+    """Compute the change between two roughnesses at a load, or return None if cases are missing."""
     first, then = study.at(under, load), study.at(over, load)
     step = change(measure, first, then, study.factor)
     base = measure.mean(first, study.factor)
@@ -53,7 +53,7 @@ def _turns_on_grid(study: Cases, measure: Measure, step: _Step) -> bool:
 
 
 def _sign(study: Cases, measure: Measure, steps: Sequence[_Step], rises: bool) -> tuple[bool, str]:
-    """Judge whether all steps rise (or fall), and whether the grid may turn that."""
+    """Judge whether all steps rise (or fall), and whether the grid may change the answer."""
     holds = [step.change.rises if rises else step.change.falls for step in steps]
     turns = [_turns_on_grid(study, measure, step) for step in steps]
     at_best = all(held or turned for held, turned in zip(holds, turns, strict=True))
@@ -62,18 +62,18 @@ def _sign(study: Cases, measure: Measure, steps: Sequence[_Step], rises: bool) -
 
 
 def _all(parts: Sequence[bool | None]) -> bool | None:
-    """Return whether all known parts hold, None if none is known."""
+    """Return whether all known parts hold, or None if no part is known."""
     known = [part for part in parts if part is not None]
     return all(known) if known else None
 
 
 def _rises(step: Change | None) -> bool | None:
-    """Return whether a step rises for certain, None without a step."""
+    """Return whether a step rises for certain, or None without a step."""
     return None if step is None else step.rises
 
 
 def _falls(step: Change | None) -> bool | None:
-    """Return whether a step falls for certain, None without a step."""
+    """Return whether a step falls for certain, or None without a step."""
     return None if step is None else step.falls
 
 
@@ -102,8 +102,9 @@ def rises_with_load(study: Cases, measure: Measure, roughnesses: Sequence[float]
 def along_roughness(
     study: Cases, measure: Measure, roughnesses: Sequence[float], rises: bool = True
 ) -> Finding:
-    """Judge whether every step of roughness raises (or lowers) a measure at every load; each step
-    is a part.
+    """Judge whether every step of roughness raises (or lowers) a measure at every load.
+
+    Each step is a part.
     """
     checks = []
     for a, b in pairwise(roughnesses):
@@ -115,7 +116,10 @@ def along_roughness(
         holds, unsure = _sign(study, measure, steps, rises)
         loads = [newton(step.load) for step in steps]
         means = [step.change.mean for step in steps]
-        text = f"{', '.join(measure.text(mean, '+') for mean in means)} {measure.unit} ({', '.join(loads)})"
+        text = (
+            f"{', '.join(measure.text(mean, '+') for mean in means)} {measure.unit} "
+            f"({', '.join(loads)})"
+        )
         checks.append(
             Check(place, holds, text, dict(zip(loads, means, strict=True)), unsure=unsure)
         )

@@ -1,7 +1,6 @@
-"""Criteria for the effect of yielding: a case is compared with its twin, the same scene without
-hardness.
+"""Criteria for the effect of yielding, which compare a case with its twin without hardness.
 
-Both roll over the same surface. The uncertainty from the record's length takes them for
+Both roll over the same surface. The uncertainty from the record's length treats them as
 independent, so it is an upper bound.
 """
 
@@ -20,7 +19,7 @@ from rolling.lee2025.study import Case
 
 # third octaves up to 4 kHz: a grid of 2 um reads too high above it where the plate yields
 HIGHEST_BAND_HZ = 4500.0
-# share of the third octaves; by chance one in twenty differs by more than twice its uncertainty
+# share of the third octaves; by chance every twentieth differs by more than twice its uncertainty
 LEAST_SHARE = 1 / 3
 NO_TWIN = "no twin without hardness was run of it"
 
@@ -89,7 +88,10 @@ def louder(study: Cases) -> Finding:
 
 
 def less(study: Cases, measure: Measure) -> Finding:
-    """Judge whether yielding lowers a measure on every surface; each roughness and load is a part."""
+    """Judge whether yielding lowers a measure on every surface.
+
+    Each roughness and load is a part.
+    """
     checks = []
     for roughness, load, pairs in _pairs(study):
         values = [
@@ -120,8 +122,9 @@ def _pairs(study: Cases) -> Iterator[tuple[float, float, list[Pair]]]:
 
 
 def _audible_step(study: Cases, pairs: Sequence[Pair]) -> tuple[float, float]:
-    """Return the mean level with yielding minus the level without [dB], and its standard
-    uncertainty.
+    """Return the mean level with yielding minus the level without yielding [dB].
+
+    The standard uncertainty of the difference is returned as well.
     """
 
     def uncertainty(case: Case) -> float:
@@ -139,9 +142,7 @@ def _audible_step(study: Cases, pairs: Sequence[Pair]) -> tuple[float, float]:
 
 
 def _band_steps(study: Cases, pairs: Sequence[Pair]) -> tuple[list[str], np.ndarray, np.ndarray]:
-    """Return names, mean differences [dB] and uncertainties of the third octaves that all records
-    resolve.
-    """
+    """Return names, mean differences [dB] and uncertainties of the resolved third octaves."""
     duration = min(case.duration_s for case, _ in pairs)
     there = reliable(duration) & (MID_HZ < HIGHEST_BAND_HZ)
     ratios = np.array([case.band_w / twin.band_w for case, twin in pairs])

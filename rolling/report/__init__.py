@@ -1,3 +1,4 @@
-"""The report page of runs: texts and tables, players, pressure maps that move, and how to cite the
-program.
+"""The report page of runs.
+
+It holds texts and tables, players, moving pressure maps, and the citation of the program.
 """

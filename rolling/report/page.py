@@ -1,4 +1,4 @@
-"""The report page of runs to hear, see and read: a single HTML file that needs no network.
+"""The report page, on which runs are heard, seen and read: an HTML file without network access.
 
 This module gathers the content of the page as plain text, numbers and data URIs. Layout and
 behaviour are in `assets/`.
@@ -19,6 +19,7 @@ import numpy as np
 from markupsafe import Markup
 
 from acoustics import wav
+from acoustics.plot_style import PREFIXES
 from rolling import __version__
 from rolling.figures import run_figures
 from rolling.figures.picture import Picture
@@ -31,20 +32,19 @@ from rolling.simulation import caveats
 from rolling.simulation.caveats import Caveat
 from rolling.simulation.labels import printable
 from rolling.simulation.run_result import RunResult
+from rolling.terminal import defaults
 
 LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
 GENERATOR = f"{program.NAME} {__version__}"
-MOST_RUNS = 24  # on one page, which grows by half a megabyte and more with each
-TIMELINES = ("release_power", "spectrogram")  # pictures over the time of one run
-# pictures of one run, however many are compared
+MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
+TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
+# pictures of single runs, even if several are compared
 OWN = (*TIMELINES, "surface", "contact", "recovery_events")
 
 
 @dataclass(frozen=True)
 class TimeAxis:
-    """The plot area of a picture over time [percent of the picture], and the times at its sides
-    [s].
-    """
+    """The plot area of a picture over time [percent of the picture], and its time limits [s]."""
 
     left: float
     right: float
@@ -62,9 +62,9 @@ class Exhibit:
     ----------
     name, alt : str. As in `Picture`.
     src : str. Data URI of the SVG file.
-    csv : str or None. Data URI of the curves.
+    csv : str or None. Data URI of the curves; None if they are too long.
     has_curves : bool. Whether the picture has curves at all.
-    time : TimeAxis or None. Its time axis, of a picture over time.
+    time : TimeAxis or None. The time axis of a picture over time.
     """
 
     name: str
@@ -91,8 +91,8 @@ class RunView:
 
     Parameters
     ----------
-    label : str. Label that tells the run from the others.
-    run : the run.
+    label : str. Label that distinguishes the run from the other runs.
+    run : RunResult. The run.
     playback : Playback. Gains of its record.
     wav : str. Data URI of its record.
     pictures : dict of Exhibit. Its own pictures by name.
@@ -137,14 +137,17 @@ def is_page(path: Path) -> bool:
 
 
 def belongs(run: RunResult | None, name: str, runs: int) -> bool:
-    """Return whether a picture is on the page; the curves of one run are not if several are
-    compared.
-    """
+    """Return whether a picture is on the page; comparisons replace the curves of single runs."""
     return run is None or runs == 1 or name in OWN
 
 
 def exhibits(runs: Sequence[RunResult]) -> list[tuple[RunResult | None, Exhibit]]:
-    """Draw the pictures for the page of runs, each with its run or with None if it shows several."""
+    """Draw the pictures for the page of runs, each with its run, or with None for several runs.
+
+    More runs than `MOST_RUNS` have no pictures of their own.
+    """
+    if len(runs) > MOST_RUNS:
+        return [(None, exhibit(picture)) for picture in run_figures.of_runs(runs)]
     return [
         (run, exhibit(picture))
         for run, picture in run_figures.gallery(runs)
@@ -237,7 +240,7 @@ def _views(
     for run, gain, own_maps in zip(runs, gains, maps, strict=True):
         comment = f"full scale = {gain.full_scale_pa:.6g} Pa"
         record = wav.listening(
-            run.sound.pressure, 1 / gain.full_scale_pa, comment, run.label, bits=16
+            run.sound.pressure, 1 / gain.full_scale_pa, comment, run.label, 16, run.sound.loops
         )
         pictures = {picture.name: picture for owner, picture in shelf if owner is run}
         views.append(RunView(run.label, run, gain, _uri("audio/wav", record), pictures, own_maps))
@@ -249,7 +252,7 @@ def _time_axis(picture: Picture) -> TimeAxis:
     left, bottom, right, top = (100 * share for share in picture.plot_area())
     axes = picture.figure.axes[0]
     unit = axes.get_xlabel().partition("[")[2].partition("]")[0]
-    second = {"ks": 1e3, "s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9}[unit]
+    second = next(1000.0**power for power, sign in PREFIXES.items() if f"{sign}s" == unit)
     begin, end = axes.get_xlim()
     return TimeAxis(left, right, 100 - top, 100 - bottom, begin * second, end * second)
 
@@ -275,7 +278,7 @@ def _surfaces(views: Sequence[RunView]) -> list[Surface]:
 
 
 def _one_line(text: str) -> str:
-    """Write a text of the scene on one line, in letters that can be printed."""
+    """Write a text of the scene on a single line, in printable letters."""
     return printable(" ".join(text.split()))
 
 
@@ -285,7 +288,7 @@ def _uri(kind: str, content: bytes) -> str:
 
 
 def environment() -> jinja2.Environment:
-    """Return the environment of the pages, which escapes all values and raises on missing ones."""
+    """Return the environment of the pages, which escapes values and raises on missing values."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("rolling.report", "assets"),
         autoescape=True,
@@ -294,7 +297,7 @@ def environment() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     environment.filters["slug"] = _slug
-    # NaN must not reach the script of the page, because it is no JSON.
+    # NaN must not reach the script of the page, because it is not JSON.
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     return environment
 

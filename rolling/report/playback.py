@@ -11,15 +11,15 @@ from acoustics.wav import PEAK
 
 @dataclass(frozen=True)
 class Playback:
-    """The gains of a record; a silent one has gains of 0 and no levels.
+    """The gains of a record; a silent record has gains of 0 and no levels.
 
     Parameters
     ----------
     full_scale_pa : float, Pa. Sound pressure of full scale in its file, whose peak lies at -1 dB.
-    calibrated, equal : float. Factors on the samples of the file, for one full scale and for one
-        LAeq of all records.
-    calibrated_pa, equal_pa : float, Pa. Sound pressure of full scale after that; the calibrated one
-        is equal for all records.
+    calibrated, equal : float. Factors on the samples of the file, for a common full scale and for a
+        common LAeq of all records.
+    calibrated_pa, equal_pa : float, Pa. Sound pressure of full scale with these factors;
+        `calibrated_pa` is equal for all records.
     equal_db : float, dB. Difference of the equally loud to the calibrated level.
     """
 
@@ -37,15 +37,15 @@ def playbacks(peaks_pa: Sequence[float], laeq_db: Sequence[float | None]) -> lis
     Parameters
     ----------
     peaks_pa : sequence of float, Pa. Maximum |p| of each record.
-    laeq_db : sequence of float or None, dB. Level of each record; None if it is silent or
-        A-weighting leaves nothing.
+    laeq_db : sequence of float or None, dB. Level of each record; None if it is silent or has no
+        audible part after A-weighting.
     """
     scales = [peak / PEAK if peak > 0 else 1.0 for peak in peaks_pa]
     common = max(
         (scale for scale, peak in zip(scales, peaks_pa, strict=True) if peak > 0), default=1.0
     )
-    # Each record is loudest with its peak at the limit; the minimum of these levels is one that all
-    # can reach.
+    # Each record is loudest with its peak at the limit. All records can reach the minimum of these
+    # levels.
     target = min(
         (
             level - _db(scale)

@@ -1,4 +1,4 @@
-"""Pressure maps of a run as one picture that the page cuts up, with the times of each map."""
+"""Pressure maps of a run in a single picture that the page cuts up, with the time of each map."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from rolling._typing import Array
 from rolling.scene.motion import Motion
 from rolling.simulation.simulate import PressureMap
 
-COLOUR_MAP = "magma"  # perceptually uniform, and black where nothing presses
-SHADES = 255  # of pressure; entry 0 of the palette is no pressure at all
+COLOUR_MAP = "magma"  # a perceptually uniform map, black without pressure
+SHADES = 255  # shades of pressure; entry 0 of the palette means no pressure
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """Maps side by side in one PNG with a palette; the track runs to the right, across is upwards.
+    """Maps side by side in a PNG with a palette; the track runs to the right.
 
     Parameters
     ----------
@@ -38,14 +38,15 @@ class Sheet:
 
 
 def palette() -> NDArray[np.uint8]:
-    """Return colours (1 + SHADES, 3): one for no pressure, then from the minimum to the maximum."""
+    """Return colours (1 + SHADES, 3): no pressure first, then from the minimum to the maximum."""
     colours = matplotlib.colormaps[COLOUR_MAP](np.linspace(0, 1, SHADES))[:, :3]
     return np.vstack([np.zeros(3), np.round(255 * colours)]).astype(np.uint8)
 
 
 def shades(pressure: NDArray[np.float32], maximum: float) -> NDArray[np.uint8]:
-    """Return palette entries of pressures [Pa]: 0 without pressure, then 1 to SHADES, linear up to
-    the maximum.
+    """Return the palette entries of pressures [Pa].
+
+    Entry 0 means no pressure. The entries 1 to SHADES are linear up to the maximum.
     """
     share = np.clip(np.asarray(pressure, dtype=float) / maximum, 0, 1)
     return np.where(share > 0, 1 + np.round((SHADES - 1) * share), 0).astype(np.uint8)
@@ -56,7 +57,7 @@ def sheet(maps: Sequence[PressureMap], middle: float, maximum: float) -> Sheet:
 
     Parameters
     ----------
-    maps : sequence of maps, at least each.
+    maps : sequence of maps, not empty.
     middle : float, m. Position of the sphere across the plate.
     maximum : float, Pa. Pressure of the last colour.
     """
@@ -77,9 +78,7 @@ def sheet(maps: Sequence[PressureMap], middle: float, maximum: float) -> Sheet:
 
 
 def half_width(sheets: Sequence[Sheet], radii_um: Sequence[float]) -> float:
-    """Return half the side [um] of a square about the sphere's centre that holds all maps and
-    circles.
-    """
+    """Return half the side [um] of a centred square that holds all maps and circles."""
     reach = list(radii_um)
     for sheet in sheets:
         for (left, top, cell), (_, _, along, across) in zip(sheet.boxes, sheet.tiles, strict=True):
@@ -90,8 +89,7 @@ def half_width(sheets: Sequence[Sheet], radii_um: Sequence[float]) -> float:
 def showing(
     distances: Array, lap: float, rolled: float, closes: bool, motion: Motion
 ) -> tuple[Array, NDArray[np.int64]]:
-    """Return the times from which each map is the nearest to the sphere, and the maps in that
-    order.
+    """Return the times from which each map is the nearest to the sphere, with the maps in order.
 
     Parameters
     ----------
@@ -112,7 +110,7 @@ def showing(
     laps = math.ceil(rolled / lap * (1 - 1e-9))
     places = (distances + lap * np.arange(laps)[:, None]).ravel()
     maps = np.tile(np.arange(len(distances)), laps)
-    # back at the first map in the end
+    # the lap ends at the first map
     if (closes or laps > 1) and laps * lap <= rolled * (1 + 1e-9):
         places, maps = np.append(places, laps * lap + distances[0]), np.append(maps, 0)
     borders = np.append(0.0, (places[1:] + places[:-1]) / 2)

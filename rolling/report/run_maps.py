@@ -1,6 +1,4 @@
-"""Pressure maps of runs for the page: pictures, times and contact numbers on scales that all runs
-share.
-"""
+"""Pressure maps of runs for the page, on common scales, with times and contact numbers."""
 
 from __future__ import annotations
 
@@ -25,7 +23,7 @@ class MapScale:
     half_um : float, um. Half the side of the square shown.
     max_gpa : float, GPa. Pressure of the last colour.
     hardness : bool. Whether that pressure is the hardness of a plate.
-    colours : list of str. CSS colours, from zero pressure to the last.
+    colours : list of str. CSS colours, from zero pressure to `max_gpa`.
     """
 
     half_um: float
@@ -71,7 +69,7 @@ def maps_of(runs: Sequence[RunResult]) -> tuple[MapScale | None, list[RunMaps | 
     MapScale or None
         The common scales; None if no run has maps.
     list of RunMaps or None
-        The maps of each run; None for a run without any.
+        The maps of each run; None for a run without maps.
     """
     mapped = {index: run for index, run in enumerate(runs) if run.result.maps}
     if not mapped:

@@ -14,9 +14,10 @@ from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
 from acoustics.radiation import RHO_C
 from rolling.check import findings, height_files, validity
 from rolling.figures.picture import comment, quoted
+from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian, HeightFile
-from rolling.simulation import caveats
+from rolling.simulation import batch, caveats
 from rolling.simulation.caveats import Remark
 from rolling.simulation.labels import printable
 from rolling.simulation.run_result import RunResult
@@ -36,8 +37,8 @@ class Column:
     uncertainty : str or None. Name of its uncertainty there.
     head : str. Heading.
     unit : str. Unit in the table.
-    factor : float. Factor from summary.json to that unit. Default 1.
-    digits : str. Format; empty for four digits. Default one decimal.
+    factor : float. Factor from summary.json to that unit. Default: 1.
+    digits : str. Format; empty for four digits. Default: one decimal.
     """
 
     key: str
@@ -63,7 +64,10 @@ COLUMNS = (
     Column("release_power_mean_w", None, "release, mean", "µW", 1e6, ""),
     Column("release_power_rms_w", None, "release, rms", "µW", 1e6, ""),
 )
-ASKED_FOR = ("loudness_sone", "sharpness_acum")  # not shown where no scene asked
+ASKED_FOR = (
+    "loudness_sone",
+    "sharpness_acum",
+)  # these columns are shown only if a scene requests them
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,7 @@ class Fact:
     Parameters
     ----------
     name : str. Quantity.
-    values : list of pairs. Labels and value; one value without labels holds for all runs.
+    values : list of pairs. Labels and value; a single value without labels holds for all runs.
     """
 
     name: str
@@ -90,7 +94,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class Recipe:
-    """The scene that makes runs again.
+    """The scene that reproduces runs.
 
     Parameters
     ----------
@@ -122,13 +126,14 @@ def sentence(runs: Sequence[RunResult]) -> str:
     low_db, quietest = min(sounding, key=lambda pair: pair[0])
     high_db, loudest = max(sounding, key=lambda pair: pair[0])
     return (
-        f"LAeq{at} lies between {low_db:.1f} dB ({quietest.label}) and {high_db:.1f} dB ({loudest.label}),"
+        f"LAeq{at} lies between {low_db:.1f} dB ({quietest.label}) and {high_db:.1f} dB "
+        f"({loudest.label}),"
         f" {high_db - low_db:.1f} dB apart.{also}"
     )
 
 
 def levels(runs: Sequence[RunResult]) -> Table:
-    """Tabulate levels and contact numbers, a row per run.
+    """Tabulate levels and contact numbers with a row per run.
 
     A level without sound is `silent`, and one that was not computed `-`.
     """
@@ -221,13 +226,15 @@ def bands(runs: Sequence[RunResult]) -> list[tuple[str, bool, list[str]]]:
 
 
 BANDS_NOTE = (
-    f"dB re 20 µPa, Z. Grey: bandwidth times duration below {LEAST_BT:g}, uncertain by 2 dB or more."
+    f"dB re 20 µPa, Z. Grey: bandwidth times duration below {LEAST_BT:g}, "
+    "uncertain by 2 dB or more."
     " -: no sound, or a band that the steps do not resolve."
 )
 
 
 LEVELS_NOTE = (
-    "Levels are re 20 µPa and belong to the fluctuation, the audible part, over the whole record, with their standard"
+    "Levels are re 20 µPa and belong to the fluctuation, the audible part, over the whole record, "
+    "with their standard"
     " uncertainty; the steady level belongs to the mean intensity, which is silent."
 )
 
@@ -285,11 +292,13 @@ def _assumed_contact(run: RunResult) -> dict[str, str]:
         "load": f"{scene.load:g} N, constant",
         "speed": speed,
         "sphere": f"R {sphere.radius_mm:g} mm" + (elastic or ", rigid"),
-        "plate": f"{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio {plate.poissons_ratio:g}, {hardness}, without memory",
+        "plate": f"{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio {plate.poissons_ratio:g}, "
+        f"{hardness}, without memory",
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
         "half-space": _half_space(scene),
-        "solver": f"tolerance {scene.numerics.tolerance:g}, {scene.numerics.edges} edges, {scene.numerics.precision} precision",
+        "solver": f"tolerance {scene.numerics.tolerance:g}, {scene.numerics.edges} edges, "
+        f"{scene.numerics.precision} precision",
         "release of a node": {
             "mean": "mean pressure of a step's ends",
             "left_end": "pressure at a step's beginning (the article's)",
@@ -302,7 +311,8 @@ def _half_space(scene: Scene) -> str:
     values = {finding.key: finding.value for finding in findings.findings(scene)}
     return (
         f"rms slope {values['slope']} (holds up to {validity.MAX_SLOPE:g}),"
-        f" contact radius over the sphere's {values['contact_radius']} (up to {validity.MAX_CONTACT:g})"
+        f" contact radius over the sphere's {values['contact_radius']} (up to "
+        f"{validity.MAX_CONTACT:g})"
     )
 
 
@@ -315,16 +325,20 @@ def surface_words(scene: Scene) -> str:
             f" along, {across:g} µm across" if across else ""
         )
         law = s.autocorrelation.replace("_", " ")
-        return f"random, Ra {s.roughness_ra_um:g} µm, correlation length {length} ({law}), seed {s.seed}"
+        return (
+            f"random, Ra {s.roughness_ra_um:g} µm, correlation length {length} ({law}), "
+            f"seed {s.seed}"
+        )
     if not isinstance(s, HeightFile):
         return "smooth"
     levelling = scene_surface(scene).levelling
     tilt = f", {height_files.tilt_text(levelling)}" if levelling and any(levelling.taken) else ""
-    return f"heights of {printable(s.path)}{tilt}"
+    profile = "" if s.width_um is None else ", a profile that is the same all across"
+    return f"heights of {printable(s.path)}{profile}{tilt}"
 
 
 def remarks(runs: Sequence[RunResult]) -> list[Remark]:
-    """List all caveats of runs, each once."""
+    """List all caveats of runs, each caveat once."""
     return caveats.gathered([(run.label, caveats.stored(run.summary)) for run in runs])
 
 
@@ -339,7 +353,7 @@ def partial(runs: Sequence[RunResult]) -> list[Remark]:
 
 
 def standing(runs: Sequence[RunResult]) -> list[Remark]:
-    """List the caveats that hold for any such run and do not stand at the top."""
+    """List the general caveats, which do not stand at the top."""
     top = (*caveats.HEADLINE, "partial")
     return [
         remark
@@ -361,7 +375,8 @@ def events(run: RunResult) -> list[Fact]:
     joule = EngFormatter("J", places=1)
     values = {
         "events": f"{statistics.count:,}, {statistics.per_metre * 1e-3:,.0f} per mm",
-        "energy of an event": f"mean {joule(statistics.energy_mean)}, median {joule(statistics.energy_median)},"
+        "energy of an event": f"mean {joule(statistics.energy_mean)}, "
+        f"median {joule(statistics.energy_median)},"
         f" nine in ten below {joule(statistics.energy_p90)}",
         "mean duration": f"{statistics.duration_mean:.3g} steps of {run.result.step * 1e6:g} µm",
         "maximum of a node in a step": joule(statistics.peak),
@@ -381,7 +396,7 @@ def _grouped(name: str, values: Sequence[tuple[str, str]]) -> Fact:
 
 
 def recipes(runs: Sequence[RunResult]) -> list[Recipe]:
-    """Return the scenes that make runs again, run for all runs of a sweep."""
+    """Return the scenes that reproduce runs, run for all runs of a sweep."""
     members: dict[Path, list[RunResult]] = {}
     for run in runs:
         members.setdefault(run.home, []).append(run)
@@ -389,11 +404,19 @@ def recipes(runs: Sequence[RunResult]) -> list[Recipe]:
         Recipe(
             labels="; ".join(run.label for run in sweep),
             file=f"{sweep[0].scene.name}.yaml",
-            scene=(folder / "resolved.yaml").read_text(encoding="utf-8"),
+            scene=_resolved(folder, sweep[0]),
             command=f"rolling run {sweep[0].scene.name}.yaml",
         )
         for folder, sweep in members.items()
     ]
+
+
+def _resolved(folder: Path, run: RunResult) -> str:
+    """Read the resolved scene of a run folder; write it where it stands in result.h5 alone."""
+    path = folder / "resolved.yaml"
+    if path.is_file():
+        return path.read_text(encoding="utf-8")
+    return file.dump(batch.seen_from(folder, run.scene))
 
 
 def provenance(runs: Sequence[RunResult]) -> list[Fact]:
@@ -407,11 +430,15 @@ def provenance(runs: Sequence[RunResult]) -> list[Fact]:
 
 
 def _provenance(run: RunResult) -> dict[str, str]:
-    """Read provenance.json of a run folder; empty without run."""
-    path = run.folder / "provenance.json"
-    if not path.is_file():
+    """Read the provenance of a run from its folder; the result is empty for a run in memory."""
+    path, brief = run.folder / "provenance.json", run.folder / "summary.json"
+    record: dict[str, Any] = {}
+    if path.is_file():
+        record = json.loads(path.read_text(encoding="utf-8"))
+    elif brief.is_file():
+        record = json.loads(brief.read_text(encoding="utf-8")).get("provenance", {})
+    if not record:
         return {}
-    record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     packages = record.pop("packages", {})
     record.pop("written", None)
     return {name: NOTHING if value is None else str(value) for name, value in record.items()} | {

@@ -1,4 +1,4 @@
-"""The scene: its sections, its quantities in SI, its file, and its messages.
+"""Scene: its sections, its quantities in SI, its file, and its messages.
 
 sections
     sphere, plate, surface, rolling, numerics, recovery and sound, with units in the names of their
@@ -11,6 +11,10 @@ motion, track
     distance over time; the track in whole nodes and whole steps
 file, yaml_text
     scenes as YAML, overrides, the JSON Schema; YAML as plain values with the line of each key
-messages, height_header, identity
-    faults in words; the header of a height file; the physics that a result is solved for
+height_format, height_header, height_text
+    formats of height files and their faults; nodes from the header; numbers in text
+library
+    scenes that come with the program, found by name
+messages, identity
+    faults in words; the physics that a result is solved for
 """

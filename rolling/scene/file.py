@@ -1,4 +1,4 @@
-"""Scenes read from YAML and written to it, overrides, and the JSON Schema for editors."""
+"""Reading of scenes from YAML, writing, overrides, and the JSON Schema for editors."""
 
 from __future__ import annotations
 
@@ -11,18 +11,17 @@ from pydantic import ValidationError
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 
-from rolling.scene import yaml_text
+from rolling.scene import library, yaml_text
 from rolling.scene.messages import Key, SceneError, all_keys, nearest, numeric_keys, required, shown
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile, Rolling, Sound
 from rolling.scene.yaml_text import TextError
 
-_LONG_TEXT = 100_000  # letters; the resolved form of a shorter one keeps the limits
+_LONG_TEXT = 100_000  # letters; the resolved form of a shorter text keeps the limits
 
 
 # ---- reading, writing, overriding
-# ------------------------------------------------------------------------------------
 
 
 def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
@@ -31,26 +30,29 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     Parameters
     ----------
     path : Path or str
-        File of YAML 1.2 in UTF-8.
-    overrides : sequence of str Values such as "rolling.load_n=50", written in YAML. No value (or
-        null) removes an optional key or section. A key that the scene sweeps leaves the sweep when
-        it is set; "sweep.rolling.load_n=[5, 20]" sweeps it.
+        File of YAML 1.2 in UTF-8, or the name of a scene of the library, such as "quickstart", if
+        there is no such file. A scene found by name reads its height file from the current folder.
+    overrides : sequence of str
+        Values such as "rolling.load_n=50", written in YAML. No value (or null) removes an optional
+        key or section. A key that the scene sweeps leaves the sweep when it is set;
+        "sweep.rolling.load_n=[5, 20]" sweeps it.
 
     Raises
     ------
     SceneError
-        File or overrides have faults; all of them are named.
+        File or overrides have faults; each is named.
 
     Examples
     --------
     `read_scene("scenarios/quickstart.yaml", ["rolling.load_n=50"])`
     """
     path = Path(path)
+    file = library.find(path)
     try:
-        text = yaml_text.read_text(path)
+        text = yaml_text.read_text(file)
     except TextError as error:
         raise SceneError([str(error)]) from error
-    return loads(text, overrides, str(path), path.parent)
+    return loads(text, overrides, str(file), path.parent if file == path else Path())
 
 
 def loads(
@@ -68,7 +70,7 @@ def loads(
     Raises
     ------
     SceneError
-        Text or overrides have faults; all of them are named.
+        Text or overrides have faults; each is named.
     """
     try:
         data, lines = yaml_text.parse(text, where)
@@ -81,13 +83,14 @@ def loads(
     if not isinstance(data, dict):
         raise SceneError(
             [
-                f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first being name"
+                f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first"
+                " being name"
             ]
         )
     places = {key: f"{where}:{line}" for key, line in lines.items()}
     scene = Scene.from_dict(data, folder, places, _override(data, places, overrides))
     if len(text) > _LONG_TEXT or any(len(override) > _LONG_TEXT for override in overrides):
-        try:  # its resolved form, which is longer, is read again to go on with the run
+        try:  # `resume` will read the resolved form, which is longer
             yaml_text.parse(dump(scene), where)
         except TextError as error:
             beyond = str(error).removeprefix(f"{where}:").lstrip("1234567890: ")
@@ -96,7 +99,10 @@ def loads(
 
 
 def dump(scene: Scene) -> str:
-    """Write a scene as YAML text with every default filled in; `loads` gives an equal scene back."""
+    """Write a scene as YAML text with every default filled in.
+
+    `loads` makes an equal scene from the text.
+    """
     yaml = YAML(typ="rt")
     yaml.width = 4096
     stream = io.StringIO()
@@ -116,7 +122,7 @@ def _flowing(value: Any) -> Any:
 
 
 def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[str]) -> list[str]:
-    """Put overrides into `data` and `places`, and return the faults of the others."""
+    """Put overrides into `data` and `places`, and return the faults of wrong overrides."""
     faults = []
     for override in overrides:
         name, equals, text = override.partition("=")
@@ -154,7 +160,7 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
                 places[key[: depth + 1]] = "--set"
             inside = inside[part]
             if not isinstance(inside, dict):
-                # the file has something else where a section must be, which is a fault of its own
+                # The file has another value in place of the section, which is a fault by itself.
                 break
         else:
             inside[key[-1]] = value
@@ -168,20 +174,21 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
 
 
 def _split(name: str) -> tuple[str, ...]:
-    """Return the key of a dotted name, whose part after the first dot is one name."""
+    """Return the key of a dotted name, whose part after the first dot is a single name."""
     first, dot, rest = name.partition(".")
     return (first, rest) if dot else (first,)
 
 
 # ---- new sound from a stored run
-# -------------------------------------------------------------------------------------
 
 
 RESOUND_KEYS = ("rolling.speed_m_s", *(f"sound.{name}" for name in Sound.model_fields))
 
 
 def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
-    """Give the scene of a stored run another speed or sound; track and contact stay as they are.
+    """Give the scene of a stored run another speed or sound.
+
+    Track and contact stay as they are.
 
     `duration_s`, where the scene has one, becomes the time that the same track takes.
 
@@ -198,7 +205,8 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
         if known[override] in set(all_keys(Scene)) - {*RESOUND_KEYS, "sound"}
     ]
     faults = [
-        f"--set: {known[override]}: needs a new run; without solving again allowed: {', '.join(RESOUND_KEYS)}"
+        f"--set: {known[override]}: needs a new run; without solving again allowed:"
+        f" {', '.join(RESOUND_KEYS)}"
         for override in solved
     ]
     data = scene.to_dict()
@@ -222,7 +230,6 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
 
 
 # ---- schema
-# ----------------------------------------------------------------------------------------------------------
 
 
 def schema() -> dict[str, Any]:

@@ -1,7 +1,7 @@
-"""The identity of a single run: the physics that the march depends on, and the digest of heights
-from a file.
+"""Identity of a single run: the physics of the march, and the digest of heights from a file.
 
-A result carries its identity, so that it is never taken for that of another scene or surface.
+A result carries its identity, so that it is never mistaken for the result of another scene or
+surface.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from pydantic import BaseModel
 from rolling.scene.messages import plain_number, shown
 from rolling.scene.scene import Scene
 
-# The march does not depend on these keys. Speed and duration are what `resound` changes: the number
-# of steps stands for both. The path may change with the folder: the digest of the heights stands
+# The march does not depend on these keys. `resound` changes speed and duration, and the number of
+# steps stands for both. The path may change with the folder, and the digest of the heights stands
 # for it. The density only shifts a resonance.
 NOT_PHYSICS = {
     "name",
@@ -40,16 +40,17 @@ STEPS, KIND = "track.steps", "surface.kind"
 
 @dataclass(frozen=True)
 class Identity:
-    """The physics of a single run.
+    """Physics of a single run.
 
     Attributes
     ----------
-    physics : dict Values by dotted key, all defaults filled in. A section has the value true, or
-        null where it is absent.
+    physics : dict
+        Values by dotted key, with all defaults filled in. A section has the value true, or null
+        where it is absent.
     defaults : dict
         Defaults by dotted key in the version that wrote the physics.
     heights_sha256 : str or None
-        Digest of the heights that were read from a file; None where the surface is made.
+        Digest of the heights that were read from a file; None where the surface is generated.
     """
 
     physics: dict[str, Any]
@@ -58,7 +59,7 @@ class Identity:
 
     @classmethod
     def of(cls, scene: Scene, heights_sha256: str | None) -> Identity:
-        """Take the physics out of a scene without a sweep."""
+        """Extract the physics from a scene without a sweep."""
         physics = {
             key: value
             for key, value in _flat(scene.model_dump(mode="json")).items()
@@ -81,13 +82,14 @@ class Identity:
 
 
 def canonical(values: Mapping[str, Any]) -> str:
-    """Write values as JSON that is the same text for the same values."""
+    """Write values as JSON text that is equal for equal values."""
     return json.dumps(values, sort_keys=True, separators=(",", ":"), allow_nan=False)
 
 
 def heights_digest(heights: NDArray[np.float64]) -> str:
-    """Return the SHA-256 of heights: of their shape, then of their values in little-endian double
-    precision.
+    """Return the SHA-256 of heights.
+
+    It covers their shape, then their values in little-endian double precision.
     """
     digest = hashlib.sha256(f"{heights.shape[0]} x {heights.shape[1]}\n".encode())
     digest.update(np.ascontiguousarray(heights, dtype="<f8").data)
@@ -97,7 +99,7 @@ def heights_digest(heights: NDArray[np.float64]) -> str:
 def differences(
     solved: Identity, own: Identity, result: str, height_path: Path | None
 ) -> list[str]:
-    """List the differences between the identity of a stored result and that of a scene.
+    """List the differences between the identities of a stored result and of a scene.
 
     Parameters
     ----------
@@ -113,7 +115,8 @@ def differences(
     for key, (old, new) in changed.items():
         if key == STEPS:
             lines.append(
-                f"rolling.duration_s: {result} has {shown(old)} steps, the scene asks for {shown(new)}"
+                f"rolling.duration_s: {result} has {shown(old)} steps, the scene asks for"
+                f" {shown(new)}"
             )
         else:
             lines.append(f"{key}: {result} was solved with {said(old)}, the scene says {said(new)}")
@@ -122,8 +125,9 @@ def differences(
 
 
 def changes(before: Identity, after: Identity) -> dict[str, tuple[Any, Any]]:
-    """Return both values of each key where the physics differs; for a surface of another kind, the
-    kind alone.
+    """Return both values of each key where the physics differs.
+
+    For a surface of another kind, only the kind is returned.
 
     A key that one side lacks has the default of the other side, which knows it.
     """
@@ -135,15 +139,16 @@ def changes(before: Identity, after: Identity) -> dict[str, tuple[Any, Any]]:
 
 
 def other_surface(solved: str | None, own: str | None, height_path: Path | None) -> str | None:
-    """Write a message where the digests of heights differ; None where they agree or the surface is
-    made.
+    """Write a message where the digests of heights differ.
+
+    Return None where they agree or the surface is generated.
     """
     if solved == own:
         return None
     digests = [f"{digest[:16]}..." if digest else "none" for digest in (own, solved)]
     return (
-        f"{height_path} is another surface than the one solved: SHA-256 of its heights {digests[0]},"
-        f" of those solved {digests[1]}"
+        f"{height_path} is not the surface that was solved: SHA-256 of its heights"
+        f" {digests[0]}, of the solved heights {digests[1]}"
     )
 
 
@@ -175,5 +180,5 @@ def _defaults(model: BaseModel) -> dict[str, Any]:
 
 
 def said(value: Any) -> str:
-    """Write a value of the physics as a scene file has it."""
+    """Write a value of the physics in the form of a scene file."""
     return plain_number(value) if isinstance(value, float) else shown(value)

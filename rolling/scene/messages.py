@@ -1,5 +1,4 @@
-"""Keys, values and faults in words: known names, allowed values, the nearest name to a misspelt
-one.
+"""Keys, values and faults in words: known names, allowed values, nearest names.
 
 `root` is the model of a whole scene or of one section. A scene has sections of plain values and a
 sweep; the surface has several kinds.
@@ -19,18 +18,18 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
-# where a value stands: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
+# place of a value: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
 Key = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
 class Words:
-    """Allowed values in words, in the annotation of a field whose type does not tell them."""
+    """Allowed values in words, for a field whose type does not tell them."""
 
     allowed: str
 
 
-# letters of a misspelt name; comparing longer ones takes long and finds nothing
+# Letters of a misspelt name; the comparison of longer names is slow and fruitless.
 _LONGEST_SLIP = 100
 
 
@@ -39,29 +38,37 @@ class SceneError(Exception):
 
     Attributes
     ----------
-    faults : list of str One line for each fault: file and line (or --set, or scene), key, the value
-        and the allowed values.
+    faults : list of str
+        One line for each fault: file and line (or --set, or scene), key, the value and the allowed
+        values.
     """
 
     def __init__(self, faults: Sequence[str]) -> None:
-        super().__init__("\n".join(faults))
-        self.faults = list(faults)
+        # Values and names of files may hold what UTF-8 cannot write, such as half of a pair.
+        self.faults = [
+            fault.encode("utf-8", "backslashreplace").decode("utf-8") for fault in faults
+        ]
+        super().__init__("\n".join(self.faults))
 
     def __reduce__(self) -> tuple[type[SceneError], tuple[list[str]]]:
         return SceneError, (self.faults,)
 
 
 # ---- faults
-# ----------------------------------------------------------------------------------------------------------
 
 
 def fault(message: str, *at: str | int) -> PydanticCustomError:
-    """Make a fault for pydantic to collect; `at` is its key where that is not the validated one."""
+    """Make a fault for pydantic to collect.
+
+    `at` is its key where that differs from the validated key.
+    """
+    # pydantic writes no text that UTF-8 cannot, such as half of a pair of surrogates
+    message = message.encode("utf-8", "backslashreplace").decode("utf-8")
     return PydanticCustomError("fault", "{message}", {"message": message, "at": at})
 
 
 def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
-    """Return key and message of one pydantic fault."""
+    """Return key and message of a pydantic fault."""
     key: Key = error["loc"]
     outer = root.model_fields.get(str(key[0])) if key else None
     by = outer.discriminator if outer else None
@@ -70,6 +77,9 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
     kind = error["type"]
     if kind == "fault":
         return error["ctx"]["at"] or key, error["ctx"]["message"]
+    if not key:  # the name of a key at the top that UTF-8 cannot write
+        name = next((name for name in data if not _is_unicode(name)), "")
+        return (ascii(name).strip("'"),), f"unknown key, allowed: {', '.join(root.model_fields)}"
     if kind == "extra_forbidden":
         siblings = _siblings(root, key, data)
         known = [other for other in all_keys(root) if not other.startswith("sweep.")]
@@ -79,7 +89,8 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
         of = f" of {by} {_value(data, (key[0], str(by)))}" if by else ""
         return (
             key,
-            f"unknown key{of}{nearest(str(key[-1]), siblings, elsewhere)}, allowed: {', '.join(siblings)}",
+            f"unknown key{of}{nearest(str(key[-1]), siblings, elsewhere)}, allowed:"
+            f" {', '.join(siblings)}",
         )
     if kind.startswith("union_tag") and outer:
         key = (*key, str(by))
@@ -95,24 +106,37 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
         return key, f"missing, allowed: {words}"
     return (
         key,
-        f"got {shown(value)}, allowed: {words}{nearest(value, choices) if isinstance(value, str) else ''}",
+        f"got {shown(value)}, allowed:"
+        f" {words}{nearest(value, choices) if isinstance(value, str) else ''}",
     )
 
 
+def _is_unicode(text: Any) -> bool:
+    """Tell whether a value is text that UTF-8 can write: no half of a pair of surrogates."""
+    try:
+        str(text).encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
 def place(key: Key, places: Mapping[Key, str]) -> str:
-    """Return file and line (or --set) of a key, or of the nearest section around it that has a
-    place.
+    """Return file and line (or --set) of a key.
+
+    Without a place of its own the key has the place of the nearest section around it.
     """
     return next(places[key[:n]] for n in range(len(key), -1, -1) if key[:n] in places)
 
 
 def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
-    """Write ", nearest: name" with the first family's name that is like a misspelt one, or nothing.
+    """Write ", nearest: name" with the known name that is like a misspelt name.
+
+    The first family of names with a similar name decides; without any the text is empty.
 
     Names are compared by their last part, or as a whole when the section is misspelt as well. The
     unit may be missing.
     """
-    if len(got) > _LONGEST_SLIP:
+    if not isinstance(got, str) or len(got) > _LONGEST_SLIP:  # Python gives other keys as well
         return ""
 
     def norm(name: str) -> str:
@@ -139,11 +163,10 @@ def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
 
 
 # ---- values
-# ----------------------------------------------------------------------------------------------------------
 
 
 def is_number(value: Any) -> bool:
-    """Tell whether a value is a finite number; true and false are none."""
+    """Tell whether a value is a finite number; true and false are no numbers."""
     return isinstance(value, int | float) and not isinstance(value, bool) and -1e300 < value < 1e300
 
 
@@ -153,15 +176,21 @@ def plain_number(value: float) -> str:
 
 
 def shown(value: Any) -> str:
-    """Write a value as the user did, or nearly; text in quotes, so that "20" is seen to be text."""
+    """Write a value nearly as the user did.
+
+    Text stands in quotes, so that "20" is recognized as text.
+    """
     if value is None:
         return "nothing"
     if isinstance(value, float) and not math.isfinite(value):
         return ".nan" if math.isnan(value) else f"{'-' * (value < 0)}.inf"
-    # Of a long value the beginning is enough: a million of them need not be written to show sixty
+    # The beginning of a long value is enough: a million items need not be written to show sixty
     # letters.
     value = value[:60] if isinstance(value, str | list | tuple) else value
-    return cut(json.dumps(value, ensure_ascii=False, default=str))
+    try:
+        return cut(json.dumps(value, ensure_ascii=False, default=str))
+    except (TypeError, ValueError, RecursionError):  # a very long number, an odd key, or itself
+        return f"a value that cannot be written ({type(value).__name__})"
 
 
 def cut(text: str) -> str:
@@ -170,16 +199,15 @@ def cut(text: str) -> str:
 
 
 def first_line(error: BaseException) -> str:
-    """Return the message of an error, its first line."""
+    """Return the first line of the message of an error."""
     return (str(error).strip().splitlines() or [type(error).__name__])[0]
 
 
 # ---- keys
-# ------------------------------------------------------------------------------------------------------------
 
 
 def dotted(key: Key) -> str:
-    """Write ("rolling", "load_n") as "rolling.load_n", places in a list in brackets."""
+    """Write ("rolling", "load_n") as "rolling.load_n", and places in a list in brackets."""
     return "".join(
         f"[{part}]" if isinstance(part, int) else f".{part}" for part in key
     ).removeprefix(".")
@@ -193,7 +221,7 @@ def numeric_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
 
 
 def all_keys(root: type[BaseModel]) -> list[str]:
-    """List every name that an override can set, sections and swept keys included."""
+    """List every name that an override can set, including sections and swept keys."""
     inner = [name for name, _ in _inner(root)]
     return list(
         dict.fromkeys([*root.model_fields, *inner, *(f"sweep.{key}" for key in numeric_keys(root))])
@@ -232,8 +260,9 @@ def allowed(field: FieldInfo) -> str:
 
 
 def _inner(root: type[BaseModel]) -> Iterator[tuple[str, FieldInfo]]:
-    """Yield every dotted name with its field; a name that several kinds of a section share comes
-    once per kind.
+    """Yield every dotted name with its field.
+
+    A name that several kinds of a section share occurs once per kind.
     """
     for section, outer in root.model_fields.items():
         for model in _models(outer):
@@ -241,7 +270,7 @@ def _inner(root: type[BaseModel]) -> Iterator[tuple[str, FieldInfo]]:
 
 
 def _field(root: type[BaseModel], key: Key, data: Mapping[str, Any]) -> FieldInfo:
-    """Return the field of a key, or the last one around it."""
+    """Return the field of a key, or the innermost field around it."""
     field = root.model_fields[str(key[0])]
     model = _model(field, data.get(str(key[0])))
     return model.model_fields.get(str(key[1]), field) if model and len(key) > 1 else field
@@ -254,7 +283,10 @@ def _siblings(root: type[BaseModel], key: Key, data: Mapping[str, Any]) -> list[
 
 
 def _model(field: FieldInfo, section: Any) -> type[BaseModel] | None:
-    """Return the model of a section, the first when its kind is unknown; None for a plain value."""
+    """Return the model of a section, None for a plain value.
+
+    The first model is returned when the kind is unknown.
+    """
     models = _models(field)
     for model in (
         models if isinstance(field.discriminator, str) and isinstance(section, Mapping) else []
@@ -267,7 +299,10 @@ def _model(field: FieldInfo, section: Any) -> type[BaseModel] | None:
 
 
 def _models(field: FieldInfo) -> list[type[BaseModel]]:
-    """List the models of a section, one for each of its kinds; none for a plain value."""
+    """List the models of a section, one for each of its kinds.
+
+    The list is empty for a plain value.
+    """
     return [
         kind
         for kind in _kinds(field.annotation)
@@ -287,7 +322,10 @@ def _kinds(annotation: Any) -> tuple[Any, ...]:
 
 
 def _choices(field: FieldInfo) -> list[str]:
-    """List the names that a field chooses from; none when it holds something else."""
+    """List the names that a field chooses from.
+
+    The list is empty for a field of another type.
+    """
     return [
         choice
         for kind in _kinds(field.annotation)

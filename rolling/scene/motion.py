@@ -1,4 +1,4 @@
-"""Distance over time: at constant speed, or at speeds joined by straight lines."""
+"""Distance over time, at constant speed or at speeds joined by straight lines."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from numpy.typing import ArrayLike
 
 from rolling._typing import Array
 
-ROUNDING = 1e-9  # relative; a distance this little beyond the last one reached is that one
+ROUNDING = 1e-9  # relative; a smaller excess over the last distance reached counts as rounding
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A speed profile: linear between the given times, constant after the last.
+    """Speed profile, linear between the given times and constant after the last.
 
     Parameters
     ----------
     times : tuple of float, s
         Times, strictly increasing from 0.
     speeds : tuple of float, m/s
-        One speed per time, none negative, not all zero.
+        One speed per time; no speed is negative, and not all are zero.
 
     Raises
     ------
     ValueError
-        Times or speeds are not as above.
+        Times or speeds violate these conditions.
     """
 
     times: tuple[float, ...]
@@ -47,7 +47,7 @@ class Motion:
 
     @classmethod
     def of(cls, speed: float | Sequence[Sequence[float]]) -> Motion:
-        """Make the motion at a constant speed [m/s], or along pairs of time [s] and speed [m/s]."""
+        """Make the motion at a constant speed [m/s], or from pairs of time [s] and speed [m/s]."""
         if isinstance(speed, int | float):
             return cls((0.0,), (float(speed),))
         return cls(tuple(float(t) for t, _ in speed), tuple(float(v) for _, v in speed))
@@ -66,8 +66,9 @@ class Motion:
         return float(self._speeds_until(duration).max())
 
     def time_below(self, speed: float, duration: float) -> float:
-        """Return the time [s] for which the sphere moves slower than a speed [m/s], from the start
-        to a time [s].
+        """Return the time [s] during which the sphere is slower than a speed [m/s].
+
+        The time counts from the start to `duration` [s].
 
         A sphere at rest makes no sound that could be missed, so rests do not count.
         """
@@ -84,18 +85,19 @@ class Motion:
         return self.time_below(np.inf, duration)
 
     def _knots_until(self, duration: float) -> Array:
-        """Return the times [s] between which the speed is a straight line, the last of them
-        `duration`.
+        """Return the times [s] between which the speed is linear.
+
+        The last time is `duration`.
         """
         return np.array([*(t for t in self.times if t < duration), duration])
 
     def _speeds_until(self, duration: float) -> Array:
-        """Return the speeds [m/s] at these times, the minimum and the maximum speed among them."""
+        """Return the speeds [m/s] at these times, including their minimum and maximum."""
         return self.speed(self._knots_until(duration))
 
     @property
     def final_distance(self) -> float:
-        """Maximum distance [m] that the sphere reaches: infinite unless the last speed is zero."""
+        """Maximum distance [m] that the sphere reaches, infinite unless the last speed is zero."""
         return np.inf if self.speeds[-1] > 0 else float(self._knots[2][-1])
 
     @cached_property
@@ -119,8 +121,7 @@ class Motion:
         return distances[k] + tau * (speeds[k] + accelerations[k] * tau / 2)
 
     def time(self, distance: ArrayLike) -> Array:
-        """Return the time [s] at which each distance >= 0 [m] is reached, the first one where the
-        sphere rests there.
+        """Return the time [s] at which each distance >= 0 [m] is first reached.
 
         Raises
         ------
@@ -133,16 +134,17 @@ class Motion:
             end = distances[-1]
             if np.any(d > end * (1 + ROUNDING)):
                 raise ValueError(
-                    f"the sphere comes to rest after {end:.6g} m and never reaches {np.max(d):.6g} m"
+                    f"the sphere comes to rest after {end:.6g} m and never reaches {np.max(d):.6g}"
+                    " m"
                 )
             d = np.minimum(d, end)
-        # A stretch owns its end, not its start: so a distance the sphere rests at belongs to its
-        # arrival.
+        # A stretch owns its end but not its start, so a distance at which the sphere rests belongs
+        # to its arrival.
         k = np.maximum(np.searchsorted(distances, d, side="left") - 1, 0)
         ahead = d - distances[k]
         root = np.sqrt(np.maximum(speeds[k] ** 2 + 2 * accelerations[k] * ahead, 0.0))
-        # This form of the quadratic's root does not cancel when braking, and holds for no
-        # acceleration. Both are zero only where no distance that can be told from zero is left.
+        # This form of the root of the quadratic does not cancel when braking, and holds without
+        # acceleration. Both terms vanish only where the remaining distance is zero in rounding.
         both = speeds[k] + root
         tau = np.divide(2 * ahead, both, out=np.zeros_like(both), where=both > 0)
         lasting = np.append(np.diff(times), np.inf)

@@ -1,6 +1,4 @@
-"""Names of the runs of a sweep: short where that tells them apart, and always different on every
-file system.
-"""
+"""Names of the runs of a sweep: short, and always different on every file system."""
 
 from __future__ import annotations
 
@@ -17,10 +15,11 @@ Values = Mapping[str, float]
 
 
 def run_name(values: Values, number: Callable[[float], str] = plain_number) -> str:
-    """Return the short name of a run: "load_n=5,radius_mm=2", each key by its last part unless two
-    share it.
+    """Return the short name of a run, such as "load_n=5,radius_mm=2".
 
-    Runs without values have an empty name; values that print alike share one.
+    Each key stands with its last part unless two keys share it.
+
+    Runs without values have an empty name; values that print alike share a name.
     """
     last = [name.rpartition(".")[2] for name in values]
     return ",".join(
@@ -30,7 +29,9 @@ def run_name(values: Values, number: Callable[[float], str] = plain_number) -> s
 
 
 def run_names(runs: Sequence[Values]) -> list[str]:
-    """Return a name for each run of a sweep, all different; where two print alike, with all digits.
+    """Return a different name for each run of a sweep.
+
+    Names that would be equal are written with all digits.
 
     Names that are too long end in a digest of their values. Upper and lower case make no
     difference.

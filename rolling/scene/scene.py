@@ -1,7 +1,7 @@
-"""A scene: its sections, its sweep, and its quantities in SI. `file` reads and writes it.
+"""Scene: its sections, its sweep, and its quantities in SI.
 
-`Scene` is built from sections in Python, or from plain values as a scene file holds them. It is
-frozen: `with_` gives a changed copy.
+`Scene` is built from sections in Python, or from the plain values of a scene file, which `file`
+reads and writes. It is frozen, and `with_` gives a changed copy.
 """
 
 from __future__ import annotations
@@ -55,18 +55,20 @@ from rolling.scene.sections import (
     plain,
     required_in_files,
 )
-from rolling.scene.track import Track, file_track, made_track
+from rolling.scene.track import Track, file_track, height_nodes, made_track
 
 STEEL_DENSITY = 7850.0  # [kg/m3]
-DEFAULT_NAME = "scene"  # of a scene that is built in Python
+DEFAULT_NAME = "scene"  # name of a scene that is built in Python
 NAME = Words(
-    "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in quotes)"
+    "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in"
+    " quotes)"
 )
 
 
 class SweepRun(NamedTuple):
-    """One run of a scene: the swept values by dotted key, and the scene with them, which sweeps
-    nothing.
+    """One run of a scene.
+
+    It has the swept values by dotted key, and the scene with them, which sweeps nothing.
     """
 
     values: dict[str, float]
@@ -74,9 +76,9 @@ class SweepRun(NamedTuple):
 
 
 class Scene(Section):
-    """A scene: what rolls on what, how it is solved, and where it is heard.
+    """Scene: the bodies, the solution of their contact, and the place of the listener.
 
-    Scenes are equal when all their values are, wherever they were read from.
+    Scenes are equal when all their values are equal, wherever they were read from.
 
     Raises
     ------
@@ -119,11 +121,12 @@ class Scene(Section):
         WithJsonSchema({"type": "object"}),  # the keys are filled in by `schema`
     ] = Field(default={}, description="Lists of values by dotted key; their product is run")
 
-    # Judges the scene before it is run. The check stands above the scene, so `rolling/__init__.py`
-    # binds it.
+    # `check` judges the scene before it is run. Its module stands above this one, so
+    # `rolling/__init__.py` binds it.
     check: ClassVar[Callable[..., Any]]
 
     _folder: Path = PrivateAttr(default=Path())
+    _places: Mapping[Key, str] = PrivateAttr(default={(): "scene"})
 
     @field_validator("rolling")
     @classmethod
@@ -156,7 +159,7 @@ class Scene(Section):
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any]) -> Self:
-        """Build a scene from plain values that Python gave; the name may be missing."""
+        """Build a scene from plain values that were given in Python; the name may be missing."""
         return cls.from_dict({"name": DEFAULT_NAME, **values})
 
     @classmethod
@@ -167,8 +170,9 @@ class Scene(Section):
         places: Mapping[Key, str] = MappingProxyType({(): "scene"}),
         faults: Sequence[str] = (),
     ) -> Self:
-        """Build a scene from plain values as `to_dict` gives them, valid in all combinations of its
-        sweep.
+        """Build a scene from plain values as `to_dict` gives them.
+
+        All combinations of its sweep must be valid.
 
         Parameters
         ----------
@@ -179,12 +183,12 @@ class Scene(Section):
         places : mapping
             File and line of each key, for messages; the key () is needed.
         faults : sequence of str
-            Faults of the data that are known before.
+            Faults of the data that are known already.
 
         Raises
         ------
         SceneError
-            The data has faults. The known ones come first.
+            The data has faults. The known faults come first.
         """
         data = plain(data)
         scene, new_faults = None, list[sweeps.Fault]()
@@ -206,11 +210,13 @@ class Scene(Section):
         if faults or lines or scene is None:
             raise SceneError(list(dict.fromkeys([*faults, *lines])))
         scene._folder = folder
+        scene._places = places if isinstance(places, dict) else dict(places)
         return scene
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values with every default filled in, without the folder and without keys
-        that have no value.
+        """Return plain values with every default filled in.
+
+        The folder and keys without a value are left out.
         """
         data = self.model_dump(exclude_none=True)
         if not self.sweep:
@@ -228,14 +234,14 @@ class Scene(Section):
         changes : mapping, optional
             Values by key.
         **keys
-            More values by key. A bare key (load_n) stands for the dotted one (rolling.load_n) where
-            it is unique. None removes an optional key. A key that the scene sweeps leaves the
+            More values by key. A bare key (load_n) stands for the dotted key (rolling.load_n)
+            where it is unique. None removes an optional key. A key that the scene sweeps leaves the
             sweep.
 
         Raises
         ------
         SceneError
-            A key is unknown or stands for several, or the changed scene has faults.
+            A key is unknown or ambiguous, or the changed scene has faults.
 
         Examples
         --------
@@ -255,7 +261,7 @@ class Scene(Section):
             given.add(key)
             section, dot, last = key.partition(".")
             inside = data.setdefault(section, {}) if dot else data
-            # otherwise the section was given no keys, which is a fault
+            # If the section is no mapping, `from_dict` reports the fault.
             if isinstance(inside, dict):
                 inside[last or section] = plain(value)
             if section != "sweep" and isinstance(data.get("sweep"), dict):
@@ -265,17 +271,25 @@ class Scene(Section):
         return type(self).from_dict(data, self.folder)
 
     def runs(self) -> list[SweepRun]:
-        """List the runs of the scene, the last swept key fastest; a scene without a sweep is its
-        own only run.
+        """List the runs of the scene; the last swept key varies fastest.
+
+        A scene without a sweep is its own only run.
         """
         if not self.sweep:
             return [SweepRun({}, self)]
         data = self.to_dict()
         del data["sweep"]
+        places = {key: at for key, at in self._places.items() if key[:1] != ("sweep",)}
         return [
-            SweepRun(values, Scene.from_dict(sweeps.with_values(data, values), self.folder))
+            SweepRun(values, Scene.from_dict(sweeps.with_values(data, values), self.folder, places))
             for values in sweeps.product(self.sweep)
         ]
+
+    def place(self, name: str) -> str:
+        """Return file and line (or --set) of a dotted key, for messages."""
+        section, _, last = name.partition(".")
+        swept: Key = ("sweep", name)
+        return place(swept if swept in self._places else (section, last), self._places)
 
     # ---- quantities in SI ----
 
@@ -286,33 +300,31 @@ class Scene(Section):
 
     @property
     def height_path(self) -> Path | None:
-        """File of the heights; None when the surface is made."""
+        """File of the heights; None when the surface is generated."""
         return self._folder / self.surface.path if isinstance(self.surface, HeightFile) else None
 
     @cached_property
     def track(self) -> Track:
-        """Positions of the sphere: for its duration on a made surface, by default once round a
-        height file.
+        """Positions of the sphere.
 
-        A made track is rounded to whole nodes and whole steps, so that it closes on itself. Only
-        the header of a height file is read.
+        The track lasts for the duration on a generated surface, and by default once round a height
+        file.
+
+        A track over a generated surface is rounded to whole nodes and whole steps, so that it
+        closes on itself. Only the header of a height file in the format of numpy is read.
 
         Raises
         ------
         SceneError
-            The height file is missing or is no 2-D array of numbers, or the sphere never gets round
-            it.
+            The height file is missing or holds no heights, or the sphere never gets round it.
         """
         if isinstance(self.surface, MadeSurface):
             return _made_track(self.surface, self.rolling, self.numerics)
-        path, said, step_nodes = (
-            self.folder / self.surface.path,
-            self.surface.path,
-            self.numerics.step_nodes,
-        )
+        path, said = self.folder / self.surface.path, self.surface.path
         try:
+            nodes = height_nodes(path, said, self.surface.n_across)
             return file_track(
-                path, said, self.spacing, step_nodes, self.motion, self.rolling.duration_s
+                nodes, self.spacing, self.numerics.step_nodes, self.motion, self.rolling.duration_s
             )
         except PydanticCustomError as error:
             context = error.context or {}
@@ -326,7 +338,7 @@ class Scene(Section):
     @property
     def duration(self) -> float:
         """Time [s] that the track takes."""
-        # A track round a file has one step at least, even for a sphere that rests before.
+        # A track round a file has at least one step, even for a sphere that rests before.
         return self.motion.duration(min(self.track.distance, self.motion.final_distance))
 
     @property
@@ -336,13 +348,14 @@ class Scene(Section):
 
     @property
     def mass(self) -> float:
-        """Mass of the sphere [kg], of steel unless the scene gives a density."""
+        """Mass of the sphere [kg]; it is of steel unless the scene gives a density."""
         return (self.sphere.density_kg_m3 or STEEL_DENSITY) * 4 / 3 * math.pi * self.radius**3
 
     @property
     def contact_modulus(self) -> float:
-        """Contact modulus E* [Pa]: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, without the first term
-        for a rigid sphere.
+        """Contact modulus E* [Pa].
+
+        1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 holds, without the first term for a rigid sphere.
         """
         compliance = (1 - self.plate.poissons_ratio**2) / self.plate.youngs_modulus_gpa
         if self.sphere.youngs_modulus_gpa is not None and self.sphere.poissons_ratio is not None:
@@ -351,7 +364,7 @@ class Scene(Section):
 
     @property
     def hardness(self) -> float:
-        """Maximum pressure that the plate bears [Pa]; infinite for a purely elastic one."""
+        """Maximum pressure that the plate bears [Pa], infinite for a purely elastic plate."""
         return math.inf if self.plate.hardness_gpa is None else self.plate.hardness_gpa * 1e9
 
     @property
@@ -382,8 +395,9 @@ def _made_track(surface: MadeSurface, rolling: Rolling, numerics: Numerics) -> T
 
 
 def _full_key(name: str) -> str:
-    """Return the dotted key that a bare or dotted name stands for; raise SceneError where there is
-    none or several.
+    """Return the dotted key for a bare or dotted name.
+
+    Raise SceneError where there is no such key or several.
     """
     known = all_keys(Scene)
     if name in known:
@@ -406,7 +420,7 @@ def _full_key(name: str) -> str:
 
 
 def _listed(value: Any) -> Any:
-    """Turn tuples into lists, at any depth."""
+    """Turn tuples into lists, recursively."""
     if isinstance(value, dict):
         return {name: _listed(item) for name, item in value.items()}
     return [_listed(item) for item in value] if isinstance(value, list | tuple) else value

@@ -1,9 +1,8 @@
-"""The sections of a scene: frozen models, units in the key names, and the checks that one section
-can make alone.
+"""Sections of a scene: frozen models, units in the key names, and checks of single sections.
 
 Lengths are in mm or um and moduli in GPa here; the properties of `Scene` are SI. Sections are built
-from Python as `Sphere(radius_mm=5)`; a value that is not allowed then raises SceneError in the
-words that a scene file would get.
+in Python as `Sphere(radius_mm=5)`; a value that is not allowed then raises SceneError with the same
+message as in a scene file.
 """
 
 from __future__ import annotations
@@ -44,18 +43,21 @@ if TYPE_CHECKING:
 else:
     ModelMetaclass = type(BaseModel)
 
-SMALLEST = 1e-15  # of any number but zero, in the units of the scene; one over it is the largest
-MAX_FAULTS = 100  # that are named
+# Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
+# maximum.
+SMALLEST = 1e-15
+MAX_FAULTS = 100  # maximum number of faults that are named
+_MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show much longer ones
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 
 
 # ---- construction from Python
-# ----------------------------------------------------------------------------------------
 
 
 def plain(value: Any) -> Any:
-    """Turn a value typed in Python into the plain value that a scene file would hold; drop keys
-    without a value.
+    """Turn a value typed in Python into the plain value of a scene file.
+
+    Keys without a value are dropped.
     """
     if isinstance(value, BaseModel):
         value = value.model_dump()
@@ -65,11 +67,16 @@ def plain(value: Any) -> Any:
         return [plain(item) for item in value]
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
+    if isinstance(value, int) and value.bit_length() > _MAX_BITS:
+        return math.inf if value > 0 else -math.inf
     return os.fspath(value) if isinstance(value, os.PathLike) else value
 
 
 def required_in_files(key: str) -> Any:
-    """Change the JSON Schema of a model: Python has a default for a key, a scene file must give it."""
+    """Change the JSON Schema of a model so that scene files must give a key.
+
+    In Python the key has a default.
+    """
 
     def change(schema: dict[str, Any]) -> None:
         schema["properties"][key].pop("default", None)
@@ -80,7 +87,7 @@ def required_in_files(key: str) -> Any:
 
 @dataclass_transform(kw_only_default=True, field_specifiers=(Field,))
 class _SceneErrors(ModelMetaclass):
-    """Models whose construction from Python raises SceneError instead of the errors of pydantic."""
+    """Metaclass of models that raise SceneError instead of the errors of pydantic."""
 
     def __call__(cls, *positional: Any, **values: Any) -> Any:
         if positional:
@@ -91,7 +98,7 @@ class _SceneErrors(ModelMetaclass):
 
 
 class Section(BaseModel, metaclass=_SceneErrors):
-    """A section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
+    """Section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
     SECTION: ClassVar[str] = ""  # its name in a scene
@@ -119,21 +126,21 @@ class Section(BaseModel, metaclass=_SceneErrors):
     @field_validator("*")
     @classmethod
     def _within_reason(cls, value: Any) -> Any:
-        """Refuse sizes whose powers and quotients are no numbers any more."""
+        """Refuse sizes whose powers and quotients overflow or underflow."""
         for number in np.ravel(value) if isinstance(value, float | tuple) else ():
             if number and not SMALLEST <= abs(number) <= 1 / SMALLEST:
                 raise fault(
-                    f"got {shown(float(number))}, allowed: a size from {SMALLEST:g} to {1 / SMALLEST:g}"
+                    f"got {shown(float(number))}, allowed: a size from {SMALLEST:g} to"
+                    f" {1 / SMALLEST:g}"
                 )
         return value
 
 
 # ---- sphere and plate
-# ------------------------------------------------------------------------------------------------
 
 
 class Sphere(Section):
-    """The rolling sphere: rigid unless it has a modulus."""
+    """Rolling sphere, rigid unless it has a modulus."""
 
     SECTION: ClassVar[str] = "sphere"
 
@@ -141,7 +148,8 @@ class Sphere(Section):
     density_kg_m3: float | None = Field(
         default=None,
         gt=0,
-        description="Density [kg/m3], for the mass in the check of the contact resonance; absent: 7850, as if steel",
+        description="Density [kg/m3], for the mass in the check of the contact resonance; absent:"
+        " 7850, as if steel",
     )
     youngs_modulus_gpa: float | None = Field(
         default=None, gt=0, description="Young's modulus [GPa]; absent: a rigid sphere"
@@ -158,7 +166,7 @@ class Sphere(Section):
         ):
             if getattr(self, missing) is None and getattr(self, given) is not None:
                 raise fault(
-                    f"missing beside {given}; an elastic sphere needs both, a rigid one neither",
+                    f"missing beside {given}; an elastic sphere needs both, a rigid sphere neither",
                     "sphere",
                     missing,
                 )
@@ -166,7 +174,7 @@ class Sphere(Section):
 
 
 class Plate(Section):
-    """The half-space that the sphere rolls on."""
+    """Half-space that the sphere rolls on."""
 
     SECTION: ClassVar[str] = "plate"
 
@@ -175,16 +183,16 @@ class Plate(Section):
     hardness_gpa: float | None = Field(
         default=None,
         gt=0,
-        description="Hardness [GPa], the maximum pressure that the plate bears; absent: purely elastic",
+        description="Hardness [GPa], the maximum pressure that the plate bears; absent: purely"
+        " elastic",
     )
 
 
 # ---- surfaces
-# --------------------------------------------------------------------------------------------------------
 
 
 class MadeSurface(Section):
-    """A surface that the program makes, of a given width."""
+    """Surface of a given width that the program generates."""
 
     SECTION: ClassVar[str] = "surface"
 
@@ -196,21 +204,7 @@ class MadeSurface(Section):
 
     @model_validator(mode="after")
     def _whole_width(self) -> MadeSurface:
-        nodes = self.width_um / self.spacing_um
-        if not nodes < MAX_NODES:
-            raise fault(
-                f"got {plain_number(self.width_um)}, allowed: less than {MAX_NODES:g} nodes",
-                "surface",
-                "width_um",
-            )
-        if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
-            fitting = max(MIN_NODES, round(nodes)) * self.spacing_um
-            raise fault(
-                f"got {plain_number(self.width_um)}, allowed: a whole number of nodes of {self.spacing_um:g} um,"
-                f" at least {MIN_NODES}; nearest: {fitting:.10g}",
-                "surface",
-                "width_um",
-            )
+        _refuse_width(self.width_um, self.spacing_um)
         return self
 
     @property
@@ -219,8 +213,27 @@ class MadeSurface(Section):
         return round(self.width_um / self.spacing_um)
 
 
+def _refuse_width(width_um: float, spacing_um: float) -> None:
+    """Raise a fault for a width that is no whole number of nodes, too small or too large."""
+    nodes = width_um / spacing_um
+    if not nodes < MAX_NODES:
+        raise fault(
+            f"got {plain_number(width_um)}, allowed: less than {MAX_NODES:g} nodes",
+            "surface",
+            "width_um",
+        )
+    if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
+        fitting = max(MIN_NODES, round(nodes)) * spacing_um
+        raise fault(
+            f"got {plain_number(width_um)}, allowed: a whole number of nodes of {spacing_um:g} um,"
+            f" at least {MIN_NODES}; nearest: {fitting:.10g}",
+            "surface",
+            "width_um",
+        )
+
+
 class Gaussian(MadeSurface):
-    """A random periodic surface with Gaussian heights."""
+    """Random periodic surface with Gaussian heights."""
 
     model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
 
@@ -230,8 +243,9 @@ class Gaussian(MadeSurface):
     autocorrelation: Literal["gaussian", "gaussian_10pct", "exponential", "exponential_10pct"] = (
         Field(
             default="gaussian",
-            description="Law in the distance r and the correlation length L: gaussian exp(-(r/L)^2), gaussian_10pct"
-            " exp(-2.3 (r/L)^2), exponential exp(-r/L), exponential_10pct exp(-2.3 r/L)",
+            description="Law in the distance r and the correlation length L: gaussian"
+            " exp(-(r/L)^2), gaussian_10pct exp(-2.3 (r/L)^2), exponential exp(-r/L),"
+            " exponential_10pct exp(-2.3 r/L)",
         )
     )
     roughness_ra_um: float = Field(gt=0, le=1000, description="Arithmetic mean roughness Ra [um]")
@@ -247,7 +261,7 @@ class Gaussian(MadeSurface):
 
 
 class Smooth(MadeSurface):
-    """A perfectly flat surface."""
+    """Perfectly flat surface."""
 
     model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
 
@@ -255,7 +269,7 @@ class Smooth(MadeSurface):
 
 
 class HeightFile(Section):
-    """A surface read from a file, which holds one period of it."""
+    """Surface read from a file, which holds one period of it."""
 
     model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
     SECTION: ClassVar[str] = "surface"
@@ -265,28 +279,53 @@ class HeightFile(Section):
     )
     path: str = Field(
         min_length=1,
-        description=".npy file of heights [m], shape (along track, across), relative to the scene file",
+        description="File of heights, .npy, .npz, .csv or .txt, shape (along track, across),"
+        " relative to the scene file",
+    )
+    height_unit: Literal["m", "mm", "um", "nm"] = Field(
+        default="m", description="Unit of the heights in the file"
     )
     spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
     level: Literal["auto", "plane", "none"] = Field(
         default="auto",
-        description="Tilt: auto takes the least-squares plane off where the step from the last row to the first stands out"
-        " and the plane lowers it, plane always, none never",
+        description="Tilt: auto takes the least-squares plane off where the step from the last"
+        " row to the first stands out and the plane lowers it, plane always, none"
+        " never",
     )
+    width_um: float | None = Field(
+        default=None,
+        gt=0,
+        description="Width across the track [um] of a profile of one line, whose heights are the"
+        " same all across: a whole number of nodes, at least 8; absent: the file holds lines side"
+        " by side",
+    )
+
+    @model_validator(mode="after")
+    def _whole_width(self) -> HeightFile:
+        if self.width_um is not None:
+            _refuse_width(self.width_um, self.spacing_um)
+        return self
+
+    @property
+    def n_across(self) -> int | None:
+        """Nodes across the track that a profile is laid over; None: those of the file."""
+        return None if self.width_um is None else round(self.width_um / self.spacing_um)
 
 
 Surface = Annotated[Gaussian | Smooth | HeightFile, Field(discriminator="kind")]
 
 
 # ---- rolling, numerics, recovery, sound
-# -----------------------------------------------------------------------------
 
 
 SPEED = Words("a number > 0, or at least two [time_s, speed_m_s] pairs")
 
 
 def _speed(value: Any) -> Any:
-    """Return a speed, or pairs as tuples; raise the first fault of the pairs at its own place."""
+    """Return a speed, or pairs as tuples.
+
+    The first fault of the pairs is raised at its own place.
+    """
     at = ("rolling", "speed_m_s")
     if is_number(value) and value > 0:
         return float(value)
@@ -303,7 +342,8 @@ def _speed(value: Any) -> Any:
             raise fault(f"got {shown(pair[0])}, allowed: 0, the time of the first pair", *at, 0)
         if i and pair[0] <= value[i - 1][0]:
             raise fault(
-                f"got time {shown(pair[0])} after {shown(value[i - 1][0])}, allowed: increasing times",
+                f"got time {shown(pair[0])} after {shown(value[i - 1][0])}, allowed: increasing"
+                " times",
                 *at,
                 i,
             )
@@ -315,12 +355,15 @@ def _speed(value: Any) -> Any:
 
 
 def _step_nodes(value: float) -> float:
-    """Return the allowed value nearest to a rounded one: 0.333333 means a third."""
+    """Return the allowed value nearest to a rounded value.
+
+    0.333333 stands for a third, for example.
+    """
     closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
     if abs(value / closest - 1) > 1e-5:
         raise fault(
-            f"got {plain_number(value)}, allowed: a whole number from 1 to 64, or one over a whole number down to 1/16;"
-            f" nearest: {plain_number(closest)}"
+            f"got {plain_number(value)}, allowed: a whole number from 1 to 64, or one over a whole"
+            f" number down to 1/16; nearest: {plain_number(closest)}"
         )
     return closest
 
@@ -347,13 +390,14 @@ class Rolling(Section):
 
     load_n: float = Field(gt=0, description="Normal load [N], constant")
     speed_m_s: Speed = Field(
-        description="Speed [m/s], or [time [s], speed [m/s]] pairs: times increasing from 0, linear between them,"
-        " constant after the last"
+        description="Speed [m/s], or [time [s], speed [m/s]] pairs: times increasing from 0,"
+        " linear between them, constant after the last"
     )
     duration_s: float | None = Field(
         default=None,
         gt=0,
-        description="Time rolled [s]; only with a height file it may be absent: once round the file",
+        description="Time rolled [s]; only with a height file it may be absent: once round the"
+        " file",
     )
     start_um: float = Field(default=0.0, description="Start position along the track [um]")
 
@@ -366,7 +410,8 @@ class Numerics(Section):
     step_nodes: Annotated[float, AfterValidator(_step_nodes)] = Field(
         default=1.0,
         gt=0,
-        description="Step in nodes [-]: a whole number from 1 to 64, or one over a whole number down to 1/16",
+        description="Step in nodes [-]: a whole number from 1 to 64, or one over a whole number"
+        " down to 1/16",
     )
     tolerance: float = Field(
         default=1e-4,
@@ -376,17 +421,19 @@ class Numerics(Section):
     )
     edges: Literal["sharp", "blended"] = Field(
         default="blended",
-        description="Nodes at the edge of yielding patches: sharp loads them in full or not at all, blended by the share of their"
-        " cell in contact",
+        description="Nodes at the edge of yielding patches: sharp loads them in full or not at"
+        " all, blended by the share of their cell in contact",
     )
     subcells: Literal["auto", 1, 2, 4] = Field(
         default="auto",
-        description="Sub-cells along the side of each node's cell, with heights, pressures and bounds of their own; auto takes 2 on"
-        " steep surfaces that yield with blended edges, else 1",
+        description="Sub-cells along the side of each node's cell, with heights, pressures and"
+        " bounds of their own; auto takes 2 on steep surfaces that yield with blended edges, else"
+        " 1",
     )
     precision: Literal["single", "double"] = Field(
         default="single",
-        description="Precision of the transforms in the iteration; a solution is accepted after a check in double precision",
+        description="Precision of the transforms in the iteration; a solution is accepted after a"
+        " check in double precision",
     )
 
 
@@ -398,7 +445,8 @@ class Recovery(Section):
     events: bool = Field(default=False, description="Write a table of recovery events")
     rule: Literal["mean", "left_end"] = Field(
         default="mean",
-        description="Pressure of a falling node: mean of both ends of the step, or left_end, the article's",
+        description="Pressure of a falling node: mean of both ends of the step, or left_end, the"
+        " article's",
     )
 
 
@@ -414,9 +462,11 @@ class Sound(Section):
     gain_pa_per_w_m2: float | None = Field(
         default=None,
         gt=0,
-        description="Fixed factor from intensity to sound pressure [Pa per W/m2]; absent: energy-true per run",
+        description="Fixed factor from intensity to sound pressure [Pa per W/m2]; absent:"
+        " energy-true per run",
     )
     loudness: bool = Field(
         default=False,
-        description="Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package mosqito",
+        description="Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package"
+        " mosqito",
     )

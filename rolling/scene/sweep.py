@@ -1,4 +1,4 @@
-"""The sweep of a scene: its lists of values, their product, and the faults of single runs.
+"""Sweep of a scene: its lists of values, their product, and the faults of single runs.
 
 The model of a scene is handed in as `root`, because a scene holds its sweep.
 """
@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import PydanticCustomError
 
 from rolling.scene.messages import (
     Key,
@@ -26,7 +27,7 @@ from rolling.scene.messages import (
 from rolling.scene.run_names import run_name
 from rolling.scene.sections import MAX_FAULTS
 
-MAX_RUNS = 10_000  # of a sweep
+MAX_RUNS = 10_000  # maximum number of runs of a sweep
 Fault = tuple[Key, str]  # key and message
 
 
@@ -34,7 +35,8 @@ def validated(sweep: Any, root: type[BaseModel]) -> dict[str, tuple[float, ...]]
     """Turn the lists of a sweep into tuples; raise its first fault at its own place."""
     if not isinstance(sweep, dict):
         raise fault(
-            f"got {shown(sweep)}, allowed: lists of numbers by dotted key, as in rolling.load_n: [5, 20]",
+            f"got {shown(sweep)}, allowed: lists of numbers by dotted key, as in rolling.load_n:"
+            " [5, 20]",
             "sweep",
         )
     keys = numeric_keys(root)
@@ -52,7 +54,7 @@ def validated(sweep: Any, root: type[BaseModel]) -> dict[str, tuple[float, ...]]
                 f"got {shown(values)}, allowed: a list of numbers, at least one", "sweep", name
             )
     runs = math.prod(len(values) for values in sweep.values())
-    if runs > MAX_RUNS:  # before any of them is looked at
+    if runs > MAX_RUNS:  # refused before any value is looked at
         raise fault(f"got {runs} runs, allowed: at most {MAX_RUNS}", "sweep")
     for name, values in sweep.items():
         _refuse_values(name, values)
@@ -71,13 +73,13 @@ def _refuse_values(name: str, values: Sequence[Any]) -> None:
 
 
 def product(sweep: Mapping[str, Sequence[float]]) -> Iterator[dict[str, float]]:
-    """Yield the values of each run by dotted key, the last key fastest."""
+    """Yield the values of each run by dotted key; the last key varies fastest."""
     for values in itertools.product(*sweep.values()):
         yield dict(zip(sweep, values, strict=True))
 
 
 def with_values(data: Mapping[str, Any], values: Mapping[str, float]) -> dict[str, Any]:
-    """Return the plain values of a scene with the values of one run put in by dotted key."""
+    """Return the plain values of a scene with the values of one run by dotted key."""
     result = dict(data)
     for name, value in values.items():
         section, _, last = name.partition(".")
@@ -95,10 +97,13 @@ def faults_of_runs(
     the first run that has it.
     """
     unswept = {name: value for name, value in data.items() if name != "sweep"}
-    sweep = {name: tuple(values) for name, values in data.get("sweep", {}).items()}
+    try:
+        sweep = validated(data.get("sweep", {}), root)
+    except PydanticCustomError:  # where other faults kept pydantic from looking at it
+        return []
     places = {name: {value: i for i, value in enumerate(values)} for name, values in sweep.items()}
     known, named = {key for key, _ in known_faults}, set[Fault]()
-    # many runs share a fault, and its words take longer than to find it
+    # Many runs share a fault, and wording it takes longer than detecting it.
     in_words: dict[Any, Fault] = {}
     faults: list[Fault] = []
     for values in product(sweep) if sweep else ():
@@ -123,12 +128,12 @@ def faults_of_runs(
 
 
 def first_errors(error: ValidationError) -> list[Any]:
-    """List the faults that pydantic found, at most one more than are named."""
+    """List the faults that pydantic reports, at most one more than are named."""
     return error.errors(include_url=False)[: MAX_FAULTS + 1]
 
 
 def _errors(data: Mapping[str, Any], root: type[BaseModel]) -> list[Any]:
-    """List the faults of a scene, not yet in words."""
+    """List the faults of a scene, before they are put into words."""
     try:
         root.model_validate(data)
     except ValidationError as error:
@@ -137,5 +142,5 @@ def _errors(data: Mapping[str, Any], root: type[BaseModel]) -> list[Any]:
 
 
 def _plain_input(error: Any) -> Any:
-    """Return the value that a fault is about, None for a whole section."""
+    """Return the value that has a fault, None for a whole section."""
     return error["input"] if isinstance(error["input"], bool | int | float | str) else None

@@ -1,4 +1,4 @@
-"""The track of the sphere in whole nodes and whole steps, in SI."""
+"""Track of the sphere in whole nodes and whole steps, in SI."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from rolling.scene.height_header import HeaderError, header
+from rolling.scene.height_format import HeightFormatError
+from rolling.scene.height_header import header
 from rolling.scene.messages import fault, plain_number
 from rolling.scene.motion import ROUNDING, Motion
 
-MIN_NODES = 8  # along and across
-MAX_NODES = 10**9  # along the track, and steps: whatever is longer is a slip of the unit
+MIN_NODES = 8  # minimum number of nodes along and across
+MAX_NODES = 10**9  # maximum of nodes and steps along the track; more is an error of the unit
 _DURATION, _SPEED, _PATH = ("rolling", "duration_s"), ("rolling", "speed_m_s"), ("surface", "path")
+_WIDTH = ("surface", "width_um")
 
 
 @dataclass(frozen=True)
@@ -25,11 +27,11 @@ class Track:
     n_along, n_across : int
         Nodes of the surface.
     steps : int
-        Steps; there is one position more.
+        Number of steps; there is one position more.
     step, spacing : float, m
         Distance between positions, and between nodes.
     closed : bool
-        The last position is the first one again.
+        If true, the last position coincides with the first.
     lap_steps : int
         Steps after which the positions repeat.
     """
@@ -44,7 +46,7 @@ class Track:
 
     @property
     def solved_steps(self) -> int:
-        """Steps that differ from each other, which have to be solved."""
+        """Number of steps that differ from each other and have to be solved."""
         return min(self.steps, self.lap_steps)
 
     @property
@@ -56,10 +58,10 @@ class Track:
 def made_track(
     n_across: int, spacing: float, step_nodes: float, motion: Motion, duration: float
 ) -> Track:
-    """Make the track over a made surface, as long as the sphere rolls, rounded so that it closes on
-    itself.
+    """Make the track over a generated surface, rounded so that it closes on itself.
 
-    A duration [s] that is too short or too long raises a fault.
+    The track is as long as the sphere rolls. A duration [s] that is too short or too long raises a
+    fault.
     """
     step_fraction = _fraction(step_nodes)
     # The track is counted in the larger of step and node; the smaller then fits in whole numbers.
@@ -75,13 +77,14 @@ def made_track(
         needed = least * unit
         if needed > motion.final_distance * (1 + ROUNDING):
             raise fault(
-                f"the sphere comes to rest after {motion.final_distance * 1e6:.4g} um, the shortest track is"
-                f" {needed * 1e6:.4g} um: give it more speed",
+                f"the sphere comes to rest after {motion.final_distance * 1e6:.4g} um, the"
+                f" shortest track is {needed * 1e6:.4g} um: give it more speed",
                 *_SPEED,
             )
         raise fault(
             f"got {got}, in which the sphere rolls {distance * 1e6:.4g} um; the shortest track is"
-            f" {least * unit_nodes} nodes, {needed * 1e6:.4g} um: at least {motion.duration(needed):.4g}",
+            f" {least * unit_nodes} nodes, {needed * 1e6:.4g} um: at least"
+            f" {motion.duration(needed):.4g}",
             *_DURATION,
         )
     n_along = units * unit_nodes
@@ -90,20 +93,23 @@ def made_track(
 
 
 def file_track(
-    path: Path, said: str, spacing: float, step_nodes: float, motion: Motion, duration: float | None
+    nodes: tuple[int, int],
+    spacing: float,
+    step_nodes: float,
+    motion: Motion,
+    duration: float | None,
 ) -> Track:
     """Make the track over the heights of a file, by default once round it.
 
-    `said` is the path as the scene has it. A file without heights, or a sphere that rests too
-    early, raises a fault.
+    `nodes` are those along and across. A sphere that rests too early raises a fault.
     """
-    n_along, n_across = _shape(path, said)
+    n_along, n_across = nodes
     step_fraction, step = _fraction(step_nodes), spacing * step_nodes
     lap = n_along * spacing
     if duration is None and motion.final_distance * (1 + ROUNDING) < lap:
         raise fault(
-            f"the sphere comes to rest after {motion.final_distance:.4g} m, once round the height file is {lap:.4g} m:"
-            " give it more speed or set rolling.duration_s",
+            f"the sphere comes to rest after {motion.final_distance:.4g} m, once round the height"
+            f" file is {lap:.4g} m: give it more speed or set rolling.duration_s",
             *_SPEED,
         )
     distance = lap if duration is None else float(motion.distance(duration))
@@ -116,7 +122,7 @@ def file_track(
 
 
 def _within_reach(count: int, length: float, motion: Motion) -> int:
-    """Return a count, or one less where rounding asks a sphere that stops for more."""
+    """Return a count, or one less where rounding exceeds the distance of a stopping sphere."""
     return count - 1 if count * length > motion.final_distance * (1 + ROUNDING) else count
 
 
@@ -125,27 +131,44 @@ def _fraction(step_nodes: float) -> Fraction:
     return Fraction(step_nodes).limit_denominator(16)
 
 
-def _shape(path: Path, said: str) -> tuple[int, int]:
-    """Return the shape of a height file from its header."""
+def height_nodes(path: Path, said: str, width_nodes: int | None) -> tuple[int, int]:
+    """Read the nodes along and across of a height file.
+
+    Parameters
+    ----------
+    path : Path
+        File of heights.
+    said : str
+        The path as the scene has it.
+    width_nodes : int or None
+        Nodes across that the scene gives for a profile of one line; None: it gives none.
+
+    Raises
+    ------
+    PydanticCustomError
+        The file has no heights, too few, or a profile without a width.
+    """
     try:
-        shape, dtype = header(path)
-    except HeaderError as error:
+        rows, columns = header(path).nodes
+    except HeightFormatError as error:
         looked = f" (looked in {path.parent.absolute()})" if not path.is_file() else ""
-        allowed = (
-            ", allowed: one 2-D array of real heights in m, (along track, across)"
-            if "archive" in str(error)
-            else ""
-        )
-        raise fault(f"{said}: {error}{looked}{allowed}", *_PATH) from error
-    if len(shape) != 2 or dtype.kind not in "fiu":
-        got = f"{len(shape)}-D {dtype}"
+        raise fault(f"{error.of(said)}{looked}", *_PATH) from error
+    if columns == 1 and width_nodes is None:
         raise fault(
-            f"{said}: got {got}, allowed: one 2-D array of real heights in m, (along track, across)",
+            f"missing, allowed: a number > 0, because {said} is a profile of one line, which is"
+            " laid across the track over that width",
+            *_WIDTH,
+        )
+    if columns > 1 and width_nodes is not None:
+        raise fault(
+            f"only goes with a profile of one line, but {said} has {columns} lines side by side",
+            *_WIDTH,
+        )
+    nodes = rows, columns if width_nodes is None else width_nodes
+    if not MIN_NODES <= min(nodes) <= max(nodes) < MAX_NODES:
+        raise fault(
+            f"{said}: got {nodes[0]} x {nodes[1]} nodes, allowed: at least {MIN_NODES} each way and"
+            f" less than {MAX_NODES:g}",
             *_PATH,
         )
-    if min(shape) < MIN_NODES:
-        raise fault(
-            f"{said}: got {shape[0]} x {shape[1]} nodes, allowed: at least {MIN_NODES} each way",
-            *_PATH,
-        )
-    return shape[0], shape[1]
+    return nodes

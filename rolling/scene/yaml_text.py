@@ -1,12 +1,14 @@
-"""YAML text as plain values and the line of each key, within limits of size, depth and number."""
+"""YAML text as plain values with the line of each key, within limits of size and depth."""
 
 from __future__ import annotations
 
 import io
 import math
 import os
+import re
 import stat
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,17 +20,18 @@ from ruamel.yaml.error import YAMLError
 from ruamel.yaml.events import AliasEvent
 from ruamel.yaml.nodes import Node
 
+from rolling.scene import library
 from rolling.scene.messages import Key, cut, dotted, first_line, shown
 
-MAX_BYTES = 1_000_000  # of a file
-MAX_VALUES = 100_000  # keys and values of a text, its aliases written out
-MAX_NESTING = 4  # of values in a scene
-_MAX_BITS = 1000  # of a whole number: Python refuses to write much longer ones
-# of a text: the places of what is nested deeper than scenes are is not worth naming
+MAX_BYTES = 1_000_000  # maximum size of a file
+MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded
+MAX_NESTING = 4  # maximum depth of values in a scene
+_MAX_BITS = 1000  # maximum length of a whole number; Python refuses to write much longer numbers
+_LONG_NUMBER = re.compile(r"[0-9_]{4301,}")  # Python reads no longer numbers
+# Maximum depth of a text; values nested deeper than this are reported without their key.
 _MAX_DEPTH = 20
 
-# Errors of ruamel.yaml: it refuses some constructs, and stumbles over others, such as a directive
-# of YAML 1.164.
+# Besides its own errors ruamel.yaml raises these, for example on a directive of YAML 1.164.
 _STUMBLES = (
     ArithmeticError,
     AssertionError,
@@ -49,11 +52,11 @@ _KINDS = (
 
 
 class TextError(Exception):
-    """A fault of a text in one line, with its place."""
+    """Fault of a text in one line, with its place."""
 
 
 def kind_of_file(mode: int) -> str | None:
-    """Name the kind of a file that is no regular one, by its mode; None for a regular file."""
+    """Name the kind of an irregular file by its mode; return None for a regular file."""
     return (
         None
         if stat.S_ISREG(mode)
@@ -62,8 +65,9 @@ def kind_of_file(mode: int) -> str | None:
 
 
 def read_text(path: Path) -> str:
-    """Read a regular file of UTF-8 text, of at most MAX_BYTES; another kind of file is not even
-    opened.
+    """Read a regular file of UTF-8 text of at most MAX_BYTES.
+
+    A file of another kind is not even opened.
 
     Raises
     ------
@@ -76,14 +80,15 @@ def read_text(path: Path) -> str:
             raise TextError(f"{path}: is {kind}, a scene file is needed")
         content = _read_bytes(path, MAX_BYTES + 1)
     except FileNotFoundError as error:
-        raise TextError(f"{path}: no such file") from error
+        raise TextError(f"{path}: no such file{library.hint(path)}") from error
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the name
         raise TextError(
             f"{path}: not readable ({getattr(error, 'strerror', None) or error})"
         ) from error
     if len(content) > MAX_BYTES:
         raise TextError(
-            f"{path}: is larger than {MAX_BYTES:,} bytes, allowed: a scene file of at most that size"
+            f"{path}: is larger than {MAX_BYTES:,} bytes, allowed: a scene file of at most that"
+            " size"
         )
     try:
         return content.decode("utf-8-sig")
@@ -95,8 +100,9 @@ def read_text(path: Path) -> str:
 
 
 def open_at_once(path: Path) -> io.FileIO:
-    """Open a file for reading without waiting: a pipe that took its place must not hold the program
-    up.
+    """Open a file for reading without waiting.
+
+    A pipe that took its place must not block the program.
     """
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     return io.FileIO(os.open(path, flags), "rb")
@@ -123,7 +129,7 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
         raise TextError(f"{where}: got {len(text):,} letters, allowed: at most {MAX_BYTES:,}")
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of anchors given twice, which YAML 1.2 allows
+            warnings.simplefilter("ignore")  # YAML 1.2 allows anchors that are given twice
             yaml = YAML(typ="rt")
             yaml.Composer = _Counted
             return _plain(yaml.load(text), where)
@@ -135,7 +141,8 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
             second.buffer[second.pointer :][:100].split(":")[0].strip() if second.buffer else "key"
         )
         raise TextError(
-            f"{where}:{second.line + 1}: {name}: given twice in the section that begins in line {section.line + 1}"
+            f"{where}:{second.line + 1}: {name}: given twice in the section that begins in line"
+            f" {section.line + 1}"
         ) from error
     except YAMLError as error:
         mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
@@ -147,11 +154,17 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
             f"{place}: not YAML: {problem.replace('<stream end>', 'the end')}"
         ) from error
     except _STUMBLES as error:
+        if number := _LONG_NUMBER.search(text):
+            line = text.count("\n", 0, number.start()) + 1
+            raise TextError(
+                f"{where}:{line}: got a whole number of {len(number[0]):,} digits, allowed: shorter"
+                " ones"
+            ) from error
         raise TextError(f"{where}: not YAML: {first_line(error)}") from error
 
 
 class _BeyondLimit(Exception):
-    """A text that holds too much or is nested too deeply, with the line."""
+    """Error for a text that is too long or nested too deeply, with the line."""
 
     def __init__(self, message: str, line: int) -> None:
         super().__init__(message)
@@ -159,13 +172,14 @@ class _BeyondLimit(Exception):
 
 
 class _Counted(Composer):
-    """A composer that counts the values of a text, an alias as all its values, and stops beyond a
-    limit.
+    """Composer that counts the values of a text and stops beyond a limit.
+
+    An alias counts as all its values.
     """
 
     def __init__(self, loader: Any = None) -> None:
         super().__init__(loader)
-        # values in a node that is read, by its id; the nodes live as long as this
+        # number of values in each completed node, by its id; the nodes live as long as this object
         self._sizes: dict[int, int] = {}
         self._open: list[int] = []  # values so far in each node that is being read
         self._total = 0
@@ -180,13 +194,13 @@ class _Counted(Composer):
         size = self._open.pop()
         if alias:
             if id(node) not in self._sizes:  # still being read
-                raise _BeyondLimit("an alias of what it stands in", line)
+                raise _BeyondLimit("an alias of a value that contains it", line)
             size = self._sizes[id(node)]
         self._sizes[id(node)] = size
         self._total += size if alias else 1
         if self._total > MAX_VALUES:
             raise _BeyondLimit(
-                f"more than {MAX_VALUES:,} keys and values, aliases counted as what they stand for",
+                f"more than {MAX_VALUES:,} keys and values, each alias counted with all its values",
                 line,
             )
         if self._open:
@@ -194,8 +208,22 @@ class _Counted(Composer):
         return node
 
 
+def _line_of(container: CommentedMap | CommentedSeq, name: Any, outer: int) -> int:
+    """Return the line of a key or place; that of the container for what a merge brought in."""
+    place = (container.lc.data or {}).get(name)
+    return place[0] + 1 if place else outer
+
+
+def _refuse_key(name: Any, where: str) -> None:
+    """Raise TextError for a key that is no text nor a short number."""
+    if isinstance(name, tuple | CommentedMap | CommentedSeq | Mapping):
+        raise TextError(f"{where}: got a list or section as a key, allowed: the name of a key")
+    if isinstance(name, int) and name.bit_length() > _MAX_BITS:
+        raise TextError(f"{where}: got a very long whole number as a key, allowed: its name")
+
+
 def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
-    """Turn the values of ruamel.yaml into plain ones, and list the line of every key."""
+    """Turn the values of ruamel.yaml into plain values, and list the line of every key."""
     lines: dict[Key, int] = {(): 1}
 
     def plain(value: Any, key: Key) -> Any:
@@ -203,25 +231,26 @@ def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
             raise TextError(f"{where}:{lines[key]}: {cut(dotted(key))}: nested too deeply")
         if isinstance(value, CommentedMap):
             for name in value:
-                place = (value.lc.data or {}).get(name)  # none for what a merge brought in
-                lines[(*key, str(name))] = place[0] + 1 if place else lines[key]
+                _refuse_key(name, f"{where}:{_line_of(value, name, lines[key])}")
+            for name in value:
+                lines[(*key, str(name))] = _line_of(value, name, lines[key])
             return {str(name): plain(item, (*key, str(name))) for name, item in value.items()}
         if isinstance(value, CommentedSeq):
             for i in range(len(value)):
-                place = (value.lc.data or {}).get(i)
-                lines[(*key, i)] = place[0] + 1 if place else lines[key]
+                lines[(*key, i)] = _line_of(value, i, lines[key])
             return [plain(item, (*key, i)) for i, item in enumerate(value)]
         if isinstance(value, TaggedScalar):
             tag = shown(value.tag.value).strip('"')
             raise TextError(
-                f"{where}:{lines[key]}: {cut(dotted(key))}: got the tag {tag}, allowed: plain values"
+                f"{where}:{lines[key]}: {cut(dotted(key))}: got the tag {tag}, allowed: plain"
+                " values"
             )
         if isinstance(value, int) and value.bit_length() > _MAX_BITS:
             digits = f"a whole number of more than {_MAX_BITS * math.log10(2):.0f} digits"
             raise TextError(
                 f"{where}:{lines[key]}: {cut(dotted(key))}: got {digits}, allowed: shorter ones"
             )
-        # ruamel keeps how a number was written; bool before int, whose child it is.
+        # ruamel keeps the notation of a number. bool comes before int because it is a subclass.
         for kind in (bool, int, float, str):
             if isinstance(value, kind):
                 return kind(value)

@@ -1,11 +1,11 @@
-"""Read every object of an HDF5 file in a process of its own: a damaged file may crash the HDF5
-library or keep it busy for ever.
+"""Read every object of an HDF5 file in a separate process.
 
-python -P _hdf5_probe.py FILE      (exit code 0: all of it can be read; otherwise the last line of
-stderr says why)
+A damaged file may crash the HDF5 library or keep it busy for ever. The command is
+`python -P _hdf5_probe.py FILE`. Its exit code is 0 if the whole file can be read; otherwise the
+last line of stderr gives the reason.
 
-`store` runs it before it opens a file without a valid digest. It imports nothing of this program,
-so it starts at once.
+`result_file` runs it before it opens a file without a valid digest. It imports nothing of this
+program, so it starts at once.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from pathlib import Path
 import h5py
 
 SECONDS = 60  # of processor time
-# A byte of gzip holds at most about a thousand bytes; NaN that were never written take none at all.
+# A compressed byte expands to about a thousand bytes at most; chunks never written need no byte.
 MOST_BYTES_PER_BYTE = 5000
 
 
 def limit() -> None:
-    """Bound time and memory where the system can."""
+    """Limit time and memory where the system allows it."""
     with suppress(ImportError, ValueError, OSError):
         import resource
 
@@ -32,8 +32,12 @@ def limit() -> None:
 
 
 def read_all(path: Path) -> None:
-    """Read all datasets and attributes; raise whatever h5py raises, ValueError for sizes that no
-    such file can hold.
+    """Read all datasets and attributes.
+
+    Raises
+    ------
+    ValueError : a dataset is larger than the file can hold.
+    Exception : any error of h5py.
     """
     most = MOST_BYTES_PER_BYTE * path.stat().st_size
     with h5py.File(path, "r") as file:
@@ -55,6 +59,6 @@ if __name__ == "__main__":
     limit()
     try:
         read_all(Path(sys.argv[1]))
-    except Exception as error:  # whatever damage leads to
+    except Exception as error:  # damage raises errors of any kind
         text = " ".join(str(error).split()) or type(error).__name__
         sys.exit(text)

@@ -1,8 +1,7 @@
-"""The layout of result.h5, format 2: a netCDF-4 tree in which every dimension has a name and every
-value a unit.
+"""The layout of result.h5, format 2: a netCDF-4 tree with named dimensions and units.
 
-Root: series along the track. Groups: snapshot, pressure_maps, events (event_pieces while steps are
-missing), sound.
+The root holds the series along the track. The groups are snapshot, pressure_maps, events
+(event_pieces while steps are missing) and sound.
 """
 
 from __future__ import annotations
@@ -52,7 +51,7 @@ EVENT_UNITS = {
     "energy": "J",
     "peak": "J per step",
 }
-# How netCDF-4 marks a dimension that has a length and no values.
+# netCDF-4 marks a dimension without values by this name.
 _BARE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
 
 
@@ -79,11 +78,11 @@ class _Group:
     group: h5py.Group
 
     def dimension(self, name: str, length: int) -> None:
-        """Make a dimension that has a length only."""
+        """Make a dimension that has a length but no values."""
         _dataset(self.group, name, shape=(length,), dtype=">f4").make_scale(_BARE.format(length))
 
     def coordinate(self, name: str, values: NDArray[Any], units: str, long_name: str) -> None:
-        """Make a dimension with a value at each place."""
+        """Make a dimension that has a value at each index."""
         scale = _dataset(self.group, name, values, packed=True)
         scale.attrs.update(units=units, long_name=long_name)
         scale.make_scale(name)
@@ -97,7 +96,7 @@ class _Group:
         packed: bool = False,
         **more: str,
     ) -> None:
-        """Add values along dimensions; `packed` ones are compressed, `more` are attributes."""
+        """Add values along dimensions, compressed if `packed`, with the attributes `more`."""
         data = _dataset(self.group, name, values, packed)
         data.attrs.update(units=units, **more)
         for axis, dimension in enumerate(dimensions):
@@ -112,8 +111,9 @@ def _dataset(
     shape: tuple[int, ...] = (),
     dtype: Any = None,
 ) -> h5py.Dataset:
-    """Make a dataset with checksums, in even chunks of about half a megabyte, packed ones
-    compressed.
+    """Make a dataset with checksums, in even chunks of about half a megabyte.
+
+    `packed` datasets are compressed.
     """
     if values is not None:
         shape, dtype = values.shape, values.dtype
@@ -220,7 +220,7 @@ def _maps(file: h5py.File, result: Result) -> None:
         ("columns", shapes[:, 1], "1"),
     ):
         group.add(name, np.asarray(values), ["map"], unit)
-    # Each map is as large as its contact: around it there is nothing.
+    # Each map covers its own contact only, so smaller maps are padded with NaN.
     padded = np.full((len(maps), rows, columns), np.nan, dtype=np.float32)
     for each, block in zip(maps, padded, strict=True):
         block[: each.pressure.shape[0], : each.pressure.shape[1]] = each.pressure
@@ -228,7 +228,7 @@ def _maps(file: h5py.File, result: Result) -> None:
 
 
 def _events(file: h5py.File, result: Result) -> None:
-    """Write the events of a complete run as one table, the events of other runs piece after piece."""
+    """Write the events: one table for a complete run, otherwise a table with its pieces."""
     if not result.event_pieces:
         return
     group = _Group(file.create_group("events" if result.complete else "event_pieces"))

@@ -1,8 +1,8 @@
-"""Reading of result.h5, format 2 or older, with a check of every type, shape and range, and of the
-parts against each other.
+"""Reading of result.h5, format 2 or older, with checks of every type, shape and range.
 
-Version 0.1.0 and what followed it wrote no format: no identity, maps one after the other, a group
-for each piece of events.
+The parts of the file are also checked against each other. Files of version 0.1.0 and its direct
+successors have no format number and no identity, store their maps one after the other, and have a
+group for each piece of events.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, PressureMap, 
 MOST_STEPS = 10**9
 SIGNED = {"approach", "energy_defect"}  # no other series is ever negative
 WHOLE = {"iterations", "convolutions"}
-# of the energy of all events to the released energy: the same numbers, added in another order
+# Energy of all events and released energy are the same sum in another order.
 SUM_TOLERANCE = 1e-6
 
 
 class Damage(ValueError):
-    """The first fault of a file and its place, on one line."""
+    """The first fault of a file and its place, on a single line."""
 
 
 def read(file: h5py.File) -> Result:
@@ -38,8 +38,8 @@ def read(file: h5py.File) -> Result:
 
     Raises
     ------
-    Damage : the first fault, its field first. For files that HDF5 cannot read, h5py raises its own
-        errors.
+    Damage : the first fault; the message begins with its field. h5py raises its own errors for
+        files that HDF5 cannot read.
     """
     steps = _number(file, "steps", 1, MOST_STEPS)
     solved = _number(file, "solved_steps", 1, steps)
@@ -56,17 +56,17 @@ def read(file: h5py.File) -> Result:
     complete = _attribute(file, "complete")
     if not isinstance(complete, bool | np.bool_) or bool(complete) != result.complete:
         raise Damage(
-            f"complete: got {_shown(complete)}, {int((~done).sum())} of {solved} steps are not solved"
+            f"complete: got {_shown(complete)}, {int((~done).sum())} of {solved} steps are not "
+            "solved"
         )
     return result
 
 
 # ---- single values
-# ---------------------------------------------------------------------------------------------------
 
 
 def format_of(file: h5py.File) -> int:
-    """Read the format of a file; 1 where it has none, as in version 0.1.0."""
+    """Read the format of a file, or return 1 for a file of version 0.1.0, which has none."""
     return _number(file, "format", 1, 2**31) if "format" in file.attrs else 1
 
 
@@ -104,20 +104,22 @@ def _attribute(group: h5py.Group, name: str) -> Any:
 
 
 def _array(group: h5py.Group, name: str, kinds: str, shape: tuple[int | None, ...]) -> NDArray[Any]:
-    """Read values of one of the kinds (numpy's letters) and of a shape, in which None stands for
-    any length.
+    """Read values of a kind (numpy's letters) and of a shape.
+
+    None in the shape allows any length.
     """
     where = _path(group, name)
     link = group.get(name, getlink=True)
     if link is None:
         raise Damage(f"{where}: missing")
-    # values stand in this file, not in another one
+    # links to other files are refused
     data = group[name] if isinstance(link, h5py.HardLink) else None
     if not isinstance(data, h5py.Dataset) or data.is_virtual or data.external:
         raise Damage(f"{where}: got something else, allowed is a dataset")
     if data.dtype.kind not in kinds or data.shape is None or len(data.shape) != len(shape):
         raise Damage(
-            f"{where}: got {data.dtype} of shape {data.shape}, allowed are numbers in {len(shape)} dimensions"
+            f"{where}: got {data.dtype} of shape {data.shape}, "
+            f"allowed are numbers in {len(shape)} dimensions"
         )
     if any(want is not None and got != want for got, want in zip(data.shape, shape, strict=True)):
         wanted = tuple("any" if want is None else want for want in shape)
@@ -126,7 +128,7 @@ def _array(group: h5py.Group, name: str, kinds: str, shape: tuple[int | None, ..
 
 
 def _refuse(where: str, bad: NDArray[np.bool_], fault: str) -> None:
-    """Raise a fault of values, with the place of the first."""
+    """Raise a fault of values with the index of the first bad value."""
     if bad.any():
         first = np.argwhere(bad)[0].tolist()
         place = first[0] if len(first) == 1 else tuple(first)
@@ -143,7 +145,6 @@ def _shown(value: Any) -> str:
 
 
 # ---- identity
-# --------------------------------------------------------------------------------------------------------
 
 
 def _identity(file: h5py.File, result: Result) -> Identity | None:
@@ -169,14 +170,13 @@ def _values(file: h5py.File, name: str) -> dict[str, Any]:
 
 
 # ---- series
-# ----------------------------------------------------------------------------------------------------------
 
 
 def _series(file: h5py.File, steps: int, solved: int) -> dict[str, Array]:
     """Read the series of the solved part."""
     series = {name: _array(file, name, "f", (steps,))[:solved] for name in STEP_SERIES}
     for name in STATE_SERIES:
-        # as of version 0.1.0
+        # version 0.1.0 did not write this series
         if name == "max_deflection" and name not in file and format_of(file) < FORMAT:
             series[name] = np.full(solved + 1, np.nan)
         else:
@@ -185,13 +185,13 @@ def _series(file: h5py.File, steps: int, solved: int) -> dict[str, Array]:
 
 
 def _checked_series(result: Result) -> NDArray[np.bool_]:
-    """Check the series against their ranges and against one another; return which steps are solved."""
+    """Check the series against their ranges and each other, and return the mask of solved steps."""
     done = ~np.isnan(result.series["release_energy"])
-    # A state belongs to the step before it; the first one to the first step.
+    # A state belongs to the step before it, and state 0 to the first step.
     states = np.append(done[0], done)
     for name, values in result.series.items():
         solved = done if name in STEP_SERIES else states
-        # A run of version 0.1.0 that was gone on with has this series from there on.
+        # A resumed run of version 0.1.0 has this series only from the resumed step on.
         if name != "max_deflection":
             _refuse(name, np.isnan(values) & solved, "are NaN where release_energy is solved")
         _refuse(name, ~np.isnan(values) & ~solved, "are there where release_energy is NaN")
@@ -204,7 +204,6 @@ def _checked_series(result: Result) -> NDArray[np.bool_]:
 
 
 # ---- snapshot and pressure maps
-# --------------------------------------------------------------------------------------
 
 
 def _group(file: h5py.File, name: str) -> h5py.Group | None:
@@ -273,7 +272,7 @@ def _maps(file: h5py.File, result: Result) -> dict[int, PressureMap]:
 
 
 def _padded_pressures(group: h5py.Group, count: int) -> list[NDArray[np.float32]]:
-    """Read the maps of format 2, which are padded with NaN to one size."""
+    """Read the maps of format 2, which are padded with NaN to a common size."""
     padded = _array(group, "pressure", "f", (count, None, None)).astype(np.float32, copy=False)
     sizes = [_array(group, name, "iu", (count,)).astype(np.int64) for name in ("rows", "columns")]
     for name, values, most in zip(("rows", "columns"), sizes, padded.shape[1:], strict=True):
@@ -291,7 +290,7 @@ def _padded_pressures(group: h5py.Group, count: int) -> list[NDArray[np.float32]
 
 
 def _flat_pressures(group: h5py.Group, count: int) -> list[NDArray[np.float32]]:
-    """Read the maps of older files, which stand one after the other."""
+    """Read the maps of older formats, which are stored one after the other."""
     shapes = _array(group, "shape", "iu", (count, 2)).astype(np.int64)
     flat = _array(group, "pressure", "f", (None,)).astype(np.float32, copy=False)
     _refuse(
@@ -307,11 +306,13 @@ def _flat_pressures(group: h5py.Group, count: int) -> list[NDArray[np.float32]]:
 
 
 # ---- events
-# ----------------------------------------------------------------------------------------------------------
 
 
 def _events(file: h5py.File, result: Result) -> dict[int, dict[str, NDArray[Any]]]:
-    """Read the tables of events by the first position of their piece; a complete run has one table."""
+    """Read the tables of events by the first position of their piece.
+
+    A complete run has a single table.
+    """
     whole, parts = _group(file, "events"), _group(file, "event_pieces")
     if whole is not None and parts is not None:
         raise Damage("events: there beside event_pieces, allowed is one of them")
@@ -319,7 +320,7 @@ def _events(file: h5py.File, result: Result) -> dict[int, dict[str, NDArray[Any]
         return {0: _table(whole)}
     if parts is None:
         return {}
-    if "piece_first" not in parts:  # as of older files
+    if "piece_first" not in parts:  # older formats have a group for each piece
         pieces = {}
         for name in parts:
             part = _group(file, f"event_pieces/{name}")
@@ -338,7 +339,8 @@ def _events(file: h5py.File, result: Result) -> dict[int, dict[str, NDArray[Any]
     )
     if int(counts.sum()) != table["energy"].size:
         raise Damage(
-            f"event_pieces/piece_events: got {int(counts.sum())} events, the table has {table['energy'].size}"
+            f"event_pieces/piece_events: got {int(counts.sum())} events, "
+            f"the table has {table['energy'].size}"
         )
     ends = np.cumsum(counts)
     return {

@@ -1,4 +1,4 @@
-"""Runs of scenes with their folders: solved on all cores, and written to result.h5 while they grow."""
+"""Runs of scenes with their folders: solved on all cores, written as they grow."""
 
 from __future__ import annotations
 
@@ -15,11 +15,9 @@ from rolling.scene.scene import Scene
 from rolling.simulation import labels, result_file, simulate, solving
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
-from rolling.simulation.solving import BAR
 from rolling.sound.contact_sound import ContactSound
 
 __all__ = [
-    "BAR",
     "RESULT",
     "Run",
     "keep",
@@ -37,8 +35,9 @@ RESULT = "result.h5"
 class Run:
     """A run of a scene and its folder.
 
-    values : the values that its sweep gave it, by dotted key.
-    scene : the scene with these values, without a sweep.
+    values : dict. The swept values of the run, by dotted key.
+    scene : Scene. The scene with these values, without a sweep.
+    folder : Path. The run folder.
     """
 
     values: dict[str, float]
@@ -61,29 +60,49 @@ def solve(
     name: str,
     mapped: bool = True,
     begun: Callable[[Run], object] = lambda run: None,
+    complete: Callable[[int], object] | None = None,
 ) -> Outcome:
-    """Solve the missing steps of runs; each result.h5 is written as it grows and once more in the
-    end.
+    """Solve the missing steps of runs, and write each result.h5 as it grows.
 
     Parameters
     ----------
-    results : Results of the runs; their solved steps are not solved again.
-    workers : Processes; 0: one per core.
-    name : Name of the progress bar.
-    mapped : Whether pressure maps along the tracks are kept, some megabytes per run. Default: true.
-    begun : Gets a run as each of its pieces is handed to a process.
+    runs : sequence of Run.
+    results : sequence of Result. Their solved steps are not solved again.
+    workers : int. Number of processes; 0: one per core.
+    name : str. Name of the progress bar.
+    mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
+        Default: true.
+    begun : callable. It receives a run when one of its pieces is handed to a process.
+    complete : callable. It receives the number of a run when all of it is solved, and writes its
+        result. Default: the result is written without its sound.
     """
     unsolved = [k for k, result in enumerate(results) if not result.complete]
     keepers = {k: Keeper() for k in unsolved}
+    unkept: set[int] = set()
 
     def added(number: int) -> None:
-        if keepers[number].due() or results[number].complete:
+        run, result = runs[number], results[number]
+        unkept.add(number)
+        # A result of one piece is written once, with its sound.
+        at_once = (
+            complete is not None and result.complete and result.solved_steps <= simulate.PIECE_STEPS
+        )
+        if not at_once and (keepers[number].due() or result.complete):
             start = time.monotonic()
-            keep(runs[number], results[number])
+            keep(run, result)
             keepers[number].wrote(time.monotonic() - start)
+            unkept.discard(number)
+        if complete is not None and result.complete:
+            try:
+                complete(number)
+            except BaseException:
+                if at_once:
+                    keep(run, result)
+                raise
+            unkept.discard(number)
 
     for k in unsolved:
-        keep(runs[k], results[k])
+        _identify(runs[k], results[k])
     outcome = solving.solve(
         [run.scene for run in runs],
         results,
@@ -94,35 +113,41 @@ def solve(
         added=added,
     )
     for k in unsolved:
-        keep(runs[k], results[k])
-        # Numbers and pictures of the surface read the heights once more.
+        if k in unkept:
+            keep(runs[k], results[k])
+        # Statistics and figures of the surface read the heights once more.
         if fault := other_surface(runs[k], results[k]):
             outcome.failures.setdefault(k, fault)
     return outcome
 
 
 def keep(run: Run, result: Result, sound: ContactSound | None = None) -> None:
-    """Write the result of a run into its folder, and its sound if there is one."""
-    if result.identity is None:
-        result.identity = simulate.identity_of(run.scene)
+    """Write the result of a run into its folder, together with its sound if it has one."""
+    _identify(run, result)
     text = file.dump(seen_from(run.folder, run.scene))
     result_file.save(run.folder / RESULT, result, run.scene, text, sound)
 
 
+def _identify(run: Run, result: Result) -> None:
+    """Note scene and surface in a result, unless it has them from its file."""
+    if result.identity is None:
+        result.identity = simulate.identity_of(run.scene)
+
+
 def stored(run: Run) -> Result | None:
-    """Load the stored result of a run; None where there is none yet.
+    """Load the stored result of a run, or return None if the run has none.
 
     Raises
     ------
-    FolderError : it is damaged, or it was solved for another scene or over another surface; all
-        that differs is named.
+    FolderError : the result is damaged, or another scene or surface was solved. The message names
+        all differences.
     SceneError : the heights of the scene cannot be read.
     """
     path = run.folder / RESULT
     if not path.exists():
         return None
     result = result_file.load(path)
-    if result.identity is None:  # as of version 0.1.0
+    if result.identity is None:  # version 0.1.0 wrote no identity
         rolled = run.scene.track
         if (result.steps, result.solved_steps) != (rolled.steps, rolled.solved_steps):
             raise FolderError(
@@ -137,12 +162,12 @@ def stored(run: Run) -> Result | None:
 
 
 def refuse_other_scene(run: Run) -> None:
-    """Compare a run of a sweep with the scene in its own folder, which somebody may have edited.
+    """Compare a run of a sweep with the scene in its own folder, which may have been edited.
 
     Raises
     ------
-    FolderError : their physics differs; the first key is named. SceneError : the scene in the
-        folder cannot be used.
+    FolderError : their physics differs. The message names the first key.
+    SceneError : the scene in the folder cannot be used.
     """
     path = run.folder / "resolved.yaml"
     if not run.values or not path.is_file():
@@ -151,12 +176,13 @@ def refuse_other_scene(run: Run) -> None:
     own, swept = (Identity.of(scene, None) for scene in (file.read_scene(path), run.scene))
     for key, (there, here) in changes(own, swept).items():
         raise FolderError(
-            f"{path}: {key}: got {said(there)}, the sweep of the folder above makes {said(here)} of it"
+            f"{path}: {key}: got {said(there)}, the sweep of the folder above makes {said(here)} "
+            "of it"
         )
 
 
 def other_surface(run: Run, result: Result) -> str | None:
-    """Return the reason why the heights of a run are not the solved ones; None where they are."""
+    """Return the reason why the heights of a run differ from the solved heights, or None."""
     return (
         simulate.surface_fault(run.scene, result.identity.heights_sha256)
         if result.identity
@@ -165,13 +191,14 @@ def other_surface(run: Run, result: Result) -> str | None:
 
 
 def seen_from(folder: Path, scene: Scene) -> Scene:
-    """Return a scene with the path of its height file from a run folder, where it will be read
-    again.
+    """Return a scene whose path to the height file is relative to a run folder.
+
+    The scene is read from that folder later.
     """
     data = scene.to_dict()
     if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
         return scene
-    # Links are followed first: ".." of a linked folder leads elsewhere.
+    # Links are resolved first, because ".." of a linked folder leads elsewhere.
     heights = scene.height_path.parent.resolve() / scene.height_path.name
     data["surface"]["path"] = Path(os.path.relpath(heights, folder.resolve())).as_posix()
     return Scene.from_dict(data, folder)

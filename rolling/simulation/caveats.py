@@ -1,4 +1,4 @@
-"""The caveats of a run's numbers, which terminal, page and files share."""
+"""The caveats of a run's numbers, shared by terminal, page and files."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from rolling.scene.scene import Scene
 from rolling.sound import solver_error
 from rolling.sound.contact_sound import ContactSound
 
-SHORT_S = 0.3  # a record or a track that repeats sooner is heard as a tone
-# belong beside every level
+SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
+# these stand beside every level
 HEADLINE = ("upper_bound", "assumed_q", "fixed_gain", "unvalidated", "uncertainty")
-REPEATS = ("short_loop", "short_track")  # belong beside every player
-# all others are warnings of the check
+REPEATS = ("short_loop", "short_track")  # these stand beside every player
+# all other caveats are warnings of the check
 STANDING = (*HEADLINE, *REPEATS, "partial", "not_loopable", "quasi_static")
 
 
@@ -23,8 +23,8 @@ STANDING = (*HEADLINE, *REPEATS, "partial", "not_loopable", "quasi_static")
 class Caveat:
     """A limit of a run's numbers.
 
-    key : name for programs, which never changes with the wording.
-    text : the caveat in plain sentences.
+    key : str. Name for programs, which never changes with the wording.
+    text : str. The caveat in plain sentences.
     """
 
     key: str
@@ -33,9 +33,11 @@ class Caveat:
 
 @dataclass(frozen=True)
 class Remark:
-    """A caveat of several runs, said once.
+    """A caveat that several runs share.
 
-    labels : the runs that it concerns; none: all.
+    key : str. The key of the caveat.
+    text : str. The caveat in plain sentences.
+    labels : tuple of str. The runs that it concerns; empty: all runs.
     """
 
     key: str
@@ -44,20 +46,21 @@ class Remark:
 
     @property
     def line(self) -> str:
-        """The text with the runs that it concerns."""
+        """The text with the labels of its runs."""
         return self.text + (f" ({'; '.join(self.labels)})" if self.labels else "")
 
 
 def caveats(
     scene: Scene, sound: ContactSound, findings: Iterable[Finding], complete: bool
 ) -> list[Caveat]:
-    """List the caveats of a run: its standing ones, then the warnings of its check and of its
-    solver.
+    """List the caveats of a run: the standing caveats, then the warnings of check and solver.
 
     Parameters
     ----------
-    findings : Findings of the scene.
-    complete : Whether all steps are solved.
+    scene : Scene. A scene without a sweep.
+    sound : ContactSound. The sound of the run.
+    findings : iterable of Finding. Findings of the scene.
+    complete : bool. Whether all steps are solved.
     """
     result = [*_of_levels(scene, sound), *_of_record(scene, sound)]
     if not complete:
@@ -86,16 +89,16 @@ def loops(sound: ContactSound) -> bool:
 
 
 def stored(numbers: Mapping[str, Any]) -> list[Caveat]:
-    """Read the caveats out of the numbers of summary.json."""
+    """Read the caveats from the summary of a run."""
     return [Caveat(**each) for each in numbers["caveats"]]
 
 
 def gathered(runs: Sequence[tuple[str, Sequence[Caveat]]]) -> list[Remark]:
-    """Merge equal kinds of caveats, in the words of the first run that each concerns.
+    """Merge caveats of the same key, in the words of the first run.
 
     Parameters
     ----------
-    runs : Label and caveats of each run.
+    runs : sequence of pairs. Label and caveats of each run.
     """
     by_key: dict[str, dict[str, str]] = {}
     for label, each in runs:
@@ -111,7 +114,7 @@ def gathered(runs: Sequence[tuple[str, Sequence[Caveat]]]) -> list[Remark]:
 
 
 def _of_levels(scene: Scene, sound: ContactSound) -> list[Caveat]:
-    """List the caveats of the levels, if there are any."""
+    """List the caveats of the levels; a silent run has none."""
     if sound.steady_level is None and sound.levels.level_db is None:
         return []
     result, s = [], scene.sound
@@ -128,12 +131,16 @@ def _of_levels(scene: Scene, sound: ContactSound) -> list[Caveat]:
             )
         )
     if fixed:
-        text = f"The scene's gain of {s.gain_pa_per_w_m2:g} Pa per W/m² decides every level but the steady one."
+        text = (
+            f"The scene's gain of {s.gain_pa_per_w_m2:g} Pa per W/m² decides every level but the "
+            "steady one."
+        )
         result.append(Caveat("fixed_gain", text))
     result.append(Caveat("unvalidated", "No level has been validated against a microphone."))
     if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
         text = (
-            "± covers the record's length alone, taken as stationary Gaussian noise; it holds no error of model, grid or"
+            "± covers the record's length alone, taken as stationary Gaussian noise; "
+            "it holds no error of model, grid or"
             " solver."
         )
         result.append(Caveat("uncertainty", text))
@@ -141,10 +148,16 @@ def _of_levels(scene: Scene, sound: ContactSound) -> list[Caveat]:
 
 
 def _of_record(scene: Scene, sound: ContactSound) -> list[Caveat]:
-    """List the caveats of a record that does not loop, or is heard as the tone of its repetition."""
+    """List the caveats of the record.
+
+    They concern a record that does not loop, or a repetition that is heard as a tone.
+    """
     result = []
     if not loops(sound):
-        text = "The record does not close on itself: it is faded at both ends, and a loop of it has gaps."
+        text = (
+            "The record does not close on itself: it is faded at both ends, "
+            "and a loop of it has gaps."
+        )
         if sound.closed:
             text = "The ends of the record do not fit together: a loop of it clicks."
         result.append(Caveat("not_loopable", text))
@@ -166,7 +179,10 @@ def _of_record(scene: Scene, sound: ContactSound) -> list[Caveat]:
 
 
 def _lap_seconds(scene: Scene, sound: ContactSound) -> float:
-    """Return the time after which a record repeats itself [s], the mean where the speed changes."""
+    """Return the time after which a record repeats itself [s].
+
+    If the speed changes, this is the mean time.
+    """
     rolled_track = scene.track
     lap = rolled_track.lap_steps * rolled_track.step
     rolled = float(scene.motion.distance(sound.duration))

@@ -1,6 +1,6 @@
-"""The words of a scene's keys, and the labels that tell runs apart.
+"""The words of a scene's keys, and the labels that distinguish runs.
 
-Terminal, pictures, tables, page and files all take the names of runs from `labels`.
+Terminal, figures, tables, page and files all take the names of runs from `labels`.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from typing import Any, Protocol
 
 from rolling.scene.scene import Scene
 
-LONGEST = 72  # characters of a label: what a legend holds in one row
-_LONGEST_PART = 28  # characters of a scene's or a folder's name in a label that is too long
-_PROMINENT = 3  # differences that a label names even where fewer tell the runs apart
+LONGEST = 72  # characters of a label: the width of a row in a legend
+_LONGEST_PART = 28  # characters of a scene's or a folder's name in a label that would be too long
+_PROMINENT = 3  # differences that a label names even where fewer would distinguish the runs
 _CUT = "…"
 
 
@@ -23,11 +23,11 @@ _CUT = "…"
 class Word:
     """The words for a key of the scene.
 
-    name : quantity in the field's term.
-    unit : unit as it is printed, empty for text and for numbers without one.
-    absent : words for a scene that leaves the key out; empty: a label then leaves the quantity out.
-    minor : the key follows from others or hardly changes the sound, so a label names it only where
-        it must.
+    name : str. Quantity in the field's term.
+    unit : str. Unit as it is printed; empty for text and for numbers without a unit.
+    absent : str. Words for a scene that omits the key; if empty, the label omits the quantity.
+    minor : bool. Whether a label avoids the key, because it follows from other keys or hardly
+        changes the sound.
     """
 
     name: str
@@ -47,6 +47,7 @@ WORDS = {  # in the order in which labels name them
         "correlation length across", "µm", "correlation length across as along"
     ),
     "surface.autocorrelation": Word("autocorrelation"),
+    "surface.height_unit": Word("height unit"),
     "surface.level": Word("levelling"),
     "surface.seed": Word("seed"),
     "sphere.radius_mm": Word("sphere radius", "mm"),
@@ -75,11 +76,11 @@ WORDS = {  # in the order in which labels name them
 
 
 class Labelled(Protocol):
-    """Anything that a label can be made for: a run, solved or not."""
+    """A run, solved or not, for which a label can be made."""
 
     @property
     def values(self) -> Mapping[str, float]:
-        """What the sweep gave the run, by dotted key."""
+        """The swept values of the run, by dotted key."""
 
     @property
     def scene(self) -> Scene:
@@ -91,23 +92,22 @@ class Labelled(Protocol):
 
 
 def named(key: str) -> tuple[str, str]:
-    """Give word and unit of a dotted key: rolling.load_n is load in N."""
+    """Return word and unit of a dotted key: rolling.load_n is load in N."""
     return WORDS[key].name, WORDS[key].unit
 
 
 def worded(key: str, value: float) -> str:
-    """Write a value as people do: load 5 N."""
+    """Write a value with its word and unit: load 5 N."""
     return f"{WORDS[key].name} {value:g} {WORDS[key].unit}".rstrip()
 
 
 def labels(runs: Sequence[Labelled]) -> list[str]:
-    """Name runs by their differences; all labels differ, are printable and have at most `LONGEST`
-    characters.
+    """Name runs by their differences.
 
-    The scene's name comes first where there are several names. The swept values and other
-    differences between the scenes follow, as many as tell the runs apart. Runs of equal scenes are
-    told apart by their folders' names, and at last by a number. A run alone is named by its swept
-    values, or by its load.
+    All labels differ, are printable and have at most `LONGEST` characters. The scene's name comes
+    first if the names differ. The swept values and other differences between the scenes follow, as
+    many as distinguish the runs. Runs of equal scenes are distinguished by the names of their
+    folders, and finally by a number. A single run is named by its swept values, or by its load.
     """
     names, folders = [run.scene.name for run in runs], _folder_names(runs)
     parts = _parts(runs)
@@ -118,7 +118,7 @@ def labels(runs: Sequence[Labelled]) -> list[str]:
 
 
 def title(name: str, label: str) -> str:
-    """Put the scene's name before a label that does not begin with it, whole or cut."""
+    """Put the scene's name before a label, unless the label begins with it, whole or cut."""
     first = label.partition(", ")[0]
     head, cut, tail = first.partition(_CUT)
     begins = first == name or bool(cut and name.startswith(head) and name.endswith(tail))
@@ -126,17 +126,18 @@ def title(name: str, label: str) -> str:
 
 
 def printable(text: str) -> str:
-    r"""Escape the characters that cannot be printed: control characters, directions of writing, bytes that are no UTF-8.
+    r"""Escape the characters that cannot be printed.
 
-    A line feed becomes \n, the byte 255 of a file's name \xff.
+    They are control characters, directions of writing and bytes that are not UTF-8. A line feed
+    becomes \n, the byte 255 in the name of a file \xff.
     """
     return "".join(letter if letter.isprintable() else _escaped(letter) for letter in text)
 
 
 def shortened(texts: Sequence[str], longest: int) -> list[str]:
-    """Cut the texts that are too long in the middle, or about the place where they differ.
+    """Cut long texts in the middle, or around the place where they differ.
 
-    Texts that differ stay different wherever a stretch of that length tells them apart.
+    Different texts stay different if a stretch of `longest` characters distinguishes them.
     """
     short: dict[str, str] = {}
     for text in dict.fromkeys(texts):
@@ -156,12 +157,12 @@ def shortened(texts: Sequence[str], longest: int) -> list[str]:
 
 
 # ---- the parts of a label
-# --------------------------------------------------------------------------------------------
 
 
 def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
-    """Choose the quantities that labels name: for each the text of every run, empty where it does
-    not apply.
+    """Choose the quantities that labels name, and write them for every run.
+
+    The text is empty where a quantity does not apply.
     """
     differing = {key: texts for key in WORDS if len(set(texts := _texts(key, runs))) > 1}
     swept = list(dict.fromkeys(key for run in runs for key in run.values))
@@ -182,7 +183,7 @@ def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
 
 
 def _texts(key: str, runs: Sequence[Labelled]) -> list[str]:
-    """Write the value of a key for each run, as short as keeps different values apart."""
+    """Write the value of a key for each run, as short as different values stay different."""
     word, values = WORDS[key], [_value(run.scene, key) for run in runs]
     there = {value for value in values if value is not None}
     by_word = ({value: write(word, value) for value in there} for write in (_short, _full))
@@ -195,14 +196,15 @@ def _texts(key: str, runs: Sequence[Labelled]) -> list[str]:
 
 
 def _absent(scene: Scene, key: str) -> str:
-    """Say that a scene leaves a key out; nothing where the key is one of another kind of surface."""
+    """Return the words for an omitted key, or nothing if the kind of surface has no such key."""
     section, _, last = key.partition(".")
     return WORDS[key].absent if hasattr(getattr(scene, section), last) else ""
 
 
 def _value(scene: Scene, key: str) -> Hashable:
-    """Read the value of a dotted key, None where there is none; a height file is read as its place
-    on the disk.
+    """Read the value of a dotted key, or return None if it has none.
+
+    A height file is compared by its place on the disk.
     """
     if key == "surface.path":
         return scene.height_path and scene.height_path.resolve()
@@ -223,14 +225,15 @@ def _short(word: Word, value: Any) -> str:
 
 
 def _full(word: Word, value: Any) -> str:
-    """Write a value with all its digits, a speed with all its points."""
+    """Write a value with all its digits, or a speed with all its points."""
     if isinstance(value, tuple):
-        return f"{word.name} {', '.join(f'{speed!r} {word.unit} at {time!r} s' for time, speed in value)}"
+        points = ", ".join(f"{speed!r} {word.unit} at {time!r} s" for time, speed in value)
+        return f"{word.name} {points}"
     return f"{word.name} {value} {word.unit}".rstrip()
 
 
 def _paths(files: set[Hashable]) -> list[dict[Hashable, str]]:
-    """Name files by their names, then with more and more of the folders that they lie in."""
+    """Name files by their names, then with more and more of their parent folders."""
     paths = [path for path in files if isinstance(path, Path)]
     deepest = max((len(path.parts) for path in paths), default=1)
     word = WORDS["surface.path"].name
@@ -241,7 +244,7 @@ def _paths(files: set[Hashable]) -> list[dict[Hashable, str]]:
 
 
 def _folder_names(runs: Sequence[Labelled]) -> list[str]:
-    """Name the run folders, of the runs of a sweep the folder that they share."""
+    """Name the run folders; the runs of a sweep share the folder of the sweep."""
     homes = [run.folder.parent if run.values else run.folder for run in runs]
     return [printable(home.resolve().name) for home in homes]
 
@@ -249,8 +252,9 @@ def _folder_names(runs: Sequence[Labelled]) -> list[str]:
 def _joined(
     names: Sequence[str], folders: Sequence[str], parts: Sequence[Sequence[str]]
 ) -> list[str]:
-    """Join the parts of each label; add the names of scenes and folders where they tell labels
-    apart.
+    """Join the parts of each label.
+
+    Names of scenes and folders are added where they distinguish labels.
     """
     several = len(set(names)) > 1
     texts = [
@@ -267,11 +271,10 @@ def _joined(
 
 
 # ---- texts that stay different
-# ---------------------------------------------------------------------------------------
 
 
 def _escaped(letter: str) -> str:
-    if 0xDC80 <= ord(letter) <= 0xDCFF:  # how Python reads a byte of a file's name that is no UTF-8
+    if 0xDC80 <= ord(letter) <= 0xDCFF:  # Python's surrogate for a byte that is not UTF-8
         return f"\\x{ord(letter) - 0xDC00:02x}"
     return letter.encode("unicode_escape").decode("ascii")
 
@@ -297,7 +300,7 @@ def _windows(texts: Sequence[str], longest: int) -> dict[str, str]:
 
 
 def _numbered(texts: Sequence[str]) -> list[str]:
-    """Put a number behind texts that are equal."""
+    """Append a number to texts that are equal."""
     count = Counter(texts)
     taken, numbers = {text for text in texts if count[text] == 1}, Counter[str]()
     result = []

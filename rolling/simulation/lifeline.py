@@ -1,4 +1,4 @@
-"""Worker processes that end with the process that started them, however it ends."""
+"""Worker processes that end with the process that started them, even after a kill."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ _EXIT_CODE = 1
 
 
 def end_with_parent() -> None:
-    """End this process as soon as the process that started it is gone.
+    """End this process as soon as the process that started it has ended.
 
-    Call it first in a process of `multiprocessing`. Two means work together. On Linux the kernel
-    kills the process, also in the middle of a compiled step, which holds Python's lock so that no
-    other thread runs. Everywhere else a thread waits for the parent's end, and acts when the
-    compiled step at hand is done.
+    Call it first in a process of `multiprocessing`. Two mechanisms work together. On Linux the
+    kernel kills the process, even in the middle of a compiled step, which holds Python's lock so
+    that no other thread runs. On other systems a thread waits for the parent's end and acts after
+    the current compiled step.
     """
     parent = multiprocessing.parent_process()
-    if parent is None:  # nobody started this process
+    if parent is None:  # this process has no parent in `multiprocessing`
         return
     _ask_kernel()
-    # The kernel's signal comes only from now on: the parent may be gone already. (On Windows the
+    # The kernel signals only later ends, and the parent may have ended already. (On Windows the
     # number never changes.)
     if os.getppid() != parent.pid:
         os._exit(_EXIT_CODE)
@@ -35,16 +35,14 @@ def end_with_parent() -> None:
 
 
 def _ask_kernel() -> None:
-    """Have the kernel kill this process when its parent ends, where the kernel can."""
+    """Ask the kernel to kill this process when its parent ends, where the kernel can."""
     if not sys.platform.startswith("linux"):
         return
-    with suppress(OSError, AttributeError):  # a C library without it: the thread is left
+    with suppress(OSError, AttributeError):  # the C library lacks prctl: the thread remains
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
 
 
 def _watch(sentinel: int) -> None:
-    """Wait until the parent ends, then end this process at once: nothing is left to clean up for
-    anybody.
-    """
+    """Wait until the parent ends, then end this process at once without any clean-up."""
     connection.wait([sentinel])
     os._exit(_EXIT_CODE)

@@ -20,7 +20,9 @@ def refuse(scene: Scene, workers: int, folder: Path | None) -> None:
 
     Parameters
     ----------
-    folder : Path. The place of the files; None: nothing is written.
+    scene : Scene. A scene with or without a sweep.
+    workers : int. Number of processes; 0: one per core.
+    folder : Path. The folder of the files; None: nothing is written.
 
     Raises
     ------
@@ -46,10 +48,12 @@ class Plan:
 
     scene : Scene. A scene with or without a sweep.
     given : bytes. The text of the scene file; None for a scene that was made in memory.
+    whole : bool. Whether each run of a sweep has the inputs in its own folder. Otherwise they are
+        in the folder of the sweep and in result.h5. Default: true.
     """
 
-    def __init__(self, scene: Scene, given: bytes | None) -> None:
-        self.scene, self.given = scene, given
+    def __init__(self, scene: Scene, given: bytes | None, whole: bool = True) -> None:
+        self.scene, self.given, self.whole = scene, given, whole
         self.singles = scene.runs()
         self.names = run_names([values for values, _ in self.singles]) if scene.sweep else [""]
 
@@ -63,21 +67,19 @@ class Plan:
         return run_record.new("sweep", self.names) if self.scene.sweep else run_record.new("run")
 
     def runs(self, folder: Path) -> list[Run]:
-        """Return the runs, each with its folder."""
+        """Return the runs with their folders."""
         return [
             Run(values, single, folder / name)
             for (values, single), name in zip(self.singles, self.names, strict=True)
         ]
 
     def write(self, folder: Path) -> None:
-        """Write the inputs of each run into its folder, and the inputs of the sweep into the folder
-        above.
-        """
+        """Write the inputs of each run and of the sweep into their folders."""
         for run in self.runs(folder):
-            # A run of a sweep can be resumed and resounded on its own, so it has the inputs as
-            # well.
+            # A run of a sweep can be resumed and resounded on its own, so it also has the inputs.
             if run.folder != folder:
                 run.folder.mkdir(exist_ok=True)
+            if run.folder != folder and self.whole:
                 run_record.write(run.folder, run_record.new("run"))
                 self._write_scene(run.folder, run.scene)
         self._write_scene(folder, self.scene)

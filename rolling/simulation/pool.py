@@ -1,6 +1,6 @@
 """Tasks on any number of processes.
 
-Failures are kept apart, and Ctrl-C stops the work after the steps at hand.
+A failed run does not stop the others, and Ctrl-C stops the work after the current steps.
 """
 
 from __future__ import annotations
@@ -14,14 +14,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
+from rolling.contact import compiling
 from rolling.contact.solver import ContactError
 from rolling.simulation import lifeline, spawning
+from rolling.terminal import progress as terminal
 
 _KILLED = "a worker process was killed; out of memory? Fewer --workers need less"
 
 
 class Interrupted(Exception):
-    """The work was asked to stop before its end."""
+    """The end of the work at the user's request, before all of it is done."""
 
 
 @dataclass(frozen=True)
@@ -29,11 +31,12 @@ class Task:
     """A call `function(*arguments, stopped, progress)` that belongs to one run.
 
     The function raises Interrupted when `stopped()` is true, and calls `progress` with its share of
-    the cost as it goes.
+    the cost as it proceeds.
 
-    run : number of the run.
-    function : stands in a module that can be imported.
-    cost : sum of the progress that the task makes.
+    run : int. Number of the run.
+    function : callable. It stands in a module that can be imported.
+    arguments : tuple. The first arguments of the call.
+    cost : float. Sum of the progress that the task reports.
     """
 
     run: int
@@ -44,8 +47,10 @@ class Task:
 
 @dataclass
 class Outcome:
-    """The end of the work: the reasons of failed runs by number, and whether the work was
-    interrupted.
+    """The end of the work, with its failures.
+
+    failures : dict. Reason of each failed run, by the number of the run.
+    interrupted : bool. Whether the work was interrupted.
     """
 
     failures: dict[int, str] = field(default_factory=dict)
@@ -58,11 +63,12 @@ def _ignore(value: object) -> None:
 
 @dataclass(frozen=True)
 class Listener:
-    """The functions that are told how the work goes; each does nothing unless it is given.
+    """The functions that follow the work.
 
-    finished : gets run and result of each task as it is done.
-    progress : gets shares of the cost.
-    begun : gets the run of each task as the task is handed out.
+    finished : callable. It receives the run and the result of each task when the task is done.
+    progress : callable. It receives shares of the cost. Default: nothing is done.
+    begun : callable. It receives the run of each task when the task is handed out. Default: nothing
+        is done.
     """
 
     finished: Callable[[int, Any], object]
@@ -77,20 +83,26 @@ def work(
     progress: Callable[[float], object] = _ignore,
     begun: Callable[[int], object] = _ignore,
 ) -> Outcome:
-    """Do the tasks on `workers` processes, or in this process when there is one worker or one task.
+    """Do the tasks on `workers` processes.
+
+    One worker, one task, or a system that starts no processes: all is done in this process.
+
 
     A run that fails with ContactError does not stop the others. The first Ctrl-C or SIGTERM stops
-    all after the step at hand.
+    all runs after the current step.
 
     Parameters
     ----------
-    finished, progress, begun : functions of the `Listener`.
+    tasks : sequence of Task.
+    workers : int. Number of processes.
+    finished, progress, begun : callable. The functions of the `Listener`.
     """
     listener, outcome = Listener(finished, progress, begun), Outcome()
     workers = min(workers, len(tasks))
     with _stop_request() as asked:
-        if workers <= 1:
-            _work_here(tasks, listener, asked, outcome)
+        if workers <= 1 or not spawning.can_start_workers():
+            with compiling.told(terminal.compiling):
+                _work_here(tasks, listener, asked, outcome)
         else:
             _work_in_parallel(tasks, workers, listener, asked, outcome)
         outcome.interrupted = asked()
@@ -120,12 +132,13 @@ def _work_in_parallel(
     asked: Callable[[], bool],
     outcome: Outcome,
 ) -> None:
-    """Do the tasks on worker processes, of which each has at most one more task in store."""
+    """Do the tasks on worker processes, with at most one waiting task per worker."""
     context = spawning.context()
-    stop = context.Event()
+    stop, compiles = context.Event(), context.Event()
+    events = (stop, compiles)
     waiting = list(reversed(tasks))
     running: dict[Future[Any], Task] = {}
-    with _one_thread_each(), ProcessPoolExecutor(workers, context, _begin_worker, (stop,)) as pool:
+    with _one_thread_each(), ProcessPoolExecutor(workers, context, _begin_worker, events) as pool:
         try:
             while waiting or running:
                 while waiting and len(running) < 2 * workers:
@@ -137,6 +150,8 @@ def _work_in_parallel(
                 for future in done:
                     _collect(future, running[future], listener, outcome)
                     del running[future]
+                if compiles.is_set():
+                    terminal.compiling()
                 if asked():
                     waiting.clear()
                     stop.set()
@@ -148,7 +163,7 @@ def _work_in_parallel(
 
 
 def _collect(future: Future[Any], task: Task, listener: Listener, outcome: Outcome) -> None:
-    """Hand the result of a task on, or note that its run failed."""
+    """Pass on the result of a task, or record the failure of its run."""
     try:
         listener.finished(task.run, future.result())
         listener.progress(task.cost)
@@ -160,8 +175,10 @@ def _collect(future: Future[Any], task: Task, listener: Listener, outcome: Outco
 
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """Give each process that is started one thread: workers must not fight over cores, and they
-    import numpy anew.
+    """Limit the numerical libraries of every started process to one thread.
+
+    Workers that run several threads each would compete for the cores. The limits act because
+    workers import numpy anew.
     """
     pins = dict.fromkeys(
         ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
@@ -181,12 +198,16 @@ def _one_thread_each() -> Iterator[None]:
 _worker_stop: Any = None
 
 
-def _begin_worker(stop: Any) -> None:
-    """Prepare a worker process: it ends with its parent and stops when `stop` is set."""
+def _begin_worker(stop: Any, compiles: Any) -> None:
+    """Prepare a worker process, which ends with its parent.
+
+    It stops when `stop` is set, and sets `compiles` when it compiles a kernel.
+    """
     global _worker_stop
     lifeline.end_with_parent()
     _worker_stop = stop
-    # Ctrl-C reaches the whole process group; the parent decides and tells through the event.
+    compiling.tell_always(compiles.set)
+    # Ctrl-C reaches the whole process group; the parent alone decides and sets the event.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
@@ -195,7 +216,7 @@ def _in_worker(task: Task) -> Any:
 
 
 class _stop_request:
-    """A context in which the first SIGINT or SIGTERM only sets a flag; the second acts as usual."""
+    """A context in which the first SIGINT or SIGTERM sets a flag and the second acts as usual."""
 
     def __enter__(self) -> Callable[[], bool]:
         self.asked = False
@@ -203,7 +224,7 @@ class _stop_request:
         try:
             for number in (signal.SIGINT, signal.SIGTERM):
                 self.before[number] = signal.signal(number, self._ask)
-        except ValueError:  # not the main thread: signals are somebody else's
+        except ValueError:  # only the main thread may handle signals
             pass
         return lambda: self.asked
 

@@ -1,5 +1,6 @@
-"""The result of a run while it grows: series, snapshot, pressure maps, recovery events, and the
-identity of the run.
+"""The result of a run while it grows.
+
+It consists of series, snapshot, pressure maps, recovery events and the identity of the run.
 """
 
 from __future__ import annotations
@@ -21,13 +22,16 @@ from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, Piece, Pressu
 class Result:
     """The solved lap of a run; its series are NaN where a step is not solved yet.
 
-    steps : int. Steps of the whole run. `solved_steps` of them differ, the others repeat them.
-    step : float, m. Length of a step. start : float, m. First position along the track.
-    series : Series of the lap by name, in SI units.
-    maps : Pressure maps along the track, by position.
-    event_pieces : Tables of recovery events by the first position of their piece; one table once
-        all are there.
-    identity : Scene and surface that were solved; None in files of version 0.1.0.
+    steps : int. Steps of the whole run.
+    solved_steps : int. Number of different steps; the other steps repeat them.
+    step : float, m. Length of a step.
+    start : float, m. First position along the track.
+    series : dict. Series of the lap by name, in SI units.
+    snapshot : Snapshot. Pressure and deflection at the end of the first piece. Default: None.
+    maps : dict. Pressure maps along the track, by position.
+    event_pieces : dict. Tables of recovery events by the first position of their piece; a single
+        table when the run is complete.
+    identity : Identity. Scene and surface that were solved; None in files of version 0.1.0.
     """
 
     steps: int
@@ -46,6 +50,7 @@ class Result:
 
         Parameters
         ----------
+        track : Track. The track of the run.
         start : float, m. First position along the track.
         """
         solved = track.solved_steps
@@ -76,7 +81,7 @@ class Result:
         return int(gaps[0]) if len(gaps) else self.steps
 
     def whole(self, name: str) -> Array:
-        """Return a series of the whole run, laps repeated."""
+        """Return a series of the whole run with repeated laps."""
         values: Array = self.series[name]
         if name in STEP_SERIES:
             shown: Array = values[np.arange(self.steps) % self.solved_steps]
@@ -86,10 +91,12 @@ class Result:
         return shown
 
     def events(self) -> dict[str, NDArray[Any]] | None:
-        """Return the table of recovery events on the solved steps; None when none were asked for."""
+        """Return the table of recovery events on the solved steps, or None if not requested."""
         if not self.event_pieces:
             return None
         table = join_events([self.event_pieces[first] for first in sorted(self.event_pieces)])
         if self.complete:
-            self.event_pieces = {0: table}  # joined once: nothing can be added any more
+            self.event_pieces = {
+                0: table
+            }  # a complete run gets no more events, so it is joined only once
         return table

@@ -1,9 +1,8 @@
-"""The file result.h5: written whole or not at all, sealed by a digest, refused when a byte has
-changed.
+"""The file result.h5: written whole or not at all, and refused if a byte has changed.
 
-The last line of the file is a SHA-256 of all before it. HDF5 does not look beyond its own end, so
-readers of HDF5 do not notice the line. It is checked before the HDF5 library sees the file, which
-damage could crash.
+The last line of the file is a SHA-256 of all bytes before it. HDF5 does not look beyond its own
+end, so readers of HDF5 do not notice the line. The digest is checked before the HDF5 library opens
+the file, because damage could crash the library.
 """
 
 from __future__ import annotations
@@ -23,11 +22,13 @@ from rolling.simulation._result_layout import UNITS
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound
 
-__all__ = ["UNITS", "Result", "load", "save"]
+__all__ = ["UNITS", "Result", "load", "save", "scene_text"]
 
 _SEAL = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
 _SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
-_DAMAGED = "damaged; what was solved cannot be trusted (delete the file, and `rolling resume` solves it again)"
+_DAMAGED = (
+    "damaged; its numbers cannot be trusted (delete the file, and `rolling resume` solves it again)"
+)
 
 
 def save(
@@ -37,14 +38,16 @@ def save(
 
     Parameters
     ----------
+    path : Path. The file to write.
+    result : Result. The result of the run.
     scene : Scene. The scene of the run, for time and speed along the track.
-    scene_text : str. The scene as YAML, with paths from the run folder.
+    scene_text : str. The scene as YAML, with paths relative to the run folder.
     sound : ContactSound. Default: none yet.
 
     Raises
     ------
-    OSError : the disk is full, or the file cannot be written for another reason. The one that was
-        there is untouched.
+    OSError : the disk is full, or the file cannot be written for another reason. An earlier file is
+        kept.
     """
     content = _result_layout.image(result, scene, scene_text, sound)
     try:
@@ -58,8 +61,8 @@ def load(path: Path) -> Result:
 
     Raises
     ------
-    FolderError : missing, changed since it was written, or not such a file; the message names the
-        file and the field.
+    FolderError : the file is missing, has changed since it was written, or is not a result. The
+        message names the file and the field.
     """
     try:
         content = path.read_bytes() if path.is_file() else None
@@ -70,16 +73,34 @@ def load(path: Path) -> Result:
     if content[-_SEAL_LENGTH:] == _seal(memoryview(content)[:-_SEAL_LENGTH]):
         result, _ = _read(path, io.BytesIO(content))
         return result
-    # A file of an older version, or a damaged one. The HDF5 library must survive it elsewhere
-    # before it is opened here.
+    # The file is damaged or of an older version. Another process tests whether the HDF5 library
+    # survives it, before it is opened here.
     if fault := _probed(path):
         raise FolderError(f"{path}: {_DAMAGED} ({fault})")
     result, version = _read(path, path)
     if version >= _result_layout.FORMAT or _SEAL in content:
         raise FolderError(
-            f"{path}: {_DAMAGED} (the bytes are not the ones that were written: their SHA-256 differs)"
+            f"{path}: {_DAMAGED} (the bytes are not the ones that were written: "
+            "their SHA-256 differs)"
         )
     return result
+
+
+def scene_text(path: Path) -> str:
+    """Read the scene of a result.h5 of format 2 as YAML, with paths from its folder.
+
+    Raises
+    ------
+    FolderError : the file cannot be read, was changed since it was written, or has no scene.
+    """
+    try:
+        content = path.read_bytes()
+        if content[-_SEAL_LENGTH:] == _seal(memoryview(content)[:-_SEAL_LENGTH]):
+            with h5py.File(io.BytesIO(content), "r") as file:
+                return str(file.attrs["scene"])
+    except (OSError, KeyError) as error:
+        raise FolderError(f"{path}: its scene is not readable ({error})") from error
+    raise FolderError(f"{path}: {_DAMAGED} (its SHA-256 differs)")
 
 
 def _seal(content: bytes | memoryview) -> bytes:
@@ -87,26 +108,30 @@ def _seal(content: bytes | memoryview) -> bytes:
 
 
 def _read(path: Path, source: Path | io.BytesIO) -> tuple[Result, int]:
-    """Read an open file and its format; `path` is for messages."""
+    """Read an open file and its format, with `path` in the messages."""
     try:
         with h5py.File(source, "r") as file:
             version = _result_reading.format_of(file)
             if version > _result_layout.FORMAT:
                 raise FolderError(
-                    f"{path}: format {version}, this version of the program reads up to {_result_layout.FORMAT}"
+                    f"{path}: format {version}, this version of the program reads up to "
+                    f"{_result_layout.FORMAT}"
                 )
             return _result_reading.read(file), version
     except _result_reading.Damage as damage:
         raise FolderError(f"{path}: not a result that can be used: {damage}") from damage
     except FolderError:
         raise
-    except Exception as error:  # damage has h5py raise about anything
+    except Exception as error:  # h5py raises errors of any kind on damaged files
         text = " ".join(str(error).split()) or type(error).__name__
         raise FolderError(f"{path}: not a result of this program ({text})") from error
 
 
 def _probed(path: Path) -> str | None:
-    """Say why the HDF5 library cannot read a file, None where it can, from a process of its own."""
+    """Return the reason why the HDF5 library cannot read a file, or None.
+
+    The library reads the file in a separate process.
+    """
     command = [sys.executable, "-P", str(Path(_hdf5_probe.__file__)), str(path)]
     try:
         done = subprocess.run(

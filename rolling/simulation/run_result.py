@@ -1,6 +1,4 @@
-"""Finished runs with their sound: the input of figures and report, and the results that Python
-gets.
-"""
+"""Finished runs with their sound: the input of figures and report, and the results in Python."""
 
 from __future__ import annotations
 
@@ -44,17 +42,17 @@ _LEVELS = (  # name, key of the summary and of its uncertainty, unit
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RunResult:
-    """A run with its sound. It equals no other run, so that things can be kept by it.
+    """A run with its sound. It equals no other run, so it can be the key of a dictionary.
 
-    label : str. Tells the run from its neighbours, such as `load 5 N`.
-    values : dict. The values that its sweep gave it, by dotted key.
+    label : str. The label that distinguishes the run from the other runs, such as `load 5 N`.
+    values : dict. The swept values of the run, by dotted key.
     folder : Path. The run folder; the working directory for a run that is in memory only.
     scene : Scene. The scene without a sweep.
     result : Result. Series of the solved lap, pressure maps, snapshot and recovery events.
     sound : ContactSound. Sound pressure, levels and their uncertainty.
     summary : dict. The numbers of summary.json.
-    writer : The function behind `save`. It draws figures and writes the page, which stand above
-        this module.
+    writer : callable. The function behind `save`. It draws figures and writes the page, which stand
+        above this module.
     """
 
     label: str
@@ -68,17 +66,17 @@ class RunResult:
 
     @property
     def home(self) -> Path:
-        """The run folder that it was made in: the folder of the sweep, if it is a part of one."""
+        """The folder that `rolling run` made: the folder of the sweep for a run of a sweep."""
         return self.folder.parent if self.values else self.folder
 
-    @cached_property  # joined from the pieces of the track
+    @cached_property  # joining the pieces of the track takes time
     def events(self) -> dict[str, NDArray[Any]] | None:
-        """The table of recovery events, None when none were asked for."""
+        """The table of recovery events, or None if none were requested."""
         return self.result.events()
 
     @cached_property
     def event_statistics(self) -> EventStatistics | None:
-        """Statistics of the recovery events on the solved track, None where there are no events."""
+        """Statistics of the recovery events on the solved track, or None without events."""
         solved = int(np.isfinite(self.result.series["release_energy"]).sum())
         return event_statistics(self.events, solved * self.result.step) if self.events else None
 
@@ -88,7 +86,6 @@ class RunResult:
         return labels.title(self.scene.name, self.label)
 
     # ---- series of the whole run
-    # -------------------------------------------------------------------------------------
 
     @cached_property
     def _whole(self) -> WholeSeries:
@@ -96,7 +93,7 @@ class RunResult:
 
     @cached_property
     def series(self) -> Mapping[str, Array]:
-        """Every series of the whole run by name, in SI units; NaN where a step is not solved.
+        """All series of the whole run by name, in SI units, with NaN where a step is not solved.
 
         Energies, powers, `speed` and `step_time` have the shape (steps,) and stand at `distance`
         and `time`. States, such as `contact_area`, have the shape (steps + 1,) and stand at
@@ -121,7 +118,7 @@ class RunResult:
 
     @property
     def position(self) -> Array:
-        """(steps + 1,) m. Distance along the track at each position, of which a step joins two."""
+        """(steps + 1,) m. Distance along the track at each position; a step joins two positions."""
         return self._whole.position
 
     @property
@@ -130,13 +127,12 @@ class RunResult:
         return self._whole.position_time
 
     # ---- files and notebooks
-    # -----------------------------------------------------------------------------------------
 
     def play(self) -> Any:
         """Return a player for a notebook; without IPython, print the name of the WAV file.
 
-        The gain makes all runs equally loud, so levels are compared by their numbers. A run that
-        has no file yet writes listen.wav into the working directory.
+        The gain makes all runs equally loud, so levels are compared by their numbers. A run without
+        files writes listen.wav into the working directory.
 
         Returns
         -------
@@ -156,7 +152,7 @@ class RunResult:
         return Audio(self.sound.pressure * gain, rate=self.sound.sample_rate, normalize=False)
 
     def save(self, folder: Path | str, force: bool = False, report: bool = True) -> Path:
-        """Write the run folder that `rolling run` writes.
+        """Write the run folder that `rolling run` would write.
 
         Parameters
         ----------
@@ -166,19 +162,21 @@ class RunResult:
 
         Returns
         -------
-        folder : Path. `open_run` reads it.
+        folder : Path. The new folder, for `open_run`.
 
         Raises
         ------
-        FolderError : the folder is taken.
+        FolderError : the folder exists already.
+        TypeError : the run does not come from `simulate`, `simulate_sweep` or `open_run`.
         """
         if self.writer is None:
             raise TypeError("only runs of simulate, simulate_sweep and open_run can be saved")
         return self.writer(self, Path(folder), force, report)
 
     def to_xarray(self) -> xarray.DataTree:
-        """Return the content of result.h5 as a tree: series, snapshot, pressure_maps, events and
-        sound.
+        """Return the content of result.h5 as a tree.
+
+        The root holds the series. The groups are snapshot, pressure_maps, events and sound.
 
         Returns
         -------
@@ -221,7 +219,7 @@ class RunResult:
 def hear(
     label: str, values: dict[str, float], folder: Path, scene: Scene, result: Result
 ) -> RunResult | None:
-    """Make the sound of the solved steps of a run; None where fewer than two are solved."""
+    """Make the sound of the solved steps of a run, or return None below two solved steps."""
     steps = result.done_steps
     if steps < 2:
         return None

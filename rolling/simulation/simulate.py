@@ -1,7 +1,7 @@
 """The march of a scene: its track is cut into pieces, which any number of processes solve.
 
-A piece depends on the scene alone and starts cold. The numbers are therefore the same for any
-number of workers, and the solved pieces of a run that stopped are not solved again.
+A piece depends on the scene alone and begins with a cold start. The numbers are therefore the same
+for any number of workers, and a resumed run does not solve its finished pieces again.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import scene_surface
 
 PIECE_STEPS = (
-    # a cold start costs about three steps: 1.5 % of a piece
+    # A cold start costs about three steps, which is 1.5 % of a piece.
     200
 )
-MAPS = 120  # pressure maps of a run: about as many as the eye follows in ten seconds
-MAP_CELLS = 96  # maximum cells along a side of a map
+MAPS = 120  # maximum number of pressure maps of a run: the eye follows about as many in ten seconds
+MAP_CELLS = 96  # maximum number of cells along a side of a map
 STEP_SERIES = ("release_energy", "loading_energy", "energy_defect", "step_time")
 STATE_SERIES = (
     "approach",
@@ -51,8 +51,12 @@ STATE_SERIES = (
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The pressure [Pa] and deflection [m] at one position, with the plate coordinates [m] of the
-    window's first node.
+    """The pressure and deflection in the window at one position.
+
+    distance : float, m. Distance of the sphere along the track.
+    along, across : float, m. Plate coordinates of the window's first node.
+    pressure : array, Pa.
+    deflection : array, m.
     """
 
     distance: float
@@ -64,12 +68,13 @@ class Snapshot:
 
 @dataclass(frozen=True)
 class PressureMap:
-    """The pressure [Pa] on the loaded part of the plate at one position, for the eye.
+    """The pressure on the loaded part of the plate at one position, for the eye.
 
-    distance : distance of the sphere along the track [m].
-    along, across : plate coordinates of the first cell's corner [m].
-    cell : side of a square cell [m] of one node, or of several where the contact is wide.
-    pressure : mean pressure of each cell [Pa].
+    position : int. Number of the position.
+    distance : float, m. Distance of the sphere along the track.
+    along, across : float, m. Plate coordinates of the first cell's corner.
+    cell : float, m. Side of a square cell. It spans several nodes where the contact is wide.
+    pressure : array, Pa. Mean pressure of each cell.
     """
 
     position: int
@@ -82,9 +87,9 @@ class PressureMap:
 
 @dataclass(frozen=True)
 class Piece:
-    """The series of the steps first ..
+    """The series of the steps `first` to `last - 1` and of the states `first + 1` to `last`.
 
-    last - 1 and of the states first + 1 .. last; the first piece has state 0 as well.
+    The first piece also holds state 0.
     """
 
     first: int
@@ -97,17 +102,17 @@ class Piece:
 
 
 def identity_of(scene: Scene) -> Identity:
-    """Identify a scene without a sweep: its physics and the heights as their file holds them now.
+    """Identify a scene without a sweep by its physics and the current heights of its file.
 
     Raises
     ------
-    SceneError : heights that cannot be read.
+    SceneError : the heights cannot be read.
     """
     return Identity.of(scene, scene_surface(scene).sha256 if scene.height_path else None)
 
 
 def surface_fault(scene: Scene, solved: str | None) -> str | None:
-    """Return the reason why the surface of a scene has not the digest `solved`, None where it has."""
+    """Return the reason why the surface of a scene lacks the digest `solved`, or None."""
     if scene.height_path is None:
         return None
     try:
@@ -122,25 +127,26 @@ def _half_space(spacing: float, contact_modulus: float, subcells: int) -> HalfSp
 
 
 def pieces(steps: int) -> list[tuple[int, int]]:
-    """Return first and last position of each piece of a track of that many steps."""
+    """Return the first and last position of each piece of a track with `steps` steps."""
     return [(first, min(first + PIECE_STEPS, steps)) for first in range(0, steps, PIECE_STEPS)]
 
 
 def mapped_positions(steps: int) -> NDArray[np.int64]:
-    """Return the positions whose pressure is kept, evenly along a track of that many steps; all of
-    a short track.
+    """Return the positions whose pressure is kept, evenly spaced along a track with `steps` steps.
+
+    All positions of a short track are kept.
     """
     return np.unique(np.arange(MAPS) * steps // MAPS)
 
 
 def pressure_map(state: ContactState, contact: RollingContact) -> PressureMap:
-    """Return the pressure map of a state, with as many nodes per cell as keep it small."""
+    """Return the pressure map of a state, with enough nodes per cell to keep the map small."""
     r = contact.subcells
     spacing, window = contact.cell_spacing, state.window.cells(r)
     loaded = state.loaded.whole(r).cells(r)
     across = max(loaded.rows, loaded.columns)
     nodes = -(-across // MAP_CELLS)
-    # Whole cells: the last ones reach over nodes that bear nothing.
+    # All cells are whole, so the last row and column reach over unloaded nodes.
     rows, columns = (-(-count // nodes) for count in (loaded.rows, loaded.columns))
     pressure = np.zeros((rows * nodes, columns * nodes))
     pressure[: loaded.rows, : loaded.columns] = window.moved(cell_means(state.pressure, r), loaded)
@@ -151,7 +157,7 @@ def pressure_map(state: ContactState, contact: RollingContact) -> PressureMap:
 
 
 def _snapshot(state: ContactState, contact: RollingContact) -> Snapshot:
-    """Return pressure and deflection of a state, means of cells, with the place of its window."""
+    """Return cell means of pressure and deflection of a state with the corner of its window."""
     window = state.window.cells(contact.subcells)
     row, column = window.row * contact.cell_spacing, window.column * contact.cell_spacing
     pressure, deflection = (
@@ -173,16 +179,17 @@ def simulate_piece(
 
     Parameters
     ----------
+    scene : Scene. A scene without a sweep.
     first, last : int. Positions between which the piece lies.
-    stopped : returns whether the march has to stop.
-    progress : gets the number of solved steps, step by step.
+    stopped : callable. It returns whether the march has to stop.
+    progress : callable. It receives the number of solved steps, step by step.
     contact : RollingContact. The same contact made otherwise. Default: made from the scene.
     mapped : bool. Whether pressure maps are kept. Default: true.
 
     Raises
     ------
-    ContactError : as `march` does.
-    Interrupted : `stopped` said so.
+    ContactError : as in `march`.
+    Interrupted : `stopped` returned true.
     """
     contact = contact or rolling_contact(scene)
     half_space = _half_space(contact.spacing, contact.contact_modulus, contact.subcells)
@@ -226,10 +233,11 @@ def simulate_piece(
 
 @dataclass(frozen=True)
 class Order:
-    """The way in which a run is marched.
+    """The settings for the march of a run.
 
-    step_cost : progress of a step. mapped : whether pressure maps are kept.
-    surface_sha256 : digest of the height file, None for a made surface.
+    step_cost : float. Progress of a step.
+    mapped : bool. Whether pressure maps are kept.
+    surface_sha256 : str. Digest of the height file; None for a generated surface.
     """
 
     step_cost: float = 1.0
@@ -249,8 +257,8 @@ def _ordered_piece(
 
     Raises
     ------
-    ContactError : as `march` does, or the heights were replaced or removed: a run has one surface.
-    Interrupted : `stopped` said so.
+    ContactError : as in `march`, or the heights were replaced or removed. A run has one surface.
+    Interrupted : `stopped` returned true.
     """
     try:
         z = scene_surface(scene)
@@ -282,16 +290,18 @@ def march_pieces(
 ) -> pool.Outcome:
     """March pieces of scenes on `workers` processes.
 
-    A scene that fails does not stop the others. The first Ctrl-C or SIGTERM stops all after the
-    step at hand.
+    A scene that fails does not stop the others. The first Ctrl-C or SIGTERM stops all scenes after
+    the current step.
 
     Parameters
     ----------
-    todo : The pieces: number of the scene, first and last position.
-    finished : Gets the number of the scene and each piece as it is done.
-    progress : Gets the cost of solved steps, step by step or piece by piece.
-    orders : One for each scene.
-    begun : Gets the number of a scene as each of its pieces is handed out.
+    scenes : sequence of Scene.
+    todo : sequence of tuples. Number of the scene, first and last position of each piece.
+    workers : int. Number of processes.
+    finished : callable. It receives the number of the scene and each piece when the piece is done.
+    progress : callable. It receives the cost of solved steps, step by step or piece by piece.
+    orders : sequence of Order. One order per scene. Default: an order with the present surface.
+    begun : callable. It receives the number of a scene when one of its pieces is handed out.
     """
     orders = orders or [Order(surface_sha256=identity_of(scene).heights_sha256) for scene in scenes]
     tasks = [

@@ -1,19 +1,15 @@
-"""Scenes solved on all cores in memory, the longest first, with a progress bar."""
+"""Scenes solved on all cores in memory, the longest scenes first, with a progress bar."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
-
-from tqdm import tqdm
 
 from rolling.check import cost
 from rolling.scene.scene import Scene
 from rolling.simulation import simulate
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
-
-BAR = "{desc} {percentage:3.0f}%|{bar}| {elapsed} passed, {remaining} left"
+from rolling.terminal import progress as terminal
 
 
 def _ignore(run: int) -> None:
@@ -34,14 +30,15 @@ def solve(
 
     Parameters
     ----------
-    scenes : Scenes without a sweep, one per run.
-    results : Results of the runs; their solved steps are not solved again.
-    workers : Processes; 0: one per core.
-    name : Name of the progress bar.
-    mapped : Whether pressure maps along the tracks are kept, some megabytes per run. Default: true.
-    progress : Whether a progress bar is shown. Default: on a terminal and in a notebook.
-    begun : Gets the number of a run as each of its pieces is handed to a process.
-    added : Gets the number of a run after each piece is added to its result.
+    scenes : sequence of Scene. Scenes without a sweep, one per run.
+    results : sequence of Result. Their solved steps are not solved again.
+    workers : int. Number of processes; 0: one per core.
+    name : str. Name of the progress bar.
+    mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
+        Default: true.
+    progress : bool. Whether a progress bar is shown. Default: on a terminal and in a notebook.
+    begun : callable. It receives the number of a run when one of its pieces is handed to a process.
+    added : callable. It receives the number of a run after each piece is added to its result.
     """
     missing = [
         [*simulate.missing(result.solved_steps, result.series["release_energy"])]
@@ -51,7 +48,7 @@ def solve(
         cost.expected_seconds(scene) / result.solved_steps
         for scene, result in zip(scenes, results, strict=True)
     ]
-    # The longest first, so that no core is left with one of them in the end.
+    # The longest runs come first, so that no core works alone on a long run at the end.
     order = sorted((k for k in range(len(scenes)) if missing[k]), key=lambda k: -step_seconds[k])
     todo = [(k, first, last) for k in order for first, last in missing[k]]
     orders = [
@@ -63,22 +60,21 @@ def solve(
     def finished(number: int, piece: simulate.Piece) -> None:
         results[number].add(piece)
         added(number)
+        if terminal.is_verbose():
+            terminal.detail(f"run {number + 1} of {len(scenes)}, {_piece_text(piece)}")
 
-    with tqdm(total=total, disable=_disabled(progress), desc=name, bar_format=BAR) as bar:
-        return simulate.march_pieces(
-            scenes, todo, workers or cost.cores(), finished, bar.update, orders, begun
-        )
-
-
-def _disabled(progress: bool | None) -> bool | None:
-    """Return the value of tqdm's `disable`; None hides the bar unless the stream is a terminal."""
-    if progress is None:
-        return False if in_notebook() else None
-    return not progress
+    workers = workers or cost.cores()
+    terminal.detail(
+        f"{name}: {len(todo)} pieces of {len(order)} runs, on {min(workers, len(todo))} processes"
+    )
+    with terminal.bar(total, name, progress) as bar:
+        return simulate.march_pieces(scenes, todo, workers, finished, bar.update, orders, begun)
 
 
-def in_notebook() -> bool:
-    """Return whether this code runs in a notebook."""
-    ipython = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython is not None else None
-    return type(shell).__name__ == "ZMQInteractiveShell"
+def _piece_text(piece: simulate.Piece) -> str:
+    """Write what a piece took: steps, iterations and time."""
+    seconds = float(piece.steps["step_time"].sum())
+    return (
+        f"steps {piece.first} to {piece.last - 1}:"
+        f" {float(piece.states['iterations'].mean()):.1f} iterations per state, {seconds:.2f} s"
+    )

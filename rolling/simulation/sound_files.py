@@ -1,4 +1,4 @@
-"""The sound files of a run, each with a JSON file that gives the meaning of its numbers."""
+"""The sound files of a run, each beside a JSON file that explains its numbers."""
 
 from __future__ import annotations
 
@@ -25,25 +25,26 @@ def write(
     Parameters
     ----------
     folder : Path. An existing run folder.
-    label : str. The label that tells the run from its neighbours.
-    caveats : Key and text of each caveat, as in summary.json.
+    scene : Scene. The scene of the run.
+    label : str. The label that distinguishes the run from the other runs.
+    sound : ContactSound. The sound of the run.
+    caveats : sequence of mappings. Key and text of each caveat, as in summary.json.
 
     Raises
     ------
-    OSError : a file cannot be written; an earlier file is still there.
+    OSError : a file cannot be written. An earlier file of this name is kept.
     """
-    s = scene.sound
-    facts = (
-        f"{scene.name}, {label}; distance {s.distance_m:g} m, q {s.q:g},"
-        f" {sound.factor:.6g} Pa per W/m2 of fluctuation; {sound.ends}"
-    )
-    title = f"{scene.name}, {label}"
+    facts, title = _facts(scene, label, sound), f"{scene.name}, {label}"
     gain = wav.listening_gain(sound.pressure)
     rule, consequence = _rule_of_gain(sound, gain)
     files = {
-        "signal": wav.calibrated(sound.pressure, f"1.0 = 1 Pa; {facts}", title),
+        "signal": _signal(scene, label, sound),
         "listen": wav.listening(
-            sound.pressure, gain, f"{gain:.6g} full scale per Pa, {rule}; {facts}", title
+            sound.pressure,
+            gain,
+            f"{gain:.6g} full scale per Pa, {rule}; {facts}",
+            title,
+            loops=sound.loops,
         ),
     }
     sidecars = {
@@ -53,7 +54,8 @@ def write(
             sound,
             1.0,
             "32-bit float",
-            "Samples are sound pressure in Pa at the distance given; players may clip what exceeds 1, listen.wav is for the ear.",
+            "Samples are sound pressure in Pa at the distance given; "
+            "players may clip samples beyond 1, listen.wav is for the ear.",
         ),
         "listen": _sidecar(
             scene,
@@ -61,7 +63,8 @@ def write(
             sound,
             gain,
             "24-bit PCM",
-            f"Samples times pascal_per_full_scale are sound pressure in Pa at the distance given; {consequence}.",
+            "Samples times pascal_per_full_scale are sound pressure in Pa at the distance given; "
+            f"{consequence}.",
         ),
     }
     for name, content in files.items():
@@ -69,14 +72,42 @@ def write(
         run_folder.write_json(folder / f"{name}.json", sidecars[name] | {"caveats": [*caveats]})
 
 
+def write_signal(folder: Path, scene: Scene, label: str, sound: ContactSound) -> None:
+    """Write signal.wav alone, without its JSON file.
+
+    Raises
+    ------
+    OSError : the file cannot be written; an earlier one is still there.
+    """
+    run_folder.write_bytes(folder / "signal.wav", _signal(scene, label, sound))
+
+
+def _signal(scene: Scene, label: str, sound: ContactSound) -> bytes:
+    """Return signal.wav."""
+    facts = _facts(scene, label, sound)
+    return wav.calibrated(
+        sound.pressure, f"1.0 = 1 Pa; {facts}", f"{scene.name}, {label}", sound.loops
+    )
+
+
+def _facts(scene: Scene, label: str, sound: ContactSound) -> str:
+    """Write the facts that the comment of a sound file holds."""
+    s = scene.sound
+    return (
+        f"{scene.name}, {label}; distance {s.distance_m:g} m, q {s.q:g},"
+        f" {sound.factor:.6g} Pa per W/m2 of fluctuation; {sound.ends}"
+    )
+
+
 def _rule_of_gain(sound: ContactSound, gain: float) -> tuple[str, str]:
-    """Name the rule that the gain of listen.wav follows, and its consequence for the ear."""
+    """Name the rule that sets the gain of listen.wav, and its consequence for the ear."""
     if not sound.pressure.any():
         return "silence", "the record is silent, and the gain is 1"
     if gain >= wav.MOST_GAIN:
         return (
             "the largest gain",
-            "the gain is the largest there is, that of a record at 0 dB(A): this one is below and stays quieter than others",
+            "the gain is the largest there is, that of a record at 0 dB(A): "
+            "this one is below and stays quieter than others",
         )
     return (
         "equal loudness",

@@ -1,9 +1,11 @@
-"""Worker processes that do not import the main module again, so that no program needs a `__main__`
-guard.
+"""Worker processes that do not import the main module again.
+
+Programs therefore need no `__main__` guard.
 """
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,7 +13,7 @@ from multiprocessing import spawn
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
 
-# the keys by which a spawned process finds the main module
+# a spawned process finds the main module by these keys
 _MAIN = ("init_main_from_name", "init_main_from_path")
 _lock = threading.Lock()
 
@@ -26,7 +28,7 @@ class _Worker(SpawnProcess):
 
 
 class _Context(SpawnContext):
-    """The way to start processes that `concurrent.futures` is given."""
+    """The start method that `concurrent.futures` uses."""
 
     Process = _Worker
 
@@ -41,9 +43,26 @@ def context() -> SpawnContext:
     return _Context()
 
 
+def can_start_workers() -> bool:
+    """Tell whether worker processes can share locks here; if not, warn that one process works.
+
+    They need semaphores, which Linux keeps in /dev/shm. Some containers and sandboxes have none.
+    """
+    try:
+        context().Lock()
+    except (ImportError, NotImplementedError, OSError) as error:
+        print(
+            "warning: no worker processes, because the system has no semaphores for them"
+            f" (is /dev/shm there and writable? {error}): all is done in one process",
+            file=sys.stderr,
+        )
+        return False
+    return True
+
+
 @contextmanager
 def _main_left_out() -> Iterator[None]:
-    """Leave the main module out of the data that spawned processes are prepared with."""
+    """Leave the main module out of the data that prepare spawned processes."""
     with _lock:
         prepared = spawn.get_preparation_data
 

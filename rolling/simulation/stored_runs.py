@@ -1,4 +1,4 @@
-"""The runs in run folders of this version and of version 0.1.0."""
+"""The runs that are stored in run folders of this version and of version 0.1.0."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rolling.folders import new_folder, program, run_record
+from rolling.folders import program, run_folder, run_record
 from rolling.folders.files import FolderError
 from rolling.folders.run_record import RunRecord
 from rolling.scene import file
@@ -20,27 +20,17 @@ from rolling.simulation import batch, result_file
 from rolling.simulation.batch import Run
 from rolling.simulation.result import Result
 
-KINDS = ("run", "sweep")
-
 
 def read_runs(folder: Path) -> list[Run]:
     """Return the runs of a run folder.
 
     Raises
     ------
-    FolderError : no run folder, two of its runs share a folder, or a run in it has another scene
-        than the sweep.
-    SceneError : its scene cannot be read.
+    FolderError : the folder is not a run folder, two of its runs share a folder, or a run in it has
+        another scene than the sweep.
+    SceneError : the scene of the folder cannot be read.
     """
-    record = run_record.read(folder)
-    if record is not None and record.kind not in KINDS:
-        raise FolderError(
-            f"{folder}: not a run folder, but that of another command ({record.kind})"
-        )
-    if not (folder / "resolved.yaml").is_file():
-        raise FolderError(
-            f"{folder}: not a run folder (no resolved.yaml in it){_hint(folder, record)}"
-        )
+    record = run_folder.record_of_runs(folder)
     singles = resolved_scene(folder).runs()
     short = [run_name(values) for values, _ in singles]  # as version 0.1.0 named them
     names = list(record.runs) if record is not None and record.kind == "sweep" else short
@@ -48,11 +38,13 @@ def read_runs(folder: Path) -> list[Run]:
         record is not None and (record.kind == "run") != (singles[0][0] == {})
     ):
         raise FolderError(
-            f"{folder}: run.json and resolved.yaml do not fit each other; one of them is of another scene"
+            f"{folder}: run.json and resolved.yaml do not fit each other; "
+            "one of them is of another scene"
         )
     if shared := [name for name, count in Counter(names).items() if count > 1]:
         raise FolderError(
-            f"{folder}: several runs share the folder {shared[0]}, because version 0.1.0 gave values that print alike one name;"
+            f"{folder}: several runs share the folder {shared[0]}, because version 0.1.0 gave "
+            "values that print alike one name;"
             " all but the last of them are lost: run the scene again"
         )
     runs = [
@@ -67,13 +59,17 @@ def read_runs(folder: Path) -> list[Run]:
 def resolved_scene(folder: Path) -> Scene:
     """Read the resolved scene of a run folder.
 
-    Version 0.1.0 did not write `surface.level` and took the heights of a file as they were.
+    A run of a large sweep has its scene in result.h5. Version 0.1.0 did not write `surface.level`
+    and did not level the heights of a file.
 
     Raises
     ------
-    SceneError : it cannot be read.
+    SceneError : the scene cannot be read.
     """
     path = folder / "resolved.yaml"
+    if run_folder.is_brief(folder):
+        result = folder / batch.RESULT
+        return file.loads(result_file.scene_text(result), [], str(result), folder)
     scene = file.read_scene(path)
     if isinstance(scene.surface, HeightFile) and "level" not in scene.surface.model_fields_set:
         return file.read_scene(path, ["surface.level=none"])
@@ -91,19 +87,19 @@ def is_kept(run: Run) -> bool:
 
 
 def is_begun(result: Result) -> bool:
-    """Return whether any step is solved."""
+    """Return whether at least one step of a result is solved."""
     return bool(np.isfinite(result.series["release_energy"]).any())
 
 
 def records_of(folders: Sequence[Path]) -> list[RunRecord | None]:
-    """Read the records of folders, and warn of the folders that have none."""
+    """Read the records of folders, and warn about folders that have none."""
     records = [run_record.read(folder) for folder in folders]
     if old := [
         str(folder) for folder, record in zip(folders, records, strict=True) if record is None
     ]:
         print(
-            f"warning: {', '.join(old)}: of version 0.1.0 (no run.json), which did not say whether a run was done,"
-            " or what made it",
+            f"warning: {', '.join(old)}: made by version 0.1.0 (no run.json), which recorded"
+            " neither the state of a run nor the program that made it",
             file=sys.stderr,
         )
     return records
@@ -112,22 +108,13 @@ def records_of(folders: Sequence[Path]) -> list[RunRecord | None]:
 def warn_of_other_program(
     folder: Path, before: RunRecord | None, results: Sequence[Result]
 ) -> None:
-    """Warn if another state of the program solved a part of the results."""
+    """Warn if another version of the program solved a part of the results."""
     ours = program.identity()
     solved = [result for result in results if is_begun(result) and not result.complete]
     if before is not None and before.sources != ours.sources and solved:
         print(
-            f"warning: {folder}: begun by version {before.version} (sources {before.sources[:12]}), goes on with"
+            f"warning: {folder}: begun by version {before.version} (sources "
+            f"{before.sources[:12]}), goes on with"
             f" version {ours.version} (sources {ours.sources[:12]})",
             file=sys.stderr,
         )
-
-
-def _hint(folder: Path, record: RunRecord | None) -> str:
-    """Say why a folder may hold no run, if that can be told."""
-    old = new_folder.previous(folder) if folder.name not in ("", "..") else folder
-    if not folder.exists() and run_record.read(old) is not None:
-        return f"; a command was killed while it replaced the folder, {old} holds the run before it"
-    if record is not None:
-        return "; a command was killed while it made the folder, give it again with --force"
-    return ""

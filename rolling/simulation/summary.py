@@ -1,4 +1,4 @@
-"""The numbers of a run by name, their provenance, and the table of levels for the terminal."""
+"""The summary of a run, its provenance, and the table of levels for the terminal."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import platform
 from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from typing import Any
 
@@ -31,7 +32,7 @@ PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5p
 def summarize(
     scene: Scene, result: Result, sound: ContactSound, sound_seconds: float
 ) -> dict[str, Any]:
-    """Collect the numbers of a run by name, over the solved steps; levels of silence are None."""
+    """Collect the numbers of a run over the solved steps; levels of silence are None."""
     steps = result.done_steps
     made = scene_surface(scene)
     series = {name: result.whole(name)[:steps] for name in simulate.STEP_SERIES}
@@ -96,7 +97,7 @@ def summarize(
 
 
 def _levelling(levelling: Levelling) -> dict[str, Any]:
-    """Collect the tilt taken off the heights of a file, and the seam of the heights that are used."""
+    """Collect the tilt removed from the heights of a file, and the seam of the levelled heights."""
     (along, across), (rise_along, rise_across), seam = (
         levelling.taken,
         levelling.rises,
@@ -117,7 +118,7 @@ def _levelling(levelling: Levelling) -> dict[str, Any]:
 
 
 def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
-    """Compute loudness and sharpness if the scene asks for them."""
+    """Compute loudness and sharpness if the scene requests them."""
     if not scene.sound.loudness:
         return {}
     result = loudness.loudness(sound.pressure, sound.sample_rate, sound.closed)
@@ -132,16 +133,23 @@ def provenance(scene: Scene) -> dict[str, Any]:
         "program": made_by.version,
         "source": made_by.commit and f"{made_by.commit[:12]}{'-dirty' if made_by.dirty else ''}",
         "python": platform.python_version(),
-        "packages": {name: metadata.version(name) for name in packages},
+        "packages": {name: _version(name) for name in packages},
         "machine": f"{platform.system()} {platform.machine()}, {cost.cores()} processors",
         "seed": getattr(scene.surface, "seed", None),
         "written": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 
 
+@cache
+def _version(package: str) -> str:
+    """Return the version of an installed package, looked up once."""
+    return metadata.version(package)
+
+
 def uncertain(level: float, uncertainty: float | None) -> str:
-    """Write a level with its standard uncertainty [dB], rounded up to a tenth: no level is known to
-    0.0 dB.
+    """Write a level with its standard uncertainty [dB], rounded up to a tenth.
+
+    The uncertainty never prints as 0.0 dB, because no level is known exactly.
     """
     return f"{level:.1f}" + (
         "" if uncertainty is None else f" ± {math.ceil(uncertainty * 10) / 10:.1f}"
@@ -149,10 +157,14 @@ def uncertain(level: float, uncertainty: float | None) -> str:
 
 
 def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
-    """Write levels and cost of runs given by label, folder and summary (None: too little is
-    solved), for the terminal.
+    """Write levels and cost of runs as a table for the terminal.
 
-    LAeq stands with its standard uncertainty, the caveats of all levels right below.
+    LAeq stands with its standard uncertainty. The caveats of all levels follow the table.
+
+    Parameters
+    ----------
+    runs : sequence of tuples. Label, folder and summary of each run; the summary is None where too
+        few steps are solved.
     """
     head = (
         "run",
@@ -194,15 +206,17 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
 
 
 def _remarks(runs: list[tuple[str, dict[str, Any]]]) -> list[str]:
-    """Write the caveats of the levels, then the surfaces, short repetitions, and each kind of
-    warning once.
+    """Write the caveats of the levels, the surfaces, the short repetitions and the warnings.
+
+    Each kind of warning is written once.
     """
     remarks = caveats.gathered([(label, caveats.stored(summary)) for label, summary in runs])
     beside = [each for each in remarks if each.key in caveats.HEADLINE]
     of_levels = " ".join(each.line for each in beside if each.key != "uncertainty")
     of_uncertainty = " ".join(each.line for each in beside if each.key == "uncertainty")
     surfaces = dict.fromkeys(
-        f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, skewness {s['skewness']:.2f},"
+        f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, "
+        f"skewness {s['skewness']:.2f},"
         f" kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
         for s in (summary["surface"] for _, summary in runs)
     )

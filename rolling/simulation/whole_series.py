@@ -1,4 +1,4 @@
-"""The series of a whole run, laps repeated, with the distances and times at which they stand."""
+"""The series of a whole run with repeated laps, and their distances and times."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from rolling.sound.contact_sound import middle_speeds
 
 @dataclass(frozen=True, eq=False)
 class WholeSeries:
-    """All series of a run in SI units; NaN where a step is not solved.
+    """All series of a run in SI units, with NaN where a step is not solved.
 
     distance, time : (steps,) m and s. The middle of each step.
     position, position_time : (steps + 1,) m and s. The positions between which the steps lie.
-    of_steps : series of shape (steps,) by name.
-    of_positions : series of shape (steps + 1,) by name.
+    of_steps : dict. Series of shape (steps,) by name.
+    of_positions : dict. Series of shape (steps + 1,) by name.
     """
 
     distance: Array
@@ -36,7 +36,8 @@ def whole_series(scene: Scene, result: Result) -> WholeSeries:
 
     Parameters
     ----------
-    scene : the scene of the run, for its motion.
+    scene : Scene. The scene of the run, for its motion.
+    result : Result. The solved lap.
     """
     middles = np.asarray((np.arange(result.steps) + 0.5) * result.step, dtype=np.float64)
     ends = np.asarray(np.arange(result.steps + 1) * result.step, dtype=np.float64)

@@ -1,6 +1,6 @@
 """Sound of a run: from the energy released along the track to the sound pressure in time.
 
-A quasi-static release belongs to a place. Only here does the speed make power of it.
+A quasi-static release belongs to a place. Only this module turns it into power, by the speed.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
 from rolling.sound.solver_error import resolved_fluctuation
 
-FADE_S = 0.01  # at either end of a record that does not close, or a tenth of it when it is short
+FADE_S = 0.01  # [s], at either end of an open record; at most a tenth of its duration
 
 
 @dataclass(frozen=True)
@@ -27,18 +27,20 @@ class ContactSound:
     Attributes
     ----------
     pressure : (samples,) array, Pa
-        Sound pressure at `sample_rate`, the one record that is shown, measured and heard.
+        Sound pressure at `sample_rate`, the record that is shown, measured and heard.
     factor : float, Pa per W/m2
         Factor from the fluctuation of the intensity to the sound pressure.
-    closed : bool Levels and bands take the record as closed: the track closes and the speed is
-        constant. Otherwise it is faded.
+    closed : bool
+        If true, levels and bands take the record as closed, because the track closes and the speed
+        is constant. Otherwise the record is faded.
     constant_speed : bool
-        The speed stays the same for the whole record.
+        If true, the speed stays the same for the whole record.
     duration : float, s
         Duration of the record.
-    highest : float, Hz Nyquist frequency of the steps at the maximum speed of the record. While the
-        sphere rolls slower, the march resolves sound up to speed / (2 step) only, and the bands
-        above hold the sound of the faster stretches alone.
+    highest : float, Hz
+        Nyquist frequency of the steps at the maximum speed of the record. While the sphere rolls
+        slower, the march resolves sound up to speed / (2 step) only, and the bands above hold the
+        sound of the faster stretches alone.
     levels : SoundLevels, dB
         Levels of the record.
     uncertainty : LevelUncertainty, dB
@@ -54,11 +56,12 @@ class ContactSound:
     mean_power : float, W
         Mean of the release power over time.
     audible_rms : float, W
-        Rms of the release power's fluctuation within hearing; 0 where there is only rounding.
-    resolved_rms : float, W Rms within hearing that the solver's error reaches. A record with no
-        more than that is silent.
-    has_seam : bool The surface does not lead from its end to its beginning, so a closed record
-        clicks where it goes round.
+        Rms fluctuation of the release power within hearing; 0 where only rounding remains.
+    resolved_rms : float, W
+        Rms of the solver's error within hearing. A record with no more than that is silent.
+    has_seam : bool
+        If true, the end of the surface does not lead to its beginning, so a closed record clicks
+        where it repeats.
     """
 
     pressure: Array
@@ -81,7 +84,7 @@ class ContactSound:
 
     @property
     def loops(self) -> bool:
-        """Tell whether the record goes round without a click."""
+        """Tell whether the record repeats without a click."""
         return self.closed and not self.has_seam
 
     @property
@@ -112,7 +115,7 @@ def middle_speeds(motion: Motion, steps: int, step: float) -> tuple[Array, Array
 
 @dataclass(frozen=True)
 class _Release:
-    """Energy released along the track, and the motion that makes power of it.
+    """Energy released along the track, and the motion that turns it into power.
 
     Attributes
     ----------
@@ -178,10 +181,11 @@ class _Release:
         return _at_changing_speed(self.motion, self.per_metre, self.step, closed, self.samples)
 
     def white_error(self) -> float:
-        """Return the rms within hearing [W] of an error as large as the mean release that is white
-        along the track.
+        """Return the rms within hearing [W] of an error that is white along the track.
 
-        At a speed v it fills the band up to v / (2 step).
+        The error is as large as the mean release.
+
+        At a speed v the error fills the band up to v / (2 step).
         """
         speeds = self.middle[1]
         heard = np.minimum(np.square(speeds), AUDIBLE_HZ[1] * 2 * self.step * speeds)
@@ -198,8 +202,8 @@ def contact_sound(
 ) -> ContactSound:
     """Turn the energy released in each step into the sound at the listener.
 
-    The speed makes power of the energy, the distance makes intensity of the power. Its fluctuation
-    within hearing is the sound, unless the solver's error hides it.
+    The speed turns the energy into power, and the distance turns the power into intensity. Its
+    fluctuation within hearing is the sound, unless the solver's error hides it.
 
     Parameters
     ----------
@@ -210,11 +214,11 @@ def contact_sound(
     step : float, m
         Length of a step.
     closed : bool
-        The steps are whole laps of the track.
+        If true, the steps are whole laps of the track.
     lap_steps : int, optional
         Steps after which the release repeats. Default: it does not repeat.
     has_seam : bool
-        The step from the end of the surface to its beginning stands out. Default false.
+        If true, the step from the end of the surface to its beginning stands out. Default: false.
     """
     release = _Release(scene.motion, release_energy / step, step)
     looped = closed and release.constant_speed
@@ -248,17 +252,18 @@ def contact_sound(
 
 
 def oversampling(motion: Motion, duration: float, step: float) -> int:
-    """Return the factor over the sample rate at which a record of changing speed is read from the
-    track.
+    """Return the oversampling of a record of changing speed.
 
-    The maximum speed within the duration [s] makes the highest frequency of the steps of length
-    `step` [m].
+    The record is read from the track at this factor times the sample rate.
+
+    The maximum speed within the duration [s] determines the maximum frequency of the steps of
+    length `step` [m].
     """
     return max(1, int(np.ceil(motion.fastest(duration) / step / wav.SAMPLE_RATE_HZ)))
 
 
 def _heard(scene: Scene, fluctuation: Array) -> tuple[Array, float]:
-    """Return the intensity [W/m2] within hearing at the listener, and its rms as release power [W]."""
+    """Return the audible intensity [W/m2] at the listener, and its rms as release power [W]."""
     audible = resampling.band_limit(_intensity(scene, fluctuation), wav.SAMPLE_RATE_HZ, *AUDIBLE_HZ)
     of_one_watt = _intensity(scene, np.ones(1))[0]
     return audible, float(np.sqrt(np.mean(np.square(audible))) / of_one_watt)
@@ -272,7 +277,7 @@ def _intensity(scene: Scene, power: Array) -> Array:
 def _level_uncertainty(
     scene: Scene, pressure: Array, levels: level.SoundLevels, laps: float
 ) -> uncertainty.LevelUncertainty:
-    """Return the uncertainty of levels [dB] of a record that goes round its track so many times."""
+    """Estimate the uncertainty of the levels [dB] of a record over several laps."""
     own_factor = scene.sound.gain_pa_per_w_m2 is None
     return uncertainty.level_uncertainty(
         pressure, wav.SAMPLE_RATE_HZ, levels, own_factor, laps=laps
@@ -280,11 +285,12 @@ def _level_uncertainty(
 
 
 def _at_constant_speed(power: Array, closed: bool, duration: float, samples: int) -> Array:
-    """Return the release power [W] at the samples of the sound, without its mean if it does not
-    close.
+    """Return the release power [W] at the samples of the sound.
+
+    Its mean is subtracted if the record does not close.
     """
     if not closed:
-        # The fade takes in the fluctuation only.
+        # The fade applies to the fluctuation only.
         power = resampling.fade(power - power.mean(), _fade_length(len(power), duration))
     return resampling.resample_closed(resampling.undo_step_mean(power), samples)
 
@@ -294,8 +300,8 @@ def _at_changing_speed(
 ) -> Array:
     """Return the fluctuation of the release power [W] at the samples of the sound."""
     duration = motion.duration(len(per_metre) * step)
-    # The mean goes off in distance: multiplied by a changing speed it would sound as loud as the
-    # roughness.
+    # The mean is subtracted along the distance, because multiplied by a changing speed it would
+    # sound as loud as the roughness.
     signal = per_metre - per_metre.mean()
     if not closed:
         signal = resampling.fade(signal, _fade_length(len(signal), duration))
@@ -310,5 +316,5 @@ def _at_changing_speed(
 
 
 def _fade_length(samples: int, duration: float) -> int:
-    """Return the number of samples that a record of this duration [s] is faded over at either end."""
+    """Return the number of samples of the fade at either end of a record."""
     return max(1, int(samples * min(FADE_S / duration, 0.1)))

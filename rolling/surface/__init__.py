@@ -1,13 +1,15 @@
-"""Surface heights of a scene: made or read, levelled, and described.
+"""Surface heights of a scene: generated or read, levelled, and described.
 
 heights
-    makes random and flat heights, reads files, and computes roughness statistics
+    makes random and flat heights, and computes roughness statistics
+height_file
+    reads heights from files in metres
 levelling
-    finds tilt and seam of measured heights and takes the tilt off
+    finds tilt and seam of measured heights and removes the tilt
 refinement
-    gives heights between the nodes, on finer grids and on sub-cells
+    computes heights between the nodes, on finer grids and on sub-cells
 scene_surface
-    gives the one surface of a scene, with its statistics and its digest
+    gives the surface of a scene, with its statistics and its digest
 contact_of_scene
     puts surface, bodies and numerics together for the march
 """

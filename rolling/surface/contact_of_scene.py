@@ -1,4 +1,4 @@
-"""The rolling contact of a scene for the march: surface, bodies and numerics as plain numbers."""
+"""Rolling contact of a scene for the march: surface, bodies and numerics as plain numbers."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from rolling.scene.scene import Scene
 from rolling.surface.refinement import dies_out, subcell_heights
 from rolling.surface.scene_surface import heights
 
-# of `subcells: auto` on steep surfaces
+# Sub-cells that `subcells: auto` takes on steep surfaces.
 STEEP_SUBCELLS = 2
-# Half of the range of heights over a cell, by its slope, over a node's deflection by the
-# hardness on its own cell: from this on a surface is steep. Ra 0.1 um at 2.1 GPa has 1.2, Ra 1 um 12.
+# A surface is steep from this ratio on: half the range of heights over a cell, by its slope, over a
+# node's deflection by the hardness on its own cell. Ra 0.1 um at 2.1 GPa has 1.2, Ra 1 um 12.
 STEEP = 3.0
 
 
 def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
-    """Make the rolling contact of a scene, over its own heights or over others [m].
+    """Make the rolling contact of a scene over its own or other heights [m].
 
     Raises
     ------
@@ -48,11 +48,11 @@ def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
 
 
 def auto_subcells(contact: RollingContact) -> int:
-    """Return the sub-cells along the side of a cell that serve a contact.
+    """Choose the sub-cells along the side of a cell for a contact.
 
     Sub-cells gain most where the heights vary within a cell by more than pressures can level: on
-    steep surfaces that yield. Elsewhere a cell of one node has its edge right, and so has an elastic
-    contact.
+    steep surfaces that yield. Elsewhere a single node per cell finds the edge well enough, as it
+    does in an elastic contact.
     """
     if not contact.has_blended_edges:
         return 1
@@ -69,10 +69,12 @@ def on_subcells(
 
     Parameters
     ----------
-    contact : RollingContact. A contact on cells.
-    subcells : int. Sub-cells along the side of a cell.
-    smooth : bool or None. Whether the surface runs on between its nodes. Default: found from its
-        spectrum.
+    contact : RollingContact
+        A contact on cells.
+    subcells : int
+        Sub-cells along the side of a cell.
+    smooth : bool or None
+        True if the surface continues between its nodes. Default: its spectrum decides.
     """
     if subcells == 1 and not contact.has_blended_edges:
         return contact
@@ -97,7 +99,7 @@ class _Between:
 
     @cached_property
     def smooth(self) -> bool:
-        """Whether the surface runs on between its nodes."""
+        """True if the surface continues between its nodes."""
         return dies_out(self.heights)
 
     def slope(self, spacing: float) -> float:
@@ -120,7 +122,7 @@ _kept: list[_Between] = []
 
 
 def _between(z: Array) -> _Between:
-    """Return the heights between the nodes of a surface; those of the last surface are kept."""
+    """Return the heights between the nodes of a surface; the last surface is kept."""
     if not _kept or _kept[0].heights is not z:
         _kept[:] = [_Between(z)]
     return _kept[0]

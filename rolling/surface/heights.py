@@ -1,9 +1,8 @@
-"""Periodic surface heights: generation by spectral filtering, files, statistics."""
+"""Periodic surface heights: generation by spectral filtering, statistics."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -15,11 +14,10 @@ AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent
     "exponential": (1.0, 1),
     "exponential_10pct": (2.3, 1),
 }
-LARGEST_RA = 1e-3  # [m]; anything rougher is a file in other units
 
 
 class SurfaceError(ValueError):
-    """A fault of heights and its place."""
+    """Fault of heights and its place."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +28,9 @@ class Correlation:
     ----------
     length : float, m
         Lag at which the autocorrelation falls to 1/e, infinite where it never does.
-    noise : float Share of the variance that one node does not share with the next, from 0 (smooth)
-        to 1 (white noise).
+    noise : float
+        Share of the variance that a node does not share with the next, from 0 (smooth) to 1 (white
+        noise).
     """
 
     length: float
@@ -40,7 +39,7 @@ class Correlation:
 
 @dataclass(frozen=True)
 class Statistics:
-    """Roughness of a surface about its mean plane: lengths in m, the rest without unit."""
+    """Roughness of a surface about its mean plane; lengths are in m, the rest has no unit."""
 
     ra: float
     rq: float
@@ -59,9 +58,9 @@ def gaussian(
     autocorrelation: str,
     seed: int,
 ) -> Array:
-    """Make periodic Gaussian heights [m] of exact Ra and zero mean.
+    """Generate periodic Gaussian heights [m] of exact Ra and zero mean.
 
-    White noise is filtered with the root of the spectrum.
+    White noise is filtered with the square root of the spectrum.
 
     Parameters
     ----------
@@ -90,19 +89,22 @@ def gaussian(
         for n, length in zip(shape, correlation_length, strict=True)
     )
     r2 = along[:, None] ** 2 + across[None, :] ** 2
-    # The law on a periodic grid can have slightly negative spectral densities, which are rounding.
+    # On a periodic grid the law can have slightly negative spectral densities from rounding.
     density = np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0)
     noise = np.random.default_rng(seed).standard_normal(shape)
     heights = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
     heights -= heights.mean()
     got = np.abs(heights).mean()
-    # A surface much smaller than its correlation length is flat to rounding: scaled up, that
-    # rounding would pass for roughness.
+    # A surface much smaller than its correlation length is flat except for rounding errors, which
+    # would pass for roughness if they were scaled up.
     if not got > 1e-6 * np.sqrt(density.max() / heights.size):
         sizes = " x ".join(f"{n * spacing * 1e6:.4g}" for n in shape)
+        # Of a law that falls with (r / L)^exponent the share of roughness falls with its root.
+        longest = 0.1 * 1e12 ** (1 / exponent) * max(shape) * spacing * 1e6
         lengths = " and ".join(f"{length * 1e6:.4g}" for length in correlation_length)
         raise SurfaceError(
-            f"no roughness left: correlation lengths of {lengths} um are far above the surface's {sizes} um; enlarge it"
+            f"no roughness left but rounding: got correlation lengths of {lengths} um"
+            f" on {sizes} um, allowed: up to about {longest:.2g} um; enlarge the surface"
         )
     heights *= ra / got
     return heights
@@ -111,73 +113,6 @@ def gaussian(
 def smooth(shape: tuple[int, int]) -> Array:
     """Make flat heights [m]."""
     return np.zeros(shape)
-
-
-def read(path: Path) -> Array:
-    """Read heights [m] from a .npy file, shape (along track, across), and take the mean off.
-
-    Raises
-    ------
-    SurfaceError
-        The file has faults that `stored` or `usable` names.
-    """
-    return usable(stored(path), path)
-
-
-def stored(path: Path) -> Array:
-    """Read heights [m] from a .npy file in double precision, otherwise as they are there.
-
-    Raises
-    ------
-    SurfaceError
-        The file is no 2-D array of real numbers, or heights are not finite (the first is named).
-    """
-    try:
-        content = np.load(path, allow_pickle=False)
-    except (OSError, ValueError) as error:
-        raise SurfaceError(f"{path}: not a readable .npy file of heights ({error})") from error
-    if (
-        not isinstance(content, np.ndarray)
-        or content.ndim != 2
-        or not content.size
-        or content.dtype.kind not in "fiu"
-    ):
-        kind = (
-            f"{content.ndim}-D {content.dtype} of shape {content.shape}"
-            if isinstance(content, np.ndarray)
-            else "an archive"
-        )
-        if isinstance(content, np.lib.npyio.NpzFile):
-            content.close()
-        raise SurfaceError(
-            f"{path}: got {kind}, allowed is one 2-D array of real heights in m, (along track, across)"
-        )
-    heights = content.astype(np.float64)
-    bad = np.argwhere(~np.isfinite(heights))
-    if len(bad):
-        i, j = bad[0]
-        raise SurfaceError(
-            f"{path}: {len(bad)} of {heights.size} heights are not numbers, the first at ({i}, {j}); fill them in first"
-        )
-    return heights
-
-
-def usable(heights: Array, path: Path) -> Array:
-    """Take the mean off heights [m] as they are stored in the file at `path`.
-
-    Raises
-    ------
-    SurfaceError
-        Ra is above 1 mm.
-    """
-    heights = heights - heights.mean()
-    ra = np.abs(heights).mean()
-    if ra > LARGEST_RA:
-        raise SurfaceError(
-            f"{path}: Ra would be {ra:.4g} m, more than {LARGEST_RA:g} m; heights must be in metres"
-            f" (multiply by 1e-6 if they are in um)"
-        )
-    return heights
 
 
 def statistics(heights: Array, spacing: float) -> Statistics:
@@ -201,12 +136,11 @@ def statistics(heights: Array, spacing: float) -> Statistics:
 
 
 def correlation(heights: Array, spacing: float, axis: int) -> Correlation:
-    """Estimate the correlation of periodic heights (m, n) [m] along one axis, from the mean of all
-    lines.
+    """Estimate the correlation of periodic heights (m, n) [m] along one axis.
 
-    The length is interpolated between nodes. White noise falls to 1/e at 0.63 of a node, the
-    minimum on a grid. The noise is the drop from lag 0 to the value there of a straight line
-    through lags 1 and 2; a smooth surface has none.
+    The estimate is the mean over all lines. The length is interpolated between nodes. White noise
+    falls to 1/e at 0.63 of a node, the minimum on a grid. The noise is the difference at lag 0
+    between the autocorrelation and a straight line through lags 1 and 2; a smooth surface has none.
     """
     z = heights - heights.mean()
     n = z.shape[axis]

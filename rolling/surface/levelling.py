@@ -1,8 +1,8 @@
 """Tilt and seam of measured heights.
 
-Heights are read as one period of the surface. A crop of a larger surface is none: its last row does
-not lead to its first, and a tilt of the table passes for a cliff there. Taking a plane off removes
-the tilt.
+Heights are read as one period of the surface. A crop of a larger surface is no period: its last row
+does not lead to its first, and a tilt of the specimen passes for a cliff there. Subtracting a plane
+removes the tilt.
 """
 
 from __future__ import annotations
@@ -13,29 +13,29 @@ import numpy as np
 
 from rolling._typing import Array
 
-# A seam that stands out is above the maximum difference between neighbouring rows by this factor
+# A seam stands out if it exceeds the maximum difference between neighbouring rows by this factor
 # plus 4 / rows.
 BEYOND_MAXIMUM = 1.2
-# It is above the median by this factor plus 16 / rows times the distance from the median to the
-# maximum.
+# It must also exceed the median by more than this factor plus 16 / rows times the distance from the
+# median to the maximum.
 BEYOND_RANGE = 2.0
-# A median difference below this factor times the usual rms is no tilt: coarsely quantized heights
-# have medians of zero or a whole quantum.
+# A median difference below this factor times the usual rms is no sign of tilt: coarsely quantized
+# heights have medians of zero or a whole quantum.
 BEYOND_USUAL = 2.0
 
 
 @dataclass(frozen=True)
 class Seam:
-    """The step from the last row of heights to the first one.
+    """Step from the last row of heights to the first.
 
     Attributes
     ----------
     step : float, m
         Rms difference across the seam.
     neighbours : float, m
-        Median over all neighbouring rows of their rms difference.
+        Median of the rms differences between all neighbouring rows.
     stands_out : bool
-        The difference across the seam is not like those between neighbours.
+        If true, the difference across the seam is unlike the differences between neighbours.
     """
 
     step: float
@@ -45,15 +45,16 @@ class Seam:
 
 @dataclass(frozen=True)
 class Levelling:
-    """The plane of heights that were read, and the part that was taken off; pairs are along and
-    across the track.
+    """Plane of the heights of a file, and the part of it that was taken off.
+
+    Pairs are along and across the track.
 
     Attributes
     ----------
     plane : (float, float), m/m
-        Slopes of the least-squares plane of the heights as they were read.
+        Slopes of the least-squares plane of the heights as read.
     taken : (float, float), m/m
-        Slopes that were taken off, 0 where nothing was.
+        Slopes that were taken off, or 0.
     lengths : (float, float), m
         Lengths of the file.
     ra_before, ra_after : float, m
@@ -71,13 +72,14 @@ class Levelling:
 
     @property
     def rises(self) -> tuple[float, float]:
-        """Height [m] of the plane that was taken off, over the whole file along and across."""
+        """Height [m] of the subtracted plane over the whole file, along and across."""
         return self.taken[0] * self.lengths[0], self.taken[1] * self.lengths[1]
 
 
 def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
-    """Take the least-squares plane off heights of zero mean; heights that keep theirs are returned
-    as they are.
+    """Subtract the least-squares plane from heights of zero mean, where it is wanted.
+
+    Heights that keep their plane are returned as they are.
 
     Parameters
     ----------
@@ -85,7 +87,8 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
         Heights along and across the track.
     spacing : float, m
         Node spacing.
-    mode : str auto, plane or none. auto takes off each direction by itself, where the seam stands
+    mode : str
+        "auto", "plane" or "none". "auto" takes off each direction by itself, where the seam stands
         out and the plane lowers it.
     """
     seams = seam(heights, 0), seam(heights, 1)
@@ -109,15 +112,15 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
 
 
 def seam(heights: Array, axis: int) -> Seam:
-    """Judge the step across the seam of one axis by the differences between all neighbouring rows.
+    """Judge the step across the seam by the differences between all neighbouring rows.
 
     The seam stands out where its size s is above (1.2 + 4/m) times the maximum difference g of two
     neighbours, and above their median d by more than (2 + 16/m) (g - d), with m rows. The maximum
-    decides, because grooves, spikes and cliffs of a periodic surface come in pairs: half a pair at
-    the seam is no seam. The median and the number of rows measure how far out a chance difference
-    may lie. The size of a difference is its rms, or its median magnitude, which single outliers do
-    not reach; either may show the seam. A groove or a cliff over the whole width that is as deep as
-    the step of the seam hides it.
+    decides, because grooves, spikes and cliffs of a periodic surface come in pairs, and half of
+    such a pair at the seam is no seam. The median and the number of rows measure how far out a
+    chance difference may lie. The size of a difference is its rms, or its median magnitude, which
+    single outliers do not affect; either may show the seam. A groove or a cliff over the whole
+    width hides a seam whose step is no deeper.
     """
     last_to_first = np.take(heights, 0, axis) - np.take(heights, -1, axis)
     differences = np.abs(np.diff(heights, axis=axis))
@@ -132,15 +135,17 @@ def seam(heights: Array, axis: int) -> Seam:
 
 
 def slope(heights: Array, spacing: float, axis: int) -> float:
-    """Return the slope [m/m] of the least-squares plane along one axis; on a grid the other axis
-    does not change it.
+    """Return the slope [m/m] of the least-squares plane along one axis.
+
+    On a grid the other axis does not change it.
     """
     return float(_share_of(heights, centred(heights.shape[axis]), axis)) / spacing
 
 
 def form_share(heights: Array) -> float:
-    """Return the share of the variance that a plane and a parabola along and across make up, from 0
-    to 1.
+    """Return the share of the variance that a plane and parabolas make up, 0 to 1.
+
+    The parabolas lie along and across the track.
     """
     variance = float(np.mean(np.square(heights)))
     if variance == 0:
@@ -165,7 +170,7 @@ def _share_of(heights: Array, shape: Array, axis: int) -> float:
 
 
 def _helps(heights: Array, spacing: float, axis: int, seam: Seam, slope: float) -> bool:
-    """Tell whether the seam stands out and taking the plane off lowers it."""
+    """Tell whether the seam stands out and subtracting the plane lowers it."""
     if not seam.stands_out:
         return False
     step = (
@@ -177,7 +182,7 @@ def _helps(heights: Array, spacing: float, axis: int, seam: Seam, slope: float) 
 
 
 def _stands_out(size: float, neighbours: Array) -> bool:
-    """Tell whether a difference across the seam lies out of the range of all neighbours."""
+    """Tell whether a difference across the seam exceeds the range of all neighbours."""
     rows = len(neighbours) + 1
     median, maximum = float(np.median(neighbours)), float(neighbours.max())
     return size > (BEYOND_MAXIMUM + 4 / rows) * maximum and size - median > (

@@ -1,8 +1,8 @@
 """Heights between the nodes of a surface: on finer grids and on the sub-cells of cells.
 
-A surface whose spectrum has died out before the end of its grid is known between its nodes: there it
-is its trigonometric interpolation. Any other surface (pits, scratches, exponential laws) is taken to
-be flat within the cell of each node.
+A surface whose spectrum has died out before the end of its grid is known between its nodes: there
+it is its trigonometric interpolation. Any other surface (pits, scratches, exponential laws) is
+taken to be flat within the cell of each node.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ import numpy as np
 
 from rolling._typing import Array
 
-# of the Nyquist frequency along either axis: what lies above it should not be there
+# Share of the Nyquist frequency along either axis, above which a spectrum should have died out.
 OUTER = 0.75
-# maximum of the heights above it, over the rms height
+# Maximum height of the part above that share, over the rms height.
 MOST_OUTER = 0.01
 
 
@@ -21,7 +21,7 @@ def dies_out(heights: Array) -> bool:
     """Return whether the spectrum of heights (along, across) [m] dies out before the grid's end.
 
     The part of the heights above three quarters of the Nyquist frequency, along either axis, is
-    nowhere more than 1 % of the rms height; a single pit of a node is.
+    nowhere more than 1 % of the rms height. A single pit of a node exceeds that limit.
     """
     z = heights - heights.mean()
     rms = float(np.sqrt(np.mean(z**2)))
@@ -43,7 +43,7 @@ def refined(heights: Array, times: int) -> Array:
     The surface moves across so that the line of the sphere stays in the middle.
     """
     along = _padded_lines(heights, times, 0.0)
-    # Mid-width, (n_across - 1) / 2 spacings, lies (times - 1) / 2 fine nodes further on.
+    # Mid-width, at (n_across - 1) / 2 spacings, lies (times - 1) / 2 fine nodes further on.
     return np.ascontiguousarray(_padded_lines(along.T, times, (times - 1) / 2).T)
 
 
@@ -52,9 +52,12 @@ def subcell_heights(heights: Array, subcells: int, smooth: bool) -> Array:
 
     Parameters
     ----------
-    heights : (along, across) array, m. Heights at the centres of cells.
-    subcells : int. Sub-cells r along the side of a cell.
-    smooth : bool. Whether the surface runs on between the nodes; if not, each cell is flat.
+    heights : (along, across) array, m
+        Heights at the centres of cells.
+    subcells : int
+        Sub-cells r along the side of a cell.
+    smooth : bool
+        If true, the surface continues between the nodes; otherwise each cell is flat.
     """
     if subcells == 1:
         return heights
@@ -66,7 +69,7 @@ def subcell_heights(heights: Array, subcells: int, smooth: bool) -> Array:
 
 
 def _padded_lines(values: Array, times: int, shift: float) -> Array:
-    """Interpolate along the first axis by zero-padding the transform, with a shift in fine nodes."""
+    """Interpolate along the first axis by zero-padding the transform, shifted in fine nodes."""
     n = len(values)
     lines = np.fft.rfft(values, axis=0) * times
     if n % 2 == 0 and times > 1:

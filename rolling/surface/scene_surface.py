@@ -1,7 +1,7 @@
-"""The surface of a scene: made, or read, centred and levelled.
+"""Surface of a scene, generated or read, centred and levelled.
 
-March, statistics and pictures take the heights from here. The last surface is kept, because most
-runs of a sweep share it.
+March, statistics and pictures take the heights from this module. The last surface is kept, because
+most runs of a sweep share it, and small ones before it, so that a sweep may alternate between them.
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ from rolling.scene.identity import heights_digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian, HeightFile
+from rolling.surface import height_file, levelling
 from rolling.surface import heights as surface
-from rolling.surface import levelling
 from rolling.surface.heights import Correlation, Statistics
 from rolling.surface.levelling import Levelling
+from rolling.terminal import progress
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +35,8 @@ class SceneSurface:
     levelling : Levelling or None
         Levelling of heights from a file; None for made heights.
     sha256 : str or None
-        Digest of the heights as their file holds them, before levelling; None for made heights.
+        Digest of the numbers as their file holds them, before unit and levelling; None for made
+        heights.
     """
 
     heights: Array
@@ -45,7 +47,8 @@ class SceneSurface:
     @cached_property
     def statistics(self) -> Statistics:
         """Roughness of the heights that are used."""
-        return surface.statistics(self.heights, self.spacing)
+        with progress.step("roughness of the surface"):
+            return surface.statistics(self.heights, self.spacing)
 
     @cached_property
     def correlations(self) -> tuple[Correlation, Correlation]:
@@ -65,11 +68,13 @@ class SceneSurface:
         return self.levelling is not None and self.levelling.seams[0].stands_out
 
 
-_kept: dict[tuple[Any, ...], SceneSurface] = {}
+_MOST_KEPT = 16e6  # bytes of the heights of all surfaces that are kept, apart from the last
+
+_kept: dict[tuple[Any, ...], SceneSurface] = {}  # the oldest first
 
 
 def scene_surface(scene: Scene) -> SceneSurface:
-    """Make or read the surface of a scene.
+    """Generate or read the surface of a scene.
 
     Raises
     ------
@@ -79,12 +84,14 @@ def scene_surface(scene: Scene) -> SceneSurface:
     key = identity(scene)
     if key not in _kept:
         try:
-            made = _make(scene)
+            with progress.step(_making(scene)):
+                made = _make(scene)
         except surface.SurfaceError as error:
             place = "surface.path" if scene.height_path else "surface"
             raise SceneError([f"{place}: {error}"]) from error
-        _kept.clear()
         _kept[key] = made
+        while sum(other.heights.nbytes for other in _kept.values()) > _MOST_KEPT and len(_kept) > 1:
+            del _kept[next(iter(_kept))]
     return _kept[key]
 
 
@@ -100,8 +107,9 @@ def heights(scene: Scene) -> Array:
 
 
 def identity(scene: Scene) -> tuple[Any, ...]:
-    """Return values that are equal for scenes with the same surface; a file that was written again
-    is another one.
+    """Return values that are equal for scenes with the same surface.
+
+    A file that was written again counts as another file.
 
     Raises
     ------
@@ -124,12 +132,21 @@ def identity(scene: Scene) -> tuple[Any, ...]:
     )
 
 
+def _making(scene: Scene) -> str:
+    """Write what `_make` does."""
+    if scene.height_path:
+        return f"reading the heights of {scene.height_path}"
+    return f"making a surface of {scene.track.n_along:,} x {scene.track.n_across:,} nodes"
+
+
 def _make(scene: Scene) -> SceneSurface:
     s, spacing = scene.surface, scene.spacing
     if isinstance(s, HeightFile) and scene.height_path:
-        stored = surface.stored(scene.height_path)  # the digest is of the very array that is used
-        heights, how = levelling.level(surface.usable(stored, scene.height_path), spacing, s.level)
-        return SceneSurface(heights, spacing, how, heights_digest(stored))
+        path = scene.height_path
+        stored = height_file.stored(path)  # the digest belongs to the array that is used
+        read = height_file.usable(stored, path, s.height_unit, s.n_across)
+        heights, plane = levelling.level(read, spacing, s.level)
+        return SceneSurface(heights, spacing, plane, heights_digest(stored))
     track = scene.track
     shape = track.n_along, track.n_across
     if isinstance(s, Gaussian):

@@ -1,4 +1,4 @@
-"""Dense contact solver to check the fast one against; it imports nothing of it.
+"""A dense contact solver that checks the fast solver and shares no code with it.
 
 Sources: A. E. H. Love, Phil. Trans. R. Soc. A 228 (1929) (uniform pressure on a rectangle); Lee,
 Kim & Kim, Inventions 10(1), 17 (2025), Fig. 3 (influence matrix, active set).
@@ -13,8 +13,7 @@ from rolling._typing import Array
 
 
 def influence_matrix(points: Array, spacing: float, contact_modulus: float) -> Array:
-    """Compute the deflection of each node by unit pressure on the square cell of each node (Love
-    1929).
+    """Compute the deflection of each node by unit pressure on each square cell (Love 1929).
 
     Parameters
     ----------
@@ -42,8 +41,7 @@ def influence_matrix(points: Array, spacing: float, contact_modulus: float) -> A
 def dense_contact(
     shape: Array, load: float, spacing: float, contact_modulus: float, hardness: float = np.inf
 ) -> tuple[Array, float]:
-    """Solve a contact by the article's method: an influence matrix, direct solves, and a changing
-    active set.
+    """Solve a contact by the article's method: influence matrix, direct solves, active set.
 
     Parameters
     ----------
@@ -51,7 +49,7 @@ def dense_contact(
     load : float, N. Normal load.
     spacing : float, m. Node spacing.
     contact_modulus : float, Pa. E* of both bodies.
-    hardness : float, Pa. Largest pressure. Default: infinite.
+    hardness : float, Pa. Maximum pressure. Default: infinite.
 
     Returns
     -------
@@ -60,7 +58,7 @@ def dense_contact(
 
     Raises
     ------
-    RuntimeError : the sets did not settle in 500 changes (the method has no guarantee to).
+    RuntimeError : the sets did not settle in 500 changes; their convergence is not guaranteed.
     """
     m, n = shape.shape
     grid = np.stack(
@@ -74,7 +72,7 @@ def dense_contact(
     capped = np.zeros_like(free)
     scale = np.ptp(e) + load / (contact_modulus * spacing)
     for _ in range(500):
-        # all on a bound: the nearest to moving takes up, or gives up, the missing load
+        # all nodes are on a bound: the node nearest to release balances the load
         if not free.any():
             gap = e + matrix @ np.where(capped, hardness, 0.0)
             short = hardness * capped.sum() < total
@@ -88,7 +86,7 @@ def dense_contact(
         leave = capped & (gap > 1e-13 * scale)
         if not (low.any() or high.any() or enter.any() or leave.any()):
             return p.reshape(m, n), approach
-        # Pressures are put right before gaps are: both at once can cycle.
+        # Pressures are corrected before gaps, because simultaneous corrections can cycle.
         if low.any() or high.any():
             enter[:], leave[:] = False, False
         free = (free & ~low & ~high) | enter | leave
@@ -104,8 +102,9 @@ def _solve_sets(
     hardness: float,
     total: float,
 ) -> tuple[Array, float]:
-    """Solve for the pressures of the free nodes and the approach, with the hardness on the capped
-    nodes.
+    """Solve for the pressures of the free nodes and the approach.
+
+    The capped nodes bear the hardness.
     """
     inside = np.flatnonzero(free)
     system = np.zeros((inside.size + 1, inside.size + 1))

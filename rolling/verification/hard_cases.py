@@ -1,7 +1,7 @@
 """Scenes that are hard for contact solvers, by name.
 
-A budget is twice the number of iterations that was measured when a case was entered, so a slower
-solver is seen before it hangs.
+The budget of a case is twice the number of iterations measured when the case was added. A slower
+solver is therefore noticed before it hangs.
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ from rolling._typing import Array
 from rolling.contact import closed_forms
 from rolling.contact.state import RollingContact
 from rolling.surface import heights as surface
+from rolling.terminal import defaults
 
 STEEL = 210e9 / (1 - 0.3**2)  # E* [Pa] of the plate under a rigid sphere
-CELL = 4e-12  # [m2], a node at the spacing of 2 um that the named scenes share
+CELL = 4e-12  # [m2], area of a node at the common spacing of 2 um
 
 SOLVED, CAPACITY, WIDTH, ROOM = (
     "solved",
@@ -41,7 +42,8 @@ class HardCase:
     steps, first : int. Number of steps and first position of the march. Default: 3 and 0.
     right : tuple of str. The right outcomes, from SOLVED, CAPACITY, WIDTH and ROOM. Default:
         SOLVED.
-    lap : int. Steps of a lap. Above zero, later laps must equal the first within the tolerance.
+    lap : int. Steps of a lap. If it is positive, later laps must equal the first within the
+        tolerance.
         Default: 0.
     group, feature : str. Group and surface in the report. Default: "named" and empty.
     """
@@ -61,7 +63,7 @@ class HardCase:
 def rough(
     along: int, across: int, ra: float, seed: int = 1, spacing: float = 2e-6, length: float = 10e-6
 ) -> Array:
-    """Make Gaussian heights [m] of shape (along, across) with this Ra and correlation length [m]."""
+    """Make Gaussian heights [m] (along, across) with this Ra and correlation length [m]."""
     return surface.gaussian((along, across), spacing, ra, (length, length), "gaussian", seed)
 
 
@@ -83,7 +85,7 @@ def make_track(heights: Array, **changes: Any) -> RollingContact:
 def rough_track(
     along: int, across: int, ra: float, length: float = 10e-6, **changes: Any
 ) -> RollingContact:
-    """Make a rough plate; it is smooth with ra 0."""
+    """Make a rough plate, or a smooth plate for an Ra of 0."""
     heights = rough(along, across, ra, length=length) if ra else np.zeros((along, across))
     return make_track(heights, **changes)
 
@@ -91,19 +93,22 @@ def rough_track(
 def plastic_track(
     nodes: float, ra: float = 3e-7, size: int = 40, length: float = 10e-6, **changes: Any
 ) -> RollingContact:
-    """Make a rough plate of low hardness under the load of so many nodes at the hardness."""
+    """Make a rough plate whose hardness makes the load span `nodes` capped nodes."""
     return rough_track(size, size, ra, length, load=nodes * changes["hardness"] * CELL, **changes)
 
 
 def filled_track(share: float, ra: float) -> RollingContact:
-    """Make a plate under a share of the maximum load that one period of the surface can carry."""
+    """Make a plate under a share of the maximum load that a period of the surface can carry."""
     return rough_track(30, 20, ra, hardness=1e6, load=share * 1e6 * 600 * CELL)
 
 
 def stepped_track(
     height: float, where: tuple[Any, ...], ra: float = 1e-8, **changes: Any
 ) -> RollingContact:
-    """Make a nearly smooth plate on which the nodes at the index `where` stand out by `height` [m]."""
+    """Make a nearly smooth plate with raised nodes.
+
+    The nodes at the index `where` stand out by `height` [m].
+    """
     heights = rough(60, 60, ra)
     heights[where] += height
     return make_track(heights, **changes)
@@ -112,7 +117,7 @@ def stepped_track(
 def extreme_track(
     load: float, radius: float, modulus: float, spacing: float, capped: bool
 ) -> RollingContact:
-    """Make a plate with a roughness of a tenth of Hertz's approach.
+    """Make a plate whose roughness is a tenth of Hertz's approach.
 
     A capped plate has a hardness of 0.7 times Hertz's pressure.
     """
@@ -143,21 +148,21 @@ def ridged_track(along: int, across: int) -> RollingContact:
 
 
 def rolled_track(nodes: int) -> RollingContact:
-    """Make a rough plate whose seam is moved along by so many nodes."""
+    """Make a rough plate whose seam is moved along by `nodes` nodes."""
     return make_track(np.roll(rough(60, 60, 2e-7), nodes, axis=0), load=0.3, hardness=2.1e9)
 
 
 def noise_track(hardness: float) -> RollingContact:
     """Make a plate of white noise of 20 um on a 2 um grid.
 
-    The sphere is small, since a large one would touch the periodic images as well.
+    The sphere is small, because a large sphere would also touch the periodic images.
     """
     heights = np.random.default_rng(5).standard_normal((60, 60)) * 2e-5
     return make_track(heights, load=0.001, radius=1e-4, hardness=hardness, tolerance=1e-7)
 
 
 def vast_track() -> RollingContact:
-    """Make 24 mm of smooth plate, so soft that contact is 11 mm wide."""
+    """Make 24 mm of smooth plate that is so soft that contact is 11 mm wide."""
     return make_track(np.broadcast_to(np.zeros(1), (12000, 12000)), hardness=1e5, load=28.0)
 
 
@@ -177,7 +182,10 @@ def _symmetric_and_plastic() -> list[HardCase]:
     """Return cases of symmetric or fully plastic contact."""
     ring = "by symmetry, all nodes of a ring change their bounds at once"
     trace = "heights of 1e-12 m under deflections of 4e-7 m hardly break the symmetry"
-    whole = "W / (H dA) is a whole number: p is 0 or H everywhere, no node is free, and the approach has an interval to lie in"
+    whole = (
+        "W / (H dA) is a whole number: p is 0 or H everywhere, no node is free, "
+        "and the approach has an interval to lie in"
+    )
     limit = "the contact area tends to W / H as E* rises: fewer and fewer nodes between the bounds"
     cases = [
         HardCase("smooth sphere", ring, partial(rough_track, 60, 61, 0.0, load=2.0), 40),
@@ -203,7 +211,10 @@ def _refused() -> list[HardCase]:
     beyond = (
         "no pressure below the hardness carries the load: a solver that only iterates would not end"
     )
-    full = "99 % of the capacity fills the period to its corners, more than a window of contact can hold"
+    full = (
+        "99 % of the capacity fills the period to its corners, more than a window of contact can "
+        "hold"
+    )
     wide = "the Hertz contact is wider than the surface: its periodic images would touch each other"
     vast = "the capacity suffices, but contact is 11 mm wide: no transform is large enough"
     cases = [
@@ -235,11 +246,26 @@ def _refused() -> list[HardCase]:
 
 def _steps_in_height() -> list[HardCase]:
     """Return cases with spikes, cliffs, trenches and steep slopes."""
-    spike = "one node stands out by up to 50 spacings; its pressure swings through the whole range as the sphere passes"
-    cliff = "half of the plate lies 20 um lower, through the middle of the contact: pressure is singular along the edge"
-    trench = "a groove 3 nodes wide and 100 um deep splits the contact in halves that only the deflection couples"
-    outlier = "1 mm from a faulty instrument: the search for overlap covers a disc of 6 mm, and one node carries the load"
-    dwarf = "springs turn 20 um into 1e8 times the pressures: the load loses its digits in a difference and must be restored"
+    spike = (
+        "one node stands out by up to 50 spacings; its pressure swings through the whole range as "
+        "the sphere passes"
+    )
+    cliff = (
+        "half of the plate lies 20 um lower, through the middle of the contact: "
+        "pressure is singular along the edge"
+    )
+    trench = (
+        "a groove 3 nodes wide and 100 um deep splits the contact in halves that only the "
+        "deflection couples"
+    )
+    outlier = (
+        "1 mm from a faulty instrument: the search for overlap covers a disc of 6 mm, "
+        "and one node carries the load"
+    )
+    dwarf = (
+        "springs turn 20 um into 1e8 times the pressures: the load loses its digits in a "
+        "difference and must be restored"
+    )
     slopes = "rms slope 14 each way: a few tips, far apart, 1e4 times their deflection high"
     cases = []
     for height, plate in (
@@ -269,7 +295,7 @@ def _steps_in_height() -> list[HardCase]:
         )
     build = partial(stepped_track, 1e-3, (40, 7), 1e-7, load=0.05, tolerance=1e-7)
     cases.append(HardCase("outlier of 1 mm", outlier, build, 20))
-    # 1 uN happens to be a round number of Pa; a third of it is not.
+    # 1 uN is a round number of Pa; a third of it is not.
     build = partial(stepped_track, 2e-5, (slice(30),), load=1e-6 / 3, tolerance=1e-6)
     cases.append(HardCase("cliff of 20 um under 1/3 uN", dwarf, build, 40, first=10))
     return cases
@@ -277,7 +303,10 @@ def _steps_in_height() -> list[HardCase]:
 
 def _sizes() -> list[HardCase]:
     """Return cases of extreme sizes, units and shapes, and a contact across the seam."""
-    touch = "one node carries the load: no iteration is needed, and its deflection is known in closed form"
+    touch = (
+        "one node carries the load: no iteration is needed, and its deflection is known in closed "
+        "form"
+    )
     units = "SI numbers from 1e-12 m to 1e12 Pa reveal any absolute threshold in the solver"
     odd = "ridges make the contact long and narrow: its windows differ in the two directions"
     seam = "contact lies across the seam of the periodic surface"
@@ -305,8 +334,14 @@ def _sizes() -> list[HardCase]:
 
 def _many_bounds() -> list[HardCase]:
     """Return cases in which nearly all nodes change their bounds at once."""
-    bound = "a step is longer than the contact: half of the window starts on the wrong bound, and hardly a node is free"
-    trace = "ten capped nodes carry all but a trace of the load, which no deflection shows but the load needs"
+    bound = (
+        "a step is longer than the contact: half of the window starts on the wrong bound, "
+        "and hardly a node is free"
+    )
+    trace = (
+        "ten capped nodes carry all but a trace of the load, which no deflection shows but the "
+        "load needs"
+    )
     cases = []
     for nodes, hardness, radius, step in (
         (50.5, 1e6, 5e-5, 10),
@@ -327,7 +362,10 @@ def _many_bounds() -> list[HardCase]:
 
 
 def laps(count: int) -> HardCase:
-    """Return a case of so many laps of 30 steps on a tiny surface, which must not gather error."""
+    """Return a case of `count` laps of 30 steps on a tiny surface.
+
+    Errors must not accumulate from lap to lap.
+    """
     why = "a warm-started march must not gather error: each lap equals the first to its tolerance"
     build = partial(rough_track, 30, 36, 5e-8, load=0.03, hardness=2.1e9, tolerance=1e-5)
     return HardCase(f"{count} laps without drift", why, build, 40, steps=30 * count, lap=30)
@@ -341,4 +379,4 @@ CASES = [
     *_many_bounds(),
     laps(10),
 ]
-LONG = laps(3334)  # 100,020 steps: minutes
+LONG = laps(-(-defaults.LONG_STEPS // 30))  # takes minutes

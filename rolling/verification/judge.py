@@ -6,7 +6,6 @@ Each scene is marched, and separate code judges each state.
 from __future__ import annotations
 
 import multiprocessing
-import sys
 import time
 import warnings
 from collections import Counter, defaultdict
@@ -26,13 +25,17 @@ from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.folders import files
-from rolling.simulation import lifeline
+from rolling.simulation import lifeline, spawning
+from rolling.terminal import defaults, progress
 from rolling.verification import hard_cases, optimality
 from rolling.verification.hard_cases import CAPACITY, CASES, ROOM, SOLVED, WIDTH, HardCase
 from rolling.verification.random_cases import found_cases, random_case
 
-TIME_LIMIT = 60.0  # [s] of solving per scene, a hundred times the slowest; the long march has more
-LEDGER_ERROR = 1e-12  # share of the stored energy; the ledger is an identity except for rounding
+# Maximum time of solving a scene [s], a hundred times the slowest; the long march has more.
+TIME_LIMIT = 60.0
+LEDGER_ERROR = (
+    1e-12  # share of the stored energy; the energy ledger is an identity except for rounding
+)
 REFUSALS = {  # words of a message: the reason of refusal
     "more than the surface can carry": CAPACITY,
     "um wide": WIDTH,
@@ -40,12 +43,16 @@ REFUSALS = {  # words of a message: the reason of refusal
 }
 MUST_HOLD = (
     "Pressures lie between 0 and the hardness, exactly.",
-    "The gap is zero where the pressure lies between, not negative at zero pressure, and not positive at the hardness. A"
-    " convolution by separate code checks this within 1.5 times the tolerance of the largest deflection.",
+    "The gap is zero where the pressure lies between, not negative at zero pressure, "
+    "and not positive at the hardness. A"
+    " convolution by separate code checks this within 1.5 times the tolerance of the largest "
+    "deflection.",
     "There is no contact outside the window, on the whole plate.",
-    "The load is right to 1e-12; stored energy and deflections agree with that convolution to 1e-11.",
+    "The load is right to 1e-12; stored energy and deflections agree with that convolution to "
+    "1e-11.",
     "Loading minus release equals the change of stored energy to 1e-12 of the stored energy.",
-    "Every number is finite, there is no warning, iterations stay within the budget of the case, and the time within a minute.",
+    "Every number is finite, there is no warning, iterations stay within the budget of the case, "
+    "and the time within a minute.",
     "Later laps equal the first within 10 tolerances.",
     "A scene without a solution is refused with numbers; a scene with a solution is not.",
 )
@@ -79,12 +86,13 @@ class Outcome:
 
 
 class _Trial:
-    """The march of one case, judged state by state, so that a march of any length needs little
-    memory.
+    """The march of a case.
+
+    Each state is judged at once, so a march of any length needs little memory.
     """
 
     def __init__(self, case: HardCase, keep: list[ContactState] | None) -> None:
-        """Start without violations; the states are appended to `keep`."""
+        """Start without violations and append the states to `keep`."""
         self.case, self.keep = case, keep
         self.violated: list[str] = []
         self.iterations: list[int] = []
@@ -112,7 +120,7 @@ class _Trial:
             )
 
     def _timed(self, states: Iterator[ContactState]) -> ContactState | None:
-        """Return the next state and add its time, None after the last one."""
+        """Return the next state and add its time, or return None after the last state."""
         began = time.perf_counter()
         try:
             return next(states, None)
@@ -141,7 +149,7 @@ class _Trial:
     def _judge_laps(self, tolerance: float) -> None:
         """Compare later laps with the first, within the tolerance [m].
 
-        The first position of all starts cold and the same position a lap later starts warm; both
+        The first position has a cold start, and the same position a lap later a warm start. Both
         are within the tolerance.
         """
         laps = np.array(self.approaches[:-1]).reshape(-1, self.case.lap)
@@ -151,7 +159,8 @@ class _Trial:
         released = np.array(self.releases).reshape(-1, self.case.lap).sum(axis=1)
         if not np.ptp(released) <= 1e-3 * released.mean():
             self.violated.append(
-                f"drift: release of a lap by {np.ptp(released) / released.mean():.3g}, allowed 0.001"
+                f"drift: release of a lap by {np.ptp(released) / released.mean():.3g}, "
+                "allowed 0.001"
             )
 
     def _note(self, state: ContactState, violation: str) -> None:
@@ -160,7 +169,10 @@ class _Trial:
 
 
 def judge(case: HardCase, keep: list[ContactState] | None = None) -> Outcome:
-    """March a case with warnings as errors, and check all conditions; append the states to `keep`."""
+    """March a case with warnings as errors, and check all conditions.
+
+    The states are appended to `keep`.
+    """
     trial, result, message = _Trial(case, keep), SOLVED, ""
     track = case.build()
     try:
@@ -207,7 +219,7 @@ class Iterations:
 
 @dataclass(frozen=True)
 class Tally:
-    """Counts over some outcomes, with the share of cases that held."""
+    """Counts over some outcomes, with the share of successful cases."""
 
     scenes: int
     solved: int
@@ -221,7 +233,7 @@ class Tally:
 
 @dataclass(frozen=True)
 class Group:
-    """The tally of all outcomes of one group, surface and plate."""
+    """The tally of all outcomes of a group, surface and plate."""
 
     group: str
     surface: str
@@ -245,8 +257,8 @@ class Report:
     Parameters
     ----------
     seconds : float, s. Time of the whole report.
-    total : Tally. All cases except group "found": scenes that entered the report because they
-        failed once tell nothing about the rate of failure.
+    total : Tally. All cases except the group "found". Its scenes entered the report because they
+        failed once, so they do not count for the rate of failure.
     groups : list of Group. Tallies in the order of the table.
     cases : list of (HardCase, Outcome). The given cases.
     failed : list of Outcome. All outcomes with a violation.
@@ -283,18 +295,18 @@ class Report:
 
 def judge_all(
     cases: Sequence[HardCase],
-    random: int = 2000,
-    odd: int = 500,
-    blended: int = 500,
+    random: int,
+    odd: int,
+    blended: int,
     workers: int = 1,
     progress: Callable[[int], object] = lambda scenes: None,
 ) -> Report:
-    """Judge the given cases and so many random, odd and blended scenes.
+    """Judge the given cases, and random, odd and blended scenes.
 
     Parameters
     ----------
-    cases : sequence of HardCase. Cases that are always trial.
-    random, odd, blended : int. Numbers of scenes from each generator. Default: 2000, 500, 500.
+    cases : sequence of HardCase. Cases that are always judged.
+    random, odd, blended : int. Numbers of scenes from each generator.
     workers : int. Number of processes. Default: 1.
     progress : function. It is called with 1 after each scene. Default: nothing happens.
     """
@@ -330,7 +342,7 @@ def _order(group: str, feature: str, plate: str) -> tuple[int, str, str]:
 
 def _outcomes(tasks: list[Task], workers: int) -> Iterable[Outcome]:
     """Judge all tasks in their order, in processes if there is more than one worker."""
-    if workers == 1:
+    if workers == 1 or not spawning.can_start_workers():
         yield from map(judge_task, tasks)
         return
     context = multiprocessing.get_context("spawn")
@@ -339,7 +351,7 @@ def _outcomes(tasks: list[Task], workers: int) -> Iterable[Outcome]:
 
 
 def _tally(outcomes: Sequence[Outcome]) -> Tally:
-    """Count the results, the share that held, and the iterations over all states."""
+    """Count the results, the share of successful cases, and the iterations over all states."""
     results = Counter(outcome.result for outcome in outcomes)
     iterations = [count for outcome in outcomes for count in outcome.iterations]
     percentiles = (
@@ -380,7 +392,8 @@ def table(report: Report) -> str:
     text += [f"- {condition}" for condition in MUST_HOLD]
     text += ["", tables.markdown(head, rows, padded=True, right=range(3, len(head))), ""]
     text += [
-        f"{report.total.states} states; {report.seconds:.1f} s, {report.total.solving_seconds:.1f} s of it solving.",
+        f"{report.total.states} states; {report.seconds:.1f} s, "
+        f"{report.total.solving_seconds:.1f} s of it solving.",
         "",
     ]
     text += [f"## Failures: {len(report.failed)}", ""]
@@ -409,24 +422,23 @@ def main_report(out: Path, random: int, workers: int = 1, long: bool = False) ->
     Parameters
     ----------
     out : Path. Folder of the files.
-    random : int. Number of random scenes; there are a quarter as many odd and blended ones each.
+    random : int. Number of random scenes. The numbers of odd and of blended scenes are each a
+        quarter of it.
     workers : int. Number of processes. Default: 1.
     long : bool. If true, add the march of 1e5 steps, which takes minutes. Default: False.
 
     Returns
     -------
-    0 without a failure, else 1.
+    code : int. 0 without a failure, else 1.
     """
-    from tqdm import tqdm
-
     cases = [*CASES, *found_cases(), *([hard_cases.LONG] if long else [])]
-    others = random // 4
-    with tqdm(
-        total=len(cases) + random + 2 * others, unit="scene", file=sys.stderr, disable=None
-    ) as bar:
+    others = random // defaults.OTHER_SCENES
+    total = len(cases) + random + 2 * others
+    with progress.bar(total, f"{total} scenes", unit="scene") as bar:
         report = judge_all(cases, random, others, others, workers, bar.update)
     text = table(report)
-    print(text)
+    if not progress.is_quiet():
+        print(text)
     out.mkdir(parents=True, exist_ok=True)
     files.write_json(out / "hard.json", report.to_dict())
     files.write_bytes(out / "hard.md", text.encode())

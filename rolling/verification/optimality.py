@@ -1,5 +1,4 @@
-"""An independent check of a contact state: separate gaps, convolution, and search for contact
-outside the window.
+"""An independent check of a contact state: separate gaps, convolution, and outside search.
 
 It imports the types of the march and shares no code with the solver.
 """
@@ -19,7 +18,7 @@ from rolling.verification import subcell_deflection
 
 Nodes = NDArray[np.signedinteger]
 
-# relative; the excess allows for another order of summation than in the solver
+# relative; the allowance covers another order of summation than the solver's
 LOAD_ERROR = 1.001e-12
 ENERGY_ERROR = 1e-11  # relative; the two convolutions round differently
 AROUND = 8  # nodes past the window that the convolution checks
@@ -27,10 +26,9 @@ BLOCK = 1_000_000  # nodes per block in the search outside the window
 
 
 def love_coefficients(x: Nodes, y: Nodes) -> Array:
-    """Compute Love's (1929) coefficients at node distances x, y [spacings], for pi E* = spacing =
-    1.
+    """Compute Love's (1929) coefficients at node distances x, y [spacings].
 
-    The logarithmic form is used; x and y broadcast.
+    They hold for pi E* = spacing = 1. The logarithmic form is used; x and y broadcast.
     """
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
     for a, b in ((0.5, 0.5), (0.5, -0.5), (-0.5, 0.5), (-0.5, -0.5)):
@@ -59,9 +57,7 @@ def _kernel(rows: int, columns: int) -> Array:
 def gap_and_deflection(
     track: RollingContact, state: ContactState, around: int = 0
 ) -> tuple[Array, Array, Array]:
-    """Compute undeformed gap [m], deflection [m] and pressure [Pa] on the window grown by `around`
-    nodes.
-    """
+    """Compute gap [m], deflection [m] and pressure [Pa] on the window grown by `around` nodes."""
     w = state.window
     rows, columns = (
         np.arange(-around, w.rows + around) + w.row,
@@ -101,13 +97,16 @@ def _levelled(track: RollingContact) -> float:
 
 
 def edges(track: RollingContact, state: ContactState, gap: Array, u: Array, around: int) -> Array:
-    """Compute half of the range of gaps [m] over the cells of the window, by the deflection that a
-    state has; it is zero around the window.
+    """Compute half the range of gaps [m] over the cells of the window of a state.
+
+    It is zero around the window.
 
     Parameters
     ----------
-    gap, u : arrays on the window grown by `around` nodes, m. Undeformed gap and deflection.
-    around : int. Nodes around the window.
+    gap, u : arrays on the window grown by `around` nodes, m
+        Undeformed gap and deflection.
+    around : int
+        Nodes around the window.
     """
     shape = gap
     if not track.slopes:
@@ -131,15 +130,15 @@ def violations(
 
     Returns
     -------
-    conditions : largest violation of the gap conditions over the largest deflection, also `around`
+    conditions : maximum violation of the gap conditions over the maximum deflection, also `around`
         nodes past the window.
-    lowest, above : lowest pressure, and highest pressure minus the hardness [Pa]. The first must
-        not be negative, the second not positive.
+    lowest, above : minimum pressure, and maximum pressure minus the hardness [Pa]. `lowest` must
+        not be negative and `above` not positive.
     load : relative error of the load.
     energy, deflection, contact area : relative errors of the state's own values.
     plastic area : error of the state's own value [nodes].
-    outside : deepest negative gap [m] anywhere outside the window over the largest deflection; 0
-        without any.
+    outside : maximum penetration [m] outside the window over the maximum deflection; 0 without
+        penetration.
     """
     e, u, p = gap_and_deflection(track, state, around)
     gap = e + u - state.approach
@@ -173,11 +172,10 @@ def violations(
 
 
 def contact_outside(track: RollingContact, state: ContactState) -> float:
-    """Return the deepest penetration [m] of sphere and deflected plate outside the window; 0
-    without any.
+    """Return the maximum penetration [m] of sphere and deflected plate outside the window.
 
-    Deflections are never negative, so contact needs an undeformed gap below the approach. Few nodes
-    remain to be checked, and their deflections are summed directly.
+    It is 0 without penetration. Deflections are never negative, so contact needs an undeformed gap
+    below the approach. Few nodes remain to be checked, and their deflections are summed directly.
     """
     reach = 2 * track.radius * (state.approach + float(track.heights.max()))
     if not reach > 0:
@@ -206,9 +204,7 @@ def contact_outside(track: RollingContact, state: ContactState) -> float:
 def _low_lines(
     track: RollingContact, state: ContactState, centre: float, nodes: float, highest: Array
 ) -> Nodes:
-    """Return rows or columns within `nodes` of the centre that may hold an undeformed gap below the
-    approach.
-    """
+    """Return rows or columns within `nodes` of the centre whose gap may lie below the approach."""
     lines = np.arange(np.floor(centre - nodes), np.ceil(centre + nodes) + 1).astype(np.int64)
     distance = (lines - centre) * track.spacing
     return lines[distance**2 / (2 * track.radius) - highest[lines % highest.size] < state.approach]
@@ -217,7 +213,7 @@ def _low_lines(
 def _deflection_at(
     track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes
 ) -> Array:
-    """Compute the deflection [m] at single nodes, each by one sum over the loaded nodes."""
+    """Compute the deflection [m] at single nodes, each by a sum over the loaded nodes."""
     i, j = np.nonzero(state.pressure)
     p, i, j = state.pressure[i, j], i + state.window.row, j + state.window.column
     u = np.empty(rows.size)

@@ -1,5 +1,6 @@
-"""Random scenes by seed: `random_scene` covers wide ranges of load and size, `odd_scene` covers
-degenerate cases.
+"""Random scenes by seed.
+
+`random_scene` covers wide ranges of load and size, `odd_scene` covers degenerate cases.
 """
 
 from __future__ import annotations
@@ -16,16 +17,16 @@ from rolling.contact import closed_forms
 from rolling.contact.state import RollingContact
 from rolling.verification.hard_cases import CAPACITY, SOLVED, WIDTH, HardCase, make_track, rough
 
-# Seeds of random_scene on which an earlier solver failed.
+# An earlier solver failed on these seeds of random_scene.
 FAILED_ONCE = (8, 115, 136, 214, 232, 677, 715, 723, 805, 1290, 1548)
-# Seeds on which a solver failed in a search of 59,000 odd scenes and 19,000 random ones; every
-# report holds them.
+# A solver failed on these seeds in a search of 59,000 odd and 19,000 random scenes. Every report
+# holds them.
 FOUND = {
     "random": (10102,),
     "odd": (
-        # one capped node and 1e-12 of the load beside it
+        # a capped node, and 1e-12 of the load beside it
         *(1983, 2402, 5644, 8163, 8589, 15056, 21833, 29761, 32776, 37577, 45308, 52843, 58026),
-        # load is lost on the way and hardly comes back, or late
+        # the iteration loses load and restores it late or hardly
         *(
             3061,
             6521,
@@ -53,9 +54,9 @@ BUDGET = 150
 def random_scene(seed: int) -> tuple[RollingContact, str]:
     """Make a scene with wide ranges of all parameters, and name the feature of its surface.
 
-    Load covers 10 decades, E* 9, R 50 um to 1 m. The spacing follows from a Hertz radius of 0.02 to
-    20 nodes, or five times as many in a tenth of the scenes, which are mostly refused. The hardness
-    lies between 4 decades below and 2 above the Hertz pressure, or there is none.
+    Load covers 10 decades, E* 9 decades, R 50 um to 1 m. The spacing follows from a Hertz radius of
+    0.02 to 20 nodes, or five times as many in a tenth of the scenes, which are mostly refused. The
+    hardness lies between 4 decades below and 2 above the Hertz pressure, or is infinite.
     """
     rng = np.random.default_rng([20250117, seed])
     along, across = (int(n) for n in rng.integers(16, 65, 2))
@@ -96,12 +97,12 @@ def random_scene(seed: int) -> tuple[RollingContact, str]:
 
 
 def odd_scene(seed: int) -> tuple[RollingContact, str]:
-    """Make a degenerate scene and name its surface: equal gaps, long thin plates, ties of load and
-    hardness.
+    """Make a degenerate scene, and name its surface.
 
-    Steps cover a quarter to twenty nodes, starts lie anywhere, every fourth sphere is smaller than
-    the spacing. In half of the scenes W / (H dA) is a whole number of nodes, or 1e-12 or 1e-6 off
-    it. Tolerances cover 1e-9 to 1e-2, but not less than double precision resolves of the gaps.
+    The cases are equal gaps, long thin plates, and ties of load and hardness. Steps cover a quarter
+    to twenty nodes, starts lie anywhere, and every fourth sphere is smaller than the spacing. In
+    half of the scenes W / (H dA) is a whole number of nodes, or 1e-12 or 1e-6 off it. Tolerances
+    cover 1e-9 to 1e-2, but not less than double precision resolves of the gaps.
     """
     rng = np.random.default_rng([20250118, seed])
     shape = _odd_shape(rng)
@@ -112,7 +113,7 @@ def odd_scene(seed: int) -> tuple[RollingContact, str]:
     )
     nodes = 10 ** rng.uniform(-1, np.log10(max(min(shape) / 2.5, 1)))
     spacing = closed_forms.hertz_radius(load, radius, modulus) / nodes
-    if rng.random() < 0.25:  # a stylus: the paraboloid leaves the plate within a node
+    if rng.random() < 0.25:  # like a stylus, the paraboloid leaves the plate within a node
         radius = spacing * 10 ** rng.uniform(-2, 0)
     size = spacing * 10 ** rng.uniform(-5, 1)
     feature, heights = _odd_surface(rng, shape, size, seed)
@@ -139,7 +140,7 @@ def odd_scene(seed: int) -> tuple[RollingContact, str]:
 
 
 def _rounding(track: RollingContact) -> float:
-    """Estimate the rounding of the gaps over the deflection: of heights, paraboloid and position."""
+    """Estimate the rounding of the gaps over the deflection: heights, paraboloid, position."""
     area = max(track.load / track.hardness, track.spacing**2)
     # uniform pressure on a disc
     deflection = 2 * track.load / (track.contact_modulus * np.sqrt(np.pi * area))
@@ -189,7 +190,7 @@ def _odd_surface(
 
 
 def blended_scene(seed: int) -> tuple[RollingContact, str]:
-    """Make a random or an odd scene with blended edges whose plate yields, and name its surface."""
+    """Make a random or an odd scene with blended edges and a plate that yields."""
     track, feature = (odd_scene if seed % 2 else random_scene)(seed // 2)
     peak = closed_forms.hertz_pressure(track.load, track.radius, track.contact_modulus)
     return replace(track, hardness=min(track.hardness, 0.7 * peak), blended=True), feature
@@ -204,7 +205,7 @@ WHY = {
 
 
 def random_case(generator: str, seed: int, group: str = "") -> HardCase:
-    """Return the scene of a seed as a case, to be solved or refused for load or width.
+    """Return the scene of a seed as a case that is solved or refused for load or width.
 
     `generator` is a key of GENERATORS.
     """

@@ -1,7 +1,6 @@
-"""The deflection of sub-cells by way of whole cells, written a second time: plain arrays and
-scipy's convolution.
+"""A second implementation of the deflection of sub-cells by way of whole cells.
 
-It shares no code with the solver.
+It uses plain arrays and scipy's convolution, and shares no code with the solver.
 """
 
 from __future__ import annotations
@@ -19,9 +18,10 @@ Coefficients = Callable[[Distances, Distances], Array]
 
 
 def interpolation(r: int) -> Array:
-    """Return the weights (r, 3) of three cells, by solving for the parabola that they stand for.
+    """Solve for the parabola of three cells; return their weights (r, 3) in it.
 
-    It has their first and second differences, and the mean of the middle cell over its r sub-cells.
+    The parabola has their first and second differences, and the mean of the middle cell over its r
+    sub-cells.
     """
     x = (np.arange(r) + 0.5) / r - 0.5
     # rows: mean over the sub-cells, central difference, second difference of 1, x, x^2
@@ -36,13 +36,17 @@ def deflection(p: Array, r: int, coefficients: Coefficients) -> Array:
 
     Parameters
     ----------
-    p : (m, n) array. Pressure on sub-cells; m and n are whole numbers of cells.
-    r : int. Sub-cells along the side of a cell.
-    coefficients : function of the distances of nodes, which broadcast.
+    p : (m, n) array
+        Pressure on sub-cells; m and n are whole numbers of cells.
+    r : int
+        Sub-cells along the side of a cell.
+    coefficients : callable
+        Function of the distances of nodes, which broadcast.
 
     Returns
     -------
-    (m, n) array.
+    (m, n) array
+        Deflection of the sub-cells.
     """
     m, n = p.shape[0] // r, p.shape[1] // r
     along, across = _matrix(m, r), _matrix(n, r)
@@ -62,8 +66,9 @@ def _matrix(cells: int, r: int) -> Array:
 
 
 def _between(m: int, n: int, r: int, coefficients: Coefficients) -> Array:
-    """Return the mean deflection of a cell by the mean pressure of another, for all distances
-    within (m, n) cells.
+    """Return the mean deflection of a cell by the mean pressure of another cell.
+
+    The distances are all within (m, n) cells.
     """
     rows, columns = np.arange(1 - m * r, m * r), np.arange(1 - n * r, n * r)
     triangle = np.convolve(np.ones(r), np.ones(r)) / r
@@ -75,8 +80,9 @@ def _between(m: int, n: int, r: int, coefficients: Coefficients) -> Array:
 
 
 def _within(p: Array, r: int, coefficients: Coefficients) -> Array:
-    """Return the deflections by the pressures within the same cell, exact less those by way of the
-    cells.
+    """Return the corrections of the deflections by the pressures within the same cell.
+
+    A correction is the exact deflection less the deflection by way of the cells.
     """
     i, j = (k.ravel() for k in np.indices((r, r)))
     exact = coefficients(i[:, None] - i[None, :], j[:, None] - j[None, :])

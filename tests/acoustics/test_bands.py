@@ -1,4 +1,4 @@
-"""Oracles: the base-10 bands of IEC 61260-1, the lines themselves, and white noise."""
+"""Third octaves have the base-10 bands of IEC 61260-1, add up to the lines, and fit white noise."""
 
 import numpy as np
 import pytest

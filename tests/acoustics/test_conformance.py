@@ -1,6 +1,4 @@
-"""Oracles: the tables of IEC 61672-1:2013 and IEC 61260-1:2014, and the page as it is in the
-repository.
-"""
+"""The conformance page agrees with the tables of IEC 61672-1:2013 and IEC 61260-1:2014."""
 
 import csv
 import math
@@ -52,7 +50,7 @@ def test_every_row_is_within_its_limits_but_those_the_page_states(tables):
 
 
 def named(title: str, row: Row) -> tuple[str, ...]:
-    """A row by what does not depend on where in its band the worst point lies."""
+    """Return the parts of a row that do not depend on the place of its worst point."""
     if title == OPEN:
         return row.keys[0], row.keys[1], row.keys[4]
     return row.keys[:2]

@@ -1,6 +1,4 @@
-"""Records that are hardly any: whatever is given, numbers that are numbers, None where there is no
-sound, no warning.
-"""
+"""Extreme records give numbers, or None where there is no sound, and no warning."""
 
 import dataclasses
 import json

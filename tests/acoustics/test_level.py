@@ -1,6 +1,4 @@
-"""Oracles: tones whose levels follow from their amplitude, through the whole chain from step power
-to level.
-"""
+"""Tones through the chain from step power to level have the levels of their amplitudes."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Oracles: the sphere's area, and the two laws a level can follow."""
+"""Radiation follows the area of the sphere and the two laws of a level."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Oracles: sines and band-limited noise whose values are known at every instant."""
+"""Resampling keeps sines and band-limited noise, whose values are known at every instant."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from acoustics.spectrum import line_spectrum
 
 
 def series(n, k, t):
-    """A sine with k periods in n samples, at the instants t counted in samples."""
+    """Return a sine with k periods in n samples at the instants t, counted in samples."""
     return np.sin(2.0 * np.pi * k / n * np.asarray(t) + 0.3)
 
 

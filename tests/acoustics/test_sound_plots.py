@@ -1,6 +1,4 @@
-"""Oracle: what a reader must find on a plot: units, limits, gaps, and grey where a level says
-little.
-"""
+"""A plot has units, limits and gaps, and is grey where a level is too uncertain."""
 
 import io
 
@@ -20,7 +18,7 @@ def ax():
 
 
 def drawn(ax):
-    """Render for real: formatters and layouts fail only here."""
+    """Render a figure, since formatters and layouts fail only then."""
     ax.figure.tight_layout()
     ax.figure.savefig(io.BytesIO(), format="png", dpi=50)
     return ax

@@ -1,6 +1,4 @@
-"""Oracles: noise of known density, a tone, a chirp, the energy of the record, and the loop cut
-elsewhere.
-"""
+"""Spectrograms keep known densities, tones, chirps and energies, wherever a loop is cut."""
 
 import numpy as np
 import pytest
@@ -19,7 +17,7 @@ def noise(seed, n):
 
 
 def density(found):
-    """Pa^2/Hz, 0 where there is none."""
+    """Return the density in Pa^2/Hz, 0 where there is none."""
     return np.nan_to_num(10.0 ** (found.level_db / 10.0) * P_REF_PA**2)
 
 

@@ -1,4 +1,4 @@
-"""Oracles: Parseval's theorem, single tones whose lines are known, white noise."""
+"""Spectra fit Parseval's theorem, single tones and white noise."""
 
 import numpy as np
 import pytest

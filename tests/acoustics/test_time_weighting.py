@@ -1,6 +1,4 @@
-"""Oracles: closed forms of the exponential weighting, the loop played for long, and the tone bursts
-of IEC 61672-1.
-"""
+"""Time weighting meets its closed forms, a long loop and the tone bursts of IEC 61672-1."""
 
 import math
 
@@ -33,11 +31,12 @@ def test_from_silence_a_constant_rises_as_one_minus_exp(tau):
 @pytest.mark.parametrize(
     ("tau", "milliseconds", "below_db"),
     [
-        (FAST_S, 1000, 0.0), (FAST_S, 500, -0.1), (FAST_S, 200, -1.0), (FAST_S, 100, -2.6), (FAST_S, 50, -4.8),
-        (FAST_S, 20, -8.3), (FAST_S, 10, -11.1), (FAST_S, 5, -14.1), (FAST_S, 2, -18.0), (FAST_S, 1, -21.0),
-        (FAST_S, 0.25, -27.0),
-        (SLOW_S, 1000, -2.0), (SLOW_S, 500, -4.1), (SLOW_S, 200, -7.4), (SLOW_S, 100, -10.2), (SLOW_S, 50, -13.1),
-        (SLOW_S, 20, -17.0), (SLOW_S, 10, -20.0), (SLOW_S, 5, -23.0), (SLOW_S, 2, -27.0),
+        (FAST_S, 1000, 0.0), (FAST_S, 500, -0.1), (FAST_S, 200, -1.0), (FAST_S, 100, -2.6),
+        (FAST_S, 50, -4.8), (FAST_S, 20, -8.3), (FAST_S, 10, -11.1), (FAST_S, 5, -14.1),
+        (FAST_S, 2, -18.0), (FAST_S, 1, -21.0), (FAST_S, 0.25, -27.0),
+        (SLOW_S, 1000, -2.0), (SLOW_S, 500, -4.1), (SLOW_S, 200, -7.4), (SLOW_S, 100, -10.2),
+        (SLOW_S, 50, -13.1), (SLOW_S, 20, -17.0), (SLOW_S, 10, -20.0), (SLOW_S, 5, -23.0),
+        (SLOW_S, 2, -27.0),
     ],
 )  # fmt: skip
 def test_tone_bursts_of_the_standard(tau, milliseconds, below_db):

@@ -1,7 +1,4 @@
-"""Oracle: simulation.
-
-Many stretches of Gaussian noise, the spread of their levels against what each one states.
-"""
+"""Levels of simulated Gaussian noise spread as each of them states."""
 
 import math
 
@@ -19,7 +16,7 @@ NAMES = ("laeq_db", "level_db", "laf_max_db", "las_max_db", "lz_peak_db")
 
 
 def noise(seed, n, slope, low, high):
-    """Closed Gaussian noise of (n,), density falling with f**-slope between low and high [Hz]."""
+    """Return closed Gaussian noise (n,) whose density falls with f**-slope in a band [Hz]."""
     frequency = np.fft.rfftfreq(n, 1.0 / RATE)
     inside = (frequency >= low) & (frequency < high)
     gain = np.where(inside, np.maximum(frequency, 1.0) ** (-slope / 2.0), 0.0)
@@ -27,7 +24,7 @@ def noise(seed, n, slope, low, high):
 
 
 def spread(records, duration, slope, low, high, own_factor, band):
-    """Observed over stated standard deviation of every level."""
+    """Return the observed over the stated standard deviation of every level."""
     observed, stated = [], []
     for seed in range(records):
         fluctuation = 1e-6 * noise(seed, round(duration * RATE), slope, low, high)

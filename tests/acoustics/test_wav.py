@@ -1,7 +1,8 @@
-"""Oracles: the record read back, and the bytes of the file."""
+"""A WAV file has the right bytes and gives its record back."""
 
 import io
 import math
+import struct
 import time
 
 import numpy as np
@@ -16,7 +17,7 @@ NOISE = 0.05 * np.random.default_rng(1).standard_normal(24000)  # 68 dB
 
 
 def samples_of(wav_bytes):
-    """Samples of full scale, and the file's comment and title."""
+    """Return the samples of a file in parts of full scale, its comment and its title."""
     with soundfile.SoundFile(io.BytesIO(wav_bytes)) as file:
         assert (file.samplerate, file.channels) == (48000, 1)
         return file.read(dtype="float64"), file.comment, file.title
@@ -80,6 +81,44 @@ def test_same_record_same_bytes_at_another_second():
     # PEAK is followed by its size (16), its version (1) and the second of writing.
     place = first[0].index(b"PEAK")
     assert first[0][place + 4 : place + 16] == bytes([16, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0])
+
+
+def chunks_of(wav_bytes):
+    """Name and content of each chunk, read by the rules of RIFF alone."""
+    assert wav_bytes[:4] == b"RIFF" and wav_bytes[8:12] == b"WAVE"
+    assert struct.unpack("<I", wav_bytes[4:8])[0] == len(wav_bytes) - 8
+    chunks, place = [], 12
+    while place < len(wav_bytes):
+        name = wav_bytes[place : place + 4]
+        (size,) = struct.unpack("<I", wav_bytes[place + 4 : place + 8])
+        chunks.append((name, wav_bytes[place + 8 : place + 8 + size]))
+        place += 8 + size + size % 2
+    assert place == len(wav_bytes)
+    return chunks
+
+
+@pytest.mark.parametrize("samples", [24000, 24001, 1])
+@pytest.mark.parametrize("bits", [16, 24, 32])
+def test_a_record_that_loops_has_its_loop_points(bits, samples):
+    """The sampler chunk has nine numbers, then a loop from the first to the last sample."""
+    record = NOISE[np.arange(samples) % len(NOISE)]
+
+    def write(loops):
+        if bits == 32:
+            return wav.calibrated(record, "a comment", "a title", loops)
+        return wav.listening(record, 1.0, "a comment", "a title", bits, loops)
+
+    *others, (name, content) = chunks_of(write(True))
+    assert name == b"smpl" and len(content) == 60
+    assert others == chunks_of(write(False)) and b"smpl" not in dict(others)
+    sampler, loop = content[:36], content[36:]
+    expected = {0: 0, 4: 0, 8: 20833, 12: 60, 16: 0, 20: 0, 24: 0, 28: 1, 32: 0}
+    assert {at: int.from_bytes(sampler[at : at + 4], "little") for at in expected} == expected
+    # Identifier, forward, first and last sample, no fraction, for ever.
+    assert loop == struct.pack("<6I", 0, 0, 0, samples - 1, 0, 0)
+    again, comment, title = samples_of(write(True))
+    assert np.array_equal(again, samples_of(write(False))[0]) and len(again) == samples
+    assert (comment, title) == ("a comment", "a title")
 
 
 def test_a_comment_that_spells_peak_is_left_alone():

@@ -1,4 +1,4 @@
-"""Oracle: Table 3 of IEC 61672-1:2013."""
+"""The A-weighting agrees with Table 3 of IEC 61672-1:2013."""
 
 from pathlib import Path
 

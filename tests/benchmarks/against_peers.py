@@ -1,6 +1,4 @@
-"""Our march and the public solvers over the sequences of peers/sequences.py, judged by the same
-check; for speed.py.
-"""
+"""March and public solvers over the same sequences, judged by the same check, for speed.py."""
 
 from __future__ import annotations
 
@@ -31,8 +29,10 @@ TOLERANCES = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7)
 
 @dataclass(frozen=True)
 class Solved:
-    """A solver over a sequence: medians and means of all positions but the first, gap errors [m] of
-    all, the last load error.
+    """The performance of a solver over a sequence.
+
+    Medians and means leave the first position out. Gap errors [m] are of all positions, and the
+    load error is of the last.
     """
 
     tolerance: float
@@ -46,8 +46,9 @@ class Solved:
 
 
 def judged(name: str, tolerance: float, answers: dict[str, Any]) -> Solved:
-    """Answers of every position, `seconds` (CPU), `convolutions`, `pressures` (N, N) and perhaps
-    `iterations`, checked.
+    """Check the answers of every position.
+
+    They are `seconds` (CPU), `convolutions`, `pressures` (N, N) and perhaps `iterations`.
     """
     errors = [
         sequences.violation(name, k, pressure) for k, pressure in enumerate(answers["pressures"])
@@ -65,7 +66,7 @@ def judged(name: str, tolerance: float, answers: dict[str, Any]) -> Solved:
 
 
 def sequence_track(name: str, tolerance: float) -> RollingContact:
-    """A sequence as we roll it: the same gaps, seen from the plate."""
+    """Return a sequence as a track: the same gaps, seen from the plate."""
     return RollingContact(
         heights=sequences.heights(name),
         spacing=SPACING,
@@ -80,7 +81,7 @@ def sequence_track(name: str, tolerance: float) -> RollingContact:
 
 
 def on_full_grid(state: ContactState) -> np.ndarray:
-    """Pressure of a state on the N x N grid of the sequences, which moves with the sphere."""
+    """Return the pressure of a state on the N x N grid that moves with the sphere."""
     return state.window.moved(state.pressure, Window(state.position, 0, N, N))
 
 
@@ -98,16 +99,14 @@ def ours(name: str, tolerance: float, steps: int) -> Solved:
 
 
 def loosest(name: str, gap_error: float, steps: int) -> float:
-    """The loosest of our tolerances whose median gap error is at most this."""
+    """Return the loosest tolerance whose median gap error is at most the allowed error."""
     return next(
         (t for t in TOLERANCES if ours(name, t, steps).gap_error <= gap_error), TOLERANCES[-1]
     )
 
 
 def theirs(name: str, peer: str, python: str, tolerance: float, steps: int) -> Solved:
-    """A peer's answers, from the interpreter of its own virtual environment, with one thread as
-    long as ours has one.
-    """
+    """Return the answers of a public solver from its own interpreter, with one thread."""
     # it leads to our packages
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     with tempfile.TemporaryDirectory() as folder:
@@ -119,5 +118,5 @@ def theirs(name: str, peer: str, python: str, tolerance: float, steps: int) -> S
 
 
 def quickest(runs: Iterable[Solved]) -> Solved:
-    """The run least disturbed by what else the machine does."""
+    """Return the run that other processes disturbed least."""
     return min(runs, key=lambda run: run.ms)

@@ -1,8 +1,9 @@
-"""The speed targets, each measured beside a yardstick of the same run: writes speed.json and
-speed.md, prints the table.
+"""The speed targets, each measured beside a yardstick of the same run.
 
-python tests/benchmarks/speed.py [--quick] [--aspher PYTHON] [--slippy PYTHON] [--out FOLDER]    (a
-minute; see README.md here)
+The script writes speed.json and speed.md, and prints the table. It takes a minute; README.md
+defines the rows.
+
+python tests/benchmarks/speed.py [--quick] [--aspher PYTHON] [--slippy PYTHON] [--out FOLDER]
 """
 
 from __future__ import annotations
@@ -45,8 +46,10 @@ STEPS_PER_SECOND = 50_000  # of sound: 0.1 m/s over steps of 2 um
 
 @dataclass(frozen=True)
 class Rival:
-    """What a peer sets us on a sequence; gap_error [m] is the most we may have (None: as much as
-    the peer has in this run).
+    """The target that a public solver sets on a sequence.
+
+    gap_error [m] is the maximum allowed for the program; None allows the error of the other
+    solver.
     """
 
     sequence: str
@@ -66,9 +69,7 @@ RIVALS = (
 
 @dataclass
 class Row:
-    """One line of the table; `met` is None where there is no target or nothing was run; numbers go
-    to the JSON only.
-    """
+    """A line of the table; `met` is None without a target, and numbers go to the JSON only."""
 
     measure: str
     value: str
@@ -81,12 +82,12 @@ class Row:
 
 
 # ---- one step
-# --------------------------------------------------------------------------------------------------------
 
 
 def clocked(half_space: HalfSpace) -> HalfSpace:
-    """The same half-space, adding up in `.seconds` the time of its convolutions, their work arrays'
-    clearing included.
+    """Make the half-space add the time of its convolutions in `.seconds`.
+
+    The time includes the clearing of the work arrays.
     """
 
     def timed(method: Callable) -> Callable:
@@ -116,9 +117,7 @@ def clocked(half_space: HalfSpace) -> HalfSpace:
 
 @dataclass
 class Timed:
-    """A march: its states, and of each step the release [J], seconds and how many of them went into
-    convolutions.
-    """
+    """A march with the release [J] of each step, its seconds, and those of its convolutions."""
 
     states: list[ContactState]
     release: np.ndarray
@@ -127,7 +126,7 @@ class Timed:
 
 
 def timed_march(track: RollingContact, steps: int) -> Timed:
-    """March and release as a run does them; the cold start counts for nothing."""
+    """March and compute the release as a run does, without the cold start."""
     half_space = clocked(HalfSpace(track.spacing, track.contact_modulus))
     states, release, clock = [], [], []
     for state in march(track, 0, steps, half_space):
@@ -141,9 +140,7 @@ def timed_march(track: RollingContact, steps: int) -> Timed:
 def bare_convolution(
     window: Window, track: RollingContact, repeats: int = 5, calls: int = 15
 ) -> float:
-    """Seconds of one convolution of a full random pressure on a window: the best of several
-    medians.
-    """
+    """Return the seconds of a convolution of a full random pressure on a window."""
     half_space = HalfSpace(track.spacing, track.contact_modulus)
     pressure = np.random.default_rng(0).uniform(0, 1e9, (window.rows, window.columns))
     half_space.deflection(pressure)  # plans its transforms
@@ -158,7 +155,7 @@ def bare_convolution(
 
 
 def counts(states: list[ContactState]) -> dict[str, float]:
-    """Iterations and convolutions per step, without the cold start."""
+    """Return iterations and convolutions per step, without the cold start."""
     return {
         name: float(np.mean([getattr(s, name) for s in states[1:]]))
         for name in ("iterations", "convolutions")
@@ -166,9 +163,7 @@ def counts(states: list[ContactState]) -> dict[str, float]:
 
 
 def measure_steps(steps: int) -> list[Row]:
-    """Time per step in bare convolutions, release-signal error at this tolerance, share of time
-    outside the convolutions.
-    """
+    """Measure time per step, error of the release signal, and time outside the convolutions."""
     track = rolling_contact(scene_20_n())
     timed_march(track, 5)  # compiles
     march_20_n = min(
@@ -198,19 +193,41 @@ def measure_steps(steps: int) -> list[Row]:
     numbers["mean_ratio"] = march_20_n.seconds.sum() / yardstick.sum()
     against = f"{scene}; against tolerance {REFERENCE_TOLERANCE:g}"
     return [
-        Row("time per step / bare convolution", f"{ratio:.1f}", "<= 12", ratio <= 12, detail, **per_step, numbers=numbers),
-        Row("release-signal error", f"{error:.1f} dB", "<= -40 dB", error <= -40, against, numbers={"db": error}),
-        Row("time outside convolutions", f"{outside:.0%}", "<= 30 %", outside <= 0.3, scene, numbers={"share": outside}),
-    ]  # fmt: skip
+        Row(
+            "time per step / bare convolution",
+            f"{ratio:.1f}",
+            "<= 12",
+            ratio <= 12,
+            detail,
+            **per_step,
+            numbers=numbers,
+        ),
+        Row(
+            "release-signal error",
+            f"{error:.1f} dB",
+            "<= -40 dB",
+            error <= -40,
+            against,
+            numbers={"db": error},
+        ),
+        Row(
+            "time outside convolutions",
+            f"{outside:.0%}",
+            "<= 30 %",
+            outside <= 0.3,
+            scene,
+            numbers={"share": outside},
+        ),
+    ]
 
 
 # ---- the peers
-# -------------------------------------------------------------------------------------------------------
 
 
 def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) -> Row:
-    """Peer and ours over one sequence, ours at the loosest tolerance whose median gap error is
-    small enough.
+    """Measure a public solver and the program over a sequence.
+
+    The program uses the loosest tolerance whose median gap error is small enough.
     """
     name, peer = rival.sequence, rival.peer
     other = None
@@ -220,7 +237,10 @@ def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) ->
     tolerance = loosest(name, most, steps)
     # one more, to plan its transforms
     own = quickest(ours(name, tolerance, steps) for _ in range(repeats + 1))
-    detail = f"ours {own.ms:.1f} ms at tolerance {tolerance:g}, gap error {own.gap_error:.1e} m (limit {most:.1e} m)"
+    detail = (
+        f"ours {own.ms:.1f} ms at tolerance {tolerance:g}, "
+        f"gap error {own.gap_error:.1e} m (limit {most:.1e} m)"
+    )
     row = Row(
         f"sequence {name}: {peer} / ours",
         "",
@@ -244,7 +264,6 @@ def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) ->
 
 
 # ---- whole runs
-# ------------------------------------------------------------------------------------------------------
 
 
 def in_fresh_process(*arguments: object) -> subprocess.Popen:
@@ -260,15 +279,13 @@ def answer(process: subprocess.Popen) -> Any:
 
 
 def attainable(seconds: float) -> float:
-    """What two processes that share nothing gain over one on this machine just now: bare
-    convolutions per second.
-    """
+    """Return the gain of two independent processes in bare convolutions per second."""
     alone = answer(in_fresh_process("convolutions", seconds))
     return sum(map(answer, [in_fresh_process("convolutions", seconds) for _ in range(2)])) / alone
 
 
 def measure_whole_runs(steps: int) -> list[Row]:
-    """Two workers against one, memory of a run ten times as long, computing per second of sound."""
+    """Measure two workers against one, memory of a longer run, and time per second of sound."""
     fewer = max(steps // 10, 200)
     short, one, two = (
         answer(in_fresh_process("run", *pair)) for pair in ((fewer, 1), (steps, 1), (steps, 2))
@@ -286,7 +303,10 @@ def measure_whole_runs(steps: int) -> list[Row]:
     scalars, surface = 8 * len(STEP_SERIES + STATE_SERIES), 8 * scene_20_n().surface.n_across
     sound = (two["seconds"] - two["start_up_s"]) / steps * STEPS_PER_SECOND + two["start_up_s"]
     per_step = {name: two[name] for name in ("iterations", "convolutions")}
-    split = f"{steps} steps of 20 N: {one['seconds']:.1f} s / ({two['seconds']:.1f} s less start-up {two['start_up_s']:.1f} s)"
+    split = (
+        f"{steps} steps of 20 N: {one['seconds']:.1f} s / "
+        f"({two['seconds']:.1f} s less start-up {two['start_up_s']:.1f} s)"
+    )
     peaks = " and ".join(
         f"{r['peak_bytes'] / 1e6:.0f} MB at {r['steps']} steps" for r in (short, one)
     )
@@ -301,22 +321,42 @@ def measure_whole_runs(steps: int) -> list[Row]:
     }
     numbers["speedup_by_cpu_time"] = by_cpu
     return [
-        Row("two workers / one", f"{speedup:.2f}", ">= 1.8", met,
-            f"{split}; by CPU time {by_cpu:.2f}; two processes of bare convolutions {gain:.2f}{busy}", **per_step, numbers=numbers),
-        Row(f"memory of a run {steps / fewer:g}x as long", f"{of_march:.0f} B per step", "", None,
-            f"of the march, scalars are {scalars} B; peak of all {growth:.0f} B per step, heights are {surface} B; {peaks}",
-            numbers=memory),
-        Row("computing per second of sound", f"{sound:.0f} s", "", None,
-            f"2 workers, {STEPS_PER_SECOND:,} steps of 20 N", **per_step, numbers={"seconds": sound}),
-    ]  # fmt: skip
+        Row(
+            "two workers / one",
+            f"{speedup:.2f}",
+            ">= 1.8",
+            met,
+            f"{split}; by CPU time {by_cpu:.2f}; "
+            f"two processes of bare convolutions {gain:.2f}{busy}",
+            **per_step,
+            numbers=numbers,
+        ),
+        Row(
+            f"memory of a run {steps / fewer:g}x as long",
+            f"{of_march:.0f} B per step",
+            "",
+            None,
+            f"of the march, scalars are {scalars} B; peak of all {growth:.0f} B per step, heights "
+            f"are {surface} B; {peaks}",
+            numbers=memory,
+        ),
+        Row(
+            "computing per second of sound",
+            f"{sound:.0f} s",
+            "",
+            None,
+            f"2 workers, {STEPS_PER_SECOND:,} steps of 20 N",
+            **per_step,
+            numbers={"seconds": sound},
+        ),
+    ]
 
 
 # ---- the report
-# ------------------------------------------------------------------------------------------------------
 
 
 def table(rows: list[Row]) -> str:
-    """Rows as Markdown."""
+    """Return the rows as Markdown."""
     lines = [
         "| measure | value | target | met | iterations | convolutions | detail |",
         "|---|---|---|---|---|---|---|",

@@ -1,9 +1,9 @@
-"""A run of the 20 N scene in a fresh process, for speed.py: wall seconds, start-up of the workers,
-peak memory.
+"""A run of the 20 N scene in a fresh process, for speed.py.
 
-python tests/benchmarks/whole_run.py run STEPS WORKERS      (prints one JSON line) python
-tests/benchmarks/whole_run.py convolutions SECONDS   (prints how many bare convolutions one process
-does in a second)
+It measures wall seconds, start-up of the workers and peak memory.
+
+python tests/benchmarks/whole_run.py run STEPS WORKERS        prints a line of JSON
+python tests/benchmarks/whole_run.py convolutions SECONDS     prints bare convolutions per second
 """
 
 from __future__ import annotations
@@ -28,14 +28,15 @@ SPEED, SPACING = 0.1, 2e-6  # of that scene
 
 
 def scene_20_n(*overrides: str) -> Scene:
-    """The quickstart's run under 20 N."""
+    """Return the quickstart's run under 20 N."""
     runs = file.read_scene(QUICKSTART, overrides).runs()
     return next(scene for values, scene in runs if values["rolling.load_n"] == 20)
 
 
 def peak_memory(afresh: bool = False) -> int:
-    """Peak resident bytes of this process (Linux); getrusage's would begin with those of the
-    process that started it.
+    """Return the peak resident bytes of this process (Linux).
+
+    The number of getrusage would begin with the bytes of the parent process.
     """
     if afresh:
         # what the surface's making left free would hide what the march takes
@@ -48,7 +49,7 @@ def peak_memory(afresh: bool = False) -> int:
 def simulated(
     scene: Scene, todo: list[tuple[int, int]], workers: int
 ) -> tuple[np.ndarray, list[Piece]]:
-    """Wall and CPU seconds, workers included, and the pieces."""
+    """Return wall and CPU seconds, workers included, and the pieces."""
     kept: list[Piece] = []
     began = clocks()
     outcome = march_pieces(
@@ -60,13 +61,14 @@ def simulated(
 
 
 def clocks() -> np.ndarray:
-    """Wall seconds and CPU seconds of this process and those that it has waited for."""
+    """Return wall and CPU seconds of this process and the children that it has waited for."""
     return np.array([time.perf_counter(), sum(os.times()[:4])])
 
 
 def run(steps: int, workers: int) -> dict[str, float]:
-    """The first piece loads what is compiled; then one step for each worker is its start-up; then
-    the run, every piece kept.
+    """Time a run in which every piece is kept.
+
+    The first piece loads the compiled code, and a step for each worker is its start-up.
     """
     scene = scene_20_n(f"rolling.duration_s={steps * SPACING / SPEED:.10g}")
     heights(scene)
@@ -93,7 +95,7 @@ def run(steps: int, workers: int) -> dict[str, float]:
 
 
 def convolutions_per_second(seconds: float) -> float:
-    """Of windows about as large as the scene's."""
+    """Count convolutions of windows about as large as the scene's."""
     scene, pressure = scene_20_n(), np.random.default_rng(0).uniform(0, 1e9, (96, 96))
     half_space = HalfSpace(scene.spacing, scene.contact_modulus)
     half_space.deflection(pressure)  # plans its transforms

@@ -1,6 +1,6 @@
-"""Blended edges are closer to a fine grid than sharp ones, and have no history.
+"""Blended edges are closer to a fine grid than sharp edges and have no history.
 
-The laws of sharp edges hold for them as well.
+Every law of sharp edges holds with them.
 """
 
 from __future__ import annotations
@@ -33,12 +33,14 @@ def error_db(signal: np.ndarray, reference: np.ndarray) -> float:
     return float(20 * np.log10(np.std(signal - reference) / np.std(reference)))
 
 
+@pytest.mark.slow
 @pytest.mark.law("Blended edges: the release is closer to a fine grid than with sharp edges.")
 def test_release_is_closer_to_a_fine_grid_for_few_more_convolutions(
     coarse: RollingContact,
 ) -> None:
-    """Measured against 0.67 um: see the assertions; docs/accuracy.md has longer tracks, other
-    surfaces and finer references.
+    """Against 0.67 um the error and the area of blended edges are well below those of sharp edges.
+
+    docs/accuracy.md has longer tracks, other surfaces and finer references.
     """
     steps = 80
     sharp, soft = roll(coarse, 0, steps), roll(blended(coarse), 0, steps)
@@ -59,9 +61,7 @@ def test_release_is_closer_to_a_fine_grid_for_few_more_convolutions(
 @pytest.mark.law("Blended edges: the contact conditions and the energy ledger hold.")
 @pytest.mark.parametrize("subcells", [1, 2, 4])
 def test_every_law_holds(coarse: RollingContact, subcells: int) -> None:
-    """The conditions with the gap of a partly covered cell, bounds, load, and the ledger, an
-    identity of any pressures.
-    """
+    """Contact conditions of partial cells, bounds, load and energy ledger hold."""
     track = blended(coarse, subcells, tolerance=1e-7)
     states = roll(track, 5, 9)
     for state in states:
@@ -72,8 +72,9 @@ def test_every_law_holds(coarse: RollingContact, subcells: int) -> None:
 
 
 def test_share_of_a_cell_and_its_gap(coarse: RollingContact) -> None:
-    """Where an edge crosses a cell: gap = edge (1 - 2 p / H), at either end of it open and at the
-    hardness.
+    """In a cell that an edge crosses, gap = edge (1 - 2 p / H).
+
+    The cell is open at one end of this line and at the hardness at the other.
     """
     track = blended(coarse, tolerance=1e-8)
     state = roll(track, 0, 0)[0]
@@ -156,7 +157,7 @@ def test_no_edge_is_no_change(coarse: RollingContact) -> None:
 
 
 def test_where_nothing_yields_no_area_is_plastic() -> None:
-    """A hardness that is nowhere reached: the areas of sharp edges."""
+    """A hardness that no pressure reaches leaves the areas of sharp edges."""
     track = make_track(rough(100, 100, 1e-8), load=0.3, hardness=HARDNESS, tolerance=1e-6)
     sharp, soft = roll(track, 0, 5), roll(blended(track), 0, 5)
     for state in (*sharp, *soft):
@@ -166,7 +167,7 @@ def test_where_nothing_yields_no_area_is_plastic() -> None:
 
 
 def test_areas_of_blended_edges_are_those_of_a_fine_grid(coarse: RollingContact) -> None:
-    """Against 0.67 um: plastic area 5 % low and contact area 7 % high with sharp edges."""
+    """Against 0.67 um, sharp edges leave the plastic area 5 % low and the contact area 7 % high."""
     steps = 30
     fine = replace(coarse, heights=refined(coarse.heights, 3), spacing=coarse.spacing / 3)
     tracks = (coarse, blended(coarse), blended(fine))

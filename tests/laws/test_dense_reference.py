@@ -1,6 +1,4 @@
-"""The article's method, an influence matrix with an active set, against the FFT path on scenes
-small enough for a matrix.
-"""
+"""The article's method, a dense matrix with an active set, agrees with the FFT path."""
 
 from __future__ import annotations
 
@@ -21,11 +19,11 @@ from rolling.verification.dense import dense_contact
 )
 @pytest.mark.parametrize("shape", [(30, 24), (25, 31)])
 def test_fft_path_equals_the_dense_method(shape: tuple[int, int], hardness: float) -> None:
-    """Direct solves are exact to the condition of the matrix (1e-13 here); the march to its
-    tolerance, 1e-9 of the deflection.
+    """Both methods agree within their errors.
 
-    Pressures are worse off by the stiffness of single nodes, about a / spacing = 6: measured 5e-11
-    to 3e-9 of the peak.
+    A direct solve is exact to the condition of the matrix (1e-13 here), and the march to its
+    tolerance, 1e-9 of the deflection. Pressures are less exact by the stiffness of single
+    nodes, about a / spacing = 6: measured 5e-11 to 3e-9 of the peak.
     """
     track = make_track(rough(*shape, 3e-8, seed=3), load=0.1, hardness=hardness, tolerance=1e-9)
     for state in roll(track, 5, 7):
@@ -44,7 +42,7 @@ def test_fft_path_equals_the_dense_method(shape: tuple[int, int], hardness: floa
 
 @pytest.mark.law("Dense method: the influence matrix meets Hertz.")
 def test_dense_method_meets_hertz() -> None:
-    """The reference itself: measured 0.2 % below Hertz at a / spacing = 4.3."""
+    """The reference is 0.2 % below Hertz at a / spacing = 4.3, as measured."""
     spacing, load = 10e-6, 5.0
     x = (np.arange(15) - 7) * spacing
     _, approach = dense_contact((x[:, None] ** 2 + x**2) / 0.01, load, spacing, STEEL)

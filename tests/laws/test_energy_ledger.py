@@ -1,5 +1,6 @@
-"""Stored energy changes by loading minus release: an identity of reciprocity with the mean rule, at
-any step, capped or not.
+"""The stored energy changes by loading minus release.
+
+This is an identity of reciprocity with the mean rule, at any step, with and without yielding.
 """
 
 from __future__ import annotations
@@ -12,14 +13,15 @@ HARDNESS = {"elastic": np.inf, "capped": 2.1e9}
 
 
 @pytest.mark.law(
-    "Energy ledger: the stored energy changes by loading minus release, at any step, with and without yield."
+    "Energy ledger: the stored energy changes by loading minus release, at any step, with and "
+    "without yield."
 )
 @pytest.mark.parametrize("step_nodes", [0.5, 1, 3, 40])
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_ledger_closes_to_rounding(plate: str, step_nodes: float) -> None:
-    """Also at a loose tolerance and at steps longer than the contact (40 nodes, 80 um; a = 43 um).
+    """The ledger closes at a loose tolerance and at steps longer than the contact.
 
-    Measured 1e-15 to 5e-15.
+    The steps are 40 nodes, 80 um, at a = 43 um. Measured 1e-15 to 5e-15.
     """
     heights = rough(150, 120, 1e-7)
     track = make_track(heights, hardness=HARDNESS[plate], step=step_nodes * 2e-6, tolerance=1e-3)
@@ -32,9 +34,7 @@ def test_ledger_closes_to_rounding(plate: str, step_nodes: float) -> None:
 @pytest.mark.law("Energy ledger: the stored energy is the sum of p u dA / 2.")
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_stored_energy_is_half_pressure_times_deflection(plate: str) -> None:
-    """The ledger's other side, from a convolution of its own; tolerance: rounding of the two
-    convolutions.
-    """
+    """An independent convolution gives the stored energy to the rounding of both."""
     track = make_track(rough(90, 90, 1e-7), hardness=HARDNESS[plate], load=1.0, tolerance=1e-5)
     for state in roll(track, 0, 2):
         _, u, p = gap_and_deflection(track, state)
@@ -46,7 +46,7 @@ def test_stored_energy_is_half_pressure_times_deflection(plate: str) -> None:
 @pytest.mark.law("Energy ledger: the left-end rule does not close it.")
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_left_end_rule_does_not_close(plate: str) -> None:
-    """First order in the step: its defect is 1e-3 of the stored energy at step / a = 1 / 21."""
+    """The left-end rule leaves 1e-3 of the stored energy at step / a = 1 / 21, at first order."""
     track = make_track(rough(150, 120, 1e-7), hardness=HARDNESS[plate], tolerance=1e-6)
     states = roll(track, 0, 4)
     largest = max(state.stored_energy for state in states)
@@ -56,9 +56,11 @@ def test_left_end_rule_does_not_close(plate: str) -> None:
 
 @pytest.mark.law("Energy ledger: it closes when contact jumps to another place.")
 def test_nothing_released_is_lost_when_contact_jumps() -> None:
-    """Two spikes 60 um apart on a smooth plate under a light sphere: contact leaves one for the
-    other within a step, and what the left one held, p u / 2, must all be in the release (mean of p
-    and 0, times the whole of u).
+    """The release has all energy of a spike that loses contact within a step.
+
+    Two spikes 60 um apart stand on a smooth plate under a light sphere. Contact leaves the left
+    spike for the right one. The stored energy p u / 2 of the left one must be in the release:
+    the mean of p and 0, times u.
     """
     heights = np.zeros((80, 41))
     heights[[0, 30], 20] = 2e-6

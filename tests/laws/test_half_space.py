@@ -1,6 +1,4 @@
-"""Love's coefficients against the dense influence matrix; the padded FFT convolution against the
-sum it stands for.
-"""
+"""Love's coefficients and the padded convolution agree with a dense matrix and a sum."""
 
 from __future__ import annotations
 
@@ -22,7 +20,7 @@ def nodes(rows: int, columns: int) -> np.ndarray:
 @pytest.mark.law("Half-space: Love's coefficients are the entries of the influence matrix.")
 @pytest.mark.kernel
 def test_love_coefficients_agree_with_the_influence_matrix() -> None:
-    """Two ways of writing one closed form.
+    """Two forms of the same closed form agree.
 
     Corner terms of size r cancel to 1 / r, and plain logarithms to less: measured 4e-12.
     """
@@ -33,8 +31,9 @@ def test_love_coefficients_agree_with_the_influence_matrix() -> None:
 
 
 def test_love_coefficient_under_the_loaded_square_and_far_away() -> None:
-    """4 ln(1 + sqrt 2) under the centre of a unit square; a point load, 1 / r, far from it: the
-    next term is 1 / (24 r^3).
+    """The coefficient is 4 ln(1 + sqrt 2) at the centre and 1 / r far away.
+
+    The next term of the point load is 1 / (24 r^3).
     """
     assert love(np.zeros(1), np.zeros(1))[0, 0] == pytest.approx(
         4 * np.log(1 + np.sqrt(2)), rel=1e-15
@@ -48,9 +47,9 @@ def test_love_coefficient_under_the_loaded_square_and_far_away() -> None:
 @pytest.mark.law("Half-space: the padded FFT convolution equals the direct sum.")
 @pytest.mark.parametrize("shape", [(1, 1), (3, 8), (17, 5), (31, 33), (12, 40), (64, 64)])
 def test_convolution_equals_direct_summation(shape: tuple[int, int]) -> None:
-    """Zero padding makes it exact for any window.
+    """Zero padding makes the convolution exact for any window.
 
-    Measured 4e-16 to 6e-15, of which the 4096 additions in a row do most.
+    Measured 4e-16 to 6e-15, mostly from the 4096 additions in a row.
     """
     pressure = np.random.default_rng(sum(shape)).random(shape) * 1e9
     kernel = love(*(np.abs(np.arange(1 - k, k)) for k in shape)) * SPACING / (np.pi * STEEL)
@@ -63,9 +62,7 @@ def test_convolution_equals_direct_summation(shape: tuple[int, int]) -> None:
 
 
 def test_a_window_size_used_before_leaves_nothing_behind() -> None:
-    """Odd windows share transforms with larger ones: what a larger pressure left in the work arrays
-    must not be heard.
-    """
+    """A larger pressure leaves nothing in work arrays that odd windows share."""
     space = HalfSpace(SPACING, STEEL)
     small = np.random.default_rng(3).random((13, 29)) * 1e9
     before = space.deflection(small)
@@ -76,9 +73,9 @@ def test_a_window_size_used_before_leaves_nothing_behind() -> None:
 
 @pytest.mark.law("Half-space: the deflection scales with the spacing and with 1 / E*.")
 def test_deflection_scales_with_spacing_and_modulus() -> None:
-    """Same pressures on squares twice as large: twice the deflection; twice the modulus: half.
+    """Squares twice as large double the deflection, and twice the modulus halves it.
 
-    Powers of two, so to the bit.
+    Powers of two make this exact to the bit.
     """
     pressure = np.random.default_rng(4).random((19, 23)) * 1e9
     once = HalfSpace(SPACING, STEEL).deflection(pressure)
@@ -89,7 +86,7 @@ def test_deflection_scales_with_spacing_and_modulus() -> None:
 @pytest.mark.law("Half-space: the deflection is linear and reciprocal.")
 @pytest.mark.kernel
 def test_deflection_is_linear_and_symmetric() -> None:
-    """Superposition, and reciprocity p1.u2 = p2.u1: both to the rounding of one transform."""
+    """Superposition and reciprocity p1.u2 = p2.u1 hold to the rounding of a transform."""
     rng = np.random.default_rng(5)
     p1, p2 = rng.random((2, 27, 14)) * 1e9
     space = HalfSpace(SPACING, STEEL)
@@ -113,9 +110,7 @@ def test_a_window_beyond_all_room_is_refused_with_its_size() -> None:
     ("rows", "columns"), [((0, 4), (20, 33)), ((13, 29), (0, 3)), ((29, 29), (7, 7))]
 )
 def test_padding_follows_the_loaded_block(rows: tuple[int, int], columns: tuple[int, int]) -> None:
-    """A small loaded block anywhere in a window: the same deflection everywhere as with padding for
-    a full window.
-    """
+    """A small loaded block anywhere gives the same deflection as padding for a full window."""
     pressure = np.zeros((30, 34))
     block = np.s_[rows[0] : rows[1] + 1, columns[0] : columns[1] + 1]
     pressure[block] = np.random.default_rng(6).random(pressure[block].shape) * 1e9

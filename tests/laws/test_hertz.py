@@ -1,6 +1,4 @@
-"""Hertz: pressure, contact radius and approach of a smooth sphere, and how fast the error falls
-with the node spacing.
-"""
+"""Pressure, contact radius and approach of a smooth sphere converge to Hertz."""
 
 from __future__ import annotations
 
@@ -9,6 +7,8 @@ import pytest
 from helpers import STEEL, assert_solved, make_track, roll
 
 from rolling.contact import closed_forms
+from rolling.contact.half_space import HalfSpace
+from rolling.contact.solver import ContactError, SolverOptions, solve_contact
 
 LOAD, RADIUS = 20.0, 5e-3
 A = closed_forms.hertz_radius(LOAD, RADIUS, STEEL)  # 69 um
@@ -17,7 +17,10 @@ SPACINGS = (8e-6, 4e-6, 2e-6, 1e-6)
 
 @pytest.fixture(scope="module", params=[0, 1], ids=["between nodes", "on a node"])
 def series(request: pytest.FixtureRequest) -> list:
-    """One contact per spacing; an odd number of nodes across puts the sphere's centre on a node."""
+    """Solve a contact per spacing.
+
+    An odd number of nodes across puts the sphere's centre on a node.
+    """
     states = []
     for spacing in SPACINGS:
         n = round(240e-6 / spacing) + request.param
@@ -34,11 +37,13 @@ def rate(errors: list[float]) -> float:
 
 
 @pytest.mark.law(
-    "Hertz: the approach of a smooth sphere is a^2 / R, and its error falls with the square of the node spacing."
+    "Hertz: the approach of a smooth sphere is a^2 / R, and its error falls with the square of the "
+    "node spacing."
 )
 def test_approach_converges_to_hertz_at_second_order(series: list) -> None:
-    """Measured: -5.5e-4, -1.2e-4, -3.1e-5, -8.7e-6 between nodes (rate 1.98), -7.4e-4 ...
+    """The error of the approach falls at second order.
 
+    Measured -5.5e-4, -1.2e-4, -3.1e-5, -8.7e-6 between nodes (rate 1.98), and -7.4e-4 ...
     -8.1e-6 on a node (2.17).
     """
     errors = [s.approach / closed_forms.hertz_approach(LOAD, RADIUS, STEEL) - 1 for s in series]
@@ -47,11 +52,13 @@ def test_approach_converges_to_hertz_at_second_order(series: list) -> None:
 
 
 @pytest.mark.law(
-    "Hertz: the maximum pressure of a smooth sphere is 3 W / (2 pi a^2), and its error falls with the square of the node spacing."
+    "Hertz: the maximum pressure of a smooth sphere is 3 W / (2 pi a^2), and its error falls with "
+    "the square of the node spacing."
 )
 def test_pressure_converges_to_hertz_at_second_order(series: list) -> None:
-    """The peak between nodes is missed by (spacing / a)^2 / 4, 1e-3 at 8 um; measured rates 1.98
-    and 1.83.
+    """A peak between nodes is missed by (spacing / a)^2 / 4, 1e-3 at 8 um.
+
+    The measured rates are 1.98 and 1.83.
     """
     errors = [s.max_pressure / closed_forms.hertz_pressure(LOAD, RADIUS, STEEL) - 1 for s in series]
     assert abs(errors[-1]) < 3e-5
@@ -60,8 +67,9 @@ def test_pressure_converges_to_hertz_at_second_order(series: list) -> None:
 
 @pytest.mark.law("Hertz: the contact radius of a smooth sphere obeys a^3 = 3 W R / (4 E*).")
 def test_contact_radius_is_hertz_to_a_fraction_of_the_spacing(series: list) -> None:
-    """A node counts as a whole cell: the radius is known to part of a spacing (measured 0.16 at
-    most), first order in it.
+    """The radius is known to a part of the spacing, at first order.
+
+    A node counts as a whole cell; the measured error is at most 0.16 of the spacing.
     """
     for state, spacing in zip(series, SPACINGS, strict=True):
         assert abs(np.sqrt(state.contact_area / np.pi) - A) < 0.3 * spacing
@@ -69,8 +77,9 @@ def test_contact_radius_is_hertz_to_a_fraction_of_the_spacing(series: list) -> N
 
 @pytest.mark.law("Hertz: the pressure of a smooth sphere is p0 sqrt(1 - r^2 / a^2).")
 def test_pressure_profile_is_the_hertz_ellipse(series: list) -> None:
-    """Inside 0.9 a, off the square-root edge that no grid resolves: within 0.2 % of p0 at a /
-    spacing = 69.
+    """Inside 0.9 a the pressure is within 0.2 % of p0 at a / spacing = 69.
+
+    No grid resolves the square root at the edge.
     """
     state, spacing = series[-1], SPACINGS[-1]
     middle = state.loaded.column + (state.loaded.columns - 1) / 2
@@ -86,9 +95,9 @@ def test_pressure_profile_is_the_hertz_ellipse(series: list) -> None:
 
 @pytest.mark.law("Hertz: area, pressure and approach follow the powers of load and radius.")
 def test_load_and_radius_follow_the_powers_of_hertz() -> None:
-    """All lengths 4 times as large, the load 16 times: the same pressures, 4 times the approach.
+    """Lengths times 4 and load times 16 give the same pressures and 4 times the approach.
 
-    Powers of two: rounding only.
+    These are powers of two, so only rounding differs.
     """
     one = roll(make_track(np.zeros((64, 64)), load=5.0, radius=5e-3), 0, 0)[0]
     other = roll(
@@ -98,3 +107,13 @@ def test_load_and_radius_follow_the_powers_of_hertz() -> None:
         other.pressure, one.pressure, rtol=1e-9, atol=1e-9 * one.max_pressure
     )
     assert other.approach / one.approach == pytest.approx(4, rel=1e-12)
+
+
+def test_a_refusal_for_rounding_names_a_tolerance_that_is_met() -> None:
+    space = HalfSpace(spacing=2e-6, contact_modulus=230e9)
+    x = np.arange(-20, 21) * space.spacing
+    gap = 1e3 + (x[:, None] ** 2 + x**2) / (2 * 5e-3)
+    with pytest.raises(ContactError, match=r"gaps of up to 1e\+03 m") as error:
+        solve_contact(space, gap, 5.0, options=SolverOptions(1e-9))
+    named = float(str(error.value).split("a tolerance of at least ")[1].split()[0])
+    assert solve_contact(space, gap, 5.0, options=SolverOptions(1.01 * named)).residual <= named

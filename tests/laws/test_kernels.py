@@ -1,5 +1,6 @@
-"""The compiled functions on contacts of a few nodes, where they run uncompiled as well:
-NUMBA_DISABLE_JIT=1, -m kernel.
+"""The compiled functions hold on contacts of a few nodes.
+
+They run there uncompiled as well: NUMBA_DISABLE_JIT=1, -m kernel.
 """
 
 from __future__ import annotations
@@ -32,9 +33,9 @@ def small(kind: str, **changes: float):
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("step_nodes", [0.5, 1])
 def test_small_contacts_hold_the_conditions_and_the_ledger(kind: str, step_nodes: float) -> None:
-    """Steps of half a node take another way to the start of the next solve.
+    """The ledger closes to rounding, 1e-12.
 
-    The ledger closes to rounding: 1e-12.
+    Steps of half a node start the next solve in another way.
     """
     track = small(kind, step=step_nodes * 2e-6)
     states = roll(track, 0, 3)
@@ -59,7 +60,7 @@ def test_events_of_a_small_contact_add_up(kind: str) -> None:
 
 
 def test_a_small_contact_does_not_depend_on_where_it_came_from() -> None:
-    """The last of three positions, marched to and solved alone, against a tighter solve."""
+    """The last of three positions, marched and solved alone, agrees with a tighter solve."""
     track = small("capped")
     marched, alone = roll(track, 0, 2)[-1], roll(track, 2, 2)[0]
     tight = replace(track, tolerance=1e-9)

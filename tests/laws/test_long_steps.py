@@ -1,6 +1,4 @@
-"""Steps against the contact: the loss of long ones against marched spheres, warnings with numbers,
-refusals.
-"""
+"""Long steps lose release as a table says; a scene gets a warning with numbers or a refusal."""
 
 from __future__ import annotations
 
@@ -24,7 +22,8 @@ SCENE = """\
 name: long
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 128, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 128, seed: 3}
 rolling: {load_n: 0.5, speed_m_s: 1, duration_s: 0.002}
 """  # 20.1 um of Hertz radius: four of them are 80.4 um, 40.2 nodes
 LOAD, RADIUS = 20.0, 5e-3
@@ -35,9 +34,7 @@ NODES = 8  # per radius, twice as many for the smooth sphere
 def per_metre(
     heights: np.ndarray, nodes: int, hardness: float = np.inf, times: int = 1
 ) -> np.ndarray:
-    """March over heights in steps of so many nodes, `times` 8 of them per radius; the release of
-    each step [J/m].
-    """
+    """Return the release [J/m] of each step of a march with `times` 8 nodes per radius."""
     track = make_track(
         heights, spacing=A / NODES / times, load=LOAD, radius=RADIUS, hardness=hardness
     )
@@ -56,8 +53,10 @@ def per_metre(
 @pytest.mark.law("Long steps: a smooth sphere loses the tabulated share of its release.")
 @pytest.mark.parametrize("radii", [0.25, 0.5, 1.0, 2.0, 3.0, 4.0])
 def test_a_smooth_elastic_sphere_loses_what_the_table_says(radii: float) -> None:
-    """Against the closed form: 16 nodes per radius leave 0.1 % where the table was marched at 32,
-    straight lines in it 0.1 %.
+    """The loss agrees with the table within its errors.
+
+    16 nodes per radius leave 0.1 % where the table was marched at 32, and its straight lines
+    leave 0.1 %.
     """
     got = per_metre(np.zeros((256, 80)), round(2 * radii * NODES), times=2)[
         :2
@@ -70,9 +69,10 @@ def test_a_smooth_elastic_sphere_loses_what_the_table_says(radii: float) -> None
 def test_rough_contacts_lose_no_more_and_levels_stay_within_their_bound(
     hardness: float, height: float
 ) -> None:
-    """Surfaces that the bounds were not read from; the release itself may be lower by 0.02 more.
+    """Surfaces other than those of the bounds keep to them.
 
-    Levels are those of the fluctuation up to the Nyquist frequency of the longer steps.
+    The release itself may be lower by 0.02 more. Levels are those of the fluctuation up to the
+    Nyquist frequency of the longer steps.
     """
     heights = rough(720, 60, height)
     fine = per_metre(heights, 1, hardness)
@@ -104,7 +104,8 @@ def test_refusal_names_key_and_the_longest_step() -> None:
     with pytest.raises(SceneError) as error:
         long_steps.refuse_long_steps(loads(SCENE, ["numerics.step_nodes=41"]))
     assert str(error.value) == (
-        "numerics.step_nodes: got 41, steps of 82 um, 4.08 times the contact radius of 20.1 um; allowed: steps of at most 4"
+        "--set: numerics.step_nodes: got 41, steps of 82 um, 4.08 times the contact radius"
+        " of 20.1 um; allowed: steps of at most 4"
         " times the radius, 80.41 um here; nearest: 40, or a smaller surface.spacing_um"
     )
     # Only the run of the sweep that cannot be; a spacing at which no step is short enough.
@@ -121,6 +122,16 @@ def test_refusal_names_key_and_the_longest_step() -> None:
         long_steps.refuse_long_steps(loads(SCENE, ["rolling.load_n=1e-9"]))
 
 
+def test_refusal_names_file_and_line() -> None:
+    text = SCENE + "\nnumerics: {step_nodes: 41}\n"
+    line = text.splitlines().index("numerics: {step_nodes: 41}") + 1
+    with pytest.raises(SceneError, match=rf"^s\.yaml:{line}: numerics\.step_nodes: got 41"):
+        long_steps.refuse_long_steps(loads(text, where="s.yaml"))
+    swept = SCENE + "\nsweep: {numerics.step_nodes: [1, 41]}\n"
+    with pytest.raises(SceneError, match=rf"^s\.yaml:{line}: numerics\.step_nodes: got 41"):
+        long_steps.refuse_long_steps(loads(swept, where="s.yaml"))
+
+
 @pytest.mark.parametrize("command", ["run", "check", "accuracy"])
 def test_commands_refuse_before_anything_is_written(command: str, tmp_path: Path, capsys) -> None:
     path, out = tmp_path / "long.yaml", tmp_path / "out"
@@ -129,7 +140,7 @@ def test_commands_refuse_before_anything_is_written(command: str, tmp_path: Path
     assert cli.main([command, str(path), "--set", "numerics.step_nodes=64", *target]) == 2
     message = capsys.readouterr().err
     assert (
-        "numerics.step_nodes: got 64" in message
+        message.startswith("--set: numerics.step_nodes: got 64")
         and "allowed" in message
         and "nearest: 40" in message
     )
@@ -152,9 +163,7 @@ def test_warning_gives_the_expected_errors() -> None:
 
 
 def test_scenes_of_the_repository_have_short_steps() -> None:
-    """The quick study of the article takes steps three times as long, and is neither refused nor
-    warned.
-    """
+    """No scene is refused or warned, nor the quick study with steps three times as long."""
     root = Path(__file__).parents[2] / "scenarios"
     for path in sorted(root.glob("*.yaml")):
         scene = read_scene(path)

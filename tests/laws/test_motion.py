@@ -1,4 +1,4 @@
-"""Motion against the exact integral of its speed: distance, its inverse, and what is refused."""
+"""Distance and its inverse agree with the exact integral of the speed."""
 
 import numpy as np
 import pytest
@@ -46,8 +46,9 @@ def test_equal_pairs_are_constant() -> None:
 
 
 def test_speeds_after_the_end_do_not_count() -> None:
-    """A record of 20 ms at 0.1 m/s knows nothing of 100 m/s at 20 s, nor does it when rounding ends
-    it a little later.
+    """A record of 20 ms at 0.1 m/s does not depend on 100 m/s at 20 s.
+
+    It does not depend on it either when rounding ends the record a little later.
     """
     motion = Motion.of([(0, 0.1), (0.02, 0.1), (20, 100)])
     for duration in (0.02, motion.duration(0.002), 0.02 * (1 + 1e-14)):

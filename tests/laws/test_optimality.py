@@ -1,5 +1,6 @@
-"""A solved contact is a minimum: the change of F = (p.u / 2 + e.p) dA is bracketed by either
-pressure on the change of e.
+"""A solved contact is a minimum of F = (p.u / 2 + e.p) dA.
+
+Either pressure brackets the change of F on the change of e.
 """
 
 from __future__ import annotations
@@ -12,15 +13,15 @@ from helpers import gap_and_deflection, make_track, roll, rough
 
 
 @pytest.mark.law(
-    "Optimality: p2.(e2 - e1) dA <= F2 - F1 <= p1.(e2 - e1) dA between any two positions, with F = sum((p u / 2 + e p) dA)."
+    "Optimality: p2.(e2 - e1) dA <= F2 - F1 <= p1.(e2 - e1) dA between any two positions, with F = "
+    "sum((p u / 2 + e p) dA)."
 )
 @pytest.mark.parametrize("hardness", [np.inf, 2.1e9], ids=["elastic", "capped"])
 def test_energy_between_positions_is_bracketed(hardness: float) -> None:
-    """p2.(e2 - e1) dA <= F2 - F1 <= p1.(e2 - e1) dA on one window: p1 is feasible at position 2 and
-    p2 at 1.
+    """p2.(e2 - e1) dA <= F2 - F1 <= p1.(e2 - e1) dA holds on a common window.
 
-    The excess of F at a tolerance eps is within eps u_max W; at neighbours the bracket is far wider
-    than that.
+    p1 is feasible at position 2, and p2 at position 1. The excess of F at a tolerance eps is
+    within eps u_max W. At neighbouring positions the bracket is far wider than that.
     """
     track = make_track(rough(96, 80, 3e-7), hardness=hardness, load=5.0, tolerance=1e-7)
     states = [roll(track, k, k)[0] for k in (0, 1, 2, 5, 12, 30)]
@@ -45,9 +46,7 @@ def test_energy_between_positions_is_bracketed(hardness: float) -> None:
 
 @pytest.mark.law("Optimality: a wrong pressure breaks the bracket.")
 def test_a_wrong_pressure_breaks_the_bracket() -> None:
-    """The test can fail: a smooth contact marched under a displaced sphere is not a minimum, and
-    the upper bound notices.
-    """
+    """A smooth contact under a displaced sphere breaks the upper bound."""
     track = make_track(np.zeros((96, 80)), tolerance=1e-7)
     state, following = roll(track, 0, 1)
     e1, u1, p1 = gap_and_deflection(track, state)

@@ -1,4 +1,4 @@
-"""Speeds that a record never reaches change nothing in it; means of its power are means over time."""
+"""Speeds that a record never reaches change nothing in it; its mean power is a mean in time."""
 
 from __future__ import annotations
 
@@ -34,8 +34,9 @@ def noise(n: int = 1000) -> np.ndarray:
 
 
 def test_a_speed_after_the_end_is_not_in_the_record() -> None:
-    """20 ms at 0.1 m/s, whatever comes later: it claimed 25 MHz, filled all bands and did not
-    close.
+    """A record of 20 ms at 0.1 m/s ignores any later speed.
+
+    An earlier version claimed 25 MHz, filled all bands and did not close.
     """
     plain, later = sound_at("0.1", noise()), sound_at(LATER, noise())
     assert plain.highest == pytest.approx(25e3) and later.highest == pytest.approx(25e3)
@@ -56,9 +57,7 @@ def test_a_speed_after_the_end_is_not_in_the_record() -> None:
 def test_nothing_that_comes_later_counts(
     speeds: list[float], last: float, later: list[float]
 ) -> None:
-    """Record, findings and cost of the same track under two profiles that part a second after its
-    end.
-    """
+    """Two profiles that part after the end give the same record, findings and cost."""
     times = [0.0, *(0.003 * (k + 1) for k in range(len(speeds)))]
     profile = list(zip(times, [*speeds, last], strict=True))
     end = times[-1]
@@ -82,8 +81,10 @@ def at(profile: list[tuple[float, float]], end: float) -> Scene:
 
 
 def test_bands_above_the_greatest_speed_that_is_reached_are_none() -> None:
-    """From 0.01 towards 100 m/s at 20 s: 0.02 s later it rolls at 0.11 m/s, which makes 14 kHz in
-    steps of 4 um.
+    """Bands above 14 kHz are None.
+
+    From 0.01 towards 100 m/s at 20 s the sphere rolls at 0.11 m/s after 0.02 s, which makes 14
+    kHz in steps of 4 um.
     """
     scene = loads(
         PLAIN,
@@ -105,11 +106,10 @@ def test_bands_above_the_greatest_speed_that_is_reached_are_none() -> None:
 
 @pytest.mark.law("Speed: means of the power are means over time.")
 def test_means_of_the_power_are_over_time() -> None:
-    """The same energy in every step: the power is that of the speed, and so are its mean and rms
-    over time.
+    """With equal energy per step, mean and rms of the power are those of the speed in time.
 
-    From 0.1 to 0.3 m/s in 10 ms: mean 0.2, rms about it 0.2/sqrt(12) m/s; over distance the mean
-    would be 0.2167, 8.3 % high.
+    From 0.1 to 0.3 m/s in 10 ms the mean is 0.2 m/s, and the rms about it 0.2/sqrt(12) m/s.
+    Over distance the mean would be 0.2167 m/s, 8.3 % high.
     """
     sound = sound_at("[[0, 0.1], [0.01, 0.3]]", np.full(1000, 1e-9), closed=False)
     assert sound.duration == pytest.approx(0.01, rel=1e-9)
@@ -121,7 +121,7 @@ def test_means_of_the_power_are_over_time() -> None:
 
 
 def test_the_accelerating_scene_releases_what_it_does_per_second() -> None:
-    """Its mean power was 8.4 % high: energy over duration is what it is."""
+    """The mean power is energy over duration; an earlier version was 8.4 % high."""
     scene = read_scene(Path(__file__).parents[2] / "scenarios" / "accelerating.yaml")
     energy = np.full(1250, 1e-9)
     sound = contact_sound(scene, energy, STEP, True)

@@ -1,5 +1,6 @@
-"""Recovery events: each an unbroken fall of one loaded node's deflection; together they are the
-released energy, cut or uncut.
+"""Each recovery event is an unbroken fall of a loaded node's deflection.
+
+Together the events are the released energy, on a whole track and on a cut one.
 """
 
 from __future__ import annotations
@@ -38,10 +39,7 @@ def by_node(columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 @pytest.mark.law("Recovery events: their energies add up to the release.")
 @pytest.mark.parametrize("left_end", [False, True])
 def test_event_energies_sum_to_the_release(left_end: bool) -> None:
-    """The same terms in another order, a few thousand of them: rounding.
-
-    Also over the seam (60 steps on 50 rows).
-    """
+    """A few thousand terms in another order have the same sum to rounding, also over the seam."""
     track = scene()
     states = roll(track, 0, STEPS)
     columns = table_of(track, states, left_end).columns()
@@ -56,7 +54,7 @@ def test_event_energies_sum_to_the_release(left_end: bool) -> None:
 
 
 def test_table_grows_without_losing_an_event() -> None:
-    """More events than the 1024 rows it begins with; energies must still sum."""
+    """Energies still sum for more events than the first 1024 rows."""
     track = make_track(rough(120, 120, 2e-8), load=5.0, tolerance=1e-3)
     states = roll(track, 0, 40)
     table = table_of(track, states)
@@ -69,8 +67,9 @@ def test_table_grows_without_losing_an_event() -> None:
 
 @pytest.mark.law("Recovery events: each is an unbroken fall of a loaded node's deflection.")
 def test_events_are_unbroken_falls_of_loaded_nodes() -> None:
-    """Against the definition, from the node histories: maximal runs of steps in which u falls while
-    the node is loaded.
+    """The events are the maximal runs of steps in which u falls under load.
+
+    The node histories give these runs independently.
     """
     track = make_track(rough(50, 60, 1e-7), load=0.3, tolerance=1e-9)
     states = roll(track, 0, 49)
@@ -113,8 +112,9 @@ def test_events_are_unbroken_falls_of_loaded_nodes() -> None:
 
 @pytest.mark.law("Recovery events: on a smooth sphere they are the trailing half of the contact.")
 def test_smooth_sphere_events_are_the_trailing_half() -> None:
-    """On a smooth plate a node falls once, from under the centre to the edge: each complete event
-    lasts a chord's half.
+    """On a smooth plate each complete event lasts half a chord.
+
+    A node falls once, from under the centre to the edge.
     """
     track = make_track(np.zeros((100, 60)), load=0.5, tolerance=1e-9)
     states = roll(track, 0, 40)
@@ -130,11 +130,10 @@ def test_smooth_sphere_events_are_the_trailing_half() -> None:
 @pytest.mark.law("Recovery events: a track that is solved in pieces has the events of the whole.")
 @pytest.mark.parametrize("cuts", [(25,), (1, 2, 31), (10, 20, 30, 40, 50)])
 def test_events_of_a_cut_track_are_those_of_the_whole(cuts: tuple[int, ...]) -> None:
-    """Pieces share the position at the cut, each solved from cold there: the same events, energies
-    to the solver's tolerance.
+    """Pieces have the same events, with energies to the solver's tolerance.
 
-    At a tolerance of 1e-9 no node of this scene turns so gently that its sign is in doubt (that is
-    what could differ).
+    They share the position at the cut, which each solves from a cold start. At a tolerance of
+    1e-9 no node of this scene turns so gently that its sign is in doubt.
     """
     track = scene()
     whole = by_node(table_of(track, roll(track, 0, STEPS)).columns())
@@ -153,8 +152,9 @@ def test_events_of_a_cut_track_are_those_of_the_whole(cuts: tuple[int, ...]) -> 
 
 
 def test_an_event_longer_than_a_piece_is_joined_through_it() -> None:
-    """One fall of three steps cut into three pieces is one event again; an empty piece between ends
-    it.
+    """A fall of three steps in three pieces is one event again.
+
+    An empty piece in between ends the event.
     """
 
     def piece(first: int, last: int, energy: float) -> dict[str, np.ndarray]:
@@ -181,7 +181,7 @@ def test_an_event_longer_than_a_piece_is_joined_through_it() -> None:
 
 
 def test_a_pause_of_one_step_ends_an_event() -> None:
-    """Node (2, 3) falls, falls, rests, falls: two events.
+    """Node (2, 3) falls, falls, rests and falls: it has two events.
 
     Its neighbour, over the seam, falls in the third step alone.
     """

@@ -1,4 +1,4 @@
-"""Oracle: tables of recovery events made by hand."""
+"""Statistics of recovery events agree with tables made by hand."""
 
 import numpy as np
 import pytest

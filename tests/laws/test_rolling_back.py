@@ -1,5 +1,6 @@
-"""Rolling back over the same track swaps loading and release: an elastic contact has no memory and
-no direction.
+"""Rolling back over the same track swaps loading and release.
+
+An elastic contact has no memory and no direction.
 """
 
 from __future__ import annotations
@@ -13,11 +14,10 @@ from helpers import make_track, roll, rough, step_energies
     "Rolling back: over the same track it swaps loading and release of an elastic contact."
 )
 def test_rolling_back_swaps_loading_and_release() -> None:
-    """Heights mirrored, node i to -i, put position k of the way there at position -k: both marches
-    solve the same contacts.
+    """Mirrored heights put the contact of position k at position -k.
 
-    Each is known to the tolerance, 1e-9, and the energies of a step to about the tolerance times
-    the stored energy.
+    Each contact is known to the tolerance, 1e-9, and the energies of a step to about the
+    tolerance times the stored energy.
     """
     heights = rough(60, 50, 1e-7)
     mirrored = np.roll(heights[::-1], 1, axis=0)

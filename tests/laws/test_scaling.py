@@ -1,5 +1,6 @@
-"""Laws of scale and symmetry: stiffness and load, a surface moved along, and the tangential force
-that does no work over a lap.
+"""The contact scales with stiffness and load, and moves with its surface.
+
+The tangential force does no work over a lap.
 """
 
 from __future__ import annotations
@@ -17,10 +18,10 @@ LOAD = 0.1
 @pytest.mark.parametrize("factor", [4.0, 1e-6, 3.7])
 @pytest.mark.parametrize("plate", HARDNESS)
 def test_modulus_hardness_and_load_times_c(plate: str, factor: float) -> None:
-    """Deflections stay, energies go with c.
+    """Deflections stay and energies follow c; only rounding differs (measured 6e-15).
 
-    Nothing but rounding differs: measured 6e-15. Allowed is what a branch that rounding flips could
-    cost on another machine: the order of the tolerance, 1e-8.
+    Rounding may flip a branch on another machine, so the order of the tolerance, 1e-8, is
+    allowed.
     """
     base = make_track(HEIGHTS, load=LOAD, hardness=HARDNESS[plate])
     scaled = make_track(
@@ -41,8 +42,9 @@ def test_modulus_hardness_and_load_times_c(plate: str, factor: float) -> None:
 @pytest.mark.law("Translation: a surface moved by n nodes moves the release by n steps.")
 @pytest.mark.parametrize("nodes", [1, 17, 59])
 def test_surface_moved_along_moves_the_signal(nodes: int) -> None:
-    """Position k over heights moved by n nodes is position k - n: the same problem, across the seam
-    too. Measured 6e-15.
+    """Position k over heights moved by n nodes is position k - n, across the seam too.
+
+    The measured difference is 6e-15.
     """
     track = make_track(HEIGHTS, load=LOAD, hardness=2.1e9)
     moved = make_track(np.roll(HEIGHTS, nodes, axis=0), load=LOAD, hardness=2.1e9)
@@ -52,9 +54,9 @@ def test_surface_moved_along_moves_the_signal(nodes: int) -> None:
 
 @pytest.mark.law("Mirror: a surface mirrored across the track gives the same release.")
 def test_surface_mirrored_across_changes_nothing() -> None:
-    """The sphere runs at mid-width, (n - 1) / 2 nodes: mirrored heights are the same contact.
+    """Mirrored heights are the same contact, since the sphere runs at mid-width.
 
-    Measured 4e-15.
+    Mid-width is (n - 1) / 2 nodes. Measured 4e-15.
     """
     track, mirrored = (
         make_track(z, load=LOAD, hardness=2.1e9) for z in (HEIGHTS, HEIGHTS[:, ::-1].copy())
@@ -78,12 +80,12 @@ def tangential(track, states) -> np.ndarray:
 @pytest.mark.parametrize("plate", HARDNESS)
 @pytest.mark.parametrize("step_nodes", [12, 3, 1])
 def test_tangential_force_has_zero_mean_over_a_lap(plate: str, step_nodes: int) -> None:
-    """The force is the slope of the least energy along the track, so its integral over a closed lap
-    is zero, capped or not.
+    """The integral of the force over a closed lap is zero, with and without yielding.
 
-    What is left of the mean is the error of the sum for the integral, not of the solver. Summing
-    the optimality bracket over a lap bounds it rigorously by step W / (2 R); at one node measured
-    1e-4 of the rms and 1e-3 of that bound.
+    The force is the slope of the minimum energy along the track. The remaining mean is the
+    error of the sum for the integral, not of the solver. The optimality bracket, summed over a
+    lap, bounds it rigorously by step W / (2 R). At steps of a node it measured 1e-4 of the rms
+    and 1e-3 of that bound.
     """
     track = make_track(
         HEIGHTS, load=LOAD, hardness=HARDNESS[plate], step=step_nodes * 2e-6, tolerance=1e-6

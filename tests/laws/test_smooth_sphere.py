@@ -1,5 +1,6 @@
-"""The smooth rolling sphere: releases 3 W v a / (16 R), is silent, its left-end rule is high by 4
-step / (3 a), it yields at H.
+"""The smooth rolling sphere releases 3 W v a / (16 R), is silent, and yields at H.
+
+Its left-end rule is high by 4 step / (3 a).
 """
 
 from __future__ import annotations
@@ -37,9 +38,9 @@ def smooth_track(spacing: float = 2e-6, width: float = 200e-6, **changes: float)
 @pytest.mark.law("Smooth release: a smooth elastic rolling sphere releases 3 W v a / (16 R).")
 @pytest.mark.parametrize(("spacing", "tolerance"), [(2e-6, 1e-8), (2e-6, 1e-4), (1e-6, 1e-6)])
 def test_release_is_the_closed_form(spacing: float, tolerance: float) -> None:
-    """Asked: 0.5 % at a / spacing >= 30.
+    """The error is below 0.5 % at a / spacing >= 30.
 
-    Measured 3.7e-5 at 34, 4.1e-5 there at a tolerance of 1e-4, 3e-6 at 69.
+    Measured 3.7e-5 at 34, 4.1e-5 there at a tolerance of 1e-4, and 3e-6 at 69.
     """
     assert spacing * 30 <= A
     track = smooth_track(spacing, tolerance=tolerance)
@@ -51,9 +52,11 @@ def test_release_is_the_closed_form(spacing: float, tolerance: float) -> None:
     "Smooth release: the error of the release falls with the square of the node spacing."
 )
 def test_release_error_falls_at_second_order() -> None:
-    """The error of one grid depends on how its nodes meet the edge, and changes sign: so the rms
-    over three spacings and the centre on and between nodes, 16 to 8 um against 4 to 2 um. Measured
-    1.3e-3 and 7.8e-5, a rate of 2.04.
+    """The rms error falls at second order: measured 1.3e-3 and 7.8e-5, a rate of 2.04.
+
+    The error of a single grid depends on the nodes at the edge and changes sign. The rms is
+    therefore taken over three spacings, with the centre on and between nodes, 16 to 8 um
+    against 4 to 2 um.
     """
     rms = []
     for spacings in ((16e-6, 12e-6, 8e-6), (4e-6, 3e-6, 2e-6)):
@@ -71,9 +74,7 @@ def test_release_error_falls_at_second_order() -> None:
 @pytest.mark.law("Silence: the release of a smooth sphere does not vary from step to step.")
 @pytest.mark.parametrize("hardness", [np.inf, 1.5e9], ids=["elastic", "capped"])
 def test_marched_sphere_is_silent(hardness: float) -> None:
-    """Every whole-node position is the same problem, and the warm start recognises it: rounding
-    only.
-    """
+    """Only rounding varies, since every whole-node position is the same problem."""
     track = smooth_track(hardness=hardness)
     released = releases(track, roll(track, 0, 12))
     assert released.std() / released.mean() < 1e-12
@@ -84,10 +85,10 @@ def test_marched_sphere_is_silent(hardness: float) -> None:
 )
 @pytest.mark.parametrize("hardness", [np.inf, 1.5e9], ids=["elastic", "capped"])
 def test_sphere_is_silent_in_solves_that_know_nothing_of_each_other(hardness: float) -> None:
-    """Each position solved from another random start, so that nothing but the answer agrees.
+    """Positions solved from different random starts have the same release.
 
-    The release is linear in the pressure errors, and the tolerance of 1e-8 leaves two decades to
-    the 1e-6 that is asked.
+    The release is linear in the pressure errors, and the tolerance of 1e-8 leaves two decades
+    to the required 1e-6.
     """
     track = smooth_track(hardness=hardness, tolerance=1e-8)
     space, rng = space_of(track), np.random.default_rng(0)
@@ -120,10 +121,10 @@ def test_sphere_is_silent_in_solves_that_know_nothing_of_each_other(hardness: fl
 
 
 def test_sphere_is_silent_over_pairs_of_half_node_steps() -> None:
-    """Half-node steps cannot take the last answer over, so every position is solved.
+    """Two half-node steps together release as two others (measured 1.2e-8 at 1e-8).
 
-    Node by node they ripple by 1e-3 (that is the grid's own tone), but two together are one whole
-    node: measured 1.2e-8 at 1e-8.
+    Half-node steps cannot keep the last solution, so every position is solved. Single steps
+    ripple by 1e-3, which is the tone of the grid.
     """
     track = smooth_track(step=1e-6)
     states = roll(track, 0, 12)
@@ -137,7 +138,10 @@ def test_sphere_is_silent_over_pairs_of_half_node_steps() -> None:
 @pytest.mark.law("Left-end rule: it is high by 4 step / (3 a) on a smooth sphere.")
 @pytest.mark.parametrize("nodes", [1, 2, 4])
 def test_left_end_rule_is_high_by_its_first_order_excess(nodes: int) -> None:
-    """4 step / (3 a). The remainder is second order: measured -0.55 to -0.6 (step / a)^2."""
+    """The excess is 4 step / (3 a), with a remainder of second order.
+
+    The remainder measured -0.55 to -0.6 (step / a)^2.
+    """
     track = smooth_track(step=nodes * 2e-6)
     states = roll(track, 0, 2)
     excess = releases(track, states, left_end=True)[0] / releases(track, states)[0] - 1
@@ -148,8 +152,9 @@ def test_left_end_rule_is_high_by_its_first_order_excess(nodes: int) -> None:
 
 @pytest.mark.law("Mean rule: the release per metre is second order in the step.")
 def test_mean_rule_does_not_depend_on_the_step() -> None:
-    """Second order in the step: measured 1.3e-3 between 2 and 8 um, 0.1 (step / a)^2; the left-end
-    rule changes by 11 %.
+    """The mean rule changes by 1.3e-3 between 2 and 8 um, 0.1 (step / a)^2.
+
+    The left-end rule changes by 11 %.
     """
     per_metre = []
     for nodes in (1, 2, 4):
@@ -162,8 +167,9 @@ def test_mean_rule_does_not_depend_on_the_step() -> None:
     "First yield: a smooth sphere yields when its maximum pressure p0 reaches the hardness H."
 )
 def test_first_yield_is_at_the_hertz_pressure() -> None:
-    """The centre node takes p0 to 1e-4 (Hertz test): no node yields at a hardness 0.1 % above p0,
-    some do 0.1 % below.
+    """Nodes yield at a hardness 0.1 % below p0, and none 0.1 % above.
+
+    The centre node has p0 to 1e-4 (Hertz test).
     """
     p0 = closed_forms.hertz_pressure(LOAD, RADIUS, STEEL)
     for hardness, yields in ((1.001 * p0, False), (0.999 * p0, True)):
@@ -179,9 +185,7 @@ def test_first_yield_is_at_the_hertz_pressure() -> None:
 
 @pytest.mark.law("Energy ledger: loading equals release on a smooth sphere.")
 def test_loading_equals_release_on_a_smooth_sphere() -> None:
-    """Nothing is gained or lost from step to step; the defect of the ledger is rounding of the
-    stored energy.
-    """
+    """Each step releases the energy that it loads, to rounding of the stored energy."""
     track = smooth_track()
     states = roll(track, 0, 4)
     for step, state in zip(step_energies(track, states), states, strict=False):

@@ -1,6 +1,4 @@
-"""Speed comes after the contact: the same release per metre at another speed is the same sound,
-shifted.
-"""
+"""The same release per metre at another speed is the same sound, shifted."""
 
 from __future__ import annotations
 
@@ -16,13 +14,14 @@ LINES = np.array([4, 9, 25, 60])  # cycles per lap: 200 Hz to 3 kHz at 0.1 m/s
 
 
 @pytest.mark.law(
-    "Speed: a speed times c multiplies the release power by c and every frequency of the sound by c."
+    "Speed: a speed times c multiplies the release power by c and every frequency of the sound "
+    "by c."
 )
 @pytest.mark.parametrize("c", [0.5, 2, 3])
 def test_speed_times_c(c: float) -> None:
-    """With q and distance given, p = sqrt(rho c / rms(I')) I' goes with the root of the power.
+    """With q and distance given, p = sqrt(rho c / rms(I')) I' follows the root of the power.
 
-    Measured: rounding.
+    Only rounding was measured.
     """
     phase = 2 * np.pi * np.arange(STEPS) / STEPS
     energy = 1e-9 * (1 + 0.1 * np.cos(phase[:, None] * LINES + LINES).sum(axis=1))

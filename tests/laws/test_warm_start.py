@@ -1,6 +1,4 @@
-"""Warm equals cold: what the march hands from position to position saves iterations and leaves no
-trace beyond the tolerance.
-"""
+"""The warm start saves iterations and leaves no trace beyond the tolerance."""
 
 from __future__ import annotations
 
@@ -15,10 +13,10 @@ from helpers import assert_solved, make_track, releases, roll, rough
 @pytest.mark.parametrize("hardness", [np.inf, 2.1e9], ids=["elastic", "capped"])
 @pytest.mark.parametrize("step_nodes", [0.5, 1, 5])
 def test_warm_equals_cold(hardness: float, step_nodes: float) -> None:
-    """The minimum is unique.
+    """The minimum is unique, so deflections agree to a few tolerances of 1e-7.
 
-    Deflections to a few tolerances (1e-7): the condition is on gaps within the contact, and the
-    rest of u follows the pressures; measured below 0.9 tolerances.
+    The condition is on gaps within the contact, and the rest of u follows the pressures.
+    Measured below 0.9 tolerances.
     """
     track = make_track(
         rough(60, 60, 2e-7), load=0.5, hardness=hardness, step=step_nodes * 2e-6, tolerance=1e-7
@@ -35,9 +33,7 @@ def test_warm_equals_cold(hardness: float, step_nodes: float) -> None:
 
 
 def test_warm_start_saves_iterations() -> None:
-    """At the tolerance of the scenes, 1e-4, and one node a step; measured 7.3 warm against 10.5
-    cold on this surface.
-    """
+    """At a tolerance of 1e-4 and steps of a node, 7.3 iterations measured against 10.5 cold."""
     track = make_track(rough(100, 100, 1e-7), load=2.0, tolerance=1e-4)
     warm = np.mean([state.iterations for state in roll(track, 0, 10)[1:]])
     cold = np.mean([roll(track, k, k)[0].iterations for k in range(1, 11)])
@@ -47,9 +43,7 @@ def test_warm_start_saves_iterations() -> None:
 @pytest.mark.law("Warm equals cold: a track that is solved in pieces has the release of the whole.")
 @pytest.mark.parametrize("first", [1, 7, 20])
 def test_pieces_agree_with_the_whole(first: int) -> None:
-    """A march begun anywhere gives the same signal: errors re its fluctuation measured 5e-9 to 2e-8
-    at 1e-8.
-    """
+    """A march begun anywhere gives the same signal (5e-9 to 2e-8 measured at 1e-8)."""
     track = make_track(rough(60, 60, 2e-7), load=0.5, hardness=2.1e9)
     whole = releases(track, roll(track, 0, 26))
     piece = releases(track, roll(track, first, 26))
@@ -58,8 +52,9 @@ def test_pieces_agree_with_the_whole(first: int) -> None:
 
 @pytest.mark.law("Tolerance: the error of the release falls with it.")
 def test_release_error_falls_with_the_tolerance() -> None:
-    """In proportion, or faster: two decades of tolerance are at least 1.5 decades of error
-    (measured 0.022 and 1.7e-4).
+    """Two decades of tolerance are at least 1.5 decades of error.
+
+    The measured errors are 0.022 and 1.7e-4.
     """
     signals = {}
     for tolerance in (1e-10, 1e-5, 1e-3):

@@ -1,5 +1,6 @@
-"""The window is the geometric overlap, which contact cannot leave: a window twice as large, or an
-island, changes nothing.
+"""The window is the geometric overlap, which contact cannot leave.
+
+A window twice as large, or an island, changes nothing.
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ from rolling.contact.window import Window
 @pytest.mark.law("Window: a window twice as large gives the same answer.")
 @pytest.mark.parametrize("hardness", [np.inf, 2.1e9], ids=["elastic", "capped"])
 def test_window_twice_as_large_gives_the_same_answer(hardness: float) -> None:
-    """Zero padding makes the convolution exact on any window, so only the solver's tolerance (1e-9)
-    separates the two.
+    """Two windows agree to the solver's tolerance of 1e-9.
+
+    Zero padding makes the convolution exact on any window.
     """
     track = make_track(rough(60, 60, 2e-7), load=0.5, hardness=hardness, tolerance=1e-9)
     for state in roll(track, 3, 5):
@@ -42,8 +44,9 @@ def test_window_twice_as_large_gives_the_same_answer(hardness: float) -> None:
 
 @pytest.mark.law("Window: the geometric overlap holds every node that can be in contact.")
 def test_overlap_holds_every_node_below_the_approach() -> None:
-    """Against the definition, node by node, on a period and half a node each way; rough enough that
-    the overlap is ragged.
+    """The overlap has every node below the approach, over a period and half a node each way.
+
+    The surface is rough enough for a ragged overlap.
     """
     track = make_track(rough(33, 41, 1e-6), load=0.5, start=1.3e-6)
     big = Window(-33, -41, 3 * 33, 3 * 41)
@@ -62,8 +65,9 @@ def test_overlap_holds_every_node_below_the_approach() -> None:
 
 @pytest.mark.law("Window: a detached island of contact is found.")
 def test_detached_island_is_found() -> None:
-    """A 1 um hill 90 um ahead of a contact 20 um wide carries load of its own, far outside any
-    window a margin would give.
+    """A hill of 1 um, 90 um ahead of a contact 20 um wide, carries its own load.
+
+    It lies far outside any window that a margin would give.
     """
     heights = np.zeros((160, 80))
     heights[44:47, 38:42] = 1e-6  # the paraboloid is 0.8 um above the plate at 90 um
@@ -79,9 +83,7 @@ def test_detached_island_is_found() -> None:
 
 @pytest.mark.law("Window: an island of contact that rises during the march is found.")
 def test_island_that_rises_during_the_march_is_found() -> None:
-    """The same hill met by marching on: each position must agree with a cold solve that has seen
-    nothing before.
-    """
+    """Each position of a march to the same hill agrees with a cold solve."""
     heights = np.zeros((160, 80))
     heights[60:63, 38:42] = 1e-6
     track = make_track(heights, load=0.5, tolerance=1e-7)
@@ -96,9 +98,7 @@ def test_island_that_rises_during_the_march_is_found() -> None:
 
 @pytest.mark.law("Window: the release counts nodes that have lost contact.")
 def test_release_counts_nodes_that_lost_contact() -> None:
-    """First and last contact of a step on the union of both windows: energies equal those on one
-    window over everything.
-    """
+    """Energies on the union of both windows equal those on a window over everything."""
     track = make_track(rough(60, 60, 1e-6), load=0.01, tolerance=1e-8)
     states = roll(track, 0, 12)
     everything = Window(-60, -30, 150, 120)

@@ -1,6 +1,4 @@
-"""What a reader must know of the numbers: each caveat where it applies and nowhere else, in one
-wording for all who say it.
-"""
+"""Each caveat stands where it applies and nowhere else, in the same words everywhere."""
 
 from __future__ import annotations
 
@@ -9,39 +7,21 @@ import io
 import json
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
-from report_runs import Runs, runs_in
+from report_runs import Runs, run_results
 from scene_text import PLAIN
 
-from rolling import commands
 from rolling.check import findings as check
 from rolling.figures import run_figures
 from rolling.report import text as report_text
 from rolling.scene import file
-from rolling.simulation import caveats, result_file, summary
+from rolling.simulation import caveats, summary
 from rolling.simulation.caveats import Caveat, Remark
-from rolling.simulation.run_result import RunResult
 from rolling.sound.contact_sound import ContactSound, contact_sound
 
 STEP = 2e-6  # 0.1 m/s: 50,000 steps a second
-
-
-@pytest.fixture(scope="session")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
-    return runs_in(tmp_path_factory.getbasetemp() / "report-runs")
-
-
-def heard_in(folder: Path) -> list[RunResult]:
-    found = [
-        commands.hear(
-            one.label, one.values, one.folder, one.scene, result_file.load(one.folder / "result.h5")
-        )
-        for one in commands.read_runs(folder)
-    ]
-    return [one for one in found if one]
 
 
 def scene_of(seconds: float, *overrides: str):
@@ -104,7 +84,7 @@ def test_silence_has_no_level_to_bound_and_no_pitch() -> None:
 
 
 def test_a_loop_that_is_heard_as_a_pitch_says_which() -> None:
-    """0.03 s repeat 33 times a second; from 0.3 s on nothing is said."""
+    """A record of 0.03 s repeats 33 times a second; from 0.3 s on there is no caveat."""
     assert "0.03 s repeats 33 times a second" in said(0.03)["short_loop"]
     assert "the repetition, not the contact" in said(0.03)["short_loop"]
     assert "3.4 times a second" in said(0.29)["short_loop"]
@@ -114,10 +94,10 @@ def test_a_loop_that_is_heard_as_a_pitch_says_which() -> None:
 
 @pytest.mark.slow
 def test_a_short_track_gone_round_many_times_says_its_pitch(runs: Runs) -> None:
-    """150 laps of 6 ms in 0.9 s sound at 167 Hz, looped or not; the lap alone at the same."""
-    texts = {each.key: each.text for each in caveats.stored(heard_in(runs.three())[0].summary)}
+    """150 laps of 6 ms in 0.9 s sound at 167 Hz, looped or not, and so does the lap alone."""
+    texts = {each.key: each.text for each in caveats.stored(run_results(runs.three())[0].summary)}
     assert "every 0.006 s, 167 times a second" in texts["short_track"] and "short_loop" not in texts
-    (lap,) = heard_in(runs.lap())
+    (lap,) = run_results(runs.lap())
     texts = {each.key: each.text for each in caveats.stored(lap.summary)}
     assert (
         "0.006 s repeats 167 times a second" in texts["short_loop"] and "short_track" not in texts
@@ -149,9 +129,9 @@ def test_several_runs_say_each_caveat_once() -> None:
     ]
 
 
-def test_summary_sidecars_csv_tsv_and_table_say_the_same(runs: Runs) -> None:
-    """Word for word: there is one source."""
-    heard = heard_in(runs.three())
+def test_summary_sidecars_tsv_and_table_say_the_same(runs: Runs) -> None:
+    """All files have the same caveats word for word, from a single source."""
+    heard = run_results(runs.three())
     one = heard[0]
     numbers = json.loads((one.folder / "summary.json").read_text())
     texts = [each["text"] for each in numbers["caveats"]]
@@ -167,14 +147,10 @@ def test_summary_sidecars_csv_tsv_and_table_say_the_same(runs: Runs) -> None:
         for picture in run_figures.of_run(one)
         if picture.columns
     }
-    levels = {"spectrum", "article_spectrum", "psd", "third_octaves", "third_octaves_a"}
-    for name, content in of_one.items():
-        comments = [
-            line.removeprefix("# ") for line in content.splitlines() if line.startswith("#")
-        ]
-        assert comments == (texts if name in levels else []), name
     together = {picture.name: picture.csv().decode() for picture in run_figures.of_runs(heard)}
-    assert all(texts[0] in content for content in together.values()) and "levels" in together
+    assert "levels" in together and "spectrum" in of_one
+    for content in (*of_one.values(), *together.values()):
+        assert "#" not in content  # tables of pictures hold nothing but numbers
     assert f"# {texts[0]}\n" in report_text.tsv(heard)
     table = summary.table([(each.label, "folder", each.summary) for each in heard]).splitlines()
     assert (
@@ -194,13 +170,10 @@ def test_summary_sidecars_csv_tsv_and_table_say_the_same(runs: Runs) -> None:
 def test_tables_are_read_by_csv_readers_whatever_the_labels_hold(runs: Runs) -> None:
     """Commas, quotation marks and the sign of a comment in a label move no cell."""
     label = 'load 1 N (a,b "c" #d)'
-    one = replace(heard_in(runs.three())[0], label=label)
+    one = replace(run_results(runs.three())[0], label=label)
     for picture in run_figures.of_run(one):
         if picture.columns:
-            lines = [
-                line for line in picture.csv().decode().splitlines() if not line.startswith("#")
-            ]
-            head, *rows = csv.reader(lines)
+            head, *rows = csv.reader(picture.csv().decode().splitlines())
             assert head == list(picture.columns)
             assert all(len(first) == len(second) for first, second in pairwise([head, *rows]))
     lines = [line for line in report_text.tsv([one]).splitlines() if not line.startswith("#")]
@@ -209,9 +182,7 @@ def test_tables_are_read_by_csv_readers_whatever_the_labels_hold(runs: Runs) -> 
 
 
 def test_text_of_scenes_in_a_remark_stays_on_its_line(runs: Runs) -> None:
-    (one,) = heard_in(runs.lap())
+    (one,) = run_results(runs.lap())
     numbers = one.summary | {"caveats": [{"key": "x", "text": "first\nsecond,1,2\u2028"}]}
-    for picture in run_figures.of_run(replace(one, summary=numbers)):
-        if picture.name == "spectrum":
-            first, second, *_ = picture.csv().decode().splitlines()
-            assert first == "# first\\nsecond,1,2\\u2028" and second.startswith("frequency")
+    first = report_text.tsv([replace(one, summary=numbers)]).splitlines()[0]
+    assert first == "# first\\nsecond,1,2\\u2028"

@@ -1,6 +1,4 @@
-"""Claims, with real processes: one works on a folder at a time, and those of killed processes count
-for nothing.
-"""
+"""A single process works on a folder at a time, and claims of killed processes are void."""
 
 from __future__ import annotations
 
@@ -17,7 +15,7 @@ from rolling.folders.files import FolderError
 
 
 def made(folder: Path, runs: tuple[str, ...] = ()) -> Path:
-    """A folder of a run, or of a sweep with these runs, that nobody works on."""
+    """Make a folder of a run, or of a sweep with these runs, that no process works on."""
     folder.mkdir()
     run_record.write(folder, run_record.new("sweep" if runs else "run", runs))
     for name in runs:
@@ -26,7 +24,7 @@ def made(folder: Path, runs: tuple[str, ...] = ()) -> Path:
 
 
 def holding(folder: Path) -> Child:
-    """Another process that works on a folder."""
+    """Start another process that works on a folder."""
 
     def work(child: Child) -> None:
         with claim.take(folder, "run") as held:
@@ -127,9 +125,9 @@ def test_a_run_of_a_study_two_folders_below_respects_it(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("runs", [(), ("load_n=5",)])
 def test_of_processes_that_begin_at_once_one_wins(tmp_path: Path, runs: tuple[str, ...]) -> None:
-    """Twelve rounds of five; with a sweep, some of them want a run in it.
+    """In each of twelve rounds four of five processes are refused.
 
-    Two winners: fewer than four refusals.
+    With a sweep, some of them want a run in it.
     """
     folder = made(tmp_path / "folder", runs)
     for _ in range(12):
@@ -206,7 +204,7 @@ def test_an_error_gives_the_folder_back_and_says_why(
 def test_a_full_disk_leaves_no_claim_that_stays(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The state cannot be written then; the same process can take the folder again all the same."""
+    """The same process can take the folder again although the state cannot be written."""
     run = made(tmp_path / "run")
 
     def full(*_: object) -> None:

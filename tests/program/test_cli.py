@@ -1,4 +1,4 @@
-"""The command line: help is instant, usage errors are 2, the schema and the check print."""
+"""Help is instant, usage errors give code 2, and the schema and the check print."""
 
 from __future__ import annotations
 
@@ -15,7 +15,12 @@ SCENES = Path(__file__).parents[2] / "scenarios"
 
 
 def test_help_imports_nothing_heavy() -> None:
-    code = "import sys, rolling.cli\ntry: rolling.cli.main(['--help'])\nexcept SystemExit: pass\nprint(sorted(sys.modules))"
+    code = (
+        "import sys, rolling.cli\n"
+        "try: rolling.cli.main(['--help'])\n"
+        "except SystemExit: pass\n"
+        "print(sorted(sys.modules))"
+    )
     printed = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     ).stdout

@@ -1,6 +1,4 @@
-"""Oracle: what a figure must keep: the numbers it shows, the same axes for what is compared, the
-same bytes, its edges.
-"""
+"""A figure keeps its numbers, its bytes and its edges, and compared figures share axes."""
 
 from __future__ import annotations
 
@@ -29,7 +27,8 @@ SCENE = """\
 name: small
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 200, seed: 3}
 rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.009}
 recovery: {events: true}
 sweep: {rolling.load_n: [0.5, 2]}
@@ -51,7 +50,7 @@ def _no_warnings() -> Iterator[None]:
 
 
 def heard(text: str, folder: Path) -> list[RunResult]:
-    """The runs of a scene, run and read again from their folder."""
+    """Return the runs of a scene, solved and read again from their folder."""
     (folder / "s.yaml").write_text(text)
     commands.run(folder / "s.yaml", [], folder / "out", workers=1)
     return read(folder / "out")
@@ -81,7 +80,7 @@ def note(picture: Picture) -> str:
 
 
 def labelled(runs: list[RunResult]) -> list[RunResult]:
-    """The runs with labels made together."""
+    """Return the runs with labels made together."""
     return [replace(one, label=label) for one, label in zip(runs, labels.labels(runs), strict=True)]
 
 
@@ -162,51 +161,76 @@ def test_the_same_run_gives_the_same_bytes(runs: list[RunResult]) -> None:
 
 
 def columns(picture: Picture) -> dict[str, np.ndarray]:
-    lines = (line for line in io.StringIO(picture.csv().decode()) if not line.startswith("#"))
-    head, *rows = csv.reader(lines)
-    cells = np.array([[float(cell or "nan") for cell in row] for row in rows])
-    return {name: cells[:, k][np.isfinite(cells[:, k])] for k, name in enumerate(head)}
+    # text stays text
+    head, *rows = csv.reader(io.StringIO(picture.csv().decode()))
+    texts = {"run", "quantity", "curve"}
+    return {
+        name: np.array([row[k] if name in texts else float(row[k] or "nan") for row in rows])
+        for k, name in enumerate(head)
+    }
 
 
 def test_curves_in_the_csv_add_up_to_the_levels(runs: list[RunResult]) -> None:
     one = runs[0]
     pictures = by_name(run_figures.of_run(one, runs))
-    lines = columns(pictures["spectrum"])[f"{one.label}: A-weighted line level [dB re 20 µPa]"]
+    spectrum = columns(pictures["spectrum"])
+    assert list(spectrum) == ["smoothed", "frequency_hz", "a_weighted_line_level_db"]
+    lines = spectrum["a_weighted_line_level_db"][spectrum["smoothed"] == 0]
     # The record is limited to what is drawn; nine digits of a level leave 1e-7 dB.
     assert 10 * np.log10(np.sum(10 ** (lines / 10))) == pytest.approx(
         one.sound.levels.laeq_db, abs=1e-6
     )
     density = columns(pictures["psd"])
+    lines_only = density["smoothed"] == 0
     level, frequency = (
-        density[f"{one.label}: density level [dB re (20 µPa)²/Hz]"],
-        density["frequency [Hz]"],
+        density[name][lines_only] for name in ("density_level_db_per_hz", "frequency_hz")
     )
     # Seven averages of noise, and a closed record cut open: 1 dB.
     total = 10 * np.log10(np.sum(10 ** (level / 10)) * (frequency[1] - frequency[0]))
     assert total == pytest.approx(one.sound.levels.level_db, abs=1.0)
-    for name, whole in (("third_octaves", "level_db"), ("third_octaves_a", "laeq_db")):
-        bands = columns(pictures[name])[f"{one.label} [dB re 20 µPa]"]
-        assert 10 * np.log10(np.sum(10 ** (bands / 10))) == pytest.approx(
+    for name, column, whole in (
+        ("third_octaves", "level_db", "level_db"),
+        ("third_octaves_a", "a_weighted_level_db", "laeq_db"),
+    ):
+        bands = columns(pictures[name])[column]
+        assert 10 * np.log10(np.nansum(10 ** (bands / 10))) == pytest.approx(
             getattr(one.sound.levels, whole), abs=1e-6
         )
     np.testing.assert_allclose(
-        columns(pictures["release_power"])["release power [W]"], one.sound.power, rtol=1e-8
+        columns(pictures["release_power"])["release_power_w"], one.sound.power, rtol=1e-8
     )
     profile = columns(pictures["surface"])
-    assert len(profile["height [µm]"]) == 400  # 0.8 mm of nodes 2 µm apart
+    assert len(profile["height_um"]) == 400  # 0.8 mm of nodes 2 µm apart
     events = columns(pictures["recovery_events"])
-    for kind in ("energy", "duration"):
+    for kind in ("energy_j", "duration_steps"):
         for of in ("events", "release"):
-            assert events[f"{kind}: share of the {of}"].sum() == pytest.approx(1.0, rel=1e-8)
+            shares = events[f"share_of_{of}"][events["quantity"] == kind]
+            assert shares.sum() == pytest.approx(1.0, rel=1e-8)
+
+
+def test_tables_of_several_runs_are_those_of_one_with_a_column_more(runs: list[RunResult]) -> None:
+    """Rows of one run, taken from the table of all of them, are the rows of its own table."""
+    together, own = (
+        by_name(run_figures.of_runs(runs)),
+        by_name(run_figures.of_run(runs[0], runs)),
+    )
+    for name in ("spectrum", "article_spectrum", "psd", "third_octaves", "third_octaves_a"):
+        all_runs, alone = columns(together[name]), columns(own[name])
+        assert list(all_runs) == ["run", *alone]
+        assert len({len(values) for values in all_runs.values()}) == 1
+        rows = all_runs["run"] == runs[0].label
+        assert 0 < rows.sum() < len(rows)
+        for column, values in alone.items():
+            assert np.array_equal(all_runs[column][rows], values, equal_nan=True)
 
 
 def test_levels_against_the_load(runs: list[RunResult]) -> None:
     picture = by_name(run_figures.of_runs(runs))["levels"]
     found = columns(picture)
-    assert found["load [N]"].tolist() == [0.5, 2.0]
+    assert found["load_n"].tolist() == [0.5, 2.0]
     for k, one in enumerate(runs):
-        assert found["LAeq [dB re 20 µPa]"][k] == pytest.approx(one.sound.levels.laeq_db, abs=1e-6)
-        assert found["LZeq: standard uncertainty [dB]"][k] == pytest.approx(
+        assert found["laeq_db"][k] == pytest.approx(one.sound.levels.laeq_db, abs=1e-6)
+        assert found["lzeq_standard_uncertainty_db"][k] == pytest.approx(
             one.sound.uncertainty.level_db, abs=1e-6
         )
     left, right = picture.figure.axes
@@ -246,7 +270,7 @@ def test_runs_of_other_scenes_stand_together(runs: list[RunResult]) -> None:
 
 
 def edges_are_blank(picture: Picture) -> bool:
-    """Nothing is drawn within half the margin of any edge."""
+    """Tell whether nothing is drawn within half the margin of any edge."""
     pixels = imread(io.BytesIO(picture.png()))[..., :3].min(axis=2)
     rim = int(SIDE_IN / 2 * DPI)
     inner = pixels[2:-2, rim:-rim].size
@@ -292,7 +316,7 @@ def test_labels_do_not_change_where_the_plot_lies(runs: list[RunResult]) -> None
 
 
 def test_ten_seconds_stay_small(runs: list[RunResult]) -> None:
-    """500,000 steps of noise: what a page embeds of them is below 150 kB a picture."""
+    """A picture of 500,000 steps of noise adds less than 150 kB to a page."""
     energy = 1e-9 * (1.0 + 0.1 * np.random.default_rng(1).standard_normal(500_000))
     sound = contact_sound(runs[0].scene, energy, 2e-6, True, 500_000)
     assert sound.duration == pytest.approx(10.0)
@@ -300,7 +324,7 @@ def test_ten_seconds_stay_small(runs: list[RunResult]) -> None:
     for name, picture in pictures.items():
         assert len(picture.svg()) < 150e3, name
     assert "minimum and maximum in each of 1,500 columns" in note(pictures["release_power"])
-    assert len(pictures["release_power"].columns["release power [W]"]) == 500_000
+    assert len(pictures["release_power"].columns["release_power_w"]) == 500_000
 
 
 def test_large_surfaces_are_drawn_from_every_other_node(runs: list[RunResult]) -> None:
@@ -328,7 +352,7 @@ def test_silence_is_drawn(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("steps", [2, 3, 10])
 def test_the_beginning_of_a_run_is_drawn(runs: list[RunResult], steps: int) -> None:
-    """Two steps are two samples."""
+    """A figure draws two steps as two samples."""
     result = result_file.load(runs[0].folder / "result.h5")
     result.series["release_energy"][steps:] = np.nan
     part = hear("part", {}, runs[0].folder, runs[0].scene, result)
@@ -338,7 +362,7 @@ def test_the_beginning_of_a_run_is_drawn(runs: list[RunResult], steps: int) -> N
 
 
 def test_one_band_alone_is_drawn(runs: list[RunResult]) -> None:
-    """A tone: one line, one band, on axes that hold it."""
+    """A tone has a single line and a single band, on axes that contain it."""
     steps = len(runs[0].sound.power)
     # 9 periods in 0.009 s: 1 kHz
     energy = 1e-9 * (1.0 + 0.1 * np.sin(2 * np.pi * 9 * np.arange(steps) / steps))
@@ -362,9 +386,7 @@ def test_maps_and_events_only_where_there_are_any(runs: list[RunResult]) -> None
 
 
 def test_runs_alike_in_name_stay_apart(runs: list[RunResult]) -> None:
-    """The same run heard from elsewhere, and a run of another scene: no curve takes the place of
-    another.
-    """
+    """A run from another place and a run of another scene keep their own curves."""
     far = Scene.from_dict(
         runs[0].scene.to_dict() | {"sound": {"distance_m": 4}}, runs[0].scene.folder
     )
@@ -382,7 +404,8 @@ def test_runs_alike_in_name_stay_apart(runs: list[RunResult]) -> None:
             assert [text.get_text() for text in pictures[name].figure.legends[0].get_texts()][
                 :2
             ] == expected
-        assert sum("dB re 20" in column for column in pictures["third_octaves"].columns) == 2
+        assert len(set(pictures["third_octaves"].columns["run"].tolist())) == 2
     sweeps = [*runs, *(replace(one, scene=renamed(one, "other")) for one in runs)]
     found = by_name(run_figures.of_runs(sweeps))["levels"].columns
-    assert {"LAeq, small [dB re 20 µPa]", "LAeq, other [dB re 20 µPa]"} < set(found)
+    assert found["curve"].tolist() == ["other", "other", "small", "small"]
+    assert found["load_n"].tolist() == [0.5, 2.0, 0.5, 2.0]

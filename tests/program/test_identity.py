@@ -1,7 +1,8 @@
-"""A result belongs to one scene and one surface: whatever differs is named, and nothing is mixed."""
+"""A result belongs to one scene and one surface; every difference is named and refused."""
 
 from __future__ import annotations
 
+import json
 import shutil
 import time
 from collections.abc import Callable
@@ -13,7 +14,8 @@ import pytest
 from scene_text import PLAIN
 
 from rolling import cli
-from rolling import commands as run
+from rolling.commands import work
+from rolling.folders import run_record
 from rolling.scene import identity
 from rolling.scene.file import loads, read_scene
 from rolling.scene.identity import Identity, differences
@@ -37,8 +39,8 @@ def made(seed: int, steps: int = STEPS) -> np.ndarray:
 
 @pytest.fixture(autouse=True)
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing is shown here."""
-    monkeypatch.setattr(run, "_write_pictures", lambda *_: [])
+    """Leave out all pictures, which no test here reads."""
+    monkeypatch.setattr(work, "write_pictures", lambda *_: [])
 
 
 @pytest.fixture
@@ -52,8 +54,9 @@ def scene(tmp_path: Path) -> Path:
 def stopped(
     scene: Path, out: Path, monkeypatch: pytest.MonkeyPatch, after: Callable[[], None] | None = None
 ) -> None:
-    """Run a scene on one worker, with something that happens `after` its first piece; without it
-    the run stops there.
+    """Run a scene on one worker and call `after` once its first piece is done.
+
+    Without `after` the run stops there.
     """
     inner = simulate.simulate_piece
 
@@ -81,7 +84,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def refused(capsys: pytest.CaptureFixture[str], folder: Path, *words: str) -> None:
-    """Resume, resound and report end with code 2, say why, and write nothing."""
+    """Assert that resume, resound and report end with code 2, give the reason and write nothing."""
     before = contents(folder)
     other = folder.with_name("other")
     commands = (
@@ -104,7 +107,7 @@ def test_heights_replaced_after_an_interrupt_are_refused(
     out = tmp_path / "out"
     stopped(scene, out, monkeypatch)
     np.save(tmp_path / "z.npy", made(2))
-    refused(capsys, out, "z.npy is another surface than the one solved", "SHA-256")
+    refused(capsys, out, "z.npy is not the surface that was solved", "SHA-256")
     np.save(tmp_path / "z.npy", made(1))
     assert cli.main(["resume", str(out), "--workers", "1", "--no-report"]) == 0
     whole = tmp_path / "whole"
@@ -129,15 +132,16 @@ def test_heights_replaced_after_an_interrupt_are_refused(
 def test_heights_that_change_during_a_run_fail_it(
     spoil, scene: Path, tmp_path: Path, monkeypatch, capsys
 ) -> None:
-    """The worker notices before its next piece; the first piece is kept, and true heights finish
-    the run.
+    """The worker notices the change before its next piece.
+
+    The first piece is kept, and the true heights finish the run.
     """
     out, path = tmp_path / "out", tmp_path / "z.npy"
     stopped(scene, out, monkeypatch, lambda: spoil(path))
     message = capsys.readouterr().err
     assert "z.npy" in message and "Traceback" not in message
     assert (
-        "another surface than the one solved" in message
+        "not the surface that was solved" in message
         or "the surface that was solved is gone" in message
     )
     result = result_file.load(out / "result.h5")
@@ -149,7 +153,7 @@ def test_heights_that_change_during_a_run_fail_it(
 
 
 def test_worker_processes_compare_the_heights_that_they_read(scene: Path, tmp_path: Path) -> None:
-    """Both workers read a file that was replaced after the run had begun."""
+    """Both workers notice a file that was replaced after the run had begun."""
     one = read_scene(scene)
     order = simulate.Order(surface_sha256=simulate.identity_of(one).heights_sha256)
     np.save(tmp_path / "z.npy", made(2))
@@ -157,12 +161,31 @@ def test_worker_processes_compare_the_heights_that_they_read(scene: Path, tmp_pa
     outcome = simulate.march_pieces(
         [one], pieces, 2, lambda *_: pytest.fail("a piece was solved"), orders=[order]
     )
-    assert "another surface than the one solved" in outcome.failures[0]
+    assert "not the surface that was solved" in outcome.failures[0]
 
 
 def test_heights_replaced_in_the_last_moment_give_no_numbers(
     scene: Path, tmp_path: Path, monkeypatch, capsys
 ) -> None:
+    inner = simulate.simulate_piece
+
+    def replace(given: Scene, first: int, last: int, *more: object) -> object:
+        piece = inner(given, first, last, *more)
+        if last == STEPS:
+            np.save(tmp_path / "z.npy", made(2))
+        return piece
+
+    monkeypatch.setattr(simulate, "simulate_piece", replace)
+    out = tmp_path / "out"
+    assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
+    assert "not the surface that was solved" in capsys.readouterr().err
+    assert result_file.load(out / "result.h5").complete and not (out / "summary.json").exists()
+
+
+def test_heights_replaced_after_the_sound_give_no_pictures(
+    scene: Path, tmp_path: Path, monkeypatch, capsys
+) -> None:
+    """The numbers are of the surface that was solved; a picture would be of the other one."""
     inner = simulate.march_pieces
 
     def replace(*arguments: object) -> object:
@@ -170,19 +193,25 @@ def test_heights_replaced_in_the_last_moment_give_no_numbers(
         np.save(tmp_path / "z.npy", made(2))
         return outcome
 
+    drawn: list[object] = []
     monkeypatch.setattr(simulate, "march_pieces", replace)
-    out = tmp_path / "out"
+    monkeypatch.setattr(work, "write_pictures", lambda *given: drawn.append(given) or [])
+    out, whole = tmp_path / "out", tmp_path / "whole"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 1
-    assert "another surface than the one solved" in capsys.readouterr().err
-    assert result_file.load(out / "result.h5").complete and not (out / "summary.json").exists()
+    assert "not the surface that was solved" in capsys.readouterr().err
+    assert not drawn and run_record.read(out).state == "failed"
+    monkeypatch.setattr(simulate, "march_pieces", inner)
+    np.save(tmp_path / "z.npy", made(1))
+    assert cli.main(["run", str(scene), "--out", str(whole), "--workers", "1"]) == 0
+    numbers = [json.loads((folder / "summary.json").read_text()) for folder in (out, whole)]
+    assert numbers[0]["surface"] == numbers[1]["surface"]
+    assert numbers[0]["laeq_db"] == numbers[1]["laeq_db"]
 
 
 def test_the_same_heights_elsewhere_and_written_anew_are_the_same_surface(
     scene: Path, tmp_path: Path
 ) -> None:
-    """The path is no physics, nor is the order of the values in the file, nor their type where it
-    holds them exactly.
-    """
+    """Path, order of values and an exact type do not belong to the physics."""
     out = tmp_path / "out"
     assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1", "--no-report"]) == 0
     (tmp_path / "elsewhere").mkdir()
@@ -302,7 +331,8 @@ def test_an_edited_seed_is_refused_in_a_sweep_and_in_its_runs(tmp_path: Path, ca
     refused(
         capsys,
         out,
-        "load_n=0.5/resolved.yaml: surface.seed: got 1, the sweep of the folder above makes 2 of it",
+        "load_n=0.5/resolved.yaml: surface.seed: got 1, "
+        "the sweep of the folder above makes 2 of it",
     )
     (out / "resolved.yaml").write_text(whole.replace("[0.5, 1", "[0.5, 2"))
     before = contents(out)
@@ -371,7 +401,7 @@ def test_the_file_says_what_was_solved(scene: Path, tmp_path: Path) -> None:
 def test_a_resounded_run_keeps_its_identity_whatever_its_duration(
     scene: Path, tmp_path: Path
 ) -> None:
-    """Another speed rounds the duration; the steps stay as they were, over files and made surfaces."""
+    """Another speed rounds the duration, and the steps stay as they were on either surface."""
     rng = np.random.default_rng(0)
     from rolling.scene import file as scene_file
 
@@ -387,9 +417,7 @@ def test_a_resounded_run_keeps_its_identity_whatever_its_duration(
 
 
 def test_comparing_costs_little(scene: Path, tmp_path: Path) -> None:
-    """A worker compares before each piece of 200 steps: 0.3 ms measured, where a piece takes 60 ms
-    at least.
-    """
+    """A comparison takes 0.3 ms before a piece of 60 ms or more."""
     one = read_scene(scene)
     scene_surface.heights(one)
     began = time.perf_counter()

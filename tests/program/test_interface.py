@@ -1,6 +1,4 @@
-"""The interface for Python: it runs without a guard wherever Python runs, and gives the numbers
-that the command writes.
-"""
+"""The interface for Python runs without a guard and gives the numbers of the command."""
 
 from __future__ import annotations
 
@@ -26,8 +24,8 @@ from rolling.commands import interface
 from rolling.contact.solver import ContactError
 from rolling.folders.files import FolderError
 from rolling.scene.messages import SceneError
-from rolling.simulation import solving
 from rolling.simulation.run_result import RunResult
+from rolling.terminal import progress as terminal
 
 matplotlib.use("Agg")
 
@@ -35,7 +33,8 @@ SCENE = """\
 name: small
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 128, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 128, seed: 3}
 rolling: {load_n: 0.5, speed_m_s: 0.1, duration_s: 0.009}
 """
 SWEPT = SCENE + "sweep: {rolling.load_n: [0.25, 0.5]}\n"
@@ -67,7 +66,7 @@ DOCTEST = '''\
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a scene, and the run that the command made of it."""
+    """Return a folder with a scene and the run that the command made of it."""
     folder = tmp_path_factory.mktemp("interface")
     (folder / "scene.yaml").write_text(SCENE)
     (folder / "swept.yaml").write_text(SWEPT)
@@ -100,6 +99,7 @@ def executed(arguments: list[str], folder: Path, given: str | None = None) -> st
     return done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["script", "standard input", "command", "namespace without a file"])
 def test_the_lines_run_without_a_guard(folder: Path, tmp_path: Path, way: str) -> None:
     for name in ("scene.yaml", "swept.yaml"):
@@ -121,6 +121,7 @@ def test_the_lines_run_without_a_guard(folder: Path, tmp_path: Path, way: str) -
     assert new <= {"listen.wav"}  # which `play` makes where IPython is not installed
 
 
+@pytest.mark.slow
 def test_a_doctest_runs_workers(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "scene.yaml").write_bytes((folder / "scene.yaml").read_bytes())
     (tmp_path / "example.py").write_text(DOCTEST)
@@ -165,6 +166,7 @@ def test_same_numbers_as_the_command_bit_by_bit(folder: Path, run: RunResult) ->
     }
 
 
+@pytest.mark.slow
 def test_saved_run_has_the_files_of_the_command_and_comes_back_equal(
     folder: Path, tmp_path: Path, run: RunResult
 ) -> None:
@@ -240,11 +242,11 @@ def test_progress_is_shown_where_it_is_asked_for(
 
 
 def test_progress_is_shown_in_a_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A notebook is no terminal, but somebody looks."""
-    assert solving._disabled(None) is None  # tqdm looks for a terminal
+    """A notebook is no terminal, but it has a reader."""
+    assert terminal._is_hidden(None) is None  # tqdm looks for a terminal
     shell = type("ZMQInteractiveShell", (), {})()
     monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
-    assert solving._disabled(None) is False and solving._disabled(False) is True
+    assert terminal._is_hidden(None) is False and terminal._is_hidden(False) is True
 
 
 def test_example_of_the_docstring() -> None:

@@ -1,5 +1,6 @@
-"""Law: the labels of any runs differ, say what differs, can be printed and stay short; every key of
-a scene has its words.
+"""The labels of any runs differ, name the difference, can be printed and stay short.
+
+Every key of a scene has its words.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ SCENE = file.loads(PLAIN)
 
 
 def scene(folder: Path = Path(), **keys: Any) -> Scene:
-    """The scene of the tests with keys set, dots written as two underscores; None takes a key out."""
+    """Return the scene of the tests with keys set; `__` stands for a dot, None removes a key."""
     data = SCENE.to_dict()
     for key, value in keys.items():
         section, _, last = key.partition("__")
@@ -46,7 +47,7 @@ def of(*cases: Case) -> list[str]:
 
 
 def test_every_key_of_the_scene_has_words() -> None:
-    """Name and description are words themselves; a sweep is gone when its runs are named."""
+    """Every key has words, except name, description and sweep."""
     keys = set()
     for section, outer in Scene.model_fields.items():
         models = [outer.annotation]
@@ -75,19 +76,28 @@ def test_a_run_and_its_resound_are_told_apart_by_the_speed() -> None:
     [
         ({"surface__roughness_ra_um": 0.2}, ["Ra 0.1 µm", "Ra 0.2 µm"]),
         ({"surface__seed": 2}, ["seed 1", "seed 2"]),
-        ({"surface__autocorrelation": "exponential_10pct"}, ["autocorrelation gaussian", "autocorrelation exponential 10pct"]),
+        (
+            {"surface__autocorrelation": "exponential_10pct"},
+            ["autocorrelation gaussian", "autocorrelation exponential 10pct"],
+        ),
         ({"plate__hardness_gpa": None}, ["hardness 2.1 GPa", "no hardness"]),
-        ({"sphere__youngs_modulus_gpa": 70, "sphere__poissons_ratio": 0.3}, ["rigid sphere", "sphere Young's modulus 70 GPa"]),
+        (
+            {"sphere__youngs_modulus_gpa": 70, "sphere__poissons_ratio": 0.3},
+            ["rigid sphere", "sphere Young's modulus 70 GPa"],
+        ),
         ({"rolling__speed_m_s": [[0, 0.1], [1, 0.3]]}, ["speed 0.1 m/s", "speed 0.1 to 0.3 m/s"]),
         ({"surface__correlation_length_across_um": 5}, ["across as along", "across 5 µm"]),
-        ({"surface": {"kind": "smooth", "spacing_um": 2, "width_um": 64}}, ["surface gaussian", "surface smooth"]),
+        (
+            {"surface": {"kind": "smooth", "spacing_um": 2, "width_um": 64}},
+            ["surface gaussian", "surface smooth"],
+        ),
         ({"numerics__edges": "sharp"}, ["edges blended", "edges sharp"]),
         ({"sound__loudness": True}, ["without loudness", "with loudness"]),
         ({"sound__gain_pa_per_w_m2": 3}, ["no fixed gain", "gain 3 Pa per W/m²"]),
         ({"rolling__start_um": 10}, ["start 0 µm", "start 10 µm"]),
         ({"name": "other"}, ["trial, load 20 N", "other, load 20 N"]),
     ],
-)  # fmt: skip
+)
 def test_labels_name_the_difference(keys, found) -> None:
     for label, words in zip(of(Case(SCENE), Case(scene(**keys))), found, strict=True):
         assert words in label
@@ -145,7 +155,7 @@ def test_a_sweep_is_named_by_its_values_whether_alone_or_together() -> None:
 
 
 def test_names_stand_once_and_long_ones_are_cut_where_they_do_not_differ() -> None:
-    """Scenes' names may have 64 characters."""
+    """Names of up to 64 characters are cut where they do not differ."""
     names = [f"{'a' * 40}{digit}{'b' * 23}" for digit in "12"]
     found = of(*(Case(scene(name=name)) for name in names))
     assert "1" in found[0] and "2" in found[1] and max(map(len, found)) <= LONGEST

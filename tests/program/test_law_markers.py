@@ -1,6 +1,4 @@
-"""The laws that tests guard can be listed without running them: literal markers, one sentence each,
-none of the laws missing.
-"""
+"""The laws can be listed without running the tests: each marker has a literal sentence."""
 
 from __future__ import annotations
 
@@ -66,7 +64,7 @@ def sentences() -> list[str]:
 
 
 def test_markers_are_literal_decorators_of_tests() -> None:
-    """No marker stands elsewhere, where reading without running would not find it."""
+    """No marker stands where a reader of the source would not see it."""
     assert sum(is_law(node) for tree in trees() for node in ast.walk(tree)) == len(sentences())
     assert all(isinstance(sentence, str) for sentence in sentences())
 

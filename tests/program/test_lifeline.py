@@ -1,4 +1,4 @@
-"""Workers end with their parent: real processes, killed without a chance to tell anybody."""
+"""Real workers end with their parent, even if it is killed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ SCENE = """\
 name: long
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 200, seed: 3}
 rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 1}
 """
 # One task holds Python's lock for ever, as a compiled step of the march does while it lasts; one
@@ -40,7 +41,8 @@ from rolling.simulation import pool
 from tasks import asleep, busy
 
 if __name__ == "__main__":
-    pool.work([pool.Task(0, busy, (), 1.0), pool.Task(1, asleep, (), 1.0)], 2, lambda run, result: None)
+    tasks = [pool.Task(0, busy, (), 1.0), pool.Task(1, asleep, (), 1.0)]
+    pool.work(tasks, 2, lambda run, result: None)
 """
 
 pytestmark = pytest.mark.skipif(
@@ -49,7 +51,7 @@ pytestmark = pytest.mark.skipif(
 
 
 def parents() -> dict[int, int]:
-    """Parent of every process that runs; zombies, which have ended, are not counted."""
+    """Return the parent of every running process, without zombies."""
     found = {}
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit():
@@ -97,7 +99,7 @@ def start(arguments: Sequence[str], folder: Path) -> subprocess.Popen:
 
 
 def assert_all_end(main: subprocess.Popen, seconds: float = 10) -> None:
-    """Kill a process; every process below it ends by itself."""
+    """Kill a process, and assert that every process below it ends."""
     below = descendants(main.pid)
     main.send_signal(signal.SIGKILL)
     main.wait()
@@ -142,7 +144,7 @@ def test_workers_that_are_starting_end_with_their_parent(tmp_path: Path, delay: 
 
 
 def test_thread_alone_ends_a_worker_where_the_kernel_does_not(tmp_path: Path) -> None:
-    """Without prctl, as on other systems: what sleeps ends at once."""
+    """Without prctl, as on other systems, a sleeping worker ends at once."""
     running = tmp_path / "running"
     running.mkdir()
     # Every interpreter of this test imports it when it starts.

@@ -1,6 +1,4 @@
-"""New folders and --force: what this program did not write is never lost, and the last run that is
-done neither.
-"""
+"""With and without --force, foreign files and the last finished run are never lost."""
 
 from __future__ import annotations
 
@@ -45,7 +43,7 @@ def run_in(
     kind: Kind = "run",
     runs: Sequence[str] = (),
 ) -> Path:
-    """A folder of a run with some files of it, in a state."""
+    """Make a folder of a run with some files, in a state."""
     folder.mkdir(parents=True)
     run_record.write(folder, run_record.new(kind, runs).with_state(state))  # type: ignore[arg-type]
     for name in ("scene.yaml", "resolved.yaml", "spectrum.svg", *([] if runs else ["result.h5"])):
@@ -56,7 +54,7 @@ def run_in(
 
 
 def tree(folder: Path) -> dict[str, str]:
-    """Everything below a folder: content by path."""
+    """Return the content below a folder by path."""
     return {
         path.relative_to(folder).as_posix(): f"-> {path.readlink()}"
         if path.is_symlink()
@@ -72,7 +70,6 @@ def state(folder: Path) -> str:
 
 
 # ---- what is refused
-# -------------------------------------------------------------------------------------------------
 
 
 def refused(out: Path, words: str, force: bool = True, inputs: Sequence[Path] = ()) -> None:
@@ -224,13 +221,10 @@ def test_what_cannot_be_made_gives_one_message(tmp_path: Path) -> None:
 
 
 # ---- what is made
-# ----------------------------------------------------------------------------------------------------
 
 
 def test_empty_folders_are_filled_in_place(tmp_path: Path) -> None:
-    """A folder that was made before, a mount point perhaps, stays the same folder; a link to it
-    stays a link.
-    """
+    """An empty folder, perhaps a mount point, stays the same folder, and a link stays a link."""
     out = tmp_path / "out"
     out.mkdir(mode=0o770)
     (out / ".run.json.partial").write_text("{")  # a command was killed before its first file
@@ -281,8 +275,9 @@ def test_of_two_that_are_not_done_the_younger_is_kept(tmp_path: Path) -> None:
 
 
 def test_out_previous_of_somebody_else_is_not_removed(tmp_path: Path) -> None:
-    """Put there after the new run began: another run, or the right one with a file of the user in
-    it.
+    """A foreign OUT.previous, made after the new run began, is kept.
+
+    It is another run, or the right run with a file of the user in it.
     """
     out, old = run_in(tmp_path / "out"), tmp_path / "out.previous"
     with begin(out) as held:
@@ -315,8 +310,9 @@ def test_inputs_that_cannot_be_written_leave_everything_as_it_was(tmp_path: Path
 
 
 def test_of_commands_that_begin_at_once_one_gets_the_folder(tmp_path: Path) -> None:
-    """New, empty or replaced: one of four processes makes it, three are refused, the run that was
-    there is beside it.
+    """Of four processes one makes the folder and three are refused.
+
+    The folder is new, empty or replaced; the run that was there stays beside it.
     """
     for k in range(12):
         out = tmp_path / f"out{k}"
@@ -352,8 +348,9 @@ def test_of_commands_that_begin_at_once_one_gets_the_folder(tmp_path: Path) -> N
 def test_a_run_that_was_done_counts_as_done_though_a_resume_of_it_was_killed(
     tmp_path: Path,
 ) -> None:
-    """The resume has nothing to solve; its kill leaves the state running, and two kills of --force
-    would lose the run.
+    """A killed resume without work does not make a finished run unfinished.
+
+    Its state stays running, and two kills of --force would otherwise lose the run.
     """
     out, old = run_in(tmp_path / "out", "good"), tmp_path / "out.previous"
 
@@ -400,15 +397,14 @@ def test_a_removal_that_is_killed_is_in_nobodys_way(tmp_path: Path) -> None:
 
 
 # ---- killed, and refused by the system, at every step
-# ----------------------------------------------------------------
 
 
 class Killed(BaseException):
-    """Stands for SIGKILL in a forked process."""
+    """The stand-in for SIGKILL in a forked process."""
 
 
 def interrupted_at(number: int, stop) -> object:
-    """A rename that stops at its nth call."""
+    """Return a rename that stops at its nth call."""
     inner, calls = Path.rename, []
 
     def rename(path: Path, name: Path) -> Path:
@@ -437,7 +433,7 @@ def prepared(folder: Path, case: str) -> Path:
 
 
 def contents(folder: Path) -> list[str]:
-    """Contents of all results below a folder, whatever the folders are called."""
+    """Return the contents of all results below a folder, whatever its folders are called."""
     return sorted(path.read_text() for path in folder.rglob("result.h5"))
 
 
@@ -493,7 +489,6 @@ def test_a_rename_that_fails_leaves_everything_as_it_was(
 
 
 # ---- any contents
-# ----------------------------------------------------------------------------------------------------
 
 OWN = [
     "run.json",
@@ -524,8 +519,9 @@ def plant(folder: Path, contents: dict) -> None:
 
 
 def foreign_by_oracle(folder: Path, names: frozenset[str], runs: tuple[str, ...]) -> set[str]:
-    """Paths that may not vanish, by a rule of its own: everything that is no regular file of a
-    known name in its place.
+    """Return the paths that may not vanish, by an independent rule.
+
+    A path is foreign unless it is a regular file of a known name in its place.
     """
     kept = set()
     for top, folders, files in os.walk(folder):

@@ -1,9 +1,9 @@
-"""Folders and height files of any name: reports, pictures, tables and the terminal take them, and
-show which is which.
-"""
+"""Reports, pictures, tables and the terminal take folders and height files of any name."""
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 import shutil
 import subprocess
@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from report_runs import Runs, runs_in
+from report_runs import Runs
 
 from rolling import cli
 from rolling.figures.picture import DPI, SIDE_IN, WIDTH_IN, Picture, drawable, single
@@ -40,34 +40,27 @@ NAMES = [
 ]
 
 
-@pytest.fixture(scope="session")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
-    return runs_in(tmp_path_factory.getbasetemp() / "report-runs")
-
-
 def drawn(texts: list[str]) -> Picture:
-    """A picture with these texts in its legend, and as its title and note."""
+    """Return a picture with these texts in its legend, title and note."""
 
     def draw(ax) -> None:
         for text in texts:
             ax.plot([0, 1], [0, 1], label=text)
 
-    return single(
-        "odd", texts[0], "; ".join(texts), {text: np.zeros(2) for text in texts}, draw, texts
-    )
+    return single("odd", texts[0], "; ".join(texts), {text: np.zeros(2) for text in texts}, draw)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_pictures_take_any_label_as_it_stands(name: str) -> None:
-    """No formula, no missing letter, no byte that is not UTF-8; all of it within the figure."""
+    """A label causes no formula, no missing letter and no invalid byte, and stays in the figure."""
     texts = [f"load 1 N ({labels.printable(name)})", "load 1 N (plain)"]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         picture = drawn(texts)
         assert picture.png()
         ElementTree.fromstring(picture.svg())
-    assert picture.csv().decode().splitlines()[:2] == [f"# {text}" for text in texts]
+    assert next(csv.reader(io.StringIO(picture.csv().decode(), newline=""))) == texts
     (legend,) = picture.figure.legends
     assert [text.get_text() for text in legend.get_texts()] == [drawable(text) for text in texts]
     room = (WIDTH_IN - SIDE_IN) * DPI + 1.0
@@ -76,7 +69,7 @@ def test_pictures_take_any_label_as_it_stands(name: str) -> None:
 
 
 def test_texts_that_differ_look_different() -> None:
-    """The font of the pictures has neither of these letters."""
+    """Two texts look different although the font of the pictures has neither of their letters."""
     assert (
         drawable("\U0001f600") != drawable("\U0001f601")
         and drawable("Ra 0.1 µm, 5 N \u2026 ±") == "Ra 0.1 µm, 5 N \u2026 ±"
@@ -85,9 +78,7 @@ def test_texts_that_differ_look_different() -> None:
 
 @pytest.mark.slow
 def test_a_report_of_folders_with_odd_names(runs: Runs, tmp_path: Path, capsys) -> None:
-    """End to end: the page is written beside the run, in a folder that is no UTF-8, and names both
-    runs.
-    """
+    """The page lies beside the run, in a folder that is not UTF-8, and names both runs."""
     here = tmp_path / os.fsdecode(b"$x^$ \n \xff #<b>&\"' \xf0\x9f\x98\x80")
     there = tmp_path / os.fsdecode(b"$x^$ \n \xfe #<b>&\"' \xf0\x9f\x98\x80")
     for folder in (here, there):
@@ -105,7 +96,7 @@ def test_a_report_of_folders_with_odd_names(runs: Runs, tmp_path: Path, capsys) 
 
 @pytest.mark.slow
 def test_the_terminal_takes_a_folder_of_any_bytes(runs: Runs, tmp_path: Path) -> None:
-    """A strict terminal, one that knows ASCII only, and a table of such folders."""
+    """A strict terminal, an ASCII terminal and a table print such folders."""
     folder = tmp_path / os.fsdecode(b"none \xff")
     for encoding in ("utf-8", "ascii"):
         done = subprocess.run(

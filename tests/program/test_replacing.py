@@ -1,6 +1,4 @@
-"""The commands' --out, --force and resume: inputs, other people's files and solved runs are never
-lost, states are told.
-"""
+"""--out, --force and resume never lose inputs, foreign files or solved runs."""
 
 from __future__ import annotations
 
@@ -17,17 +15,19 @@ import numpy as np
 import pytest
 
 from rolling import cli, commands
+from rolling.commands import work
 from rolling.folders import files, run_record
 from rolling.folders.run_record import RunRecord
 from rolling.report import page as report
 from rolling.scene import run_names
-from rolling.simulation import batch, result_file, simulate
+from rolling.simulation import batch, result_file, simulate, sound_files
 
 SCENE = """\
 name: small
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 128, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 128, seed: 3}
 rolling: {load_n: 0.2, speed_m_s: 0.1, duration_s: 0.002}
 """
 PAGE = f'<!doctype html><meta name="generator" content="{report.GENERATOR}">'.encode()
@@ -36,7 +36,7 @@ LONG = ("--set", "rolling.duration_s=2", "--workers", "1")
 
 @pytest.fixture(autouse=True)
 def _without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
+    monkeypatch.setattr(work, "write_pictures", lambda *_: [])
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def scene(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def out(scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
-    """A run that is done."""
+    """Return the folder of a finished run."""
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
     capsys.readouterr()
     return tmp_path / "out"
@@ -71,7 +71,7 @@ def bytes_in(folder: Path) -> dict[str, bytes]:
 
 
 def as_by_0_1_0(folder: Path) -> None:
-    """Make of a folder one of version 0.1.0: no run.json anywhere, a mark that it is finished."""
+    """Turn a folder into one of version 0.1.0, without run.json and with its mark `finished`."""
     for file in [*folder.rglob("run.json"), *folder.rglob(".lock")]:
         (file.parent / "finished").write_text("2026-01-01T00:00:00+00:00\n")
         file.unlink()
@@ -79,7 +79,7 @@ def as_by_0_1_0(folder: Path) -> None:
 
 @pytest.fixture
 def refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Callable[..., str]:
-    """Give a command, which must end with 2 and change nothing; returns its message."""
+    """Assert that a command ends with 2 and changes nothing; return its message."""
 
     def give(*arguments: object) -> str:
         before = bytes_in(tmp_path)
@@ -101,7 +101,7 @@ def refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Callable[...,
 
 
 def test_force_never_touches_what_is_not_a_run(scene, tmp_path, refused, monkeypatch) -> None:
-    """As it was: emptied with everything in it, before the scene was read."""
+    """An earlier version emptied such a folder before it read the scene."""
     proj = scene.parent
     assert "no run of this program" in refused("run", scene, "--out", proj, "--force")
     monkeypatch.chdir(proj)
@@ -199,11 +199,11 @@ def test_a_full_disk_after_some_steps_says_what_is_kept(
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(commands.sound_files, "write", full)
+    monkeypatch.setattr(sound_files, "write", full)
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 1
     message = capsys.readouterr().err
     assert (
-        f"what was solved before is kept in {tmp_path / 'out'}" in message
+        f"the steps solved before are kept in {tmp_path / 'out'}" in message
         and "rolling resume" in message
     )
     monkeypatch.undo()
@@ -245,7 +245,7 @@ def test_a_page_replaces_pages_only(out, tmp_path, refused, monkeypatch) -> None
 
 @pytest.mark.slow
 def test_a_run_in_progress_is_left_alone_by_all_commands(scene, tmp_path, refused) -> None:
-    """A real process: the second resume and --force name it; killed, it is in nobody's way."""
+    """A second resume and --force name the working process; once killed, it blocks nobody."""
     out = tmp_path / "long"
     command = [sys.executable, "-m", "rolling.cli", "run", str(scene), "--out", str(out), *LONG]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -325,18 +325,18 @@ def test_an_interrupted_sweep_waits(scene, tmp_path, monkeypatch, capsys) -> Non
         None,
     )
     monkeypatch.undo()
-    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
-    # One run by itself; then the sweep, in which nothing is left to solve.
+    monkeypatch.setattr(work, "write_pictures", lambda *_: [])
+    # One run by itself, the last one: the sweep is done with it, and nothing is solved again.
     waiting = next(name for name in record(out).runs if record(out / name).state == "waiting")
     assert cli.main(["resume", str(out / waiting), "--workers", "1"]) == 0
-    assert record(out / waiting).state == "done" and record(out).state == "waiting"
+    assert record(out / waiting).state == "done" and record(out).state == "done"
     monkeypatch.setattr(batch.simulate, "simulate_piece", None)
     assert cli.main(["resume", str(out), "--workers", "1"]) == 0
     assert record(out).state == "done"
 
 
 def test_values_that_print_alike_have_results_of_their_own(scene, tmp_path) -> None:
-    """As it was: one folder, in which the second seed's result replaced the first's."""
+    """An earlier version replaced the result of the first seed by that of the second."""
     out = tmp_path / "out"
     seeds = "sweep.surface.seed=[10000000000000000, 10000000000000001]"
     assert cli.main(["run", str(scene), "--set", seeds, "--out", str(out), "--workers", "1"]) == 0
@@ -355,7 +355,7 @@ def test_values_that_print_alike_have_results_of_their_own(scene, tmp_path) -> N
 
 
 def test_ten_swept_keys_have_a_folder_that_can_be_made(scene, tmp_path) -> None:
-    """As it was: File name too long, after the sweep's folder was made."""
+    """An earlier version failed with "File name too long" after it had made the sweep's folder."""
     keys = {
         "sphere.radius_mm": 5.123456789,
         "plate.youngs_modulus_gpa": 210.123456789,
@@ -379,7 +379,6 @@ def test_ten_swept_keys_have_a_folder_that_can_be_made(scene, tmp_path) -> None:
 
 
 # ---- folders of version 0.1.0
-# ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("sweep", [False, True])
@@ -453,7 +452,7 @@ def test_a_result_begun_by_another_state_of_the_program_is_said(out, capsys) -> 
 
 
 def test_the_heights_are_found_again_from_a_linked_folder(scene, tmp_path) -> None:
-    """As it was: the path led from the link's name, and so elsewhere."""
+    """An earlier version looked for the heights relative to the link."""
     np.save(scene.parent / "z.npy", np.random.default_rng(1).standard_normal((250, 40)) * 1e-8)
     scene.write_text(
         SCENE.replace(SCENE.splitlines()[3], "surface: {kind: file, path: z.npy, spacing_um: 2}")

@@ -1,6 +1,4 @@
-"""Run folders: the same numbers however they are made, nothing lost, nothing overwritten; new sound
-without a new solve.
-"""
+"""Run folders have the same numbers however they are made, and lose nothing."""
 
 from __future__ import annotations
 
@@ -28,7 +26,8 @@ SCENE = """\
 name: small
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 200, seed: 3}
 rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.009}
 """
 STEPS = 450
@@ -161,7 +160,7 @@ def start(scene: Path, out: Path, *more: str) -> subprocess.Popen:
 
 
 def wait_for_steps(out: Path, process: subprocess.Popen) -> None:
-    """Until the first piece has been kept."""
+    """Wait until the first piece has been kept."""
     for _ in range(1200):
         if process.poll() is not None:
             raise AssertionError(process.communicate())
@@ -272,6 +271,7 @@ def test_a_full_disk_keeps_what_was_written(
     assert cli.main(["resume", str(out), "--workers", "1"]) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.law("Speed: a speed times c multiplies the release power by c, without a new solve.")
 def test_resound_solves_nothing_and_speed_scales(
     scene: Path, tmp_path: Path, monkeypatch, capsys
@@ -308,6 +308,7 @@ def test_resound_solves_nothing_and_speed_scales(
     assert not (tmp_path / "no").exists()
 
 
+@pytest.mark.slow
 def test_laps_of_a_file_are_solved_once(scene: Path, tmp_path: Path) -> None:
     np.save(tmp_path / "z.npy", np.random.default_rng(1).standard_normal((40, 60)) * 2e-8)
     text = SCENE.replace(SCENE.splitlines()[3], "surface: {kind: file, path: z.npy, spacing_um: 2}")
@@ -381,6 +382,7 @@ def test_result_is_dimensioned_and_provenance_names_no_path(scene: Path, tmp_pat
     assert resolved.track.steps == 100
 
 
+@pytest.mark.slow
 def test_workers_pin_their_threads_and_leave_the_environment(
     scene: Path, tmp_path: Path, monkeypatch
 ) -> None:
@@ -390,10 +392,9 @@ def test_workers_pin_their_threads_and_leave_the_environment(
     assert os.environ["OMP_NUM_THREADS"] == "7"
 
 
+@pytest.mark.slow
 def test_pressure_maps_carry_the_load_whatever_the_pieces(scene: Path, tmp_path: Path) -> None:
-    """Along the track and resumed from a file: each map's pressures add up to the load, single
-    precision apart.
-    """
+    """The pressures of each map add up to the load in single precision."""
     assert cli.main(["run", str(scene), "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
     result = result_file.load(tmp_path / "out" / "result.h5")
     assert list(result.maps) == simulate.mapped_positions(STEPS).tolist()

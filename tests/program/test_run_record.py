@@ -1,6 +1,4 @@
-"""run.json: it comes back as it was written, and nothing that was damaged, changed or is foreign
-passes for it.
-"""
+"""run.json comes back as it was written, and no damaged or foreign file passes for it."""
 
 from __future__ import annotations
 
@@ -132,13 +130,10 @@ def test_random_damage_never_gives_a_traceback(
 
 
 # ---- who made it
-# -----------------------------------------------------------------------------------------------------
 
 
 def test_the_digest_follows_every_module_and_asset(tmp_path: Path) -> None:
-    """In a copy: equal as it is, another after a change of one byte in a module, a nested module or
-    an asset, or a new module.
-    """
+    """The digest of a copy changes with any byte of a module or asset, and with a new module."""
     root = Path(program.__file__).parents[2]
     for package in ("rolling", "acoustics"):
         shutil.copytree(
@@ -147,8 +142,14 @@ def test_the_digest_follows_every_module_and_asset(tmp_path: Path) -> None:
 
     def digest() -> str:
         code = "from rolling.folders import program; print(program.sources_digest())"
-        printed = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(tmp_path)},
-                                 capture_output=True, text=True, check=True)  # fmt: skip
+        printed = subprocess.run(
+            [sys.executable, "-c", code],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
         return printed.stdout.strip()
 
     digests = [digest()]
@@ -173,12 +174,13 @@ def test_the_identity_names_the_commit_of_a_checkout(monkeypatch: pytest.MonkeyP
 
 
 # ---- processes
-# -------------------------------------------------------------------------------------------------------
 
 
 def test_processes_are_recognised(monkeypatch: pytest.MonkeyPatch) -> None:
-    """This one lives; an ended one, one of its number born at another time and one before the last
-    boot do not.
+    """Only this process lives.
+
+    A process that ended, a process of its number born at another time and a process from before
+    the last boot do not.
     """
     own = process.this_process()
     assert own.pid == os.getpid() and own.started and process.is_alive(own) is True
@@ -205,7 +207,7 @@ def test_processes_are_recognised(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_processes_are_recognised_without_proc(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """As on systems that have no /proc, by the start that `ps` prints."""
+    """Systems without /proc use the start that `ps` prints."""
     if shutil.which("ps") is None:
         pytest.skip("no ps here")
     monkeypatch.setattr(process, "PROC", tmp_path)

@@ -1,4 +1,4 @@
-"""Every scene in scenarios/ runs, shortened, through the command line, and leaves what it promises."""
+"""Every scene in scenarios/ runs, shortened, from the command line and leaves its files."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TRACK_M = 300e-6  # wider than any contact at half a newton
 
 
 def shortened(path: Path) -> list[str]:
-    """Settings that make a scene short and light; a file is its own track."""
+    """Return settings that make a scene short and light; a height file is its own track."""
     scene = scene_file.read_scene(path)
     if isinstance(scene.surface, HeightFile):
         return []

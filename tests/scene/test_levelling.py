@@ -1,6 +1,4 @@
-"""Tilt and seam of heights: periodic surfaces of every kind keep theirs, crops and tilts of larger
-ones are recognised.
-"""
+"""Periodic surfaces keep their heights, and tilted crops of larger surfaces are detected."""
 
 from __future__ import annotations
 
@@ -20,7 +18,7 @@ def made(shape: tuple[int, int], lengths: tuple[float, float], law: str, seed: i
 
 
 def dents(shape: tuple[int, int], across: bool, rng: np.random.Generator) -> np.ndarray:
-    """Up to a dozen pits, or grooves across the track, of any depth and width, wrapped around."""
+    """Return up to a dozen pits, or grooves across the track, wrapped around."""
     rows, columns = np.arange(shape[0])[:, None], np.arange(shape[1])[None, :]
     heights = np.zeros(shape)
     for _ in range(rng.integers(1, 13)):
@@ -35,7 +33,7 @@ def dents(shape: tuple[int, int], across: bool, rng: np.random.Generator) -> np.
 
 
 def plateaus(shape: tuple[int, int], rng: np.random.Generator) -> np.ndarray:
-    """Cliffs up and down, anywhere round the period, and a little noise."""
+    """Return cliffs up and down, anywhere round the period, with a little noise."""
     heights = 1e-9 * rng.standard_normal(shape)
     first, last = np.sort(rng.integers(0, shape[0], 2))
     heights[first:last] += 1e-6
@@ -66,10 +64,10 @@ def periodic(shape: tuple[int, int], rng: np.random.Generator) -> list[np.ndarra
 
 
 def test_hardly_any_periodic_surface_is_called_seamed() -> None:
-    """4,200 seams of random, pitted, grooved, stepped and spiky surfaces.
+    """Of 4,200 seams of random, pitted, grooved, stepped and spiky surfaces few stand out.
 
-    Ten times as many held 12 false ones (3e-4), 9 of them with eight rows. From a mean of 1.2, more
-    than five have a likelihood of 2e-3; of the longer ones, more than two of 4e-3.
+    Ten times as many had 12 false ones (3e-4), 9 of them with eight rows. From a mean of 1.2,
+    more than five have a likelihood of 2e-3; of the longer ones, more than two of 4e-3.
     """
     rng = np.random.default_rng(3)
     surfaces = [heights for shape in SHAPES for _ in range(20) for heights in periodic(shape, rng)]
@@ -81,8 +79,9 @@ def test_hardly_any_periodic_surface_is_called_seamed() -> None:
 
 
 def test_quanta_of_the_instrument_are_no_seam() -> None:
-    """Medians of quantized heights are zero or a whole quantum: 1,200 seams, 0.3 to 30 quanta per
-    Rq. Seven thousand held none.
+    """Quantized heights of 0.3 to 30 quanta per Rq show no seam in 1,200 trials.
+
+    Their medians are zero or a whole quantum. In seven thousand trials none appeared either.
     """
     rng = np.random.default_rng(5)
     false = 0
@@ -99,8 +98,9 @@ def test_quanta_of_the_instrument_are_no_seam() -> None:
 
 @pytest.mark.parametrize("law", ["gaussian", "exponential"])
 def test_crops_of_larger_surfaces_are_recognised(law: str) -> None:
-    """At 5 nodes per correlation length, trials missed 4 % of crops of 32 x 32 nodes, 0 to 2 % of
-    those of 64 x 64.
+    """Crops with 5 nodes per correlation length are detected.
+
+    Trials missed 4 % of crops of 32 x 32 nodes, and 0 to 2 % of 64 x 64.
     """
     seen = []
     for seed in range(20):
@@ -110,8 +110,9 @@ def test_crops_of_larger_surfaces_are_recognised(law: str) -> None:
 
 
 def test_a_tilted_crop_is_levelled_along_its_tilt_only() -> None:
-    """1 um over 4 mm on Ra 0.1 um, as on a real measuring table; slopes are those of the tilt but
-    for the crop's own random one.
+    """1 um over 4 mm on Ra 0.1 um, as on a measuring table, is subtracted.
+
+    The slopes are those of the tilt, apart from the random slope of the crop.
     """
     larger = surface.gaussian((2400, 180), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 4)
     crop = larger[:2000, :128] - larger[:2000, :128].mean()
@@ -132,7 +133,7 @@ def test_a_tilted_crop_is_levelled_along_its_tilt_only() -> None:
 
 
 def test_spikes_of_the_instrument_do_not_hide_the_tilt() -> None:
-    """Single nodes 20 um high: the rms of their rows is above the seam's, their median is not."""
+    """Single nodes 20 um high raise the rms of their rows above the seam's, not the median."""
     rng = np.random.default_rng(0)
     heights = (
         surface.gaussian((400, 100), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 4)
@@ -156,7 +157,7 @@ def test_periodic_heights_are_returned_bit_by_bit(mode: str) -> None:
 
 
 def test_plane_is_always_taken_off() -> None:
-    """The residual has no plane left, and what was taken is a plane: its second differences vanish."""
+    """The residual has no plane left, and the second differences of the plane vanish."""
     heights = surface.gaussian((60, 50), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 3)
     level, how = levelling.level(heights, SPACING, "plane")
     assert all(how.taken)

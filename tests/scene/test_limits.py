@@ -1,4 +1,4 @@
-"""What cannot fit is refused before anything is computed or written, by numbers that were measured."""
+"""A scene that cannot fit is refused by measured numbers, before anything is written."""
 
 from __future__ import annotations
 
@@ -21,10 +21,17 @@ from rolling.scene import file as scene_file
 from rolling.scene import yaml_text
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
+from rolling.scene.sections import Rolling
 from rolling.simulation import simulate
 
-STEEL = "sphere: {radius_mm: 5}\nplate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}\n"
-MADE = "surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 200, seed: 3}\n"
+STEEL = (
+    "sphere: {radius_mm: 5}\n"
+    "plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}\n"
+)
+MADE = (
+    "surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, "
+    "spacing_um: 2, width_um: 200, seed: 3}\n"
+)
 FILE = "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
 
 
@@ -37,7 +44,7 @@ def scene_of(folder: Path, surface: str, rest: str) -> Path:
 def refusal(
     arguments: Sequence[str | Path], folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> str:
-    """Message of a command that ends with 2 and leaves the folder as it was."""
+    """Return the message of a command that ends with 2 and leaves the folder as it was."""
     before = sorted(folder.rglob("*"))
     assert cli.main([str(argument) for argument in arguments]) == 2
     assert sorted(folder.rglob("*")) == before
@@ -45,11 +52,10 @@ def refusal(
 
 
 # ---- the machine
-# -----------------------------------------------------------------------------------------------------
 
 
 def group(folder: Path, files: dict[str, str], lines: str) -> float:
-    """Limit by the control groups in a folder."""
+    """Return the limit of the control groups in a folder."""
     for name, text in files.items():
         file = folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -95,7 +101,6 @@ def test_free_disk_is_that_of_the_nearest_folder_there_is(tmp_path: Path) -> Non
 
 
 # ---- the estimate
-# ----------------------------------------------------------------------------------------------------
 
 # Measured: the peak of the resident memory of all processes, and the size of the folder without the
 # copy of result.h5 that stands beside it while it is written [MB]. The constants were fitted to the
@@ -165,7 +170,7 @@ MEASURED = [
         "{load_n: 1, speed_m_s: 0.1, duration_s: 0.003}\n" + FORTY,
         2,
         643,
-        50,
+        13,
     ),
     (
         "wider",
@@ -210,7 +215,7 @@ def test_estimate_is_the_measured_size_to_twice_of_it(
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run of some steps."""
+    """Return a run of some steps."""
     folder = tmp_path_factory.mktemp("limits")
     commands.run(
         scene_of(folder, MADE, "{load_n: 1, speed_m_s: 0.1, duration_s: 0.002}"),
@@ -221,7 +226,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def estimate_and_files(folder: Path) -> tuple[Scene, float, int]:
-    """Scene of a run, estimated bytes on disk, and those there are."""
+    """Return the scene of a run, its estimated bytes on disk, and its bytes on disk."""
     scene = scene_file.read_scene(folder / "scene.yaml")
     needed = demand.of_scenes([(scene, cost.roughness(scene)[0])], 1).disk.total
     return scene, needed, sum(file.stat().st_size for file in folder.iterdir())
@@ -250,7 +255,6 @@ def largest_parts(text: str) -> list[tuple[str, float]]:
 
 
 # ---- the refusal
-# -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -352,7 +356,7 @@ sys.exit(cli.main(sys.argv[1:]))
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of a process as on Linux")
 @pytest.mark.parametrize("command", ["run", "check"])
 def test_height_file_of_50_gb_is_refused_by_its_header(tmp_path: Path, command: str) -> None:
-    """Within 3 GB of address space: were the file read or mapped, the process would fail otherwise."""
+    """In 3 GB of address space a process that read or mapped the file would fail otherwise."""
     with (tmp_path / "heights.npy").open("wb") as stream:
         np.lib.format.write_array_header_1_0(
             stream, {"descr": "<f8", "fortran_order": False, "shape": (62500, 100000)}
@@ -379,11 +383,10 @@ def test_height_file_of_50_gb_is_refused_by_its_header(tmp_path: Path, command: 
 
 
 # ---- scene files
-# -----------------------------------------------------------------------------------------------------
 
 
 def fault_of(path: Path) -> str:
-    """Fault of a file, read in a thread: a reader that waits for ever must not hold the tests up."""
+    """Return the fault of a file; a thread reads it, so that no reader can hang the tests."""
     caught: list[str] = []
 
     def read() -> None:
@@ -458,7 +461,7 @@ def test_scene_file_of_more_than_a_megabyte_is_refused(tmp_path: Path) -> None:
 
 
 def bomb(letter: str = "*") -> str:
-    """Four lists of a hundred, each of the one before: 10^8 values in 2 kB."""
+    """Return four lists of a hundred, each of the list before: 10^8 values in 2 kB."""
     lists = "".join(
         f"{b}: &{b} [{', '.join([f'{letter}{a}'] * 100)}]\n" for a, b in ("ab", "bc", "cd")
     )
@@ -466,7 +469,7 @@ def bomb(letter: str = "*") -> str:
 
 
 def test_aliases_count_as_what_they_stand_for() -> None:
-    too_many = "more than 100,000 keys and values, aliases counted as what they stand for"
+    too_many = "more than 100,000 keys and values, each alias counted with all its values"
     assert faults(bomb()) == [f"s.yaml:3: {too_many}"]
     assert faults(PLAIN, f"rolling.speed_m_s=[&a [{'1, ' * 999}1], {'*a, ' * 100}*a]") == [
         f"--set: rolling.speed_m_s: {too_many}"
@@ -474,7 +477,7 @@ def test_aliases_count_as_what_they_stand_for() -> None:
     # Merged maps: each holds the two before it.
     merges = "".join(f"m{i}: &m{i} {{k{i}: 1, <<: [*m{i - 1}, *m{i - 2}]}}\n" for i in range(2, 40))
     assert faults(f"m0: &m0 {{x: 1}}\nm1: &m1 {{y: 1}}\n{merges}")[0].endswith(too_many)
-    assert faults("a: &a [1, *a]\n") == ["s.yaml:1: an alias of what it stands in"]
+    assert faults("a: &a [1, *a]\n") == ["s.yaml:1: an alias of a value that contains it"]
 
 
 def test_scene_whose_resolved_form_could_not_be_read_again_is_refused(
@@ -529,7 +532,7 @@ def test_number_of_runs_is_limited_before_any_of_them_is_made(monkeypatch) -> No
 
 
 def test_faults_of_many_runs_are_named_up_to_a_hundred() -> None:
-    """Quickly, too: the words of a fault take longer than to find it, and many runs share one."""
+    """The words of a fault take longer than its check, and many runs share a fault."""
     named = faults(swept(2000, "-{}"))
     assert len(named) == 101
     assert named[99].startswith("s.yaml:19: sweep.rolling.load_n[99]: got -100")
@@ -544,3 +547,43 @@ def test_words_of_a_value_are_short() -> None:
         for fault in faults(PLAIN.replace("load_n: 20", "load_n: [" + "1, " * 5000 + "1]"))
     )
     assert all(len(fault) < 300 for fault in faults(PLAIN + '"' + "k" * 5000 + '": 1\n'))
+
+
+# ---- keys and numbers that no scene has
+# --------------------------------------------------------------------------------------------
+
+LONG_HEX, LONG_DECIMAL = "0x" + "f" * 5000, "1" + "0" * 5000
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("[a, b]: 1", "got a list or section as a key, allowed: the name of a key"),
+        ("{a: b}: 1", "got a list or section as a key"),
+        ("? [a, {c: d}]\n: 1", "unhashable"),
+        (f"? {LONG_HEX}\n: 1", "got a very long whole number as a key"),
+        (f"x: {LONG_HEX}", "x: got a whole number of more than 301 digits"),
+        (f"x: [{LONG_HEX}]", "x[0]: got a whole number of more than 301 digits"),
+        (f"x: {LONG_DECIMAL}", "got a whole number of 5,001 digits, allowed: shorter ones"),
+        (f"sweep: {{? {LONG_HEX} : [1]}}", "got a very long whole number as a key"),
+    ],
+)
+def test_keys_and_numbers_that_no_scene_has_are_refused_in_words(line: str, message: str) -> None:
+    with pytest.raises(SceneError) as error:
+        scene_file.loads(f"name: odd\n{line}\n", where="s.yaml")
+    (text,) = error.value.faults
+    assert message in text and "set_int_max_str_digits" not in text
+    assert text.startswith("s.yaml:2: ") or message == "unhashable"
+
+
+def test_long_numbers_from_python_are_refused_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    ignored: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", ignored.append)  # would print a traceback
+    for value in (16**5000, [16**5000], -(10**400)):
+        with pytest.raises(SceneError, match="load_n: got"):
+            Rolling(load_n=value, speed_m_s=1)  # type: ignore[arg-type]
+        with pytest.raises(SceneError, match="speed_m_s: got"):
+            Rolling(load_n=1, speed_m_s=value)  # type: ignore[arg-type]
+        with pytest.raises(SceneError, match="load_n: got"):
+            Scene.from_dict({"rolling": {"load_n": value}})
+    assert not ignored

@@ -1,6 +1,4 @@
-"""Heights from a file through check and run: tilt, seam and resolution in numbers; a record over a
-seam does not loop.
-"""
+"""Check and run report tilt, seam and resolution of measured heights in numbers."""
 
 from __future__ import annotations
 
@@ -13,11 +11,12 @@ import pytest
 from rolling import cli, commands
 from rolling.check import cost, findings
 from rolling.check.finding import Finding
+from rolling.commands import work
 from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.sound import contact_sound as sound
+from rolling.surface import height_file, scene_surface
 from rolling.surface import heights as surface
-from rolling.surface import scene_surface
 
 SPACING = 2e-6
 TEXT = """\
@@ -36,7 +35,7 @@ def gaussian(rows: int, columns: int, nodes: float = 6.0, seed: int = 3) -> np.n
 
 
 def tilted_crop() -> np.ndarray:
-    """A fifth of a surface on a table that rises by 1 um."""
+    """Return a fifth of a surface on a table that rises by 1 um."""
     return gaussian(1000, 120)[:200, :80] + np.linspace(0, 1e-6, 200)[:, None]
 
 
@@ -52,7 +51,6 @@ def found(folder: Path, heights: np.ndarray, *overrides: str) -> dict[str, Findi
 
 
 # ---- Tilt and seam
-# ---------------------------------------------------------------------------------------------------
 
 
 def test_check_says_what_was_taken_off_and_what_stays(tmp_path: Path) -> None:
@@ -90,15 +88,16 @@ def test_periodic_heights_have_no_finding_but_values(tmp_path: Path) -> None:
     assert {
         key: got[key].warning for key in ("level", "seam", "form", "correlation_nodes")
     } == dict.fromkeys(("level", "seam", "form", "correlation_nodes"))
-    read = surface.read(tmp_path / "heights.npy")
+    read = height_file.read(tmp_path / "heights.npy")
     for mode in ("auto", "none"):
         given = file.loads(TEXT, [f"surface.level={mode}"], folder=tmp_path)
         assert np.array_equal(scene_surface.heights(given), read)
 
 
 def test_all_numbers_are_of_the_levelled_heights(tmp_path: Path) -> None:
-    """Roughness for the window and the slope, statistics and march read the same heights, and none
-    reads them again.
+    """Roughness, slope, statistics and march use the same levelled heights.
+
+    No part reads the file again.
     """
     given = scene(tmp_path, tilted_crop())
     heights = scene_surface.heights(given)
@@ -138,7 +137,7 @@ def test_level_is_a_key_with_three_values(tmp_path: Path) -> None:
 def test_run_over_a_seam_says_so_and_does_not_loop(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])  # slow, and not of the subject
+    monkeypatch.setattr(work, "write_pictures", lambda *_: [])  # slow, and not of the subject
     scene(tmp_path, tilted_crop())
     (tmp_path / "measured.yaml").write_text(TEXT)
     out = tmp_path / "out"
@@ -178,14 +177,13 @@ def test_levels_over_a_seam_are_those_of_the_closed_record(tmp_path: Path) -> No
 
 
 # ---- Resolution
-# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("law", sorted(surface.AUTOCORRELATIONS))
 def test_correlation_length_is_that_of_the_law(law: str) -> None:
-    """1/e of exp(-d (r/L)^k) is at L d^(-1/k).
+    """exp(-d (r/L)^k) falls to 1/e at L d^(-1/k).
 
-    Some 5,000 correlation areas: 2 %, and the chord of the interpolation.
+    About 5,000 correlation areas leave 2 %, and the chord of the interpolation adds to it.
     """
     decay, exponent = surface.AUTOCORRELATIONS[law]
     heights = surface.gaussian((1500, 400), SPACING, 1e-7, (8 * SPACING, 5 * SPACING), law, 1)

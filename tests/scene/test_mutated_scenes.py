@@ -1,130 +1,63 @@
-"""Scene texts broken at random: each is read and checked, or refused in words, and quickly; nothing
-else ever happens.
+"""Scenes and height files broken at random: each is read and checked, or refused in words, and
+quickly; nothing else ever happens.
 """
 
 from __future__ import annotations
 
 import random
 import time
+from pathlib import Path
 
 import pytest
-from scene_text import SCENES, TEXT
+from mutated_texts import mutated
+from mutations import CASES, outcome, texts
+from scene_text import SCENES
 
 from rolling.check import findings
 from rolling.scene import file
 from rolling.scene.messages import SceneError
 
-SECONDS = 2.0  # of processor time for one text
-TEXTS = [TEXT, *(path.read_text(encoding="utf-8") for path in SCENES)]
-LETTERS = "[]{}:,-&*?!|>'\"#%@`~<= \n\t\\.0123456789eE+_xnulltrue\u00e9\U0001f600\x00\ufeff\u2028"
-VALUES = [
-    *(
-        "0",
-        "-1",
-        "3",
-        "64",
-        "0.1",
-        "1e9",
-        "1e-7",
-        "1e15",
-        "1e-15",
-        "1e300",
-        "1e-300",
-        "1e400",
-        "999999999999999999999999",
-    ),
-    *(
-        "0x10",
-        "0o7",
-        "1_000",
-        "12:30",
-        "2001-01-01",
-        ".inf",
-        "-.inf",
-        ".nan",
-        "~",
-        "true",
-        "no",
-        "'20'",
-        "''",
-    ),
-    *("[]", "{}", "[1]", "{a: 1}", "*r", "&r", "!t", "|-", ">", "<<"),
-]
-LINES = (
-    "<<: *r",
-    "sweep: {rolling.load_n: [1, 2, 3]}",
-    "sweep: {surface.seed: [" + ", ".join(map(str, range(300))) + "]}",
-    "sweep: {rolling.load_n: [1, 2], sphere.radius_mm: [1, 2], surface.spacing_um: [1, 2], rolling.speed_m_s: [1, 2]}",
-    "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\nb: &b [*a, *a, *a, *a, *a]\nc: [*b, *b, *b, *b, *b]",
-    "m: &m {x: 1}\nn: {<<: [*m, *m]}",
-    "rolling: {load_n: 1, speed_m_s: [[0, 1], [1, 1000], [1e6, 0]], duration_s: 1e5}",
-    "recovery: {events: true}",
-    "sound: {loudness: true, gain_pa_per_w_m2: 1e15}",
-    "---",
-    "...",
-    "%YAML 1.1",
-    "[" * 40,
-    "- " * 40,
-    "numerics: {step_nodes: 0.0625, tolerance: 1e-12, edges: sharp, precision: double}",
-)
+SECONDS = 2.0  # of processor time for one case
+SHORT, LONG = 100, 3400  # cases of each kind; together the long ones are 10,200
 
 
-def mutated(text: str, chance: random.Random) -> str:
-    """A text with one to three changes: of a letter, of a value, of a line, or of a part that moves
-    elsewhere.
-    """
-    for _ in range(chance.randint(1, 3)):
-        at = chance.randrange(len(text) + 1)
-        lines = text.split("\n")
-        k = chance.randrange(len(lines))
-        match chance.randrange(8):
-            case 0:
-                text = text[:at] + chance.choice(LETTERS) + text[at:]
-            case 1:
-                text = text[:at] + text[at + chance.randint(1, 12) :]
-            case 2 | 3:  # a value
-                head, colon, _ = lines[k].partition(": ")
-                lines[k] = head + colon + chance.choice(VALUES)
-                text = "\n".join(lines)
-            case 4:
-                lines.insert(k, chance.choice(LINES))
-                text = "\n".join(lines)
-            case 5:
-                lines.insert(chance.randrange(len(lines)), " " * chance.randrange(4) + lines[k])
-                text = "\n".join(lines)
-            case 6:
-                del lines[k]
-                text = "\n".join(lines)
-            case 7:  # a word
-                words = text.split(" ")
-                words[chance.randrange(len(words))] = chance.choice(VALUES)
-                text = " ".join(words)
-    return text
+def assert_read_or_refused(kind: str, numbers: range, folder: Path) -> None:
+    outcomes = set()
+    for number in numbers:
+        began = time.process_time()
+        try:
+            outcomes.add(outcome(lambda: CASES[kind](number, folder)))  # noqa: B023
+        except Exception as error:
+            raise AssertionError(f"the {kind} of number {number}") from error
+        assert time.process_time() - began < SECONDS, (kind, number)
+    assert outcomes == {"read", "refused"}  # neither is rare, so both ways are tried
 
 
-def outcome(text: str, solve: bool = False) -> str:
-    """Read and check a text; the kind of its outcome."""
-    try:
-        scene = file.loads(text, where="s.yaml", folder=SCENES[0].parent)
-        str(findings.check_scene(scene, solve))
-    except SceneError as error:
-        assert error.faults and all(fault.strip() for fault in error.faults)
-        assert len(str(error)) < 100_000
-        return "refused"
-    return "read"
+@pytest.mark.parametrize("kind", CASES)
+def test_mutations_are_checked_or_refused_in_words_and_quickly(kind: str, tmp_path: Path) -> None:
+    assert_read_or_refused(kind, range(SHORT), tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", CASES)
+def test_many_mutations_are_checked_or_refused_in_words_and_quickly(
+    kind: str, tmp_path: Path
+) -> None:
+    assert_read_or_refused(kind, range(SHORT, SHORT + LONG), tmp_path)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
-def test_mutated_scenes_are_read_or_refused_in_words_and_quickly(seed: int) -> None:
+def test_solved_positions_of_mutated_scenes_end_in_no_traceback(seed: int) -> None:
+    """They have a budget of their own (test_check), so they are not timed here."""
     chance = random.Random(seed)
-    outcomes = []
+    read = 0
     for _ in range(40):
-        text = mutated(chance.choice(TEXTS), chance)
-        began = time.process_time()
-        outcomes.append(outcome(text))
-        assert time.process_time() - began < SECONDS, text
-        # The solved positions have a budget of their own (test_check); here they must not end in a
-        # traceback.
-        assert outcomes[-1] == "refused" or outcome(text, solve=True) in ("read", "refused")
-    assert set(outcomes) == {"read", "refused"}  # neither is rare, so both ways are tried
+        text = mutated(chance.choice(texts()), chance)
+        try:
+            scene = file.loads(text, where="s.yaml", folder=SCENES[0].parent)
+            str(findings.check_scene(scene, solve=True))
+            read += 1
+        except SceneError:
+            continue
+    assert read

@@ -1,6 +1,4 @@
-"""The solved positions of check against marches of the same scene; scenes that Hertz calls elastic
-yield at their asperities.
-"""
+"""The solved positions of check agree with a march of the same scene."""
 
 from __future__ import annotations
 
@@ -23,7 +21,8 @@ TEXT = """\
 name: trial
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 160, seed: 1}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 160, seed: 1}
 rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.008}
 """
 
@@ -37,7 +36,7 @@ def solved(given: Scene) -> dict[str, Finding]:
 
 
 def test_a_scene_below_the_hertz_limit_yields_at_its_asperities() -> None:
-    """Hertz's pressure at 1 N is 0.75 GPa, the hardness 2.1 GPa."""
+    """Asperities yield at 1 N, where Hertz's pressure is 0.75 GPa and the hardness 2.1 GPa."""
     closed_forms = {finding.key: finding for finding in findings.findings(scene())}
     assert closed_forms["hardness"].value == (
         "2.1 GPa, above the Hertz pressure of a smooth sphere; asperities may yield"
@@ -55,8 +54,9 @@ def test_a_scene_below_the_hertz_limit_yields_at_its_asperities() -> None:
 
 
 def test_numbers_are_those_of_a_march() -> None:
-    """Every solved position is one that the march passes; its areas differ by the march's start, a
-    thousandth. The mean of the march, over 400 positions, lies within the range of the eight.
+    """Every solved position has the areas of the march to a thousandth.
+
+    The mean of the march over 400 positions lies within the range of the eight.
     """
     given = scene()
     (got,) = probe.probes([given])
@@ -81,8 +81,9 @@ def test_numbers_are_those_of_a_march() -> None:
 
 
 def test_time_of_a_step_is_that_of_a_run() -> None:
-    """Times of a busy machine vary; compilation or the first transforms would be off by a factor of
-    ten and more.
+    """The stated time per step is right within the variation of a busy machine.
+
+    Compilation or the first transforms would be off by a factor of ten or more.
     """
     given = scene("rolling.duration_s=0.004")
     (got,) = probe.probes([given])

@@ -1,6 +1,4 @@
-"""The ball on its contact: its frequency by hand, and a warning that weighs speed, surface and the
-simulated band.
-"""
+"""The contact resonance agrees with a hand calculation; its warning weighs speed and surface."""
 
 from __future__ import annotations
 
@@ -15,7 +13,8 @@ TEXT = """\
 name: trial
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 512, seed: 1}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 512, seed: 1}
 rolling: {load_n: 20, speed_m_s: 0.1, duration_s: 0.5}
 """
 
@@ -61,9 +60,7 @@ def test_message_says_which_density_was_taken() -> None:
 
 
 def test_warning_weighs_the_speed() -> None:
-    """By the model of the contact's dynamics at 20 N: -44 dB of the sound at 0.1 m/s, -25 at 0.3,
-    -6 at 1 m/s.
-    """
+    """A model of the dynamics at 20 N gives -44 dB at 0.1 m/s, -25 at 0.3 and -6 at 1 m/s."""
     for speed, part in (
         (0.1, "30 dB or more below"),
         (0.3, "its part is heard"),
@@ -72,14 +69,15 @@ def test_warning_weighs_the_speed() -> None:
         text = str(warning(f"rolling.speed_m_s={speed}"))
         assert f"at {speed} m/s" in text and part in text
     assert "waves of 7.15 um" in str(warning())  # 0.1 m/s over 13.98 kHz
-    # The greatest speed that is reached counts, one that is not reached does not.
+    # Only the maximum speed that the record reaches counts.
     assert "a large part" in str(warning("rolling.speed_m_s=[[0, 0.1], [0.1, 1]]"))
     assert "30 dB or more" in str(warning("rolling.speed_m_s=[[0, 0.1], [5, 0.1], [6, 9]]"))
 
 
 def test_warning_weighs_the_surface() -> None:
-    """Without waves of the resonance there is little to feed it: at 1 m/s and 100 um the model says
-    -23 dB.
+    """Without waves of the resonance there is no warning.
+
+    At 1 m/s and 100 um the model gives -23 dB.
     """
     assert "its part is heard" in str(
         warning("rolling.speed_m_s=1", "surface.correlation_length_um=100")

@@ -1,6 +1,4 @@
-"""Names of the runs of a sweep: different whatever the values, as before where they were short and
-different.
-"""
+"""The runs of a sweep have different names for any values."""
 
 from __future__ import annotations
 
@@ -35,9 +33,20 @@ def test_seeds_that_print_alike_have_folders_of_their_own() -> None:
 
 
 def test_long_names_are_shortened_to_different_ones() -> None:
-    keys = ["sphere.radius_mm", "plate.youngs_modulus_gpa", "plate.poissons_ratio", "plate.hardness_gpa",
-            "surface.roughness_ra_um", "surface.correlation_length_um", "surface.seed", "rolling.load_n", "rolling.speed_m_s",
-            "rolling.duration_s", "sound.distance_m", "sound.q"]  # fmt: skip
+    keys = [
+        "sphere.radius_mm",
+        "plate.youngs_modulus_gpa",
+        "plate.poissons_ratio",
+        "plate.hardness_gpa",
+        "surface.roughness_ra_um",
+        "surface.correlation_length_um",
+        "surface.seed",
+        "rolling.load_n",
+        "rolling.speed_m_s",
+        "rolling.duration_s",
+        "sound.distance_m",
+        "sound.q",
+    ]
     values = [
         dict.fromkeys(keys, 0.123456789) | {"sound.q": q, "rolling.load_n": w}
         for q in (0.1, 0.2)

@@ -1,6 +1,4 @@
-"""Scene files: faults of text and overrides with their lines, round trips, new sound for a stored
-scene, the schema.
-"""
+"""Scene files report faults with their lines, and survive a round trip."""
 
 import math
 import pickle
@@ -19,7 +17,6 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
 
 # ---- Messages
-# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -32,7 +29,8 @@ from rolling.scene.sections import STEP_NODES
         ),
         (
             "- name: x\n",
-            's.yaml:1: got [{"name": "x"}], allowed: a scene of keys and values, the first being name',
+            's.yaml:1: got [{"name": "x"}], allowed: a scene of keys and values, the first being '
+            "name",
         ),
         (
             "hello",
@@ -107,7 +105,6 @@ def test_aliases_cannot_grow_without_end() -> None:
 
 
 # ---- Reading and writing
-# ---------------------------------------------------------------------------------------------
 
 
 def test_numbers_of_yaml() -> None:
@@ -163,7 +160,6 @@ def test_round_trip_of_any_value(
 
 
 # ---- Overrides
-# -------------------------------------------------------------------------------------------------------
 
 
 def test_overrides() -> None:
@@ -204,12 +200,14 @@ def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
     [
         (
             "rolling.lod_n=5",
-            "--set: rolling.lod_n: unknown key, nearest: rolling.load_n, allowed: load_n, speed_m_s, duration_s,"
+            "--set: rolling.lod_n: unknown key, nearest: rolling.load_n, allowed: load_n, "
+            "speed_m_s, duration_s,"
             " start_um",
         ),
         (
             "rolling.speed=5",
-            "--set: rolling.speed: unknown key, nearest: rolling.speed_m_s, allowed: load_n, speed_m_s, duration_s,"
+            "--set: rolling.speed: unknown key, nearest: rolling.speed_m_s, allowed: load_n, "
+            "speed_m_s, duration_s,"
             " start_um",
         ),
         ("load_n=5", "--set: load_n: unknown key, nearest: rolling.load_n"),
@@ -242,13 +240,15 @@ def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
         ),
         (
             "sweep.rolling.lod_n=[5]",
-            "--set: sweep.rolling.lod_n: unknown key, nearest: sweep.rolling.load_n, allowed: load_n, speed_m_s,"
+            "--set: sweep.rolling.lod_n: unknown key, nearest: sweep.rolling.load_n, allowed: "
+            "load_n, speed_m_s,"
             " duration_s, start_um",
         ),
         (
             "sphere.poissons_ratio=0.3",
-            "s.yaml:2: sphere.youngs_modulus_gpa: missing beside poissons_ratio; an elastic sphere needs both, a"
-            " rigid one neither",
+            "s.yaml:2: sphere.youngs_modulus_gpa: missing beside poissons_ratio; an elastic sphere "
+            "needs both, a"
+            " rigid sphere neither",
         ),
     ],
 )
@@ -257,7 +257,6 @@ def test_message_of_override(override: str, message: str) -> None:
 
 
 # ---- New sound
-# -------------------------------------------------------------------------------------------------------
 
 
 def test_resound() -> None:
@@ -297,11 +296,10 @@ def test_resound_refusals() -> None:
 
 
 # ---- The schema
-# ------------------------------------------------------------------------------------------------------
 
 
 def resolved(node: dict[str, Any], root: dict[str, Any]) -> list[dict[str, Any]]:
-    """A schema node and its alternatives, references followed."""
+    """Return a schema node and its alternatives, with references followed."""
     if "$ref" in node:
         return resolved(root["$defs"][node["$ref"].rpartition("/")[2]], root)
     parts = node.get("anyOf") or node.get("oneOf")
@@ -309,7 +307,7 @@ def resolved(node: dict[str, Any], root: dict[str, Any]) -> list[dict[str, Any]]
 
 
 def accepts(node: dict[str, Any], value: Any, root: dict[str, Any]) -> bool:
-    """As much of JSON Schema as ours uses."""
+    """Validate by the part of JSON Schema that the schema uses."""
     for leaf in resolved(node, root):
         if value != leaf.get("const", value) or value not in leaf.get("enum", [value]):
             continue
@@ -337,9 +335,9 @@ def accepts(node: dict[str, Any], value: Any, root: dict[str, Any]) -> bool:
                 low, high = leaf.get("minimum", -math.inf), leaf.get("maximum", math.inf)
                 if low <= value <= high and value > leaf.get("exclusiveMinimum", -math.inf):
                     return True
-        elif kind is None and "enum" in leaf:  # words and numbers
-            return True
-        elif isinstance(value, {"string": str, "boolean": bool, "null": type(None)}[kind]):
+        elif (kind is None and "enum" in leaf) or isinstance(
+            value, {"string": str, "boolean": bool, "null": type(None)}[kind]
+        ):  # words and numbers
             return True
     return False
 

@@ -1,4 +1,4 @@
-"""Scenes built and changed in Python: the same scenes and the same messages as from a file."""
+"""Scenes built in Python are the same, with the same messages, as scenes from a file."""
 
 from __future__ import annotations
 
@@ -36,7 +36,6 @@ def faults(build: Callable[[], object]) -> list[str]:
 
 
 # ---- building
-# --------------------------------------------------------------------------------------------------------
 
 
 def test_a_built_scene_is_the_scene_of_its_file() -> None:
@@ -65,20 +64,24 @@ def test_values_of_numpy_and_paths_are_taken() -> None:
         (lambda: Sphere(radius_mm=-1), "scene: sphere.radius_mm: got -1, allowed: a number > 0"),
         (
             lambda: Sphere(radius_mm=1, youngs_modulus_gpa=4),
-            "scene: sphere.poissons_ratio: missing beside youngs_modulus_gpa; an elastic sphere needs both, a rigid one"
+            "scene: sphere.poissons_ratio: missing beside youngs_modulus_gpa; an elastic sphere "
+            "needs both, a rigid sphere"
             " neither",
         ),
         (
             lambda: Rolling(load=1, load_n=1, speed_m_s=1),  # type: ignore[call-arg]
-            "scene: rolling.load: unknown key, nearest: load_n, allowed: load_n, speed_m_s, duration_s, start_um",
+            "scene: rolling.load: unknown key, nearest: load_n, allowed: load_n, speed_m_s, "
+            "duration_s, start_um",
         ),
         (
             lambda: Smooth(spacing_um=1, width_um=8.5),
-            "scene: surface.width_um: got 8.5, allowed: a whole number of nodes of 1 um, at least 8; nearest: 8",
+            "scene: surface.width_um: got 8.5, allowed: a whole number of nodes of 1 um, at least "
+            "8; nearest: 8",
         ),
         (
             lambda: Numerics(step_nodes=0.3),
-            "scene: numerics.step_nodes: got 0.3, allowed: a whole number from 1 to 64, or one over a whole number down"
+            "scene: numerics.step_nodes: got 0.3, allowed: a whole number from 1 to 64, or one "
+            "over a whole number down"
             " to 1/16; nearest: 0.3333333333333333",
         ),
         (
@@ -105,7 +108,6 @@ def test_sections_take_keys_by_name() -> None:
 
 
 # ---- changing
-# --------------------------------------------------------------------------------------------------------
 
 
 def test_bare_keys_stand_for_dotted_ones() -> None:
@@ -144,12 +146,14 @@ def test_sections_and_the_folder_are_kept() -> None:
     [
         (
             {"youngs_modulus_gpa": 3},
-            "scene: youngs_modulus_gpa: stands for sphere.youngs_modulus_gpa or plate.youngs_modulus_gpa, give one of these",
+            "scene: youngs_modulus_gpa: stands for sphere.youngs_modulus_gpa or "
+            "plate.youngs_modulus_gpa, give one of these",
         ),
         ({"lod_n": 3}, "scene: lod_n: unknown key, nearest: rolling.load_n"),
         (
             {"rolling.lod_n": 3},
-            "scene: rolling.lod_n: unknown key, nearest: rolling.load_n, allowed: load_n, speed_m_s, duration_s, start_um",
+            "scene: rolling.lod_n: unknown key, nearest: rolling.load_n, allowed: load_n, "
+            "speed_m_s, duration_s, start_um",
         ),
         ({"load_n": 3, "rolling.load_n": 4}, "scene: rolling.load_n: given twice"),
         ({"load_n": -3}, "scene: rolling.load_n: got -3, allowed: a number > 0"),
@@ -160,7 +164,7 @@ def test_keys_that_cannot_be_set(changes: dict[str, float], message: str) -> Non
 
 
 def test_a_copy_with_other_numerics_has_a_track_of_its_own() -> None:
-    """The track is kept once it is known; a copy must not take it along."""
+    """A copy must not keep the track that its original has stored."""
     scene = built()
     assert scene.track.steps == 500
     coarse = scene.model_copy(
@@ -170,7 +174,6 @@ def test_a_copy_with_other_numerics_has_a_track_of_its_own() -> None:
 
 
 # ---- checking
-# --------------------------------------------------------------------------------------------------------
 
 
 def test_check_is_a_sequence_and_a_table() -> None:
@@ -196,3 +199,27 @@ def test_check_of_a_sweep_has_a_column_per_run() -> None:
         "disk of all",
     ]
     assert "<td>load_n=20</td>" in checked._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"\ud800": 1}, r"\ud800: unknown key"),
+        ({"\ud800": 1, "sweep": True}, r"\ud800: unknown key"),
+        ({"name": "\ud800"}, "name: got"),
+        ({"sphere": "\ud800"}, "sphere: got"),
+        ({"sweep": "\ud800"}, "sweep: got"),
+        ({"name": {(1, 2): 3}}, "name: got a value that cannot be written (dict)"),
+        ({"recovery": {(1, 2): 3}}, "recovery.(1, 2): "),
+        ({"sweep": {(1, 2): [1]}}, "sweep.(1, 2): unknown key"),
+        ({"sweep": {None: [1]}}, "sweep.None: unknown key"),
+        ({"rolling": {1: 2}}, "rolling"),
+    ],
+)
+def test_odd_values_and_keys_from_python_are_refused_in_words(
+    changes: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(SceneError) as error:
+        Scene.from_dict(built().to_dict() | changes)
+    assert any(message in fault for fault in error.value.faults), error.value.faults
+    str(error.value).encode("utf-8")

@@ -1,6 +1,4 @@
-"""A record is heard only above the solver's error: smooth spheres are silent, real surfaces are
-not.
-"""
+"""Smooth spheres are silent and real surfaces are not, by the solver's error."""
 
 from __future__ import annotations
 
@@ -11,7 +9,8 @@ import numpy as np
 import pytest
 
 from acoustics import wav
-from rolling import cli, commands
+from rolling import cli
+from rolling.commands import work
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
 from rolling.simulation import simulate
@@ -63,7 +62,7 @@ def heard(scene: Scene) -> ContactSound:
     ],
 )
 def test_a_smooth_sphere_is_silent(overrides: tuple[str, ...]) -> None:
-    """The steps of 53 nodes are 3.7 contact radii."""
+    """It is silent in steps of 53 nodes too, which are 3.7 contact radii."""
     sound = heard(loads(SMOOTH, overrides))
     assert sound.levels.level_db is None and sound.factor == 0 and not sound.pressure.any()
     assert sound.audible_rms < sound.resolved_rms
@@ -73,10 +72,10 @@ def test_a_smooth_sphere_is_silent(overrides: tuple[str, ...]) -> None:
 def test_the_sphere_of_the_scenarios_is_silent_at_the_default_tolerance(
     tmp_path: Path, monkeypatch
 ) -> None:
-    """It had -37.6 dB(A), and rounding at -14 dB of full scale in the listening version."""
+    """An earlier version gave -37.6 dB(A), and rounding at -14 dB of full scale to listen to."""
     path = Path(__file__).parents[2] / "scenarios" / "smooth.yaml"
     out = tmp_path / "out"
-    monkeypatch.setattr(commands, "_write_pictures", lambda *_: [])
+    monkeypatch.setattr(work, "write_pictures", lambda *_: [])
     settings = [
         "--set",
         "numerics.tolerance=1e-4",
@@ -103,8 +102,9 @@ def test_the_sphere_of_the_scenarios_is_silent_at_the_default_tolerance(
 def test_roughness_of_atoms_and_less_is_heard_where_it_is_resolved(
     ra_um: float, tolerance: float
 ) -> None:
-    """Solved ten times tighter the level is the same: the error is 39 dB below or more, which
-    leaves 0.1 dB.
+    """A solve ten times tighter has the same level within 0.1 dB.
+
+    The error of the solver is 39 dB below the sound or more.
     """
     level, tighter = (
         heard(loads(ROUGH.replace("RA", f"{ra_um:f}"), [f"numerics.tolerance={t}"])).levels.level_db
@@ -115,7 +115,7 @@ def test_roughness_of_atoms_and_less_is_heard_where_it_is_resolved(
 
 
 def test_what_is_not_resolved_is_silent_and_said() -> None:
-    """Ra 1e-12 m at the default tolerance: the release is off by as much as it fluctuates."""
+    """At Ra 1e-12 m and the default tolerance the release is off by its whole fluctuation."""
     scene = loads(ROUGH.replace("RA", "0.000001"))
     sound = heard(scene)
     assert sound.levels.level_db is None
@@ -140,11 +140,10 @@ def test_doubts_by_the_distance_from_the_error() -> None:
 def test_an_error_that_is_white_along_the_track_is_known_in_the_band(
     speed: str, closed: bool
 ) -> None:
-    """White noise of twice the resolved rms is audible, of half of it silent, at any speed; 5000
-    steps leave 3 % of spread.
+    """White noise of twice the resolved rms is audible, and of half of it silent.
 
-    The band from 20 Hz, fades of a tenth and few lines within hearing change the rms by up to a
-    fifth.
+    This holds at any speed, with 3 % of spread from 5000 steps. The band from 20 Hz, fades of a
+    tenth and few lines within hearing change the rms by up to a fifth.
     """
     scene = loads(SMOOTH, [f"rolling.speed_m_s={speed}", "rolling.duration_s=1"])
     noise = np.random.default_rng(1).standard_normal(5000)
@@ -156,7 +155,7 @@ def test_an_error_that_is_white_along_the_track_is_known_in_the_band(
 
 
 def test_edges_leave_no_error_of_their_own() -> None:
-    """Blended edges remember no start of a march: the tolerance alone decides what is resolved."""
+    """Blended edges have no memory of a start: the tolerance alone decides the resolution."""
 
     def resolved(*overrides: str) -> float:
         return solver_error.resolved_fluctuation(
@@ -168,7 +167,7 @@ def test_edges_leave_no_error_of_their_own() -> None:
 
 
 def test_a_quiet_scene_is_not_a_silent_one() -> None:
-    """Distance and radiated share change levels, not what is resolved."""
+    """Distance and radiated share change the levels but not the resolution."""
     energy = 1e-9 * (1 + 0.1 * np.random.default_rng(1).standard_normal(220))
     scene = read_scene(Path(__file__).parents[2] / "scenarios" / "smooth.yaml")
     far = Scene.from_dict(scene.to_dict() | {"sound": {"distance_m": 1e4, "q": 1e-6}})

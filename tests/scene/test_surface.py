@@ -1,6 +1,4 @@
-"""Generated surfaces against the statistics asked for; files that are not heights refused with
-readable messages.
-"""
+"""Generated surfaces have the required statistics, and files without heights are refused."""
 
 from __future__ import annotations
 
@@ -8,7 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scene_text import PLAIN
 
+from rolling.scene import file as scene_file
+from rolling.surface import height_file, scene_surface
 from rolling.surface import heights as surface
 from rolling.surface.heights import SurfaceError
 
@@ -47,10 +48,10 @@ def test_ra_is_exact_and_the_mean_zero(law: str, ra: float, shape: tuple[int, in
 def test_autocorrelation_follows_its_law_along_and_across(
     law: str, lengths: tuple[float, float]
 ) -> None:
-    """Mean over 24 surfaces of the circular autocorrelation.
+    """The mean circular autocorrelation of 24 surfaces follows the law.
 
-    One surface holds about A / (pi Lx Ly) independent patches, so its estimate is uncertain by up
-    to sqrt(2 pi Lx Ly / A); five times that over sqrt(24) is allowed at each of 60 lags.
+    One surface holds about A / (pi Lx Ly) independent patches, so its estimate is uncertain by
+    up to sqrt(2 pi Lx Ly / A); five times that over sqrt(24) is allowed at each of 60 lags.
     """
     shape, count = (240, 180), 24
     total = np.zeros(shape)
@@ -71,8 +72,10 @@ def test_autocorrelation_follows_its_law_along_and_across(
 
 @pytest.mark.law("Surface: the heights are Gaussian.")
 def test_heights_are_gaussian() -> None:
-    """About 43200 / (2 pi 9) = 760 independent heights: skewness 0 +- 0.09, kurtosis 3 +- 0.18 (one
-    sigma); three allowed. Ra / Rq of a Gaussian is sqrt(2 / pi).
+    """Skewness is 0 +- 0.09 and kurtosis 3 +- 0.18 (one sigma); three are allowed.
+
+    There are about 43200 / (2 pi 9) = 760 independent heights. Ra / Rq of a Gaussian is sqrt(2
+    / pi).
     """
     got = surface.statistics(generate(lengths=(3e-6, 3e-6)), SPACING)
     assert abs(got.skewness) < 0.27
@@ -83,8 +86,9 @@ def test_heights_are_gaussian() -> None:
 @pytest.mark.law("Surface: a generated surface is periodic.")
 @pytest.mark.parametrize("axis", [0, 1])
 def test_the_seam_is_like_the_interior(axis: int) -> None:
-    """Differences across the seam, over 40 surfaces, have the variance of those inside; about 40 *
-    9 independent ones: 15 %.
+    """Differences across the seam have the variance of those inside, within 15 %.
+
+    Over 40 surfaces about 40 * 9 of them are independent.
     """
     inside, seam = [], []
     for seed in range(40):
@@ -104,13 +108,27 @@ def test_roughness_scales_without_changing_shape() -> None:
 
 
 def test_correlation_length_beyond_the_surface_is_refused() -> None:
-    with pytest.raises(SurfaceError, match=r"no roughness left.*correlation length"):
+    with pytest.raises(SurfaceError, match=r"no roughness left.*correlation lengths of 1e\+09 and"):
         generate(shape=(16, 16), lengths=(1e3, 1e3))
 
 
+@pytest.mark.parametrize("law", surface.AUTOCORRELATIONS)
+@pytest.mark.parametrize("shape", [(9, 8), (64, 64), (256, 16)])
+def test_the_limit_that_a_refusal_for_rounding_names_is_allowed(
+    law: str, shape: tuple[int, int]
+) -> None:
+    with pytest.raises(SurfaceError) as error:
+        surface.gaussian(shape, SPACING, 1e-7, (1e12, 1e12), law, 1)
+    named = float(str(error.value).split("up to about ")[1].split()[0]) * 1e-6
+    assert named > 1e4 * max(shape) * SPACING
+    made = surface.gaussian(shape, SPACING, 1e-7, (named, named), law, 1)
+    assert np.abs(made).mean() == pytest.approx(1e-7)
+
+
 def test_statistics_of_a_sine() -> None:
-    """Rq = A / sqrt 2, Ra = 2 A / pi, kurtosis 3/2, skewness 0; slope A k sinc over one spacing /
-    sqrt 2. Even sampling: exact.
+    """Rq = A / sqrt 2, Ra = 2 A / pi, kurtosis 3/2, skewness 0, and slope A k sinc / sqrt 2.
+
+    The sinc is over one spacing. Even sampling makes these exact.
     """
     n, amplitude = 4096, 1e-6
     z = amplitude * np.sin(2 * np.pi * (np.arange(n) + 0.5) / n)[:, None] + np.zeros(7)
@@ -127,9 +145,10 @@ def test_statistics_of_a_sine() -> None:
 
 
 def test_statistics_of_a_checkerboard_and_of_nothing() -> None:
-    """+-A: Ra = Rq = A, kurtosis 1; each slope 2 A / spacing, the gradient's norm sqrt 2 times it.
+    """A checkerboard of +-A has Ra = Rq = A and kurtosis 1; a flat surface has zeros.
 
-    Flat: zeros, no division.
+    Each slope of the checkerboard is 2 A / spacing, and the norm of the gradient is sqrt 2
+    times that.
     """
     z = 1e-6 * (-1.0) ** np.add.outer(np.arange(8), np.arange(6))
     got = surface.statistics(z, SPACING)
@@ -140,8 +159,9 @@ def test_statistics_of_a_checkerboard_and_of_nothing() -> None:
 
 
 def test_rms_slope_of_a_gaussian_surface() -> None:
-    """exp(-(r / L)^2): rms slope sqrt 2 Rq / L each way, 2 Rq / L for the norm (L = 10 nodes:
-    differences miss 0.3 %). 10 % is 3 sigma of the 137 independent patches.
+    """The rms slope of exp(-(r / L)^2) is sqrt 2 Rq / L each way, 2 Rq / L for the norm.
+
+    At L = 10 nodes differences miss 0.3 %. 10 % is 3 sigma of the 137 independent patches.
     """
     z = generate()
     got = surface.statistics(z, SPACING)
@@ -158,7 +178,7 @@ def test_file_is_read_as_metres_about_its_mean_plane(tmp_path: Path, kind: type)
     z = np.random.default_rng(0).standard_normal((12, 9)) * 1e-6
     if kind is np.int8:
         z = np.zeros((12, 9))
-    got = surface.read(saved(tmp_path, (z + (kind is not np.int8) * 1e-3).astype(kind)))
+    got = height_file.read(saved(tmp_path, (z + (kind is not np.int8) * 1e-3).astype(kind)))
     assert got.dtype == np.float64
     assert got.shape == (12, 9)
     np.testing.assert_allclose(got, z - z.mean(), atol=1e-10 if kind is np.float32 else 1e-18)
@@ -166,7 +186,7 @@ def test_file_is_read_as_metres_about_its_mean_plane(tmp_path: Path, kind: type)
 
 def refused(path: Path) -> str:
     with pytest.raises(SurfaceError) as caught:
-        surface.read(path)
+        height_file.read(path)
     assert str(path) in str(caught.value)
     return str(caught.value)
 
@@ -178,25 +198,40 @@ def test_files_that_are_not_heights_are_refused_readably(tmp_path: Path) -> None
     holes[7, 1] = np.inf
     message = refused(saved(tmp_path, holes))
     assert "2 of 108 heights are not numbers" in message and "(3, 5)" in message
-    assert "1-D float64" in refused(saved(tmp_path, z[0]))
-    assert "3-D float64" in refused(saved(tmp_path, z[None]))
+    assert "3-D array" in refused(saved(tmp_path, z[None]))
     assert "2-D complex128" in refused(saved(tmp_path, z + 0j))
-    assert "not a readable .npy" in refused(
-        saved(tmp_path, np.array([[{}, 1]], dtype=object), allow_pickle=True)
-    )
+    message = refused(saved(tmp_path, np.array([[{}, 1]], dtype=object), allow_pickle=True))
+    assert "2-D object" in message and "pickle" not in message
     message = refused(saved(tmp_path, z * 1e6))
     assert (
         "Ra would be" in message
         and "more than 0.001 m" in message
-        and "multiply by 1e-6" in message
+        and "set surface.height_unit, m here" in message
     )
     (tmp_path / "heights.npy").write_text("0.1 0.2\n0.3 0.4\n")
-    assert "not a readable .npy" in refused(tmp_path / "heights.npy")
+    assert "no readable .npy" in refused(tmp_path / "heights.npy")
     np.savez(tmp_path / "two.npz", z, z)
-    assert "an archive" in refused(tmp_path / "two.npz")
-    assert "not a readable .npy" in refused(tmp_path / "missing.npy")
+    assert "2 arrays ('arr_0', 'arr_1')" in refused(tmp_path / "two.npz")
+    assert "no such file" in refused(tmp_path / "missing.npy")
 
 
 def test_file_without_any_height_is_refused(tmp_path: Path) -> None:
-    """An empty array has no mean: no RuntimeWarning and no NaN surface may come of it."""
+    """An empty array has no mean, and must cause neither a RuntimeWarning nor a NaN surface."""
     refused(saved(tmp_path, np.empty((0, 9))))
+
+
+@pytest.mark.parametrize(("most", "times"), [(1e9, 2), (0.0, 4)])
+def test_surfaces_that_runs_share_are_made_and_described_once(
+    monkeypatch: pytest.MonkeyPatch, most: float, times: int
+) -> None:
+    """A sweep that alternates between two small surfaces; of large ones only the last is kept."""
+    made, make = [], scene_surface._make
+    monkeypatch.setattr(scene_surface, "_make", lambda given: made.append(given) or make(given))
+    monkeypatch.setattr(scene_surface, "_kept", {})
+    monkeypatch.setattr(scene_surface, "_MOST_KEPT", most)
+    swept = ["sweep.rolling.load_n=[5, 20]", "sweep.surface.seed=[1, 2]"]
+    runs = [single for _, single in scene_file.loads(PLAIN, swept).runs()]
+    statistics = [scene_surface.scene_surface(run).statistics for run in runs]
+    assert len(made) == times
+    assert statistics[:2] == statistics[2:] and statistics[0] != statistics[1]
+    assert (statistics[0] is statistics[2]) == (times == 2)

@@ -1,6 +1,4 @@
-"""Speed against error: errors fall as theory says, what is recommended keeps its limits, nothing is
-lost or overwritten.
-"""
+"""Errors fall as theory says, and recommended settings keep their limits."""
 
 from __future__ import annotations
 
@@ -31,7 +29,8 @@ SCENE = """\
 name: small
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 128, seed: 3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 128, seed: 3}
 rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.002}
 sweep: {rolling.load_n: [1, 2]}
 """
@@ -47,7 +46,7 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def folder(scene: Path) -> Path:
-    """A whole study of an elastic scene: spacings of 2 and 1 um against 0.5 um."""
+    """Return a study of an elastic scene: spacings of 2 and 1 um against 0.5 um."""
     out = scene.parent / "out"
     assert cli.main(["accuracy", str(scene), "--workers", "1", "--out", str(out)]) == 0
     return out
@@ -112,9 +111,7 @@ def test_errors_are_finite_and_the_references_are_zero(found: dict[str, Any]) ->
 
 
 def test_errors_fall_with_the_spacing(found: dict[str, Any]) -> None:
-    """The elastic release is second order (1.9 here); the contact area, counted in whole nodes, is
-    first order (0.95 here).
-    """
+    """The elastic release has order 2 (1.9 here), and the contact area order 1 (0.95 here)."""
     orders = found["orders"]["spacing, sharp edges"]
     assert orders["signal"] > 1.5 and orders["contact_area_percent"] > 0.8
     own, fine = (
@@ -157,8 +154,9 @@ def test_refining_keeps_the_nodes() -> None:
 
 
 def test_refining_keeps_the_line_of_the_sphere() -> None:
-    """A ridge symmetric about mid-width stays so, also when the refinement is even and mid-width
-    lies between nodes.
+    """A ridge symmetric about mid-width stays symmetric in a refined grid.
+
+    The refinement may be even, with mid-width between nodes.
     """
     across = np.arange(64) - 31.5
     ridge = np.tile(np.cos(2 * np.pi * across / 64), (16, 1))

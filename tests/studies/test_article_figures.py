@@ -1,6 +1,4 @@
-"""Oracle: the cases and the solved contacts themselves: a figure holds their numbers, says its
-units and where theory ends.
-"""
+"""A figure has the numbers of its cases, their units, and the limit of the theory."""
 
 from __future__ import annotations
 
@@ -32,7 +30,8 @@ SCENE = """\
 name: small
 sphere: {radius_mm: 1}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 1, correlation_length_um: 10, spacing_um: 2, width_um: 400, seed: 1}
+surface: {kind: gaussian, roughness_ra_um: 1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 400, seed: 1}
 rolling: {load_n: 0.5, speed_m_s: 0.1, duration_s: 0.005}
 numerics: {tolerance: 1.0e-3}
 sweep: {surface.roughness_ra_um: [1, 5], rolling.load_n: [0.2, 0.5]}
@@ -49,7 +48,7 @@ def _no_warnings() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def solved(tmp_path_factory: pytest.TempPathFactory) -> Reading:
-    """A reading of four cases on a short track, solved."""
+    """Return a solved reading of four cases on a short track."""
     folder = tmp_path_factory.mktemp("reading")
     (folder / "small.yaml").write_text(SCENE)
     runs = study.runs(folder / "out", study.scenes(folder))
@@ -62,18 +61,33 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> Reading:
 def case(
     roughness: float, load: float, seed: int = 1, length: float = 10.0, **others: float
 ) -> Case:
-    """A case whose numbers follow from what it is: level 60 + load + seed, plastic ratio 0.1 Ra
-    seed.
-    """
+    """Return a case by closed form: level 60 + load / 10 + 2 seed, plastic ratio 0.1 Ra seed."""
     maximum = 60.0 + load / 10 + 2 * seed
-    line_hz = 20.0 * 2 ** (np.arange(100) / 12)
-    return replace(
-        Case(
-            "synthetic", roughness, load, seed, length, 2.1, "R 5 mm", 256, 0.05, 0.1 * roughness * seed, 1.0, 2.1e9, 1e-6,
-            maximum + 3, 0.4, 0.8, maximum, 2 * maximum, line_hz, maximum - 0.1 * np.arange(100.0), np.full(31, np.nan), 1e-4,
-        ),
-        **others,
-    )  # fmt: skip
+    made = Case(
+        reading="synthetic",
+        roughness_um=roughness,
+        load_n=load,
+        seed=seed,
+        correlation_um=length,
+        hardness_gpa=2.1,
+        bodies="R 5 mm",
+        nodes_across=256,
+        duration_s=0.05,
+        plastic_ratio=0.1 * roughness * seed,
+        contact_ratio=1.0,
+        max_pressure=2.1e9,
+        deflection=1e-6,
+        laeq_db=maximum + 3,
+        laeq_uncertainty_db=0.4,
+        weighted_uncertainty_db=0.8,
+        maximum_db=maximum,
+        maximum_20_db=2 * maximum,
+        line_hz=20.0 * 2 ** (np.arange(100) / 12),
+        line_db=maximum - 0.1 * np.arange(100.0),
+        band_w=np.full(31, np.nan),
+        a_weighted_w=1e-4,
+    )
+    return replace(made, **others)
 
 
 @pytest.fixture(scope="module")
@@ -111,9 +125,13 @@ def note(picture: Picture) -> str:
 def test_every_figure_of_a_solved_reading_is_there_and_draws(solved: Reading) -> None:
     pictures = drawn(solved)
     assert [*pictures] == [
-        "fig1_surfaces", "fig5_contact_pressure", "fig6_deflection", "fig7_plastic_ratio", "fig8_spectra",
+        "fig1_surfaces",
+        "fig5_contact_pressure",
+        "fig6_deflection",
+        "fig7_plastic_ratio",
+        "fig8_spectra",
         "fig9_maximum_level",
-    ]  # fmt: skip
+    ]
     for picture in pictures.values():
         assert picture.png()[:4] == b"\x89PNG" and picture.svg().startswith(b"<?xml")
 
@@ -230,10 +248,19 @@ def test_spectra_say_from_where_third_octaves_mean_something(synthetic: Reading)
 
 
 def test_what_is_compared_has_the_same_axes(synthetic: Reading) -> None:
-    louder = replace(synthetic, name="louder", cases=[
-        replace(one, maximum_db=one.maximum_db + 20, line_db=one.line_db + 20, plastic_ratio=2 * one.plastic_ratio)
-        for one in synthetic.cases
-    ])  # fmt: skip
+    louder = replace(
+        synthetic,
+        name="louder",
+        cases=[
+            replace(
+                one,
+                maximum_db=one.maximum_db + 20,
+                line_db=one.line_db + 20,
+                plastic_ratio=2 * one.plastic_ratio,
+            )
+            for one in synthetic.cases
+        ],
+    )
     on = figure_data.scales([synthetic, louder])
     here, there = drawn(synthetic, on), drawn(louder, on)
     alone = drawn(synthetic)

@@ -1,8 +1,7 @@
-"""Scenes that break contact solvers: each must solve within its iteration budget and hold the
-contact conditions, or be refused.
+"""Hard scenes solve within their budgets and hold the contact conditions, or are refused.
 
-What any case must hold is in rolling.hard_cases and checked by its judge; here it is asked for,
-with what single cases know.
+The judge of rolling.verification checks the conditions of every case. The tests here add the facts
+that are known of single cases.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ BUILT = {name: lru_cache(case.build) for name, case in NAMED.items()}
 
 @lru_cache
 def judged(name: str) -> tuple[Outcome, list[ContactState]]:
-    """Outcome and states of a named case; each is solved once, whatever is asked of it."""
+    """Return outcome and states of a named case, which is solved once for all tests."""
     states: list[ContactState] = []
     return judge(replace(NAMED[name], build=BUILT[name]), states), states
 
@@ -54,9 +53,7 @@ def names(pattern: str) -> list[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMED)
 def test_named_case(name: str) -> None:
-    """Every state against its own convolution, the ledger, the iterations against the budget; or
-    the refusal that is due.
-    """
+    """Every state passes independent checks within its budget, or is refused as it must be."""
     case = NAMED[name]
     outcome, states = judged(name)
     assert not outcome.violated
@@ -66,13 +63,13 @@ def test_named_case(name: str) -> None:
 
 
 def test_smooth_sphere() -> None:
-    """Every node of a ring meets or leaves its bound at once, by symmetry."""
+    """By symmetry every node of a ring meets or leaves its bound at once."""
     _, states = solved("smooth sphere")
     assert states[0].contact_area == states[-1].contact_area
 
 
 def test_roughness_of_a_picometre() -> None:
-    """The symmetry is broken by nearly nothing, and the answer must not be by more."""
+    """A minute break of the symmetry changes the solution as little."""
     for one, other in zip(solved("smooth sphere")[1], solved("Ra 1e-12 m")[1], strict=True):
         assert other.approach == pytest.approx(one.approach, abs=5e-12)
         assert other.stored_energy == pytest.approx(one.stored_energy, rel=1e-4)
@@ -80,8 +77,9 @@ def test_roughness_of_a_picometre() -> None:
 
 @pytest.mark.parametrize("nodes", [1, 9, 21, 100])
 def test_everything_plastic_with_no_node_left_free(nodes: int) -> None:
-    """The approach is free over an interval; it must stay between the highest capped and the lowest
-    open gap.
+    """The approach lies between the highest capped and the lowest open gap.
+
+    It is free over this interval.
     """
     track, states = solved(f"all plastic, {nodes} nodes")
     for state in states:
@@ -93,8 +91,9 @@ def test_everything_plastic_with_no_node_left_free(nodes: int) -> None:
 
 @pytest.mark.law("Rigid-plastic limit: the contact area tends to W / H.")
 def test_rigid_plastic_limit_of_the_area() -> None:
-    """As E* rises or H falls the contact area tends to W / H: never below it, above it by the nodes
-    that are not yet at H.
+    """As E* rises or H falls, the contact area tends to W / H from above.
+
+    It exceeds W / H by the nodes that are not yet at H.
     """
     load, hardness = 0.2, 2e8  # 250 nodes
     excess = []
@@ -139,7 +138,7 @@ def test_cliff_changes_the_contact_as_the_sphere_leaves_it(name: str) -> None:
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_trench(axis: int) -> None:
-    """Contact splits in two halves, and nothing touches the bottom."""
+    """Contact splits into two halves, and no node at the bottom touches."""
     for state in solved(f"trench {('along', 'across')[axis]}")[1]:
         rows, columns = np.nonzero(state.pressure)
         nodes = (rows + state.window.row, columns + state.window.column)[axis] % 60
@@ -161,7 +160,10 @@ def test_first_touch_on_one_node() -> None:
 
 @pytest.mark.parametrize("name", EXTREMES)
 def test_extremes_are_of_the_order_of_hertz(name: str) -> None:
-    """Whatever the units. Roughness is a tenth of the approach."""
+    """The contact is of the order of Hertz in any units.
+
+    Roughness is a tenth of the approach.
+    """
     track, states = solved(f"{name}, elastic")
     hertz = closed_forms.hertz_approach(track.load, track.radius, track.contact_modulus)
     assert states[0].approach == pytest.approx(hertz, rel=0.6)
@@ -176,9 +178,7 @@ def test_ridges_make_windows_that_are_not_square(name: str) -> None:
 
 @pytest.mark.law("Periodic surface: the contact crosses the seam as any other place.")
 def test_seam_of_the_periodic_surface() -> None:
-    """Contact across the seam along and, by a start half a surface away, not: the same answer at
-    the same heights moved.
-    """
+    """Contact across the seam equals contact half a surface away over moved heights."""
     across_it, inside = solved("seam")[1], solved("seam moved away")[1]
     assert across_it[0].loaded.row < 60 <= across_it[0].loaded.row + across_it[0].loaded.rows - 1
     for one, other in zip(across_it, inside, strict=True):
@@ -187,12 +187,12 @@ def test_seam_of_the_periodic_surface() -> None:
 
 @pytest.mark.parametrize("name", names("slopes of 14, .*"))
 def test_slopes_far_above_one(name: str) -> None:
-    """A few tips, far apart."""
+    """Contact is on a few tips, far apart."""
     assert all(state.contact_area < 200 * 4e-12 for state in solved(name)[1])
 
 
 def test_one_outlier() -> None:
-    """The one node carries it all."""
+    """A single node carries the load."""
     state = solved("outlier of 1 mm")[1][0]
     assert state.approach < -9e-4
     assert state.contact_area == 4e-12
@@ -200,7 +200,7 @@ def test_one_outlier() -> None:
 
 @pytest.mark.parametrize("nodes", [50.5, 0.5, 20.5, 5.5, 1.5])
 def test_many_nodes_bound_at_once(nodes: float) -> None:
-    """W / (H dA) is as given: all plastic but one node, or one elastic node."""
+    """W / (H dA) sets the case: all nodes plastic but one, or a single elastic node."""
     assert solved(f"{nodes} nodes bound at once")[1][0].plastic_area == int(nodes) * 4e-12
 
 
@@ -211,9 +211,7 @@ def test_all_but_a_trace_of_the_load_on_capped_nodes(name: str) -> None:
 
 
 def test_random_scenes_are_solved_or_refused() -> None:
-    """150 of the 5,000 scenes that were tried by hand, the seeds that ever failed among them; the
-    share solved is on record.
-    """
+    """150 of 5,000 random scenes, with every seed that ever failed, are solved or refused."""
     results, iterations = Counter(), []
     for seed in [*FAILED_ONCE, *range(1000, 1140)]:
         outcome = judge(random_case("random", seed))
@@ -229,8 +227,10 @@ def test_random_scenes_are_solved_or_refused() -> None:
 
 @pytest.mark.parametrize("generator", ["odd", "blended"])
 def test_odd_and_blended_scenes_are_solved_or_refused(generator: str) -> None:
-    """50 scenes of ties, equal gaps by the hundred and long thin plates; 50 of all kinds whose
-    plate yields with blended edges.
+    """100 odd scenes are solved or refused.
+
+    50 have ties, hundreds of equal gaps or long thin plates. 50 of all kinds yield with blended
+    edges.
     """
     results = Counter()
     for seed in range(50):
@@ -242,15 +242,16 @@ def test_odd_and_blended_scenes_are_solved_or_refused(generator: str) -> None:
 
 @pytest.mark.parametrize("case", found_cases(), ids=lambda case: case.name)
 def test_scenes_found_by_search(case: HardCase) -> None:
-    """What an earlier solver failed on: one in two thousand odd scenes, one in twenty thousand
-    random ones.
+    """The scenes on which an earlier solver failed are solved.
+
+    They were one in two thousand odd scenes, and one in twenty thousand random scenes.
     """
     outcome = judge(case)
     assert not outcome.violated, outcome
 
 
 def broken_state(**changes: object) -> list[str]:
-    """What the judge says to a good state after changes to it."""
+    """Return the verdict of the judge on a good state after changes to it."""
     track = make_track(rough(60, 60, 1e-7), load=0.5, hardness=2.1e9, tolerance=1e-6)
     state = roll(track, 3, 3)[0]
     assert not optimality.broken(track, state)
@@ -287,8 +288,9 @@ def test_judge_notices_deflection_energy_and_areas_that_do_not_belong() -> None:
 
 
 def test_judge_notices_contact_cut_off_far_outside_the_window() -> None:
-    """A hill 90 um ahead of a contact 20 um wide: solved on a plate without it, the state holds but
-    for what it overlooked.
+    """The judge notices a hill 90 um ahead of a contact 20 um wide.
+
+    The state was solved on a plate without the hill.
     """
     heights = np.zeros((160, 80))
     without = make_track(heights.copy(), load=0.5, tolerance=1e-7)

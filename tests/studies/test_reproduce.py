@@ -1,6 +1,4 @@
-"""The command that reproduces the article, shortened, on the article's own scenes: killed, gone on
-with, answered in full.
-"""
+"""The command that reproduces the article is killed, continues, and answers in full."""
 
 from __future__ import annotations
 
@@ -36,7 +34,7 @@ FIGURES = (
 
 
 def complete(out: Path) -> dict[Path, bytes]:
-    """Results that are whole, by file; a file that is being replaced is looked at again."""
+    """Return the whole results by file; a file that is being replaced is read again."""
     return {
         file: file.read_bytes()
         for file in out.rglob("result.h5")
@@ -97,8 +95,14 @@ def test_a_killed_study_goes_on_and_answers_for_each_statement(
     }
     unknown = {key for key, found in words.items() if found == {"not run"}}
     assert unknown == {
-        "high-frequency-gap", "maximum-load", "maximum-flattens", "loudest-20-50", "loudest-100", "length-frequency", "length-level"
-    }  # fmt: skip
+        "high-frequency-gap",
+        "maximum-load",
+        "maximum-flattens",
+        "loudest-20-50",
+        "loudest-100",
+        "length-frequency",
+        "length-level",
+    }
     yielding = {
         one["reading"]: one["verdict"]
         for one in next(c for c in table["claims"] if c["key"] == "yielding-noise")["findings"]

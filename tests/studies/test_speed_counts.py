@@ -1,6 +1,4 @@
-"""The part of benchmarks/speed.py that no machine changes: iterations and convolutions per step,
-its check, its table.
-"""
+"""The counts of benchmarks/speed.py, its check and its table do not depend on the machine."""
 
 from __future__ import annotations
 
@@ -59,9 +57,7 @@ def test_peers_are_given_the_gaps_we_solve() -> None:
 
 @pytest.mark.parametrize("name", ["A", "B"])
 def test_check_sees_a_wrong_pressure(name: str) -> None:
-    """The right one has what the solver says of it, a little more by another approach; wrong ones
-    far more.
-    """
+    """The right pressure has the error that the solver states, and wrong pressures far more."""
     k, tolerance = 1, 1e-6
     state = roll(sequence_track(name, tolerance), 0, k)[k]
     right = on_full_grid(state)
@@ -84,5 +80,6 @@ def test_table_says_which_peer_is_absent() -> None:
     for rival, row, line in zip(RIVALS, rows, lines[2:], strict=False):
         assert row.met is None and row.numbers["ours"]["gap_error"] <= rival.gap_error
         assert line.startswith(
-            f"| sequence {rival.sequence}: {rival.peer} / ours | not run: give --{rival.peer} PYTHON |"
+            f"| sequence {rival.sequence}: {rival.peer} / ours | not run: give --{rival.peer} "
+            f"PYTHON |"
         )

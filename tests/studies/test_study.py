@@ -1,6 +1,4 @@
-"""The study of the article: its readings are what they say, cases are solved once, a stopped study
-goes on to the same numbers.
-"""
+"""The study solves each case once, and continues to the same numbers after a stop."""
 
 from __future__ import annotations
 
@@ -40,7 +38,8 @@ TEXT = """\
 name: small
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 128, seed: 1}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 128, seed: 1}
 rolling: {load_n: 0.5, speed_m_s: 0.1, duration_s: 0.004}
 sweep: {surface.seed: [1, 2], rolling.load_n: [0.5, 1]}
 """
@@ -48,7 +47,7 @@ sweep: {surface.seed: [1, 2], rolling.load_n: [0.5, 1]}
 
 @pytest.fixture
 def small(tmp_path: Path, monkeypatch) -> Path:
-    """A study of one reading with four cases of 200 steps."""
+    """Return a study of a reading with four cases of 200 steps."""
     folder = tmp_path / "scenes" / "lee2025" / "only"
     folder.mkdir(parents=True)
     (folder / "all.yaml").write_text(TEXT)
@@ -62,8 +61,9 @@ def surface(scene: Scene) -> Gaussian:
 
 
 def test_readings_are_the_articles_cases() -> None:
-    """Four roughnesses, five loads, in two readings five surfaces; 256 nodes across at 2 um or more
-    where contact is wider.
+    """The readings have four roughnesses and five loads, two of them on five surfaces.
+
+    They have 256 nodes across at 2 um, or more where contact is wider.
     """
     assert len(READINGS) == 8
     for name in READINGS:
@@ -93,9 +93,7 @@ def test_readings_are_the_articles_cases() -> None:
 
 
 def test_variations_are_told_by_the_scenes_themselves() -> None:
-    """The article states a rigid sphere of 10 mm diameter: a reading that has another one is a
-    variation, and says so.
-    """
+    """A reading with another sphere than a rigid one of 10 mm diameter is a variation."""
     departures = {name: study.departures(study.scenes(SCENES / name)) for name in READINGS}
     for name, found in departures.items():
         if name in VARIATIONS:
@@ -111,8 +109,9 @@ def test_variations_are_told_by_the_scenes_themselves() -> None:
 
 
 def test_twins_are_scenes_of_a_reading_without_hardness() -> None:
-    """Ra 0.1 and 1 um at 5, 20 and 100 N, on the same surfaces: nothing but hardness and tolerance
-    differs.
+    """Twins differ from their scenes in hardness and tolerance only.
+
+    They have Ra 0.1 and 1 um at 5, 20 and 100 N, on the same surfaces.
     """
     for name, of in TWINS.items():
         scenes = study.scenes(SCENES / name)
@@ -158,9 +157,7 @@ def test_quick_takes_one_surface_and_three_loads() -> None:
 
 
 def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
-    """Against the run it is made of: areas over Hertz's, and fluctuations that add up over the
-    bands.
-    """
+    """A case has the areas of its run over Hertz's, and fluctuations that add up over the bands."""
     done = reproduce.reproduce("lee2025", out=tmp_path / "out", workers=1)
     assert done.exit_code == 0 and len(done.cases) == 4
     (one, *_) = study.runs(tmp_path / "out" / "only", study.scenes(small))
@@ -188,7 +185,7 @@ def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
     assert case.maximum_20_db == pytest.approx(
         (2 * unweighted + a_weighting_db(line_hz))[inside].max(), abs=1e-9
     )
-    # Mean over all positions, not one of them; each is the greatest of its window.
+    # The mean is over all positions; each value is the maximum of its window.
     assert case.deflection == result.series["max_deflection"].mean()
     assert (
         result.snapshot and result.snapshot.deflection.max() == result.series["max_deflection"][200]
@@ -199,9 +196,7 @@ def test_a_case_in_numbers(small: Path, tmp_path: Path) -> None:
 
 
 def test_a_result_without_deflections_is_read_and_has_none(small: Path, tmp_path: Path) -> None:
-    """Files of version 0.1.0 lack the series: the rest of the case is there, and no deflection is
-    made up.
-    """
+    """A file of version 0.1.0 gives a case without deflections."""
     out = tmp_path / "out"
     first = reproduce.reproduce("lee2025", out=out, workers=1).cases
     for file in (out / "only").rglob("result.h5"):
@@ -217,9 +212,7 @@ def test_a_result_without_deflections_is_read_and_has_none(small: Path, tmp_path
 def test_keys_that_came_with_a_later_version_do_not_make_another_case(
     small: Path, tmp_path: Path
 ) -> None:
-    """A resolved scene that lacks a key with a default, and one with another comment or title, is
-    the same case.
-    """
+    """A lacking key with a default, a comment or a title makes no other case."""
     out = tmp_path / "out"
     reproduce.reproduce("lee2025", out=out, workers=1)
     for file in (out / "only").rglob("resolved.yaml"):
@@ -274,7 +267,7 @@ def test_bad_input_is_refused_before_anything_is_written(
 
 
 def test_power_levels() -> None:
-    """1 W at 1 m is 1/(4 pi) W/m2, 109 dB; a tenth of the power is 10 or 20 dB less."""
+    """1 W at 1 m is 1/(4 pi) W/m2, 109 dB, and a tenth of it is 10 or 20 dB less."""
     assert study.power_level_db(1.0, 10) == pytest.approx(109.0, abs=0.01)
     for factor in (10, 20):
         assert study.power_level_db(1.0, factor) - study.power_level_db(
@@ -287,8 +280,9 @@ def test_power_levels() -> None:
     [("as-stated", 0.01), ("as-stated", 0.1), ("hardness-3y-exponential", 0.1)],
 )
 def test_the_articles_own_method_agrees(reading: str, roughness: float) -> None:
-    """Influence matrix and active set (its Fig. 3) at 5 N, edges sharp as there: pressures within
-    1e-6 of the peak.
+    """Influence matrix and active set give pressures within 1e-6 of the peak at 5 N.
+
+    Edges are sharp, as in the article (Fig. 3).
     """
     (scene,) = (
         one for one in study.scenes(SCENES / reading, study.QUICK) if _is(one, roughness, 5)

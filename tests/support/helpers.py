@@ -1,6 +1,4 @@
-"""Scenes small enough to test on, and a check of a contact state that shares no code with the
-solver.
-"""
+"""Small scenes, and a check of a contact state that shares no code with the solver."""
 
 from __future__ import annotations
 
@@ -51,7 +49,5 @@ def releases(
 
 
 def assert_solved(track: RollingContact, state: ContactState, allowance: float = 1.5) -> None:
-    """The state holds the contact conditions within the tolerance, the bounds exactly and the load
-    to 1e-12.
-    """
+    """Assert the contact conditions to the tolerance, the bounds exactly, the load to 1e-12."""
     assert not optimality.broken(track, state, allowance)

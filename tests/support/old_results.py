@@ -12,7 +12,7 @@ from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES
 
 
 def save_old(path: Path, result: Result, deflection: bool) -> None:
-    """Write a result in format 1; version 0.1.0 had no series of the greatest `deflection`."""
+    """Write a result in format 1; version 0.1.0 had no series of the maximum deflection."""
     with h5py.File(path, "w") as file:
         file.attrs.update(
             title="rolling contact noise: old",

@@ -1,5 +1,6 @@
-"""Real processes for tests of folders: forked, so that nothing is imported anew, and killed without
-a chance to tidy up.
+"""Real processes for tests of folders.
+
+They are forked, so that nothing is imported again, and killed without a chance to tidy up.
 """
 
 from __future__ import annotations
@@ -12,9 +13,7 @@ from contextlib import suppress
 
 
 class Child:
-    """A forked process that runs a function; `say` and `hear` pass lines of text between it and
-    this one.
-    """
+    """A forked process that runs a function; `say` and `hear` exchange lines with it."""
 
     def __init__(self, function: Callable[[Child], object]) -> None:
         down, up = os.pipe(), os.pipe()
@@ -38,7 +37,7 @@ class Child:
         os.write(self._write, f"{text}\n".encode())
 
     def hear(self) -> str:
-        """The next line; empty when the other side has ended."""
+        """Return the next line, empty once the other side has ended."""
         line = b""
         while (byte := os.read(self._read, 1)) not in (b"", b"\n"):
             line += byte
@@ -50,7 +49,7 @@ class Child:
         self.wait()
 
     def wait(self) -> int:
-        """The exit code; negative: the signal that ended it."""
+        """Return the exit code; a negative one is the signal that ended the process."""
         _, status = os.waitpid(self.pid, 0)
         os.close(self._read)
         os.close(self._write)

@@ -1,5 +1,6 @@
-"""Run folders small enough to report on in tests: a third of a second of solving each, with up to a
-second of sound.
+"""Run folders for the tests of reports.
+
+Each takes a third of a second to solve and has up to a second of sound.
 """
 
 from __future__ import annotations
@@ -11,8 +12,10 @@ import numpy as np
 import pytest
 
 from rolling import commands
+from rolling.commands import work
 from rolling.folders import run_record
 from rolling.simulation import batch, result_file, simulate
+from rolling.simulation.run_result import RunResult
 from rolling.surface import heights
 
 STEPS = 300  # once round: 0.6 mm, 6 ms
@@ -51,7 +54,7 @@ class Runs:
             scene.write_text(text.replace("PATH", f"'{self.heights}'"))
             with pytest.MonkeyPatch.context() as patch:
                 # files beside the page, not in it
-                patch.setattr(commands, "_write_pictures", lambda *_: [])
+                patch.setattr(work, "write_pictures", lambda *_: [])
                 assert commands.run(scene, settings, out, workers=1, page=False).exit_code == 0
         return out
 
@@ -66,7 +69,7 @@ class Runs:
         return self._made("three", SCENE, "sweep.rolling.load_n=[0.5, 1, 2]")
 
     def one(self) -> Path:
-        """A single run whose scene tries to break out of the page."""
+        """Return a single run whose scene tries to break out of the page."""
         quoted = HOSTILE.replace("'", "''")
         return self._made("one", SCENE + f"description: '{quoted}'\n")
 
@@ -74,11 +77,11 @@ class Runs:
         return self._made("smooth", SMOOTH)
 
     def lap(self) -> Path:
-        """Once round: 6 ms that loop."""
+        """Return a run of one lap: 6 ms that loop."""
         return self._made("lap", SCENE.replace("0.9", "0.006"))
 
     def partial(self) -> Path:
-        """Stopped after 200 of the 300 steps of its only lap."""
+        """Return a run that stopped after 200 of the 300 steps of its only lap."""
         out, new = self._copied(self.lap(), "partial")
         if new:
             run_of = commands.read_runs(out)[0]
@@ -95,7 +98,7 @@ class Runs:
         return out
 
     def old(self) -> Path:
-        """As run folders were before pressure maps were kept."""
+        """Return a run folder from the time before pressure maps were kept."""
         out, new = self._copied(self.one(), "old")
         if new:
             result = result_file.load(out / "result.h5")
@@ -104,27 +107,38 @@ class Runs:
         return out
 
     def fast(self) -> Path:
-        """The single run at twice the speed: half as long, and it loops."""
+        """Return the single run at twice the speed, half as long, which loops."""
         return self._resounded("fast", "rolling.speed_m_s=0.2")
 
     def braking(self) -> Path:
-        """The single run at a speed that changes: shorter, and it does not loop."""
+        """Return the single run at a changing speed, which is shorter and does not loop."""
         return self._resounded("braking", "rolling.speed_m_s=[[0, 0.4], [0.1, 0.2]]")
 
     def _resounded(self, name: str, setting: str) -> Path:
         out = self.folder / name
         if not out.exists():
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr(commands, "_write_pictures", lambda *_: [])
+                patch.setattr(work, "write_pictures", lambda *_: [])
                 assert commands.resound(self.one(), [setting], out, page=False).exit_code == 0
         return out
+
+
+def run_results(folder: Path) -> list[RunResult]:
+    """Return the runs of a folder with their sound, in the order of its sweep."""
+    results = [
+        commands.hear(
+            run.label, run.values, run.folder, run.scene, result_file.load(run.folder / "result.h5")
+        )
+        for run in commands.read_runs(folder)
+    ]
+    return [result for result in results if result]
 
 
 _made: dict[Path, Runs] = {}
 
 
 def runs_in(folder: Path) -> Runs:
-    """The run folders of a test session, made once."""
+    """Return the run folders of a test session, made once."""
     if folder not in _made:
         folder.mkdir(exist_ok=True)
         _made[folder] = Runs(folder)

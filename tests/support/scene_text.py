@@ -1,6 +1,4 @@
-"""A scene for the tests of scenes: its text, the faults of its variants, and the scenes of
-scenarios/.
-"""
+"""The text of a scene, the faults of its variants, and the scenes of scenarios/."""
 
 from pathlib import Path
 

@@ -1,9 +1,8 @@
-"""aspher (elastic only) over a sequence: its FFT solver with its own preconditioner, warm-started.
+"""aspher (elastic only) over a sequence, with its FFT solver and preconditioner, warm-started.
 
-Needs numpy and aspher.
+The script needs numpy and aspher.
 
-python aspher_sequence.py A 1e-6 20 out.npz    (CPU seconds, convolutions and pressures of every
-position)
+python aspher_sequence.py A 1e-6 20 out.npz    (CPU seconds, convolutions, pressures by position)
 """
 
 from time import process_time

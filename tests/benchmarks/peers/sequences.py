@@ -1,9 +1,9 @@
-"""Rolling sequences that we and the public solvers solve on identical gaps, and a check of the
-answers. Needs numpy only.
+"""Rolling sequences on identical gaps for the program and the public solvers.
 
-SI; arrays are (along the track, across), N x N nodes. The sphere's apex is on node N / 2 along and
-half way across, between two nodes; at position k it has rolled on by k nodes, seen from the sphere:
-the plate has moved back under it.
+The module also checks the answers, and needs numpy only. Numbers are SI, and arrays are (along the
+track, across) on N x N nodes. The sphere's apex is on node N / 2 along and half way across, between
+two nodes. At position k the sphere has rolled on by k nodes; seen from the sphere, the plate has
+moved back under it.
 """
 
 from __future__ import annotations
@@ -25,9 +25,7 @@ NEGLIGIBLE = 1e-9
 
 @dataclass(frozen=True)
 class Sequence:
-    """A plate of this Ra [m], made from this seed, that bears at most the hardness [Pa], under a
-    load [N].
-    """
+    """A plate of this Ra [m] from this seed, with a hardness [Pa], under a load [N]."""
 
     ra: float
     seed: int
@@ -44,7 +42,7 @@ SEQUENCES = {
 
 @lru_cache(maxsize=4)
 def heights(name: str) -> np.ndarray:
-    """Periodic Gaussian heights [m] with autocorrelation exp(-(r / 10 um)^2) and exact Ra."""
+    """Return periodic Gaussian heights [m] of exact Ra, correlated as exp(-(r / 10 um)^2)."""
     sequence = SEQUENCES[name]
     distance = np.minimum(np.arange(N), N - np.arange(N)) * SPACING
     law = np.exp(-((distance / CORRELATION_LENGTH) ** 2))
@@ -56,21 +54,19 @@ def heights(name: str) -> np.ndarray:
 
 
 def gap(name: str, k: int) -> np.ndarray:
-    """Undeformed gap [m] at position k."""
+    """Return the undeformed gap [m] at position k."""
     along, across = (np.arange(N) - N // 2) * SPACING, (np.arange(N) - (N - 1) / 2) * SPACING
     return (along[:, None] ** 2 + across**2) / (2 * RADIUS) - np.roll(heights(name), -k, axis=0)
 
 
 def moved_on(pressure: np.ndarray) -> np.ndarray:
-    """A warm start for the next position: pressures (N, N) that stay with the plate."""
+    """Return a warm start for the next position: pressures (N, N) that stay with the plate."""
     return np.roll(pressure, -1, axis=0)
 
 
 @lru_cache(maxsize=1)
 def _influence() -> np.ndarray:
-    """Transform of Love's coefficients [m/Pa] on the doubled grid: the mixed difference of a corner
-    function.
-    """
+    """Return the transform of Love's coefficients [m/Pa] on the doubled grid."""
     corner = np.arange(-N, N + 1) - 0.5  # of squares around nodes -N ... N - 1
     s, t = corner[:, None], corner[None, :]
     potential = s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))
@@ -79,16 +75,17 @@ def _influence() -> np.ndarray:
 
 
 def deflection(pressure: np.ndarray) -> np.ndarray:
-    """Deflection [m] of the half-space by pressures (N, N)."""
+    """Return the deflection [m] of the half-space under pressures (N, N)."""
     double = (2 * N, 2 * N)
     return np.fft.irfft2(np.fft.rfft2(pressure, s=double) * _influence(), s=double)[:N, :N]
 
 
 def violation(name: str, k: int, pressure: np.ndarray) -> float:
-    """Gap error [m] of pressures (N, N): the worst violation of the contact conditions.
+    """Return the gap error [m] of pressures (N, N), the maximum violation of contact conditions.
 
-    The approach is the mean over the nodes that are neither unloaded nor capped: there the gap must
-    be closed. Unloaded nodes must not interpenetrate, capped ones must not stand apart.
+    The approach is the mean over the nodes that are neither unloaded nor capped, where the gap
+    must be closed. Unloaded nodes must not interpenetrate, and capped nodes must not stand
+    apart.
     """
     hardness = SEQUENCES[name].hardness
     unloaded, capped = (
@@ -109,11 +106,11 @@ def violation(name: str, k: int, pressure: np.ndarray) -> float:
 
 
 def load_error(name: str, pressure: np.ndarray) -> float:
-    """Relative error of the load that pressures carry."""
+    """Return the relative error of the load that pressures carry."""
     return float(pressure.sum() * SPACING**2 / SEQUENCES[name].load - 1)
 
 
 def arguments() -> tuple[str, float, int, Path]:
-    """Sequence, tolerance, number of steps and file to write, from a peer program's command line."""
+    """Return sequence, tolerance, number of steps and output file of the command line."""
     name, tolerance, steps, out = sys.argv[1:]
     return name, float(tolerance), int(steps), Path(out)

@@ -1,9 +1,10 @@
-"""slippy over a sequence: its conjugate gradients bounded by 0 and the hardness at a given
-approach, a secant in the approach for the load, warm-started in pressure, approach and slope. Needs
-numpy and slippy.
+"""slippy over a sequence.
 
-python slippy_sequence.py B 1e-5 20 out.npz    (CPU seconds, convolutions and pressures of every
-position)
+Its conjugate gradients, bounded by 0 and the hardness, solve at a given approach. A secant in the
+approach meets the load. Pressure, approach and slope give the warm start. The script needs numpy
+and slippy.
+
+python slippy_sequence.py B 1e-5 20 out.npz    (CPU seconds, convolutions, pressures by position)
 """
 
 import contextlib
@@ -35,7 +36,7 @@ LOAD_TOLERANCE = 10
 
 
 class Deflection:
-    """slippy's own convolution with Love's coefficients, counted."""
+    """The convolution of slippy with Love's coefficients, counted."""
 
     def __init__(self) -> None:
         steel = Elastic(
@@ -54,9 +55,7 @@ class Deflection:
 
 
 class Rolling:
-    """What one position hands on to the next: pressure, approach and the slope of the load over the
-    approach.
-    """
+    """The state that a position passes on: pressure, approach and slope of the load."""
 
     def __init__(self, load: float, hardness: float, shape: np.ndarray) -> None:
         self.load, self.hardness, self.deflect = load, hardness, Deflection()
@@ -69,7 +68,7 @@ class Rolling:
         self.slope = 1.5 * load / hertz
 
     def carried(self, shape: np.ndarray, tolerance: float) -> float:
-        """The load carried at the present approach, solved for."""
+        """Solve for the load carried at the present approach."""
         with contextlib.redirect_stdout(io.StringIO()):
             overlap = self.approach - shape
             solved, _ = _step_utils.bccg(
@@ -79,7 +78,7 @@ class Rolling:
         return float(self.pressure.sum() * SPACING**2)
 
     def solve(self, shape: np.ndarray, tolerance: float) -> None:
-        """Secant in the approach until the load is met."""
+        """Vary the approach by the secant method until the load is met."""
         before = None
         for _ in range(MAX_SECANTS):
             load = self.carried(shape, tolerance)

@@ -1,0 +1,60 @@
+"""Runs that were finished before, and the numbers that a verbose command adds."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rolling.folders import claim, run_record
+from rolling.simulation import batch, labels
+from rolling.simulation.batch import Run
+from rolling.simulation.result import Result
+from rolling.simulation.stored_runs import is_begun
+from rolling.terminal import progress
+
+SUMMARY = "summary.json"
+
+
+def numbers_of_finished(runs: Sequence[Run]) -> list[dict[str, Any]] | None:
+    """Read the summaries of runs, None when a step or a summary is missing."""
+    for run in runs:
+        result = batch.stored(run)
+        if result is None or not result.complete or not (run.folder / SUMMARY).is_file():
+            return None
+    return [json.loads((run.folder / SUMMARY).read_text(encoding="utf-8")) for run in runs]
+
+
+def sweep_to_finish(folder: Path) -> Path | None:
+    """Return the sweep of a run when all its runs are done and the sweep itself is not."""
+    owner = claim.owner_of(folder)
+    record = run_record.read(owner) if owner else None
+    if owner is None or record is None or record.kind != "sweep" or record.state == "done":
+        return None
+    states = [run_record.read(owner / name) for name in record.runs]
+    return owner if all(state and state.state == "done" for state in states) else None
+
+
+def tell(runs: Sequence[Run], results: Sequence[Result]) -> None:
+    """Say steps, window, iterations and time of each run that is begun, in a verbose command."""
+    for label, result in zip(labels.labels(runs), results, strict=True):
+        if progress.is_verbose() and is_begun(result):
+            progress.detail(f"{label}: {_text(result)}")
+
+
+def _text(result: Result) -> str:
+    """Write steps, window, iterations and time of a run."""
+    solved = int(np.isfinite(result.series["release_energy"]).sum())
+    iterations = result.series["iterations"]
+    window = ""
+    if result.snapshot is not None:
+        rows, columns = result.snapshot.pressure.shape
+        window = f" window {rows} x {columns} nodes after the first piece,"
+    return (
+        f"{solved} of {result.solved_steps} steps solved,{window}"
+        f" {np.nanmean(iterations):.1f} iterations per state ({np.nanmax(iterations):.0f} at most),"
+        f" {np.nansum(result.series['step_time']):.2f} s on one core"
+    )

@@ -1,0 +1,95 @@
+"""The files of a run folder: the files of each run, the tables of a sweep, and the page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rolling.check import demand
+from rolling.folders import files
+from rolling.simulation import batch, runs_table, sound_files, summary
+from rolling.simulation.batch import Run
+from rolling.simulation.result import Result
+from rolling.simulation.run_result import RunResult
+
+if TYPE_CHECKING:
+    from rolling.report.page import Exhibit
+
+
+def ignore(folder: Path) -> None:
+    """Do nothing with a folder."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """The files that a command is asked for besides results and sound.
+
+    page : whether the report page is wanted.
+    pictures : whether pictures are wanted of each run; None: of each of up to 24 runs. Pictures of
+        all runs together and the page need more than false.
+    workers : processes that draw; 0: one per core.
+    begun : gets the folder before anything is solved in it.
+    """
+
+    page: bool = True
+    pictures: bool | None = None
+    workers: int = 0
+    begun: Callable[[Path], object] = ignore
+
+    def whole_folders(self, runs: int) -> bool:
+        """Return whether each of so many runs has all files in its folder, not four only."""
+        return self.pictures is True or runs <= demand.PAGE_RUNS
+
+
+def write_run(finished: RunResult, result: Result, whole: bool) -> None:
+    """Write result, sound files, numbers and provenance of one run into its folder.
+
+    Parameters
+    ----------
+    whole : Whether all of them have files of their own. Otherwise the provenance is in
+        summary.json, and signal.wav is the only sound file.
+    """
+    folder, scene = finished.folder, finished.scene
+    batch.keep(Run(finished.values, scene, folder), result, finished.sound)
+    if not whole:
+        sound_files.write_signal(folder, scene, finished.label, finished.sound)
+        numbers = finished.summary | {"provenance": summary.provenance(scene)}
+        files.write_json(folder / "summary.json", numbers)
+        return
+    sound_files.write(folder, scene, finished.label, finished.sound, finished.summary["caveats"])
+    files.write_json(folder / "summary.json", finished.summary)
+    files.write_json(folder / "provenance.json", summary.provenance(scene))
+
+
+def write_sweep(
+    folder: Path,
+    runs: Sequence[Run],
+    names: Sequence[str],
+    summaries: Sequence[dict[str, Any] | None],
+) -> None:
+    """Write the tables of the runs of a sweep."""
+    table = [
+        {"values": each.values, "folder": each.folder.name, "label": label, "summary": numbers}
+        for each, label, numbers in zip(runs, names, summaries, strict=True)
+    ]
+    files.write_json(folder / "sweep.json", table)
+    rows = [
+        runs_table.Row(label, each.folder.name, each.values, numbers)
+        for each, label, numbers in zip(runs, names, summaries, strict=True)
+    ]
+    files.write_bytes(folder / "runs.csv", runs_table.csv(rows))
+
+
+def page_of(
+    runs: Sequence[RunResult],
+    exhibits: Sequence[tuple[RunResult | None, Exhibit]],
+    unsolved: Sequence[str],
+) -> bytes:
+    """Write the page of runs: with players and pictures of each of them unless they are many."""
+    from rolling.report import page, sweep_page
+
+    if len(runs) > page.MOST_RUNS:
+        return sweep_page.page(runs, [exhibit for _, exhibit in exhibits], unsolved)
+    return page.page(runs, exhibits, unsolved)

@@ -1,0 +1,43 @@
+"""The report page of a sweep with many runs: what they have in common, and their levels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rolling.report import citation
+from rolling.report import text as report_text
+from rolling.report.page import GENERATOR, Exhibit, environment, own_text
+from rolling.simulation.run_result import RunResult
+
+
+def page(
+    runs: Sequence[RunResult], exhibits: Sequence[Exhibit], unheard: Sequence[str] = ()
+) -> bytes:
+    """Write the page of many runs, without players and without pictures of a single run.
+
+    Parameters
+    ----------
+    runs : sequence of runs, at least one, in the order of the page. Their labels differ.
+    exhibits : sequence of Exhibit. Pictures of all runs together.
+    unheard : sequence of str. Labels of runs that have too few steps for a sound. Default: none.
+
+    Returns
+    -------
+    bytes
+        The HTML file.
+    """
+    html = (
+        environment()
+        .get_template("sweep.html")
+        .render(
+            generator=GENERATOR,
+            title=", ".join(dict.fromkeys(run.scene.name for run in runs)),
+            text=report_text,
+            citation=citation,
+            runs=runs,
+            unheard=list(unheard),
+            curves=exhibits,
+            css=own_text("report.css"),
+        )
+    )
+    return html.encode()

@@ -1,0 +1,20 @@
+"""Numbers that help texts name and commands use, in a module that imports nothing."""
+
+MOST_RUNS_ON_PAGE = 24  # which grows by half a megabyte and more with each
+
+# `rolling accuracy SCENE`
+FINEST = 4  # divisor of the spacing for the reference
+ACCURACY_SECONDS = 0.045  # [s] of rolling: no third octave from 100 Hz is empty
+
+# `rolling accuracy --hard`
+RANDOM_SCENES = 2000
+OTHER_SCENES = 4  # of the odd and of the blended scenes there are a fourth of that each
+LONG_STEPS = 100_000
+
+# `rolling reproduce --quick`
+QUICK_SEEDS = 1
+QUICK_LOADS_N = (5, 20, 100)
+# The widest contact is 1.29 mm long, with two bodies at Ra 5 um and 100 N. The track must be
+# longer.
+QUICK_SECONDS = 0.015
+QUICK_STRIDES = 3

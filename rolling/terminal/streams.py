@@ -1,0 +1,116 @@
+"""Standard streams that may be closed, ASCII, full, or a pipe whose reader went away.
+
+None of this may cost a run its work: a command that cannot be heard still finishes.
+"""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, TextIO, cast
+
+# Errors of writing to a pipe or terminal that nobody reads any more.
+_UNHEARD = (errno.EPIPE, errno.EBADF, errno.EIO)
+
+
+class LastingStream:
+    """A text stream whose writing never raises; the first error is kept and the rest is dropped.
+
+    Attributes
+    ----------
+    error : OSError or None. The first error of writing, unless the reader just went away.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self._lost = False
+        self.error: OSError | None = None
+
+    def write(self, text: str) -> int:
+        """Write a text, or drop it when the stream is lost."""
+        if not self._lost:
+            try:
+                self._stream.write(text)
+            except (OSError, ValueError) as error:
+                self._lose(error)
+        return len(text)
+
+    def flush(self) -> None:
+        """Write what is buffered, or drop it when the stream is lost."""
+        if not self._lost:
+            try:
+                self._stream.flush()
+            except (OSError, ValueError) as error:
+                self._lose(error)
+
+    def isatty(self) -> bool:
+        """Return whether somebody looks at the stream."""
+        return not self._lost and not self._stream.closed and self._stream.isatty()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def _lose(self, error: OSError | ValueError) -> None:
+        """Give the stream up after an error of writing."""
+        if isinstance(error, ValueError) and not self._stream.closed:
+            raise error  # a mistake of the program, not of the stream
+        self._lost = True
+        if isinstance(error, OSError) and error.errno not in _UNHEARD:
+            self.error = error
+        # What is buffered would be written once more, and fail, when Python ends.
+        with suppress(OSError, ValueError):
+            null = _null()
+            os.dup2(null, self._stream.fileno())
+            os.close(null)
+
+
+@contextmanager
+def lasting() -> Iterator[tuple[LastingStream, LastingStream]]:
+    """Put lasting streams in the place of stdout and stderr.
+
+    Closed ones are opened to nowhere, so that no file of a run gets their number. Signs that the
+    encoding lacks are written as escapes.
+    """
+    _open_closed()
+    before = sys.stdout, sys.stderr
+    for stream in before:
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    streams = LastingStream(before[0]), LastingStream(before[1])
+    sys.stdout, sys.stderr = (cast(TextIO, stream) for stream in streams)
+    try:
+        yield streams
+    finally:
+        for stream in streams:
+            stream.flush()
+        sys.stdout, sys.stderr = before
+
+
+def _open_closed() -> None:
+    """Open closed standard streams to nowhere, for this process and those it starts."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            null = _null()  # the lowest free number, which is this one
+            os.set_inheritable(null, True)
+    # Python has None in the place of a stream that was closed when it started.
+    if sys.stdout is None:
+        sys.stdout = _nowhere()
+    if sys.stderr is None:
+        sys.stderr = _nowhere()
+
+
+def _nowhere() -> TextIO:
+    """Return a stream that drops all text."""
+    return Path(os.devnull).open("w", encoding="utf-8")
+
+
+def _null() -> int:
+    """Open the null device."""
+    return os.open(os.devnull, os.O_RDWR)

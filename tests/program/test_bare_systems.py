@@ -1,0 +1,129 @@
+"""Systems that lack what others have: a place for compiled code, and semaphores for workers."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rolling.simulation import pool, spawning
+from rolling.simulation.pool import Task
+
+ROOT = Path(__file__).parents[2]
+COMPILE = """\
+import os, numpy as np
+from rolling.contact import _recovery_kernels, solver
+z = np.ones((8, 8))
+print(_recovery_kernels.node_work((z, z), (0, 0), (z, z / 2), False, 1.0, np.empty((8, 8))))
+print(os.environ.get("NUMBA_CACHE_DIR"))
+"""
+SUMS = "(32.0, 0.0)"  # 64 nodes of pressure 1 fall by a half
+
+
+@pytest.fixture
+def sealed(tmp_path: Path) -> dict[str, str]:
+    """Environment of a copy of the program whose kernels have no place for a cache.
+
+    A file in place of a folder stops root as well, who may write whatever is read-only.
+    """
+    shutil.copytree(
+        ROOT / "rolling", tmp_path / "rolling", ignore=shutil.ignore_patterns("__pycache__")
+    )
+    (tmp_path / "rolling" / "contact" / "__pycache__").touch()
+    kept = {name: value for name, value in os.environ.items() if "CACHE" not in name}
+    return kept | {"HOME": os.devnull, "PYTHONPATH": str(tmp_path), "TMPDIR": str(tmp_path)}
+
+
+def compiled(environment: dict[str, str], before: str = "") -> tuple[list[str], str]:
+    """Compile and call a kernel; return the lines printed, and the warnings."""
+    done = subprocess.run(
+        [sys.executable, "-c", before + COMPILE],
+        capture_output=True,
+        text=True,
+        env=environment,
+        cwd=environment["PYTHONPATH"],
+        timeout=300,
+    )
+    assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
+    return done.stdout.splitlines(), done.stderr
+
+
+def test_a_read_only_program_without_a_home_compiles_into_a_temporary_folder(
+    sealed: dict[str, str], tmp_path: Path
+) -> None:
+    (sums, folder), warnings = compiled(sealed)
+    assert sums == SUMS
+    assert warnings.count("set NUMBA_CACHE_DIR to a folder of your own") == 1
+    assert Path(folder).parent == tmp_path and not Path(folder).exists()  # gone with the process
+
+
+def test_a_program_that_can_write_nowhere_works_all_the_same(sealed: dict[str, str]) -> None:
+    full = "import tempfile\ndef refuse(**how): raise OSError\ntempfile.mkdtemp = refuse\n"
+    (sums, _), warnings = compiled(sealed, full)
+    assert sums == SUMS and warnings.count("NUMBA_CACHE_DIR") == 1
+
+
+def test_a_given_folder_keeps_the_compiled_code(sealed: dict[str, str], tmp_path: Path) -> None:
+    kept = tmp_path / "kept"
+    (sums, folder), warnings = compiled(sealed | {"NUMBA_CACHE_DIR": str(kept)})
+    assert (sums, folder, warnings) == (SUMS, str(kept), "")
+    assert list(kept.rglob("*node_work*.nbi"))
+
+
+# ---- no semaphores
+# --------------------------------------------------------------------------------------------
+
+
+def twice(number: int, stopped: object, progress: object) -> int:
+    return 2 * number
+
+
+@pytest.mark.parametrize(
+    "error", [FileNotFoundError(2, "No such file"), OSError(38, "ENOSYS"), ImportError("sem_open")]
+)
+def test_without_semaphores_one_process_does_all(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], error: Exception
+) -> None:
+    def refuse(self: object) -> None:
+        raise error
+
+    monkeypatch.setattr(spawning._Context, "Lock", refuse)
+    results: dict[int, int] = {}
+    outcome = pool.work([Task(k, twice, (k,), 1.0) for k in range(3)], 2, results.__setitem__)
+    assert results == {0: 0, 1: 2, 2: 4} and not outcome.failures
+    assert "is /dev/shm there and writable?" in capsys.readouterr().err
+
+
+IN_A_CONTAINER = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(
+    not shutil.which("unshare")
+    or subprocess.run([*IN_A_CONTAINER, "true"], capture_output=True).returncode != 0,
+    reason="no containers for users here",
+)
+def test_a_run_without_shared_memory_is_done(tmp_path: Path) -> None:
+    scene = tmp_path / "s.yaml"
+    scene.write_text(
+        "name: bare\nsphere: {radius_mm: 5}\n"
+        "plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n"
+        "surface: {kind: smooth, spacing_um: 2, width_um: 128}\n"
+        "rolling: {load_n: 0.2, speed_m_s: 0.1, duration_s: 0.002}\n"
+        "sweep: {rolling.load_n: [0.2, 0.3]}\n"
+    )
+    run = f"{sys.executable} -m rolling.cli run s.yaml --out out --workers 2 --no-report"
+    done = subprocess.run(
+        [*IN_A_CONTAINER, f"mount -t tmpfs -o ro none /dev/shm && {run}"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        timeout=300,
+    )
+    assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
+    assert done.stderr.count("warning: no worker processes") == 1

@@ -1,0 +1,113 @@
+"""A browser for the tests of the report page, and the reading and handling of an open page."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import os
+import re
+import shutil
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from acoustics import wav
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+# Chromium's flags for a machine without screen, sound card or network.
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--autoplay-policy=no-user-gesture-required",
+]
+MINUS = "\N{MINUS SIGN}"
+RATE = wav.SAMPLE_RATE_HZ
+# Counts what the page starts, keeps its gains, and listens at its way out.
+TAP = """
+  window.tap = { starts: 0, gains: [], analyser: null };
+  const start = AudioBufferSourceNode.prototype.start;
+  AudioBufferSourceNode.prototype.start = function (...a) {
+    tap.starts++;
+    return start.apply(this, a);
+  };
+  const connect = AudioNode.prototype.connect;
+  AudioNode.prototype.connect = function (to, ...rest) {
+    if (this instanceof AudioBufferSourceNode) tap.gains.push(to);
+    if (to instanceof AudioDestinationNode) {
+      tap.analyser = new AnalyserNode(this.context, { fftSize: 2048 });
+      connect.call(this, tap.analyser);
+    }
+    return connect.call(this, to, ...rest);
+  };
+"""
+PIXELS = """(canvas, places) => {
+  const options = { willReadFrequently: true };
+  const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', options);
+  copy.drawImage(canvas, 0, 0);
+  return places.map(([x, y]) => [...copy.getImageData(x, y, 1, 1).data].slice(0, 3));
+}"""
+
+
+def browser_path() -> str | None:
+    return next((path for name in BROWSERS if (path := shutil.which(name))), None)
+
+
+def without_browser(missing: str) -> None:
+    message = f"{missing}: install Debian's `chromium` and the extra `dev`, which has playwright"
+    if os.environ.get("ROLLING_BROWSER_REQUIRED"):
+        pytest.fail(message)
+    pytest.skip(message)
+
+
+def data_of(path: Path) -> dict:
+    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', path.read_text())
+    assert found
+    return json.loads(found.group(1))
+
+
+def embedded_record(path: Path, number: int) -> np.ndarray:
+    """Return the samples of a run's player on the page, in parts of full scale."""
+    found = re.findall(r'src="data:audio/wav;base64,([^"]+)"', path.read_text())
+    samples, rate = soundfile.read(io.BytesIO(base64.b64decode(found[number])))
+    assert rate == RATE
+    return samples
+
+
+def seek(page, seconds: float) -> None:
+    page.locator("#seek").evaluate(
+        "(s, t) => { s.value = t; s.dispatchEvent(new Event('input')); }", seconds
+    )
+
+
+def time_of(page) -> float:
+    return float(page.text_content("#time").split(" s")[0])
+
+
+def map_of(page) -> int:
+    return int(re.match(r"map (\d+) of", page.text_content("#map-number"))[1]) - 1
+
+
+def until(page, condition: str) -> None:
+    """Wait for a condition.
+
+    Playwright's own way evaluates text in the page, which the page forbids.
+    """
+    end = time.monotonic() + 10
+    while not page.evaluate(condition):
+        assert time.monotonic() < end, f"never: {condition}"
+        page.wait_for_timeout(5)
+
+
+def play(page) -> None:
+    page.click("#play")
+    until(page, "parseFloat(document.querySelector('#seek').value) > 0.02")
