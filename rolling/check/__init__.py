@@ -8,8 +8,8 @@ long_steps, resonance
     limits behind the findings: step against contact, ball on its contact
 probe
     solves a few positions
-cost, demand, machine
-    expected time and window; memory and disk; memory and disk of this machine
+cost, demand, between_nodes, machine
+    expected time and window; memory and disk; memory of sub-cells; memory and disk of this machine
 refusals
     scenes that cannot be run here
 finding, report

@@ -35,6 +35,18 @@ def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
 
 
 @njit(cache=True)
+def cell_tops(heights, out):
+    """Set `out` to the maximum height within the cell of each node, by the slope at the node."""
+    along, across = heights.shape
+    for i in range(along):
+        before, after = heights[i - 1], heights[(i + 1) % along]
+        for j in range(across):
+            rise = after[j] - before[j]
+            tilt = heights[i, (j + 1) % across] - heights[i, j - 1]
+            out[i, j] = heights[i, j] + 0.25 * np.sqrt(rise * rise + tilt * tilt)
+
+
+@njit(cache=True)
 def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach):
     """Find the bounding block of the nodes whose gap is below the approach.
 

@@ -69,12 +69,9 @@ class RollingContact:
 
         With blended edges a cell rises above its node by half its range.
         """
-        if not (self.has_blended_edges and self.slopes):
+        if not (self.has_blended_edges and self.slopes and self.heights.any()):
             return self.heights
-        z = self.heights
-        along, across = (np.roll(z, -1, axis) - np.roll(z, 1, axis) for axis in (0, 1))
-        tops: Array = z + 0.25 * np.hypot(along, across)
-        return tops
+        return _tops(self.heights)
 
     @cached_property
     def row_highest(self) -> Array:
@@ -169,6 +166,18 @@ class RollingContact:
             out,
         )
         return out
+
+
+_kept_tops: list[tuple[Array, Array]] = []  # heights and tops of the last surface
+
+
+def _tops(heights: Array) -> Array:
+    """Return the tops of cells; the last surface is kept for the further pieces of its track."""
+    if not _kept_tops or _kept_tops[0][0] is not heights:
+        tops = np.empty_like(heights)
+        _march_kernels.cell_tops(heights, tops)
+        _kept_tops[:] = [(heights, tops)]
+    return _kept_tops[0][1]
 
 
 @dataclass(frozen=True)

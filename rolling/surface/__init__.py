@@ -8,6 +8,8 @@ levelling
     finds tilt and seam of measured heights and removes the tilt
 refinement
     computes heights between the nodes, on finer grids and on sub-cells
+steepness
+    finds steep surfaces, on which sub-cells pay
 scene_surface
     gives the surface of a scene, with its statistics and its digest
 contact_of_scene

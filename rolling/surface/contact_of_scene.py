@@ -5,21 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
 from rolling._typing import Array
-from rolling.contact.half_space import HalfSpace
-from rolling.contact.solver import own_deflection
 from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
+from rolling.surface import steepness
 from rolling.surface.refinement import dies_out, subcell_heights
 from rolling.surface.scene_surface import heights
-
-# Sub-cells that `subcells: auto` takes on steep surfaces.
-STEEP_SUBCELLS = 2
-# A surface is steep from this ratio on: half the range of heights over a cell, by its slope, over a
-# node's deflection by the hardness on its own cell. Ra 0.1 um at 2.1 GPa has 1.2, Ra 1 um 12.
-STEEP = 3.0
 
 
 def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
@@ -48,18 +39,11 @@ def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
 
 
 def auto_subcells(contact: RollingContact) -> int:
-    """Choose the sub-cells along the side of a cell for a contact.
-
-    Sub-cells gain most where the heights vary within a cell by more than pressures can level: on
-    steep surfaces that yield. Elsewhere a single node per cell finds the edge well enough, as it
-    does in an elastic contact.
-    """
+    """Choose the sub-cells along the side of a cell for a contact, as `numerics.subcells: auto`."""
     if not contact.has_blended_edges:
         return 1
-    rise = 0.5 * _between(contact.heights).slope(contact.spacing) * contact.spacing
-    half_space = HalfSpace(contact.spacing, contact.contact_modulus)
-    steep = rise > STEEP * own_deflection(half_space, contact.hardness)
-    return STEEP_SUBCELLS if steep else 1
+    slope = steepness.rms_slope(_between(contact.heights).median_step, contact.spacing)
+    return steepness.auto_subcells(slope, contact.contact_modulus, contact.hardness)
 
 
 def on_subcells(
@@ -102,14 +86,10 @@ class _Between:
         """True if the surface continues between its nodes."""
         return dies_out(self.heights)
 
-    def slope(self, spacing: float) -> float:
-        """Return the rms slope that random heights of the same median slope have.
-
-        Pits and scratches, which are steep in few places, do not count.
-        """
-        z = self.heights
-        steps = np.hypot(np.roll(z, -1, axis=0) - z, np.roll(z, -1, axis=1) - z)
-        return float(np.median(steps) / spacing / np.sqrt(np.log(2)))
+    @cached_property
+    def median_step(self) -> float:
+        """Median change of heights from node to node [m]."""
+        return steepness.median_step(self.heights)
 
     def on_subcells(self, subcells: int) -> Array:
         """Return the heights of sub-cells [m]."""
