@@ -15,7 +15,7 @@ from rolling.scene.sections import Gaussian
 EXAMINED = 32.0
 # Bytes per node of the window: the contact, and transforms of all padded sizes that occur (310 to
 # 660 bytes), and per sub-cell beyond the first.
-WINDOW, WINDOW_SUBCELL = 720.0, 750.0
+WINDOW, WINDOW_SUBCELL = 720.0, 700.0
 
 
 @dataclass(frozen=True)

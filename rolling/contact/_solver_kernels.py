@@ -16,6 +16,10 @@ from rolling.contact._compiled import njit
 from rolling.contact._projection import extrapolate, project, step_by_way_of
 from rolling.contact._system import Direction, Nodes, Sets, unpack
 
+# The half range of gaps over a cell is at most so many times the range that pressures level. Without
+# this limit cliffs of many deflections made 2 % of random scenes too soft to converge. Surfaces of Ra
+# 1 um at 2.1 GPa hardly reach it (-29.3 and -29.2 dB without and with it).
+STEEPEST = 100.0
 LEAST_STEP = (
     # After a step length alpha below it the direction is dropped, because nodes that were put on a
     # bound point the wrong way.
@@ -322,10 +326,10 @@ def half_range(along, across, levelled):
 
     The range is that of a uniform distribution with the variance of the gaps: the gradient times a
     side of the cell. Pressures below the hardness level a small range: up to `levelled` [m] it does
-    not count, from twice that on it counts in full.
+    not count, from twice that on it counts in full, up to STEEPEST times that.
     """
     half = 0.25 * np.sqrt(along * along + across * across)
-    return max(min(half, 2.0 * (half - levelled)), 0.0)
+    return max(min(half, 2.0 * (half - levelled), STEEPEST * levelled), 0.0)
 
 
 @njit(cache=True)

@@ -21,6 +21,7 @@ Nodes = NDArray[np.signedinteger]
 # relative; the allowance covers another order of summation than the solver's
 LOAD_ERROR = 1.001e-12
 ENERGY_ERROR = 1e-11  # relative; the two convolutions round differently
+STEEPEST = 100.0  # half range of gaps over a cell, in ranges that pressures level
 AROUND = 8  # nodes past the window that the convolution checks
 BLOCK = 1_000_000  # nodes per block in the search outside the window
 
@@ -116,7 +117,9 @@ def edges(track: RollingContact, state: ContactState, gap: Array, u: Array, arou
         shape = _sphere(track, state, rows, columns)
     slopes = np.gradient(shape + u)
     half = np.hypot(*slopes) / 2
-    edge: Array = np.clip(2 * (half - _levelled(track)), 0.0, half)
+    level = _levelled(track)
+    most = np.minimum(half, STEEPEST * level)
+    edge: Array = np.minimum(np.maximum(2 * (half - level), 0.0), most)
     inside = np.zeros_like(edge)
     inner = (slice(around + 1, -around - 1),) * 2
     inside[inner] = edge[inner]
