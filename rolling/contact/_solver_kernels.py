@@ -16,9 +16,9 @@ from rolling.contact._compiled import njit
 from rolling.contact._projection import extrapolate, project, step_by_way_of
 from rolling.contact._system import Direction, Nodes, Sets, unpack
 
-# The half range of gaps over a cell is at most so many times the range that pressures level. Without
-# this limit cliffs of many deflections made 2 % of random scenes too soft to converge. Surfaces of Ra
-# 1 um at 2.1 GPa hardly reach it (-29.3 and -29.2 dB without and with it).
+# The half range of gaps over a cell is at most so many times the range that pressures level.
+# Without this limit cliffs of many deflections made 2 % of random scenes too soft to converge.
+# Surfaces of Ra 1 um at 2.1 GPa hardly reach it: -29.3 and -29.2 dB without and with it.
 STEEPEST = 100.0
 LEAST_STEP = (
     # After a step length alpha below it the direction is dropped, because nodes that were put on a

@@ -424,8 +424,8 @@ def main_report(out: Path, random: int, workers: int = 1, long: bool = False) ->
     Parameters
     ----------
     out : Path. Folder of the files.
-    random : int. Number of random scenes. The numbers of odd scenes, of blended scenes and of scenes
-        on sub-cells are each a quarter of it.
+    random : int. Number of random scenes. The numbers of odd scenes, of blended scenes and of
+        scenes on sub-cells are each a quarter of it.
     workers : int. Number of processes. Default: 1.
     long : bool. If true, add the march of 1e5 steps, which takes minutes. Default: False.
 

@@ -1,6 +1,4 @@
-"""Sub-cells: the operator by way of whole cells against the fine one, its symmetry, the surface
-between nodes, and the rule of `auto`.
-"""
+"""Sub-cells: their operator against the fine one, its symmetry, and the rule of `auto`."""
 
 from __future__ import annotations
 
@@ -14,9 +12,20 @@ from rolling.accuracy import edge_study
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.recovery import EventTable
 from rolling.contact.subcells import SubcellSpace, cell_means
+from rolling.scene.file import loads
+from rolling.simulation import simulate
 from rolling.surface.contact_of_scene import auto_subcells, on_subcells
 from rolling.surface.refinement import dies_out, subcell_heights
 from rolling.verification import optimality, subcell_deflection
+
+CLOSED = """\
+name: closed
+sphere: {radius_mm: 5}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
+surface: {kind: gaussian, roughness_ra_um: 1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 400, seed: 3}
+rolling: {load_n: 0.5, speed_m_s: 0.1, duration_s: 0.004}
+"""
 
 
 def patches(subcells: int) -> np.ndarray:
@@ -79,6 +88,25 @@ def test_contact_conditions_hold_with_sharp_edges_and_elastic_plates() -> None:
             by_cells = replace(track, heights=fine.heights, spacing=fine.spacing, subcells=2)
         for state in roll(by_cells, 0, 2):
             assert_solved(by_cells, state)
+
+
+@pytest.mark.law("Sub-cells: a piece has the same numbers, whatever was solved before it.")
+@pytest.mark.parametrize("subcells", [2, 4])
+def test_pieces_do_not_depend_on_other_pieces(subcells: int) -> None:
+    """Bit by bit, on a closed track, with transforms that another surface and load have used."""
+    scene = loads(CLOSED, [f"numerics.subcells={subcells}"])
+    other = loads(CLOSED, ["numerics.subcells=2", "surface.seed=5", "rolling.load_n=3"])
+    assert scene.track.closed
+    steps = scene.track.steps
+    borders = [(0, 12), (12, 24), (steps - 12, steps)]
+    forth = [simulate.simulate_piece(scene, a, b) for a, b in borders]
+    simulate.simulate_piece(other, 0, 3)
+    back = [simulate.simulate_piece(scene, a, b) for a, b in borders[::-1]][::-1]
+    for one, again in zip(forth, back, strict=True):
+        for name in ("release_energy", "loading_energy"):
+            assert np.array_equal(one.steps[name], again.steps[name])
+        for name, values in one.states.items():
+            assert np.array_equal(values, again.states[name])
 
 
 @pytest.mark.law("Sub-cells: events of nodes add up to the release of sub-cells.")
