@@ -12,7 +12,7 @@ from rolling.folders.files import FolderError, Keeper
 from rolling.scene import file
 from rolling.scene.identity import Identity, changes, differences, said
 from rolling.scene.scene import Scene
-from rolling.simulation import labels, result_file, simulate, solving
+from rolling.simulation import error_stretches, labels, result_file, simulate, solving
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.solving import BAR
@@ -75,13 +75,19 @@ def solve(
         Default: true.
     begun : callable. It receives a run when one of its pieces is handed to a process.
     """
-    unsolved = [k for k, result in enumerate(results) if not result.complete]
+    unsolved = [
+        k
+        for k, (run, result) in enumerate(zip(runs, results, strict=True))
+        if not result.complete or error_stretches.missing(run.scene, result)
+    ]
     keepers = {k: Keeper() for k in unsolved}
 
     def added(number: int) -> None:
-        if keepers[number].due() or results[number].complete:
+        run, result = runs[number], results[number]
+        last = result.complete and not error_stretches.missing(run.scene, result)
+        if keepers[number].due() or last:
             start = time.monotonic()
-            keep(runs[number], results[number])
+            keep(run, result)
             keepers[number].wrote(time.monotonic() - start)
 
     for k in unsolved:

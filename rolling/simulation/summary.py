@@ -18,9 +18,10 @@ from rolling.check import cost, findings, height_files
 from rolling.contact import closed_forms
 from rolling.folders import program
 from rolling.scene.scene import Scene
-from rolling.simulation import caveats, simulate
+from rolling.simulation import caveats, run_errors, simulate
 from rolling.simulation.labels import printable
 from rolling.simulation.result import Result
+from rolling.simulation.run_errors import RunErrors
 from rolling.sound.contact_sound import ContactSound
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import scene_surface
@@ -29,7 +30,11 @@ PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5p
 
 
 def summarize(
-    scene: Scene, result: Result, sound: ContactSound, sound_seconds: float
+    scene: Scene,
+    result: Result,
+    sound: ContactSound,
+    sound_seconds: float,
+    errors: RunErrors | None = None,
 ) -> dict[str, Any]:
     """Collect the numbers of a run over the solved steps; levels of silence are None."""
     steps = result.done_steps
@@ -63,6 +68,7 @@ def summarize(
         "third_octave_db": sound.levels.third_octave_db,
         "third_octave_a_db": sound.levels.third_octave_a_db,
         "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
+        **run_errors.numbers(errors, sound.uncertainty.laeq_db),
         **_loudness(scene, sound),
         "duration_s": sound.duration,
         "loops": sound.loops,
