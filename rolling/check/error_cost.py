@@ -19,7 +19,7 @@ START_STEPS = 10  # steps that a cold start and the run-in of blended edges cost
 TIGHTER = 10.0  # the scene's tolerance over the tight tolerance
 LEAST_TOLERANCE = 1e-10  # rounding does not let a solve come closer
 LINES = 2  # lines of a stretch in the third octave of 1 kHz, if the cost allows
-FINER_COST = 2.0**2.3  # cost of a step at half the spacing over that at the spacing
+FINER_COST = 2.0**1.95  # cost of a step at half the spacing over that at the spacing
 COARSER_COST = 2.0**-1.95  # the same at twice the spacing, at the scene's own tolerance
 LEVELS = ("tight", "fine", "coarse")  # marches of a stretch, beside the run itself
 

@@ -243,6 +243,9 @@ def _third_octaves(
         columns[f"{label}: standard uncertainty [dB]"] = captions.gaps(
             uncertainty[band] for band in BAND_NAMES
         )
+    for run in shown:
+        columns |= _error_columns(run, levels(run))
+    errors = [run.errors.for_plots if run.errors else None for run in shown]
     # A band that is too uncertain in any run is grey in all of them.
     shortest = min(unrepeated_seconds(run) for run in among)
     facts = [captions.distance(shown), captions.duration(shown)]
@@ -255,9 +258,25 @@ def _third_octaves(
         f"Third octaves, {weighting}-weighted: {captions.subject(shown)}",
         captions.note(facts),
         columns,
-        lambda ax: sound_plots.third_octaves(ax, curves, shortest, limits),
+        lambda ax: sound_plots.third_octaves(ax, curves, shortest, limits, errors),
         captions.remarks(shown),
     )
+
+
+def _error_columns(run: RunResult, levels: Mapping[str, float | None]) -> dict[str, Array]:
+    """Return the errors of band levels and the corrected levels as columns; none without errors."""
+    errors = run.errors
+    if errors is None or errors.levels is None:
+        return {}
+    return {
+        f"{run.label}: {name}": captions.gaps(values[band] for band in BAND_NAMES)
+        for name, values in (
+            ("grid error [dB]", errors.grid_db),
+            ("standard uncertainty of the grid error [dB]", errors.grid_uncertainty_db),
+            ("solver error [dB]", errors.solver_db),
+            ("corrected level [dB re 20 µPa]", errors.corrected_db(levels)),
+        )
+    }
 
 
 def unrepeated_seconds(run: RunResult) -> float:

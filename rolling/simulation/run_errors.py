@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from acoustics.bands import BAND_NAMES
+from acoustics.bands import BAND_NAMES, OFF_DB
 from rolling._typing import Array
 from rolling.check import error_cost
 from rolling.scene.scene import Scene
@@ -22,8 +22,6 @@ from rolling.simulation.result import Result
 from rolling.sound import error_estimate
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.error_estimate import LevelErrors, RecordLevels
-
-HATCHED_DB = 1.0  # bands that are off by more are hatched in plots
 
 
 @dataclass(frozen=True)
@@ -82,6 +80,23 @@ class RunErrors:
         return {
             name: None if grid is None else grid + (solver[name] or 0.0)
             for name, grid in self.grid_db.items()
+        }
+
+    @property
+    def for_plots(self) -> tuple[dict[str, float | None], dict[str, float | None]] | None:
+        """Errors of the band levels and their standard uncertainty [dB]; None without numbers."""
+        return (self.total_db, self.grid_uncertainty_db) if self.levels else None
+
+    def off_db(self) -> dict[str, float]:
+        """Return the errors of bands that are off by more than 1 dB, beyond doubt [dB].
+
+        Their error exceeds 1 dB by more than its standard error.
+        """
+        spread = self.grid_uncertainty_db
+        return {
+            name: error
+            for name, error in self.total_db.items()
+            if error is not None and abs(error) > OFF_DB + (spread[name] or 0.0)
         }
 
     def corrected_db(self, levels: Mapping[str, float | None]) -> dict[str, float | None]:
