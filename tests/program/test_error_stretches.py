@@ -6,14 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from acoustics.bands import BAND_NAMES
 from rolling.check import error_cost
 from rolling.check.error_cost import LEVELS
-from rolling.commands import resound, resume, run
+from rolling.check.findings import findings
+from rolling.commands import report, resound, resume, run
 from rolling.contact.solver import ContactError
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
-from rolling.simulation import error_stretches, result_file, run_errors, simulate
+from rolling.simulation import caveats, error_stretches, result_file, run_errors, simulate
 from rolling.simulation.result import Result
+from rolling.simulation.run_errors import Effort, RunErrors
+from rolling.simulation.summary import table as summary_table
+from rolling.sound.error_estimate import LevelErrors
 
 TEXT = """\
 name: short
@@ -218,8 +223,8 @@ def test_a_stretch_that_cannot_be_solved_costs_only_the_estimate(
 
     monkeypatch.setattr(error_stretches, "contact_of", failing)
     folder = scene_path.parent / "failed"
-    report = run(scene_path, out=folder, workers=1, page=False)
-    assert report.exit_code == 0
+    done = run(scene_path, out=folder, workers=1, page=False)
+    assert done.exit_code == 0
     summary = json.loads((folder / "summary.json").read_text())
     reason = summary["error_estimate"]["reason"]
     assert reason == "a stretch could not be solved again: fine: no room"
@@ -304,3 +309,53 @@ def test_errors_of_a_partial_run_wait_for_it(finished: Path) -> None:
     reason = run_errors._reason(scene, result, sound, ())  # type: ignore[arg-type]
     assert reason == "the run is not complete"
     assert error_stretches.missing(scene, result) == []
+
+
+def test_terminal_tables_and_page_show_the_errors(scene_path: Path, finished: Path) -> None:
+    summary = json.loads((finished / "summary.json").read_text())
+    text = summary_table([("a", "folder", summary)])
+    grid, spread = summary["laeq_grid_error_db"], summary["laeq_grid_error_uncertainty_db"]
+    assert f"{grid:+.2f} ± {spread:.2f}" in text and "grid error dB" in text
+    assert "errors of a: LAeq corrected" in text and "Errors of grid and solver" in text
+    without = {name: value for name, value in summary.items() if name != "error_estimate"}
+    assert "grid error dB" not in summary_table([("a", "folder", without)])
+    lines = (finished / "third_octaves.csv").read_text().splitlines()
+    head, *rows = [line.split(",") for line in lines if not line.startswith("#")]
+    level, error, corrected = (
+        next(k for k, name in enumerate(head) if part in name)
+        for part in ("[dB re 20 µPa]", ": grid error [dB]", "corrected level")
+    )
+    solver = next(k for k, name in enumerate(head) if "solver error" in name)
+    known = [row for row in rows if row[level] not in ("", "nan")]
+    assert known
+    for row in known:
+        expected = float(row[level]) - float(row[error]) - float(row[solver])
+        assert float(row[corrected]) == pytest.approx(expected, abs=1e-5)
+    page = report([finished], out=scene_path.parent / "page.html").read_text()
+    assert "LAeq corrected for grid and solver" in page and "(error " in page
+
+
+def test_bands_off_by_more_than_1_db_are_a_warning() -> None:
+    values = dict.fromkeys(BAND_NAMES, 0.0)
+    levels = LevelErrors(1.0, True, *np.zeros((3, 31)), 0.0, 0.0, 0.0, -20.0, -40.0)  # type: ignore[arg-type]
+    levels.grid_db[-2:] = 1.5, -3.0
+    levels.grid_uncertainty_db[-2:] = 1.0, 0.5
+    effort = Effort(4, 64, 0.2, True, 0.1, [])
+    errors = RunErrors(levels, effort, 0.0, "")
+    assert errors.off_db() == {"20000": -3.0}
+    assert errors.corrected_db(values)["16000"] == -1.5
+    (caveat,) = caveats._of_errors(errors)
+    assert caveat.key == "band_errors" and "20000 Hz (-3.0)" in caveat.text
+
+
+def test_check_states_the_cost(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(error_cost, "SHARE", 0.25)
+    by_key = {each.key: each for each in findings(scene_of("rolling.duration_s=0.5"))}
+    assert (
+        "25% more" in by_key["error_estimate"].value or "24% more" in by_key["error_estimate"].value
+    )
+    assert 0.2 < by_key["error_estimate"].seconds / by_key["expected_time"].seconds <= 0.25
+    by_key = {each.key: each for each in findings(scene_of())}
+    assert by_key["error_estimate"].value.startswith("none: the track has 600 different steps")
+    off = scene_of("numerics.error_estimate=false")
+    assert "error_estimate" not in {each.key for each in findings(off)}
