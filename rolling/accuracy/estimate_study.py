@@ -9,17 +9,19 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
+from acoustics.bands import BAND_NAMES, reliable
 from rolling import tables
 from rolling.accuracy import errors
 from rolling.accuracy.variants import Study, tasks
 from rolling.check import cost
+from rolling.contact.solver import ContactError
 from rolling.folders import files
 from rolling.scene.scene import Scene
 from rolling.simulation import pool, simulate, solving
@@ -113,6 +115,9 @@ def compare(
 ) -> Comparison:
     """Run a scene with its estimate, march its whole track on a fine grid, and compare.
 
+    Bands that are uncertain by 2 dB or more are left out: they hold a few lines only, whose errors
+    scatter.
+
     Parameters
     ----------
     name : str. Name in the table.
@@ -132,11 +137,13 @@ def compare(
     total = run.errors.total_db
     spread = run.errors.grid_uncertainty_db
     rows = []
+    certain = dict(zip(BAND_NAMES, reliable(run.sound.duration), strict=True))
     for band in errors.BANDS:
         own, fine = run.sound.levels.third_octave_db[band], reference.third_octave_db[band]
         estimated = total[band]
-        if own is not None and fine is not None and estimated is not None:
-            rows.append(BandRow(band, estimated, spread[band] or math.inf, own - fine))
+        if own is None or fine is None or estimated is None or not certain[band]:
+            continue
+        rows.append(BandRow(band, estimated, spread[band] or math.inf, own - fine))
     assert run.sound.levels.laeq_db is not None and reference.laeq_db is not None
     laeq = BandRow(
         "LAeq",
@@ -176,9 +183,12 @@ def _reference(
     pieces: list[simulate.Piece] = []
     todo = tasks(study, [variant])
     show = progress if progress is None else not progress
+
+    def finished(run: int, piece: simulate.Piece) -> None:
+        pieces.append(piece)
+
     with tqdm(total=sum(task.cost for task in todo), disable=show, desc="reference") as bar:
-        keep: Callable[[int, Any], None] = lambda run, piece: pieces.append(piece)  # noqa: E731
-        outcome = pool.work(todo, workers or cost.cores(), keep, bar.update)
+        outcome = pool.work(todo, workers or cost.cores(), finished, bar.update)
     raise_failures(outcome)
     return errors.measure(study, variant, pieces)
 
@@ -191,8 +201,6 @@ def raise_failures(outcome: pool.Outcome) -> None:
     ContactError : a march failed.
     KeyboardInterrupt : the work was interrupted.
     """
-    from rolling.contact.solver import ContactError
-
     if outcome.interrupted:
         raise KeyboardInterrupt
     for reason in outcome.failures.values():

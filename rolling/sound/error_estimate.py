@@ -21,6 +21,7 @@ from rolling._typing import Array
 # a step, so errors fall at order 1.5 at most. Levels of whole tracks fell at order 1.1 to 1.5 from
 # 2 um over 1 um to 0.5 um, where the three grids of an estimate, with 4 um, showed up to 2.
 ORDER_LIMITS = 0.5, 1.5
+DOUBT = 0.5  # standard uncertainty of the part that is extrapolated, over this part
 DEFAULT_ORDER = 1.0  # the order where it cannot be measured
 SHARED_BELOW_HZ = 1000.0  # bands below share an estimate, because a stretch is short
 LEAST_LINES = 2  # minimum number of lines of a stretch in a band with its own estimate
@@ -108,7 +109,7 @@ class LevelErrors:
     order : float. Order of convergence that extrapolates to infinitely fine grids.
     order_measured : bool. If false, the order is the default, because a level equals another.
     grid_db, grid_uncertainty_db, solver_db : (bands,) arrays, dB. Errors of the band levels from
-        grid and solver, and the standard error of the former; NaN: unknown.
+        grid and solver, and the standard uncertainty of the former; NaN: unknown.
     laeq_grid_db, laeq_grid_uncertainty_db, laeq_solver_db : float, dB. The same of LAeq.
     grid_signal_db, solver_signal_db : float, dB. Rms error of the signal over its rms fluctuation.
     """
@@ -204,12 +205,17 @@ def _lines(band: int, width_hz: float) -> int:
 
 
 def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:
-    """Estimate the errors of a record's levels; standard errors come from the jackknife."""
+    """Estimate the errors of a record's levels.
+
+    Their standard errors come from the jackknife over stretches, and from the doubt about the order
+    that extrapolates them.
+    """
     total = powers.sums.sum(axis=0)
     order, measured = _order(total)
     bands = len(BAND_NAMES)
     numbers = _reported(total, powers, record)
     spread = _jackknife(powers.sums, lambda part: _reported(part, powers, record))
+    spread = np.hypot(spread, DOUBT * (1.0 - 1.0 / refinement_factor(order)) * np.abs(numbers))
     grid, solver = numbers[:bands], numbers[bands : 2 * bands]
     return LevelErrors(
         order=order,

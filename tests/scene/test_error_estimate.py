@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from acoustics.bands import BAND_NAMES, EDGES_HZ, MID_HZ
+from rolling.sound import error_estimate
 from rolling.sound.error_estimate import (
     BandPowers,
     LevelErrors,
@@ -27,6 +28,12 @@ def filtered(signal: np.ndarray, gain_db: np.ndarray) -> np.ndarray:
     """Filter whole rows with a gain by line of their transform."""
     lines = np.fft.rfft(signal, axis=-1) * 10 ** (gain_db / 20)
     return np.fft.irfft(lines, signal.shape[-1], axis=-1)
+
+
+@pytest.fixture(autouse=True)
+def scatter_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let uncertainties hold the scatter of stretches alone."""
+    monkeypatch.setattr(error_estimate, "DOUBT", 0.0)
 
 
 def stretches(
@@ -141,6 +148,14 @@ def test_twice_the_standard_error_holds_95_percent_for_four_stretches() -> None:
         offs.append((found.grid_db - gain) / found.grid_uncertainty_db)
     judged = np.abs(np.array(offs)[:, band("2000") : band("20000")])
     assert 0.9 < np.mean(judged < 2) < 0.99
+
+
+def test_the_extrapolated_part_is_in_doubt_by_half(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(error_estimate, "DOUBT", 0.5)
+    found = errors_of(stretches(gain_db=0.1, count=32))
+    # At order 1 half of the error is extrapolated.
+    assert found.grid_uncertainty_db == pytest.approx(0.025, rel=0.1)
+    assert found.laeq_grid_uncertainty_db == pytest.approx(0.025, rel=0.1)
 
 
 def test_four_times_the_stretches_halve_the_standard_error() -> None:
