@@ -1,8 +1,12 @@
 """Runs with an error estimate: marches, rounds, storage, resume and new sound."""
 
+import io
 import json
+import os
+import signal
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -14,7 +18,14 @@ from rolling.commands import report, resound, resume, run
 from rolling.contact.solver import ContactError
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
-from rolling.simulation import caveats, error_stretches, result_file, run_errors, simulate
+from rolling.simulation import (
+    _result_reading,
+    caveats,
+    error_stretches,
+    result_file,
+    run_errors,
+    simulate,
+)
 from rolling.simulation.result import Result
 from rolling.simulation.run_errors import Effort, RunErrors
 from rolling.simulation.summary import table as summary_table
@@ -359,3 +370,58 @@ def test_check_states_the_cost(monkeypatch: pytest.MonkeyPatch) -> None:
     assert by_key["error_estimate"].value.startswith("none: the track has 600 different steps")
     off = scene_of("numerics.error_estimate=false")
     assert "error_estimate" not in {each.key for each in findings(off)}
+
+
+def test_xarray_opens_the_stretches(finished: Path) -> None:
+    xarray = pytest.importorskip("xarray")
+    tree = xarray.open_datatree(finished / "result.h5", engine="h5netcdf")
+    group = tree["error_estimate"]
+    assert group["release_energy"].dims == ("stretch", "level", "stretch_step")
+    assert group["release_energy"].attrs["units"] == "J"
+    assert np.isfinite(group["release_energy"].values).all()
+    assert tuple(group.attrs["levels"].split()) == LEVELS
+    tree.close()
+
+
+@pytest.mark.parametrize(
+    ("damage", "words"),
+    [
+        (lambda group: group["first"].__setitem__(0, 10**6), "error_estimate/first"),
+        (lambda group: group["release_energy"].__setitem__((0, 0, 3), np.nan), "NaN in a march"),
+        (lambda group: group["seconds"].__setitem__((0, 0), -1.0), "are negative"),
+        (lambda group: group["plastic_area"].__setitem__((0, 0), np.inf), "are infinite"),
+        (lambda group: group.attrs.__setitem__("levels", "fine"), "error_estimate/levels"),
+        (lambda group: group.attrs.__setitem__("faults", "{"), "error_estimate/faults"),
+    ],
+)
+def test_damaged_stretches_are_refused(finished: Path, damage, words: str) -> None:
+    content = io.BytesIO((finished / "result.h5").read_bytes())
+    with h5py.File(content, "r+") as file:
+        damage(file["error_estimate"])
+        with pytest.raises(_result_reading.Damage, match=words):
+            _result_reading.read(file)
+
+
+def test_a_stopped_estimate_is_taken_up(
+    scene_path: Path, finished: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C between two marches keeps the run and the marches that are done."""
+    folder = scene_path.parent / "stopped"
+    inner = error_stretches.contact_of
+    marched: list[tuple[int, str]] = []
+
+    def stopping(scene: Scene, level: str, first: int, steps: int) -> object:
+        marched.append((first, level))
+        if len(marched) == 4:
+            os.kill(os.getpid(), signal.SIGINT)
+        return inner(scene, level, first, steps)
+
+    monkeypatch.setattr(error_stretches, "contact_of", stopping)
+    done = run(scene_path, out=folder, workers=1, page=False)
+    assert done.interrupted and done.exit_code == 130
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["complete"]
+    assert summary["error_estimate"]["reason"] == "its stretches are not solved yet"
+    monkeypatch.setattr(error_stretches, "contact_of", inner)
+    assert resume(folder, workers=1, page=False).exit_code == 0
+    assert numbers(folder) == numbers(finished)
