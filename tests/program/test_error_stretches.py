@@ -15,8 +15,9 @@ from rolling.check import error_cost
 from rolling.check.error_cost import LEVELS
 from rolling.check.findings import findings
 from rolling.commands import report, resound, resume, run
+from rolling.commands.interface import simulate as simulate_in_memory
 from rolling.contact.solver import ContactError
-from rolling.scene.file import loads
+from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
 from rolling.simulation import (
     _result_reading,
@@ -30,6 +31,7 @@ from rolling.simulation.result import Result
 from rolling.simulation.run_errors import Effort, RunErrors
 from rolling.simulation.summary import table as summary_table
 from rolling.sound.error_estimate import LevelErrors
+from rolling.surface.heights import gaussian
 
 TEXT = """\
 name: short
@@ -425,3 +427,29 @@ def test_a_stopped_estimate_is_taken_up(
     monkeypatch.setattr(error_stretches, "contact_of", inner)
     assert resume(folder, workers=1, page=False).exit_code == 0
     assert numbers(folder) == numbers(finished)
+
+
+def test_laps_of_a_height_file_at_changing_speed_have_an_estimate(tmp_path: Path) -> None:
+    heights = gaussian((301, 65), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 4)
+    np.save(tmp_path / "heights.npy", heights)
+    (tmp_path / "scene.yaml").write_text(
+        "name: file\n"
+        "sphere: {radius_mm: 5}\n"
+        "plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}\n"
+        "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
+        "rolling: {load_n: 0.1, speed_m_s: [[0, 0.05], [0.02, 0.15]], duration_s: 0.02,"
+        " start_um: 30}\n"
+        "numerics: {error_estimate: true}\n".replace("\\\n", "\n")
+    )
+    scene = read_scene(tmp_path / "scene.yaml")
+    assert scene.track.solved_steps == 301 and scene.track.steps > 900
+    result = simulate_in_memory(scene, workers=1, progress=False)
+    errors = result.errors
+    assert errors and errors.levels and errors.effort
+    firsts = error_stretches.marched(scene, result.result)
+    assert len(firsts) == errors.effort.stretches >= 4
+    speeds = error_stretches._speeds(scene, result.result, firsts[0])
+    laps = -(-scene.track.steps // 301)
+    assert len(speeds) == laps and np.all(np.diff(speeds[speeds > 0]) > 0)
+    assert np.isfinite(errors.levels.laeq_grid_db) and abs(errors.levels.laeq_grid_db) < 3
+    assert -60 < errors.levels.grid_signal_db < 0
