@@ -439,7 +439,7 @@ def test_laps_of_a_height_file_at_changing_speed_have_an_estimate(tmp_path: Path
         "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
         "rolling: {load_n: 0.1, speed_m_s: [[0, 0.05], [0.02, 0.15]], duration_s: 0.02,"
         " start_um: 30}\n"
-        "numerics: {error_estimate: true}\n".replace("\\\n", "\n")
+        "numerics: {error_estimate: true}\n"
     )
     scene = read_scene(tmp_path / "scene.yaml")
     assert scene.track.solved_steps == 301 and scene.track.steps > 900
