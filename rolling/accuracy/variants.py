@@ -11,13 +11,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-import numpy as np
-
 from rolling._typing import Array
 from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
 from rolling.simulation import pool, simulate
 from rolling.surface import contact_of_scene
+from rolling.surface.refined import refined
 
 TOLERANCES = (1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6)
 FINE_TOLERANCES = (1e-3, 1e-4)  # tolerance on finer grids
@@ -212,27 +211,6 @@ def study_of(scene: Scene, duration: float, finest: int) -> Study:
 
 
 # ---- marching
-
-
-def refined(heights: Array, times: int) -> Array:
-    """Interpolate a band-limited periodic surface to a grid `times` finer.
-
-    The surface moves across so that the line of the sphere stays in the middle.
-    """
-    along = _padded_lines(heights, times, 0.0)
-    # Mid-width, at (n_across - 1) / 2 spacings, lies (times - 1) / 2 fine nodes further on.
-    return np.ascontiguousarray(_padded_lines(along.T, times, (times - 1) / 2).T)
-
-
-def _padded_lines(values: Array, times: int, shift: float) -> Array:
-    """Interpolate along the first axis by zero-padding the transform, shifted in fine nodes."""
-    n = len(values)
-    lines = np.fft.rfft(values, axis=0) * times
-    if n % 2 == 0 and times > 1:
-        # this line holds +Nyquist and -Nyquist, which are two lines on the finer grid
-        lines[-1] /= 2
-    frequency = np.arange(len(lines)) / (n * times)
-    return np.fft.irfft(lines * np.exp(-2j * np.pi * frequency * shift)[:, None], n * times, axis=0)
 
 
 _kept: list[tuple[Array, int, Array]] = []  # the last refined surface is kept

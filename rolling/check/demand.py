@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from rolling.check import cost
+from rolling.check import cost, error_cost
 from rolling.scene.scene import Scene
 from rolling.scene.track import Track
 
@@ -33,6 +33,8 @@ STATISTICS = {"gaussian": 26.0, "file": 46.0, "smooth": 17.0}
 # Bytes per node of the window: the contact, and transforms of all padded sizes that occur (310 to
 # 660 bytes).
 WINDOW = 720.0
+# Nodes of a window at half the spacing over nodes at the spacing, which is kept beside it.
+FINE_NODES = 5.0
 # Bytes per solved step, as long as it is kept, and per step, while result.h5 is written.
 RESULT, RESULT_FILE = 112.0, 270.0
 TABLE = 180.0  # per number of a CSV file, while it is written
@@ -124,6 +126,8 @@ class Size:
         Cells of all pressure maps, and maps counted in every lap.
     events : float
         Expected number of recovery events.
+    estimated : bool
+        If true, the run estimates its errors on windows at half the spacing. Default: false.
     """
 
     kind: str
@@ -137,6 +141,7 @@ class Size:
     map_cells: float
     lap_maps: int
     events: float
+    estimated: bool = False
 
     @property
     def surface(self) -> str:
@@ -151,7 +156,8 @@ class Size:
     @property
     def solver(self) -> float:
         """Bytes of a process that solves, apart from the program."""
-        return WINDOW * self.window + (8.0 * self.nodes if self.events else 0.0)
+        window = WINDOW * self.window * (FINE_NODES if self.estimated else 1.0)
+        return window + (8.0 * self.nodes if self.events else 0.0)
 
 
 def size(scene: Scene, rq: float) -> Size:
@@ -183,6 +189,7 @@ def size(scene: Scene, rq: float) -> Size:
         map_cells=float(maps * cells),
         lap_maps=math.ceil(track.steps / track.solved_steps) * maps,
         events=events,
+        estimated=error_cost.cost_share(scene) > 0,
     )
 
 

@@ -429,6 +429,11 @@ class Numerics(Section):
         description="Precision of the transforms in the iteration; a solution is accepted after a"
         " check in double precision",
     )
+    error_estimate: bool = Field(
+        default=False,
+        description="Whether the run estimates the errors that its grid and its tolerance leave"
+        " in every level, for at most 25 % more time",
+    )
 
 
 class Recovery(Section):

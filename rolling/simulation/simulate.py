@@ -276,10 +276,11 @@ def march_pieces(
     scenes: Sequence[Scene],
     todo: Sequence[tuple[int, int, int]],
     workers: int,
-    finished: Callable[[int, Piece], None],
+    finished: Callable[[int, Any], Sequence[pool.Task] | None],
     progress: Callable[[float], object] = lambda cost: None,
     orders: Sequence[Order] | None = None,
     begun: Callable[[int], object] = lambda run: None,
+    others: Sequence[pool.Task] = (),
 ) -> pool.Outcome:
     """March pieces of scenes on `workers` processes.
 
@@ -291,10 +292,13 @@ def march_pieces(
     scenes : sequence of Scene.
     todo : sequence of tuples. Number of the scene, first and last position of each piece.
     workers : int. Number of processes.
-    finished : callable. It receives the number of the scene and each piece when the piece is done.
+    finished : callable. It receives the number of the scene and each piece when the piece is done,
+        and returns the tasks that follow from it, or None.
     progress : callable. It receives the cost of solved steps, step by step or piece by piece.
     orders : sequence of Order. One order per scene. Default: an order with the present surface.
     begun : callable. It receives the number of a scene when one of its pieces is handed out.
+    others : sequence of Task. Tasks after the pieces, whose results `finished` receives as well.
+        Default: none.
     """
     orders = orders or [Order(surface_sha256=identity_of(scene).heights_sha256) for scene in scenes]
     tasks = [
@@ -306,7 +310,7 @@ def march_pieces(
         )
         for run, first, last in todo
     ]
-    return pool.work(tasks, workers, finished, progress, begun)
+    return pool.work([*tasks, *others], workers, finished, progress, begun)
 
 
 def missing(steps: int, release: Array) -> Iterator[tuple[int, int]]:

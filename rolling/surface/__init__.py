@@ -6,6 +6,8 @@ height_file
     reads heights from files in metres
 levelling
     finds tilt and seam of measured heights and removes the tilt
+refined
+    interpolates heights between their nodes, for finer and coarser grids
 scene_surface
     gives the surface of a scene, with its statistics and its digest
 contact_of_scene
