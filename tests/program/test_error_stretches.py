@@ -1,5 +1,6 @@
 """Runs with an error estimate: marches, rounds, storage, resume and new sound."""
 
+import csv
 import io
 import json
 import os
@@ -332,18 +333,13 @@ def test_terminal_tables_and_page_show_the_errors(scene_path: Path, finished: Pa
     assert "errors of a: LAeq corrected" in text and "Errors of grid and solver" in text
     without = {name: value for name, value in summary.items() if name != "error_estimate"}
     assert "grid error dB" not in summary_table([("a", "folder", without)])
-    lines = (finished / "third_octaves.csv").read_text().splitlines()
-    head, *rows = [line.split(",") for line in lines if not line.startswith("#")]
-    level, error, corrected = (
-        next(k for k, name in enumerate(head) if part in name)
-        for part in ("[dB re 20 µPa]", ": grid error [dB]", "corrected level")
-    )
-    solver = next(k for k, name in enumerate(head) if "solver error" in name)
-    known = [row for row in rows if row[level] not in ("", "nan")]
+    with (finished / "third_octaves.csv").open(newline="") as table:
+        known = [row for row in csv.DictReader(table) if row["level_db"] not in ("", "nan")]
     assert known
     for row in known:
-        expected = float(row[level]) - float(row[error]) - float(row[solver])
-        assert float(row[corrected]) == pytest.approx(expected, abs=1e-5)
+        expected = float(row["level_db"]) - float(row["grid_error_db"])
+        expected -= float(row["solver_error_db"])
+        assert float(row["corrected_level_db"]) == pytest.approx(expected, abs=1e-5)
     page = report([finished], out=scene_path.parent / "page.html").read_text()
     assert "LAeq corrected for grid and solver" in page and "(error " in page
 
