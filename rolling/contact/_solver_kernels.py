@@ -15,11 +15,9 @@ from rolling.contact._compiled import njit
 from rolling.contact._projection import extrapolate, project, step_by_way_of
 from rolling.contact._system import Direction, Nodes, Sets, unpack
 
-LEAST_STEP = (
-    # After a step length alpha below it the direction is dropped, because nodes that were put on a
-    # bound point the wrong way.
-    1e-3
-)
+# After a step length alpha below it the direction is dropped, because nodes that were put on a
+# bound point the wrong way.
+LEAST_STEP = 1e-3
 
 
 @njit(cache=True)

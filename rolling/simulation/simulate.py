@@ -28,11 +28,9 @@ from rolling.simulation import pool
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import scene_surface
 
-PIECE_STEPS = (
-    # A cold start costs about three steps, or seven with blended edges and their run-in. This is
-    # 1.5 or 3.5 % of a piece.
-    200
-)
+# Steps of a piece. A cold start costs about three steps, or seven with blended edges and their
+# run-in: 1.5 or 3.5 % of a piece.
+PIECE_STEPS = 200
 MAPS = 120  # maximum number of pressure maps of a run: the eye follows about as many in ten seconds
 MAP_CELLS = 96  # maximum number of cells along a side of a map
 STEP_SERIES = ("release_energy", "loading_energy", "energy_defect", "step_time")
