@@ -27,6 +27,8 @@ AUDIBLE_HZ: tuple[float, float] = (float(EDGES_HZ[0]), float(EDGES_HZ[-1]))
 
 # With fewer independent lines in a band (B T) its level is uncertain by 2 dB or more.
 LEAST_BT = 5.0
+# A band whose level is off by more is marked in plots and tables [dB].
+OFF_DB = 1.0
 
 
 def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Array:

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
 
 from acoustics._typing import Array
-from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, LEAST_BT, MID_HZ, reliable
+from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, LEAST_BT, MID_HZ, OFF_DB, reliable
 from acoustics.drawn_lines import DENSE, NOTHING_DB, PER_OCTAVE, Lines, is_thinned, power_envelope
 from acoustics.plot_style import (
     COLOURS,
@@ -40,6 +40,7 @@ __all__ = [
     "LINE_STYLES",
     "MARKERS",
     "PER_OCTAVE",
+    "BandErrors",
     "Lines",
     "drawn_as_means",
     "is_thinned",
@@ -53,6 +54,9 @@ __all__ = [
     "third_octaves",
 ]
 
+# Errors of band levels [dB] and their standard uncertainty, by nominal frequency.
+BandErrors = tuple[Mapping[str, float | None], Mapping[str, float | None]]
+_CORRECTED = "level less its estimated error"
 # Shades of a spectrogram are 2 dB apart, less than the uncertainty of noise; more make large files.
 _SHADES = 36
 
@@ -120,6 +124,7 @@ def third_octaves(
     curves: Sequence[tuple[str, Mapping[str, float | None], Mapping[str, float | None]]],
     duration_s: float,
     limits_db: tuple[float, float] | None = None,
+    errors: Sequence[BandErrors | None] = (),
 ) -> Axes:
     """Draw third-octave levels as steps over the bands, 20 Hz to 20 kHz.
 
@@ -134,6 +139,10 @@ def third_octaves(
         standard uncertainty in dB, both by nominal frequency; None is a gap.
     duration_s : float, s. Duration T of the record; the shortest of several.
     limits_db : pair of float, dB. Limits of the level axis. Default: `level_limits` of the curves.
+    errors : sequence of pairs. Errors of the levels of each curve in dB, too loud is positive, and
+        their standard uncertainty, both by nominal frequency; None for a curve without. Up to three
+        curves have a diamond at the level less its error, and bands off by more than 1 dB are
+        hatched. Default: none.
 
     Returns
     -------
@@ -159,6 +168,8 @@ def third_octaves(
         seen += [*level]
         look = look_of(number, len(curves))
         _band_curve(ax, label, level, spread, first, look, len(curves) <= FEW)
+        if number < len(errors) and (of_curve := errors[number]) and len(curves) <= FEW:
+            _error_marks(ax, level, of_curve, look)
     if first > 0:
         ax.axvspan(
             EDGES_HZ[0],
@@ -209,6 +220,43 @@ def _band_curve(
     ax.plot(
         [], [], color=colour, linestyle=style, marker=marker["marker"], markersize=4, label=label
     )
+
+
+def _error_marks(
+    ax: Axes,
+    level: Array,
+    errors: BandErrors,
+    look: dict[str, Any],
+) -> None:
+    """Draw diamonds at levels less their errors, and hatch the bands that are off by over 1 dB."""
+    error, spread = (numbers(by_name[name] for name in BAND_NAMES) for by_name in errors)
+    known = np.isfinite(error) & np.isfinite(level)
+    labels = ax.get_legend_handles_labels()[1]
+    ax.errorbar(
+        MID_HZ[known],
+        (level - error)[known],
+        np.nan_to_num(spread[known]),
+        color=look["color"],
+        marker="D",
+        markersize=3.5,
+        markerfacecolor="white",
+        linestyle="none",
+        elinewidth=0.7,
+        label=None if _CORRECTED in labels else _CORRECTED,
+        zorder=4,
+    )
+    for band in np.flatnonzero(known & (np.abs(error) > OFF_DB)):
+        hatched = f"off by more than {OFF_DB:g} dB"
+        ax.axvspan(
+            EDGES_HZ[band],
+            EDGES_HZ[band + 1],
+            facecolor="none",
+            edgecolor="0.8",
+            hatch="////",
+            linewidth=0.0,
+            zorder=0.5,
+            label=None if hatched in ax.get_legend_handles_labels()[1] else hatched,
+        )
 
 
 def spectrogram(

@@ -21,7 +21,6 @@ from acoustics.time_weighting import FAST_S, SLOW_S
 from acoustics.weighting import a_weighting_db
 
 _DB = 10.0 / math.log(10.0)
-
 # The lines below this frequency, or at least this many, give the density at 0 Hz.
 _NEAR_ZERO_HZ = 50.0
 _FEWEST_LINES = 4
@@ -31,7 +30,17 @@ _FEWEST_LINES = 4
 class LevelUncertainty:
     """Standard uncertainty of each level of `SoundLevels`, dB; None where the level is None.
 
-    The uncertainties of LAFmax and LASmax are upper bounds.
+    - LZeq, LAeq: 4.34/sqrt(N) with the number N of independent lines,
+      2 (sum P)^2 / (sum P^2) - 1, over their mean squares P (A-weighted for LAeq). The factor 2
+      follows from the exponential distribution of a line of Gaussian noise, E P^2 = 2 (E P)^2. The
+      1 accounts for the same few lines in numerator and denominator; it makes N = M for M equal
+      lines. N is at least 1.
+    - Third octaves: 4.34/sqrt(B T), see `band_uncertainty_db`.
+    - LAFmax, LASmax: the spread of a single reading, an average over min(T, 2 tau), because
+      exponential averaging over tau equals a block of 2 tau. This is an upper bound: the maximum of
+      many readings spreads less than each of them.
+    - LZpeak: the spread of the maximum of N extremes of Gaussian noise (Gumbel), relatively
+      pi/sqrt(6) / (2 (ln N + 0.577)) with N = 2 f T and the rms frequency f, combined with LZeq.
 
     Parameters
     ----------
@@ -56,17 +65,7 @@ def level_uncertainty(
 ) -> LevelUncertainty:
     """Compute the standard uncertainty of the levels of one record.
 
-    - LZeq, LAeq: 4.34/sqrt(N) with the number N of independent lines,
-      2 (sum P)^2 / (sum P^2) - 1, over their mean squares P (A-weighted for LAeq). The factor 2
-      follows from the exponential distribution of a line of Gaussian noise, E P^2 = 2 (E P)^2. The
-      1 accounts for the same few lines in numerator and denominator; it makes N = M for M equal
-      lines. N is at least 1.
-    - Third octaves: 4.34/sqrt(B T), see `band_uncertainty_db`.
-    - LAFmax, LASmax: the spread of a single reading, an average over min(T, 2 tau), because
-      exponential averaging over tau equals a block of 2 tau. This is an upper bound: the maximum of
-      many readings spreads less than each of them.
-    - LZpeak: the spread of the maximum of N extremes of Gaussian noise (Gumbel), relatively
-      pi/sqrt(6) / (2 (ln N + 0.577)) with N = 2 f T and the rms frequency f, combined with LZeq.
+    `LevelUncertainty` says how the uncertainty of each level is derived.
 
     A record whose level follows from the rms of its own fluctuation (`own_factor`) has the mean
     square X/sqrt(Z) in place of X, where Z is the mean square of that fluctuation. The spread of Z
@@ -114,23 +113,13 @@ def level_uncertainty(
     if levels.level_db is None:
         return LevelUncertainty(None, None, None, None, None, dict.fromkeys(levels.third_octave_db))
     frequency_hz, z = line_spectrum(pressure_pa, sample_rate_hz)
-    a = z * 10.0 ** (a_weighting_db(frequency_hz) / 10.0)
     duration_s = len(pressure_pa) / sample_rate_hz / laps
     exponent = 0.5 if own_factor else 0.0
     whole = _variance(z, z, exponent)
     laeq_db = laf_max_db = las_max_db = None
     if levels.laeq_db is not None:
-        weighted, part = _variance(a, z, exponent), _variance(a, z, 0.0)
-
-        def a_maximum_db(time_constant_s: float) -> float:
-            # A reading is a part of the record. It varies with Z as the whole record does, and also
-            # on
-            # its own.
-            return _db(
-                weighted + part * (duration_s / min(duration_s, 2.0 * time_constant_s) - 1.0)
-            )
-
-        laeq_db, laf_max_db, las_max_db = _db(weighted), a_maximum_db(FAST_S), a_maximum_db(SLOW_S)
+        a = z * 10.0 ** (a_weighting_db(frequency_hz) / 10.0)
+        laeq_db, laf_max_db, las_max_db = _a_weighted_db(a, z, exponent, duration_s)
     share = third_octave_mean_square(frequency_hz, z) / z.sum()
     # The covariance of a band and the whole is the variance of the band times its share.
     bands = (1.0 - 2.0 * exponent * share) / (BANDWIDTH_HZ * duration_s) + exponent**2 * _variance(
@@ -147,6 +136,19 @@ def level_uncertainty(
             for (name, level), variance in zip(levels.third_octave_db.items(), bands, strict=True)
         },
     )
+
+
+def _a_weighted_db(
+    a: Array, z: Array, exponent: float, duration_s: float
+) -> tuple[float, float, float]:
+    """Return the uncertainties of LAeq, LAFmax and LASmax from A-weighted and plain lines [dB]."""
+    whole, own = _variance(a, z, exponent), _variance(a, z, 0.0)
+
+    def maximum_db(time_constant_s: float) -> float:
+        # A reading is a part of the record: it varies with Z as the whole does, and on its own.
+        return _db(whole + own * (duration_s / min(duration_s, 2.0 * time_constant_s) - 1.0))
+
+    return _db(whole), maximum_db(FAST_S), maximum_db(SLOW_S)
 
 
 def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:

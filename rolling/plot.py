@@ -41,6 +41,8 @@ def third_octaves(
 ) -> Axes:
     """Plot third-octave levels of runs with their standard uncertainty.
 
+    Up to three runs with an error estimate have a second mark at the level less its error.
+
     Parameters
     ----------
     runs : RunResult or iterable of RunResult
@@ -64,7 +66,9 @@ def third_octaves(
         )
         for label, run in zip(labels.labels(shown), shown, strict=True)
     ]
-    ax = plots.third_octaves(_axes(ax), curves, min(run.sound.duration for run in shown))
+    errors = [run.errors.for_plots if run.errors else None for run in shown]
+    shortest = min(run.sound.duration for run in shown)
+    ax = plots.third_octaves(_axes(ax), curves, shortest, errors=errors)
     if a_weighted:
         ax.set_ylabel("A-weighted sound pressure level [dB re 20 µPa]")
     ax.legend(fontsize="small")

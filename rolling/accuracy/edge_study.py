@@ -20,7 +20,7 @@ from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.surface import heights as surface
 from rolling.surface.contact_of_scene import auto_subcells, on_subcells
-from rolling.surface.refinement import dies_out, subcell_heights
+from rolling.surface.refined import dies_out, subcell_heights
 
 SPACING, NODES = 2e-6, (256, 192)
 SPEED = 0.1  # [m/s], for the frequencies of the bands

@@ -16,8 +16,7 @@ from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
 from rolling.simulation import pool, simulate
 from rolling.surface import contact_of_scene
-from rolling.surface.refinement import dies_out, subcell_heights
-from rolling.surface.refinement import refined as refined
+from rolling.surface.refined import dies_out, refined, subcell_heights
 
 TOLERANCES = (1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6)
 FINE_TOLERANCES = (1e-3, 1e-4)  # tolerance on finer grids

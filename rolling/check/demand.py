@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from rolling.check import cost
+from rolling.check import cost, error_cost
 from rolling.check.between_nodes import BetweenNodes, between_nodes
 from rolling.scene.scene import Scene
 from rolling.scene.track import Track
@@ -31,6 +31,8 @@ PROGRAM, SOLVER, PICTURES, WORKER, TRACKER = 210e6, 100e6, 110e6, 230e6, 15e6
 MADE = {"gaussian": 44.0, "file": 50.0, "smooth": 0.0}
 KEPT = {"gaussian": 8.0, "file": 8.0, "smooth": 0.0}
 STATISTICS = {"gaussian": 26.0, "file": 46.0, "smooth": 17.0}
+# Nodes of a window at half the spacing over nodes at the spacing, which is kept beside it.
+FINE_NODES = 5.0
 # Bytes per solved step, as long as it is kept, and per step, while result.h5 is written.
 RESULT, RESULT_FILE = 112.0, 270.0
 TABLE = 180.0  # per number of a CSV file, while it is written
@@ -124,6 +126,8 @@ class Size:
         Cells of all pressure maps, and maps counted in every lap.
     events : float
         Expected number of recovery events.
+    estimated : bool
+        If true, the run estimates its errors on windows at half the spacing. Default: false.
     """
 
     kind: str
@@ -138,6 +142,7 @@ class Size:
     map_cells: float
     lap_maps: int
     events: float
+    estimated: bool = False
 
     @property
     def surface(self) -> str:
@@ -152,7 +157,8 @@ class Size:
     @property
     def solver(self) -> float:
         """Bytes of a process that solves, apart from the program."""
-        return self.between.window * self.window + (8.0 * self.nodes if self.events else 0.0)
+        window = self.between.window * self.window * (FINE_NODES if self.estimated else 1.0)
+        return window + (8.0 * self.nodes if self.events else 0.0)
 
     @property
     def made(self) -> float:
@@ -195,6 +201,7 @@ def size(scene: Scene, rq: float) -> Size:
         map_cells=float(maps * cells),
         lap_maps=math.ceil(track.steps / track.solved_steps) * maps,
         events=events,
+        estimated=error_cost.cost_share(scene) > 0,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rolling.check import cost, demand, refusals
+from rolling.check import cost, demand, error_cost, refusals
 from rolling.check.finding import Finding, clock, on_cores, si
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
@@ -16,7 +16,7 @@ def findings(scene: Scene, rq: float) -> list[Finding]:
     rq : float, m
         Rms roughness of the surface.
     """
-    return [*_track(scene), *_window(scene, rq), *_demand(scene, rq)]
+    return [*_track(scene), *_window(scene, rq), *_errors(scene, rq), *_demand(scene, rq)]
 
 
 def _track(scene: Scene) -> list[Finding]:
@@ -66,6 +66,29 @@ def _window(scene: Scene, rq: float) -> list[Finding]:
             f"about {clock(seconds)} on {on_cores()}",
             seconds=seconds,
         ),
+    ]
+
+
+def _errors(scene: Scene, rq: float) -> list[Finding]:
+    """State the cost of the error estimate; nothing where the scene does not ask for it."""
+    if not scene.numerics.error_estimate:
+        return []
+    step_ms = cost.expected_step_ms(cost.window_nodes(scene, rq))
+    share = error_cost.cost_share(scene)
+    seconds = share * scene.track.solved_steps * step_ms * 1e-3 / cost.cores()
+    if not share:
+        reason = error_cost.too_short(scene) or "a smooth surface makes no sound"
+        return [Finding("error_estimate", "error estimate", f"none: {reason}")]
+    steps = error_cost.stretch_steps(scene)
+    count = len(error_cost.layout(scene, steps).firsts)
+    return [
+        Finding(
+            "error_estimate",
+            "error estimate",
+            f"up to {count} stretches of {steps} steps, about {clock(seconds)} on {on_cores()}"
+            f" ({share:.0%} more)",
+            seconds=seconds,
+        )
     ]
 
 

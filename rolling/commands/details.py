@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rolling.folders import claim, run_record
-from rolling.simulation import batch, labels
+from rolling.simulation import batch, error_stretches, labels
 from rolling.simulation.batch import Run
 from rolling.simulation.result import Result
 from rolling.simulation.stored_runs import is_begun
@@ -24,6 +24,8 @@ def numbers_of_finished(runs: Sequence[Run]) -> list[dict[str, Any]] | None:
     for run in runs:
         result = batch.stored(run)
         if result is None or not result.complete or not (run.folder / SUMMARY).is_file():
+            return None
+        if error_stretches.missing(run.scene, result):  # the estimate was asked for afterwards
             return None
     return [json.loads((run.folder / SUMMARY).read_text(encoding="utf-8")) for run in runs]
 

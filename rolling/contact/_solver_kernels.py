@@ -20,11 +20,9 @@ from rolling.contact._system import Direction, Nodes, Sets, unpack
 # Without this limit cliffs of many deflections made 2 % of random scenes too soft to converge.
 # Surfaces of Ra 1 um at 2.1 GPa hardly reach it: -29.3 and -29.2 dB without and with it.
 STEEPEST = 100.0
-LEAST_STEP = (
-    # After a step length alpha below it the direction is dropped, because nodes that were put on a
-    # bound point the wrong way.
-    1e-3
-)
+# After a step length alpha below it the direction is dropped, because nodes that were put on a
+# bound point the wrong way.
+LEAST_STEP = 1e-3
 
 
 @njit(cache=True)

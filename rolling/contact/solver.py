@@ -26,8 +26,8 @@ from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
 # Candidates for contact have a gap below this share of the maximum deflection; shares from 0.001 to
 # 0.1 take the same number of iterations.
 NEAR = 0.01
-# Share of the maximum gap that its rounding adds to the violation: with 32 eps some solves
-# converge.
+# Share of the maximum gap that its rounding adds to the violation. Below 32 eps some solves still
+# converge, so the limit that is named is four times that.
 ROUNDING = 128 * np.finfo(float).eps
 # Single precision, with an error of 1e-7 of the maximum deflection, serves no tighter tolerance.
 SINGLE_TOLERANCE = 1e-6
@@ -279,15 +279,7 @@ def solve_contact(
         if edges is not None:
             e = gap - edges.edge
             v = u + edges.edge * (p * (2 / hardness))
-        flat = p.ravel(), e.ravel(), v.ravel(), limits.hardness
-        approach, u_max = _solver_kernels.state_of(*flat)
-        u_max = u_max if edges is None else float(u.max())
-        worst = _solver_kernels.violation(*flat, approach) if fresh else np.nan
-        if not np.isfinite(approach) or not 0 < u_max < np.inf or worst == np.inf:
-            raise ContactError(
-                "the contact solve met numbers that are not finite: check units of load, modulus"
-                " and heights"
-            )
+        approach, u_max, worst = _state(p, e, u, v, limits, fresh)
         if (
             fresh
             and worst <= options.tolerance * u_max
@@ -325,6 +317,41 @@ def solve_contact(
         near, seen = NEAR, candidates.node.size
         if edges is not None:
             edges.find(u)
+
+
+def _state(
+    p: Array, gap: Array, u: Array, v: Array, limits: Limits, fresh: bool
+) -> tuple[float, float, float]:
+    """Return approach [m], maximum deflection [m] and worst violation [m] of a pressure.
+
+    Parameters
+    ----------
+    p : (m, n) array, Pa
+        Pressure.
+    gap : (m, n) array, m
+        Undeformed gap.
+    u, v : (m, n) arrays, m
+        Deflection without and with the share of partial cells; the same array without any.
+    limits : Limits
+        Hardness and load.
+    fresh : bool
+        Whether the deflection is computed afresh. If not, the violation is NaN.
+
+    Raises
+    ------
+    ContactError
+        A number is not finite.
+    """
+    flat = p.ravel(), gap.ravel(), v.ravel(), limits.hardness
+    approach, u_max = _solver_kernels.state_of(*flat)
+    u_max = u_max if v is u else float(u.max())
+    worst = _solver_kernels.violation(*flat, approach) if fresh else np.nan
+    if not np.isfinite(approach) or not 0 < u_max < np.inf or worst == np.inf:
+        raise ContactError(
+            "the contact solve met numbers that are not finite: check units of load, modulus"
+            " and heights"
+        )
+    return approach, u_max, worst
 
 
 def _not_converged(effort: Effort, residual: float, tolerance: float, limit: str) -> ContactError:

@@ -298,6 +298,9 @@ def _third_octaves(
 ) -> Picture:
     levels_of = _WEIGHTINGS[weighting]
     curves = [(run.label, levels_of(run), run.sound.uncertainty.third_octave_db) for run in shown]
+    errors = [run.errors.for_plots if run.errors else None for run in shown]
+    columns = _band_columns(curves, "a_weighted_level_db" if weighting == "A" else "level_db")
+    columns |= _error_columns(shown, levels_of)
     facts = [captions.distance(shown), captions.duration(shown)]
     if len(curves) <= sound_plots.FEW and any(
         run.sound.levels.level_db is not None for run in shown
@@ -308,8 +311,8 @@ def _third_octaves(
         name,
         f"Third octaves, {weighting}-weighted: {captions.subject(shown)}",
         captions.note(facts),
-        _band_columns(curves, "a_weighted_level_db" if weighting == "A" else "level_db"),
-        lambda ax: sound_plots.third_octaves(ax, curves, scales.shortest_s, limits),
+        columns,
+        lambda ax: sound_plots.third_octaves(ax, curves, scales.shortest_s, limits, errors),
     )
 
 
@@ -325,6 +328,43 @@ def _band_columns(curves: Sequence[BandCurve], level: str) -> dict[str, NDArray[
     if len(curves) == 1:
         return columns
     return {"run": np.repeat([label for label, _, _ in curves], len(BAND_NAMES)), **columns}
+
+
+_ERROR_COLUMNS = (
+    "grid_error_db",
+    "grid_error_standard_uncertainty_db",
+    "solver_error_db",
+    "corrected_level_db",
+)
+
+
+def _error_columns(
+    shown: Sequence[RunResult], levels_of: Callable[[RunResult], Mapping[str, float | None]]
+) -> dict[str, NDArray[Any]]:
+    """Return the errors of band levels and the corrected levels as columns of a table.
+
+    The cells of a run without errors are empty; without any errors there are no columns.
+    """
+    if not any(run.errors and run.errors.levels for run in shown):
+        return {}
+    nothing: Mapping[str, float | None] = dict.fromkeys(BAND_NAMES)
+    rows = [
+        (
+            (
+                errors.grid_db,
+                errors.grid_uncertainty_db,
+                errors.solver_db,
+                errors.corrected_db(levels_of(run)),
+            )
+            if (errors := run.errors) is not None and errors.levels is not None
+            else (nothing,) * len(_ERROR_COLUMNS)
+        )
+        for run in shown
+    ]
+    return {
+        name: captions.gaps(row[k][band] for row in rows for band in BAND_NAMES)
+        for k, name in enumerate(_ERROR_COLUMNS)
+    }
 
 
 def unrepeated_seconds(run: RunResult) -> float:

@@ -21,7 +21,7 @@ from rolling.simulation import batch, caveats
 from rolling.simulation.caveats import Remark
 from rolling.simulation.labels import printable
 from rolling.simulation.run_result import RunResult
-from rolling.simulation.summary import uncertain
+from rolling.simulation.summary import error_line, uncertain
 from rolling.surface.scene_surface import scene_surface
 
 NOTHING = "-"
@@ -52,6 +52,9 @@ class Column:
 COLUMNS = (
     Column("level_db", "level", "LZeq", "dB"),
     Column("laeq_db", "laeq", "LAeq", "dB"),
+    Column("laeq_grid_error_db", None, "grid error of LAeq", "dB", 1.0, "+.2f"),
+    Column("laeq_solver_error_db", None, "solver error of LAeq", "dB", 1.0, "+.2f"),
+    Column("laeq_uncertainty_db", None, "u(LAeq) with grid and solver", "dB", 1.0, ".2f"),
     Column("laf_max_db", "laf_max", "LAFmax", "dB"),
     Column("las_max_db", "las_max", "LASmax", "dB"),
     Column("lz_peak_db", "lz_peak", "LZpeak", "dB"),
@@ -67,6 +70,9 @@ COLUMNS = (
 ASKED_FOR = (
     "loudness_sone",
     "sharpness_acum",
+    "laeq_grid_error_db",
+    "laeq_solver_error_db",
+    "laeq_uncertainty_db",
 )  # these columns are shown only if a scene requests them
 
 
@@ -144,7 +150,8 @@ def levels(runs: Sequence[RunResult]) -> Table:
             return NOTHING
         value = run.summary[column.key]
         if value is None:
-            return "silent" if column.key.endswith("_db") else NOTHING
+            level = column.key.endswith("_db") and column.key not in ASKED_FOR
+            return "silent" if level else NOTHING
         if column.uncertainty:
             return uncertain(value, _uncertainty(run, column))
         return (
@@ -209,7 +216,7 @@ def bands(runs: Sequence[RunResult]) -> list[tuple[str, bool, list[str]]]:
     -------
     list of rows
         Nominal mid frequency, whether every record is long enough to read the band, Z level of each
-        run.
+        run, with its error from grid and solver if the scene asks for an estimate.
     """
     certain = reliable(min(run.sound.duration for run in runs))
 
@@ -217,7 +224,9 @@ def bands(runs: Sequence[RunResult]) -> list[tuple[str, bool, list[str]]]:
         level = run.sound.levels.third_octave_db[band]
         if level is None:
             return NOTHING
-        return uncertain(level, run.summary["third_octave_uncertainty_db"][band])
+        text = uncertain(level, run.summary["third_octave_uncertainty_db"][band])
+        error = run.errors.total_db[band] if run.errors else None
+        return text if error is None else f"{text} (error {error:+.1f})"
 
     return [
         (band, bool(sure), [cell(run, band) for run in runs])
@@ -237,6 +246,11 @@ LEVELS_NOTE = (
     "with their standard"
     " uncertainty; the steady level belongs to the mean intensity, which is silent."
 )
+
+
+def error_lines(runs: Sequence[RunResult]) -> list[str]:
+    """Write a line for each run with an error estimate."""
+    return [line for run in runs if (line := error_line(run.label, run.summary))]
 
 
 def assumptions(runs: Sequence[RunResult]) -> list[Fact]:

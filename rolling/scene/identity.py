@@ -23,7 +23,7 @@ from rolling.scene.scene import Scene
 
 # The march does not depend on these keys. `resound` changes speed and duration, and the number of
 # steps stands for both. The path may change with the folder, and the digest of the heights stands
-# for it. The density only shifts a resonance.
+# for it. The density only shifts a resonance. The error estimate follows the march.
 NOT_PHYSICS = {
     "name",
     "title",
@@ -34,6 +34,7 @@ NOT_PHYSICS = {
     "rolling.duration_s",
     "surface.path",
     "sphere.density_kg_m3",
+    "numerics.error_estimate",
 }
 STEPS, KIND = "track.steps", "surface.kind"
 

@@ -48,23 +48,38 @@ else:
 SMALLEST = 1e-15
 MAX_FAULTS = 100  # maximum number of faults that are named
 _MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show much longer ones
+_MAX_DEPTH = 16  # maximum nesting of values typed in Python
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 
 
 # ---- construction from Python
 
 
-def plain(value: Any) -> Any:
+def plain(value: Any, depth: int = 0) -> Any:
     """Turn a value typed in Python into the plain value of a scene file.
 
     Keys without a value are dropped.
+
+    Parameters
+    ----------
+    value : any
+        The value.
+    depth : int
+        Number of mappings and lists around it. Default: 0.
+
+    Raises
+    ------
+    SceneError
+        The value is nested too deeply, for example in itself.
     """
+    if depth > _MAX_DEPTH:
+        raise SceneError([f"scene: values are nested more than {_MAX_DEPTH} times"])
     if isinstance(value, BaseModel):
         value = value.model_dump()
     if isinstance(value, Mapping):
-        return {name: plain(item) for name, item in value.items() if item is not None}
+        return {name: plain(item, depth + 1) for name, item in value.items() if item is not None}
     if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
+        return [plain(item, depth + 1) for item in value]
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
     if isinstance(value, int) and value.bit_length() > _MAX_BITS:
@@ -434,6 +449,11 @@ class Numerics(Section):
         default="single",
         description="Precision of the transforms in the iteration; a solution is accepted after a"
         " check in double precision",
+    )
+    error_estimate: bool = Field(
+        default=False,
+        description="Whether the run estimates the errors that its grid and its tolerance leave"
+        " in every level, for at most 25 % more time",
     )
 
 

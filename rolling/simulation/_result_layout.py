@@ -1,7 +1,7 @@
 """The layout of result.h5, format 2: a netCDF-4 tree with named dimensions and units.
 
 The root holds the series along the track. The groups are snapshot, pressure_maps, events
-(event_pieces while steps are missing) and sound.
+(event_pieces while steps are missing), error_estimate and sound.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling import __version__
+from rolling.check.error_cost import LEVELS
 from rolling.scene.identity import canonical
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
@@ -65,6 +66,7 @@ def image(result: Result, scene: Scene, scene_text: str, sound: ContactSound | N
         _snapshot(file, result, scene.spacing)
         _maps(file, result)
         _events(file, result)
+        _stretches(file, result)
         if sound is not None:
             _sound(file, sound)
         file.flush()
@@ -254,6 +256,32 @@ def _events(file: h5py.File, result: Result) -> None:
             units,
             packed=exact,
         )
+
+
+def _stretches(file: h5py.File, result: Result) -> None:
+    """Write the stretches of the error estimate, with NaN for marches that are not done."""
+    stretches = result.stretches
+    if stretches is None:
+        return
+    group = _Group(file.create_group("error_estimate"))
+    firsts = sorted({first for first, _ in stretches.marches})
+    shape = len(firsts), len(LEVELS)
+    release = np.full((*shape, stretches.steps), np.nan)
+    plastic_area, seconds = np.full((2, *shape), np.nan)
+    faults = {}
+    for (first, level), march in stretches.marches.items():
+        place = firsts.index(first), LEVELS.index(level)
+        release[place], plastic_area[place] = march.release, march.plastic_area
+        seconds[place] = march.seconds
+        if march.fault:
+            faults[f"{first} {level}"] = march.fault
+    group.group.attrs.update(levels=" ".join(LEVELS), faults=canonical(faults))
+    for name, length in zip(("stretch", "level", "stretch_step"), release.shape, strict=True):
+        group.dimension(name, length)
+    group.add("first", np.array(firsts), ["stretch"], "position")
+    group.add("release_energy", release, ["stretch", "level", "stretch_step"], "J")
+    group.add("plastic_area", plastic_area, ["stretch", "level"], "m2")
+    group.add("seconds", seconds, ["stretch", "level"], "s")
 
 
 def _sound(file: h5py.File, sound: ContactSound) -> None:

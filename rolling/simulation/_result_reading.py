@@ -17,10 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
+from rolling.check.error_cost import LEVELS
 from rolling.scene.identity import STEPS, Identity
 from rolling.simulation._result_layout import FORMAT
 from rolling.simulation.result import Result
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, PressureMap, Snapshot
+from rolling.simulation.stretches import ErrorStretches, March
 
 MOST_STEPS = 10**9
 SIGNED = {"approach", "energy_defect"}  # no other series is ever negative
@@ -53,6 +55,7 @@ def read(file: h5py.File) -> Result:
     result.maps = _maps(file, result)
     result.event_pieces = _events(file, result)
     _check_events(result, done)
+    result.stretches = _stretches(file, result)
     complete = _attribute(file, "complete")
     if not isinstance(complete, bool | np.bool_) or bool(complete) != result.complete:
         raise Damage(
@@ -392,3 +395,47 @@ def _check_events(result: Result, done: NDArray[np.bool_]) -> None:
         released = float(result.series["release_energy"][done].sum())
         if not math.isclose(energy, released, rel_tol=SUM_TOLERANCE):
             raise Damage(f"events: their energy is {energy:.6g} J, {released:.6g} J were released")
+
+
+# ---- stretches of the error estimate
+
+
+def _stretches(file: h5py.File, result: Result) -> ErrorStretches | None:
+    group = _group(file, "error_estimate")
+    if group is None:
+        return None
+    if (levels := _text(group, "levels")) != " ".join(LEVELS):
+        raise Damage(f"error_estimate/levels: got {_shown(levels)}, allowed is {' '.join(LEVELS)}")
+    firsts = _array(group, "first", "iu", (None,)).astype(np.int64)
+    shape = len(firsts), len(LEVELS)
+    release = _array(group, "release_energy", "f", (*shape, None))
+    others = {name: _array(group, name, "f", shape) for name in ("plastic_area", "seconds")}
+    steps = release.shape[2]
+    outside = (firsts < 0) | (firsts + steps > result.solved_steps)
+    _refuse("error_estimate/first", outside, "are not on the track")
+    _refuse("error_estimate/first", np.diff(firsts, prepend=-1) <= 0, "do not increase")
+    done, faults = ~np.isnan(others["seconds"]), _march_faults(group)
+    for name, values in (("release_energy", release), *others.items()):
+        _refuse(f"error_estimate/{name}", values < 0, "are negative")
+        _refuse(f"error_estimate/{name}", np.isinf(values), "are infinite")
+    stretches = ErrorStretches(steps)
+    for row, column in np.argwhere(done).tolist():
+        first, level = int(firsts[row]), LEVELS[column]
+        fault = faults.get(f"{first} {level}", "")
+        numbers = release[row, column].astype(np.float64)
+        if not fault and np.isnan(numbers).any():
+            raise Damage(f"error_estimate/release_energy: NaN in a march at {(row, column)}")
+        area, seconds = (float(values[row, column]) for values in others.values())
+        stretches.add(March(first, level, numbers, area, seconds, fault))
+    return stretches
+
+
+def _march_faults(group: h5py.Group) -> dict[str, str]:
+    """Read the reasons of failed marches, by first position and level."""
+    try:
+        faults = json.loads(_text(group, "faults"))
+    except ValueError as error:
+        raise Damage(f"error_estimate/faults: not JSON ({error})") from error
+    if not isinstance(faults, dict) or not all(isinstance(text, str) for text in faults.values()):
+        raise Damage(f"error_estimate/faults: got {_shown(faults)}, allowed are texts by march")
+    return faults

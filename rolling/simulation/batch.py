@@ -12,7 +12,7 @@ from rolling.folders.files import FolderError, Keeper
 from rolling.scene import file
 from rolling.scene.identity import Identity, changes, differences, said
 from rolling.scene.scene import Scene
-from rolling.simulation import labels, result_file, simulate, solving
+from rolling.simulation import error_stretches, labels, result_file, simulate, solving
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound
@@ -76,23 +76,26 @@ def solve(
     complete : callable. It receives the number of a run when all of it is solved, and writes its
         result. Default: the result is written without its sound.
     """
-    unsolved = [k for k, result in enumerate(results) if not result.complete]
+    unsolved = [
+        k
+        for k, (run, result) in enumerate(zip(runs, results, strict=True))
+        if not result.complete or error_stretches.missing(run.scene, result)
+    ]
     keepers = {k: Keeper() for k in unsolved}
     unkept: set[int] = set()
 
     def added(number: int) -> None:
         run, result = runs[number], results[number]
         unkept.add(number)
+        last = result.complete and not error_stretches.missing(run.scene, result)
         # A result of one piece is written once, with its sound.
-        at_once = (
-            complete is not None and result.complete and result.solved_steps <= simulate.PIECE_STEPS
-        )
-        if not at_once and (keepers[number].due() or result.complete):
+        at_once = complete is not None and last and result.solved_steps <= simulate.PIECE_STEPS
+        if not at_once and (keepers[number].due() or last):
             start = time.monotonic()
             keep(run, result)
             keepers[number].wrote(time.monotonic() - start)
             unkept.discard(number)
-        if complete is not None and result.complete:
+        if complete is not None and last:
             try:
                 complete(number)
             except BaseException:

@@ -6,9 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from acoustics.bands import OFF_DB
 from rolling.check.finding import Finding
 from rolling.scene.scene import Scene
-from rolling.sound import solver_error
+from rolling.simulation.run_errors import RunErrors
+from rolling.sound import error_estimate, solver_error
 from rolling.sound.contact_sound import ContactSound
 
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
@@ -51,7 +53,11 @@ class Remark:
 
 
 def caveats(
-    scene: Scene, sound: ContactSound, findings: Iterable[Finding], complete: bool
+    scene: Scene,
+    sound: ContactSound,
+    findings: Iterable[Finding],
+    complete: bool,
+    errors: RunErrors | None = None,
 ) -> list[Caveat]:
     """List the caveats of a run: the standing caveats, then the warnings of check and solver.
 
@@ -61,8 +67,10 @@ def caveats(
     sound : ContactSound. The sound of the run.
     findings : iterable of Finding. Findings of the scene.
     complete : bool. Whether all steps are solved.
+    errors : RunErrors. Errors from grid and solver. Default: the scene does not ask for them.
     """
-    result = [*_of_levels(scene, sound), *_of_record(scene, sound)]
+    estimated = errors is not None and not errors.reason
+    result = [*_of_levels(scene, sound, estimated), *_of_record(scene, sound)]
     if not complete:
         result.append(
             Caveat(
@@ -79,6 +87,7 @@ def caveats(
     result += [
         Caveat(each.key, f"{each.quantity}: {each.warning}") for each in findings if each.warning
     ]
+    result += _of_errors(errors)
     hidden = solver_error.doubt(scene, sound.audible_rms, sound.resolved_rms)
     return [*result, Caveat("solver", f"solver: {hidden}")] if hidden else result
 
@@ -113,7 +122,31 @@ def gathered(runs: Sequence[tuple[str, Sequence[Caveat]]]) -> list[Remark]:
     return remarks
 
 
-def _of_levels(scene: Scene, sound: ContactSound) -> list[Caveat]:
+def _of_errors(errors: RunErrors | None) -> list[Caveat]:
+    """List the caveats of the error estimate: its absence, its reach, and bands that are off."""
+    if errors is None:
+        return []
+    if errors.levels is None or errors.effort is None:
+        return [Caveat("no_error_estimate", f"error estimate: none, because {errors.reason}")]
+    result = []
+    if not errors.effort.reached:
+        text = (
+            f"error estimate: its standard errors reach {errors.effort.worst_uncertainty_db:.1f} dB"
+            f" between 1 and 16 kHz, {error_estimate.WANTED_DB:g} dB are wanted: a longer"
+            " rolling.duration_s pays for more stretches"
+        )
+        result.append(Caveat("error_estimate_reach", text))
+    if off := errors.off_db():
+        bands = ", ".join(f"{name} Hz ({error:+.1f})" for name, error in off.items())
+        text = (
+            f"grid and solver: third octaves off by more than {OFF_DB:g} dB: {bands};"
+            " a smaller surface.spacing_um brings them down"
+        )
+        result.append(Caveat("band_errors", text))
+    return result
+
+
+def _of_levels(scene: Scene, sound: ContactSound, estimated: bool) -> list[Caveat]:
     """List the caveats of the levels; a silent run has none."""
     if sound.steady_level is None and sound.levels.level_db is None:
         return []
@@ -138,10 +171,12 @@ def _of_levels(scene: Scene, sound: ContactSound) -> list[Caveat]:
         result.append(Caveat("fixed_gain", text))
     result.append(Caveat("unvalidated", "No level has been validated against a microphone."))
     if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
-        text = (
-            "± covers the record's length alone, taken as stationary Gaussian noise; "
-            "it holds no error of model, grid or"
-            " solver."
+        text = "± covers the record's length alone, taken as stationary Gaussian noise; it holds "
+        text += (
+            "no error of the model. Errors of grid and solver are estimated beside the levels,"
+            " which are not corrected for them."
+            if estimated
+            else "no error of model, grid or solver."
         )
         result.append(Caveat("uncertainty", text))
     return result

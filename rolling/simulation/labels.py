@@ -70,6 +70,7 @@ WORDS = {  # in the order in which labels name them
     "rolling.duration_s": Word("duration", "s", "once round the file", minor=True),
     "rolling.start_um": Word("start", "µm", minor=True),
     "numerics.precision": Word("precision", minor=True),
+    "numerics.error_estimate": Word("error estimate", minor=True),
     "recovery.events": Word("recovery events", minor=True),
     "sound.loudness": Word("loudness", minor=True),
 }

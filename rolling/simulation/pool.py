@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import signal
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -65,13 +66,14 @@ def _ignore(value: object) -> None:
 class Listener:
     """The functions that follow the work.
 
-    finished : callable. It receives the run and the result of each task when the task is done.
+    finished : callable. It receives the run and the result of each task when the task is done, and
+        returns the tasks that follow from it, or None.
     progress : callable. It receives shares of the cost. Default: nothing is done.
     begun : callable. It receives the run of each task when the task is handed out. Default: nothing
         is done.
     """
 
-    finished: Callable[[int, Any], object]
+    finished: Callable[[int, Any], Sequence[Task] | None]
     progress: Callable[[float], object] = _ignore
     begun: Callable[[int], object] = _ignore
 
@@ -79,7 +81,7 @@ class Listener:
 def work(
     tasks: Sequence[Task],
     workers: int,
-    finished: Callable[[int, Any], object],
+    finished: Callable[[int, Any], Sequence[Task] | None],
     progress: Callable[[float], object] = _ignore,
     begun: Callable[[int], object] = _ignore,
 ) -> Outcome:
@@ -113,12 +115,15 @@ def _work_here(
     tasks: Sequence[Task], listener: Listener, asked: Callable[[], bool], outcome: Outcome
 ) -> None:
     """Do the tasks one after the other in this process."""
-    for task in tasks:
+    waiting = deque(tasks)
+    while waiting:
+        task = waiting.popleft()
         if task.run in outcome.failures:
             continue
         listener.begun(task.run)
         try:
-            listener.finished(task.run, task.function(*task.arguments, asked, listener.progress))
+            done = task.function(*task.arguments, asked, listener.progress)
+            waiting.extend(listener.finished(task.run, done) or ())
         except ContactError as error:
             outcome.failures[task.run] = str(error)
         except Interrupted:
@@ -136,19 +141,19 @@ def _work_in_parallel(
     context = spawning.context()
     stop, compiles = context.Event(), context.Event()
     events = (stop, compiles)
-    waiting = list(reversed(tasks))
+    waiting = deque(tasks)
     running: dict[Future[Any], Task] = {}
     with _one_thread_each(), ProcessPoolExecutor(workers, context, _begin_worker, events) as pool:
         try:
             while waiting or running:
                 while waiting and len(running) < 2 * workers:
-                    task = waiting.pop()
+                    task = waiting.popleft()
                     if task.run not in outcome.failures:
                         listener.begun(task.run)
                         running[pool.submit(_in_worker, task)] = task
                 done, _ = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
                 for future in done:
-                    _collect(future, running[future], listener, outcome)
+                    waiting.extend(_collect(future, running[future], listener, outcome))
                     del running[future]
                 if compiles.is_set():
                     terminal.compiling()
@@ -162,15 +167,19 @@ def _work_in_parallel(
             stop.set()  # before the pool waits for its workers, whatever happened
 
 
-def _collect(future: Future[Any], task: Task, listener: Listener, outcome: Outcome) -> None:
-    """Pass on the result of a task, or record the failure of its run."""
+def _collect(
+    future: Future[Any], task: Task, listener: Listener, outcome: Outcome
+) -> Sequence[Task]:
+    """Pass on the result of a task, or record the failure of its run; return tasks that follow."""
     try:
-        listener.finished(task.run, future.result())
+        following = listener.finished(task.run, future.result())
         listener.progress(task.cost)
+        return following or ()
     except ContactError as error:
         outcome.failures.setdefault(task.run, str(error))
     except Interrupted:
         pass
+    return ()
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from rolling.contact.recovery import join_events
 from rolling.scene.identity import Identity
 from rolling.scene.track import Track
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, Piece, PressureMap, Snapshot
+from rolling.simulation.stretches import ErrorStretches, March
 
 
 @dataclass
@@ -32,6 +33,7 @@ class Result:
     event_pieces : dict. Tables of recovery events by the first position of their piece; a single
         table when the run is complete.
     identity : Identity. Scene and surface that were solved; None in files of version 0.1.0.
+    stretches : ErrorStretches. Stretches that were marched for the error estimate. Default: None.
     """
 
     steps: int
@@ -43,6 +45,7 @@ class Result:
     maps: dict[int, PressureMap] = field(default_factory=dict)
     event_pieces: dict[int, dict[str, NDArray[Any]]] = field(default_factory=dict)
     identity: Identity | None = None
+    stretches: ErrorStretches | None = None
 
     @classmethod
     def empty(cls, track: Track, start: float) -> Result:
@@ -68,6 +71,12 @@ class Result:
         self.maps |= {pressure_map.position: pressure_map for pressure_map in piece.maps}
         if piece.events is not None:
             self.event_pieces[piece.first] = piece.events
+
+    def add_march(self, march: March) -> None:
+        """Add the march of a stretch, whose length is that of the other stretches."""
+        if self.stretches is None:
+            self.stretches = ErrorStretches(march.steps)
+        self.stretches.add(march)
 
     @property
     def complete(self) -> bool:

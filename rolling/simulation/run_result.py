@@ -24,6 +24,7 @@ from rolling.scene.scene import Scene
 from rolling.simulation import _result_layout, labels
 from rolling.simulation import summary as numbers_of
 from rolling.simulation.result import Result
+from rolling.simulation.run_errors import RunErrors, run_errors
 from rolling.simulation.whole_series import WholeSeries, whole_series
 from rolling.sound.contact_sound import ContactSound, contact_sound
 from rolling.surface.scene_surface import scene_surface
@@ -51,6 +52,7 @@ class RunResult:
     result : Result. Series of the solved lap, pressure maps, snapshot and recovery events.
     sound : ContactSound. Sound pressure, levels and their uncertainty.
     summary : dict. The numbers of summary.json.
+    errors : RunErrors. Errors from grid and solver; None unless the scene asks for an estimate.
     writer : callable. The function behind `save`. It draws figures and writes the page, which stand
         above this module.
     """
@@ -62,6 +64,7 @@ class RunResult:
     result: Result
     sound: ContactSound
     summary: dict[str, Any]
+    errors: RunErrors | None = None
     writer: Writer | None = None
 
     @property
@@ -229,5 +232,6 @@ def hear(
     sound = contact_sound(
         scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam
     )
-    summary = numbers_of.summarize(scene, result, sound, time.perf_counter() - began)
-    return RunResult(label, values, folder, scene, result, sound, summary)
+    errors = run_errors(scene, result, sound)
+    summary = numbers_of.summarize(scene, result, sound, time.perf_counter() - began, errors)
+    return RunResult(label, values, folder, scene, result, sound, summary, errors)

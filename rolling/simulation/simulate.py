@@ -29,10 +29,8 @@ from rolling.simulation import pool
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import scene_surface
 
-PIECE_STEPS = (
-    # A cold start costs about three steps, which is 1.5 % of a piece.
-    200
-)
+# Steps of a piece. A cold start costs about three steps, which is 1.5 % of a piece.
+PIECE_STEPS = 200
 MAPS = 120  # maximum number of pressure maps of a run: the eye follows about as many in ten seconds
 MAP_CELLS = 96  # maximum number of cells along a side of a map
 STEP_SERIES = ("release_energy", "loading_energy", "energy_defect", "step_time")
@@ -283,10 +281,11 @@ def march_pieces(
     scenes: Sequence[Scene],
     todo: Sequence[tuple[int, int, int]],
     workers: int,
-    finished: Callable[[int, Piece], None],
+    finished: Callable[[int, Any], Sequence[pool.Task] | None],
     progress: Callable[[float], object] = lambda cost: None,
     orders: Sequence[Order] | None = None,
     begun: Callable[[int], object] = lambda run: None,
+    others: Sequence[pool.Task] = (),
 ) -> pool.Outcome:
     """March pieces of scenes on `workers` processes.
 
@@ -298,10 +297,13 @@ def march_pieces(
     scenes : sequence of Scene.
     todo : sequence of tuples. Number of the scene, first and last position of each piece.
     workers : int. Number of processes.
-    finished : callable. It receives the number of the scene and each piece when the piece is done.
+    finished : callable. It receives the number of the scene and each piece when the piece is done,
+        and returns the tasks that follow from it, or None.
     progress : callable. It receives the cost of solved steps, step by step or piece by piece.
     orders : sequence of Order. One order per scene. Default: an order with the present surface.
     begun : callable. It receives the number of a scene when one of its pieces is handed out.
+    others : sequence of Task. Tasks after the pieces, whose results `finished` receives as well.
+        Default: none.
     """
     orders = orders or [Order(surface_sha256=identity_of(scene).heights_sha256) for scene in scenes]
     tasks = [
@@ -313,7 +315,7 @@ def march_pieces(
         )
         for run, first, last in todo
     ]
-    return pool.work(tasks, workers, finished, progress, begun)
+    return pool.work([*tasks, *others], workers, finished, progress, begun)
 
 
 def missing(steps: int, release: Array) -> Iterator[tuple[int, int]]:

@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 
 from rolling.check import cost
 from rolling.scene.scene import Scene
-from rolling.simulation import simulate
+from rolling.simulation import error_stretches, pool, simulate
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
+from rolling.simulation.stretches import March
 from rolling.terminal import progress as terminal
 
 
@@ -40,35 +41,30 @@ def solve(
     begun : callable. It receives the number of a run when one of its pieces is handed to a process.
     added : callable. It receives the number of a run after each piece is added to its result.
     """
-    missing = [
-        [*simulate.missing(result.solved_steps, result.series["release_energy"])]
-        for result in results
-    ]
-    step_seconds = [
-        cost.expected_seconds(scene) / result.solved_steps
-        for scene, result in zip(scenes, results, strict=True)
-    ]
-    # The longest runs come first, so that no core works alone on a long run at the end.
-    order = sorted((k for k in range(len(scenes)) if missing[k]), key=lambda k: -step_seconds[k])
-    todo = [(k, first, last) for k in order for first, last in missing[k]]
-    orders = [
-        simulate.Order(seconds, mapped, result.identity.heights_sha256 if result.identity else None)
-        for seconds, result in zip(step_seconds, results, strict=True)
-    ]
-    total = sum((last - first) * step_seconds[k] for k, first, last in todo)
-
-    def finished(number: int, piece: simulate.Piece) -> None:
-        results[number].add(piece)
-        added(number)
-        if terminal.is_verbose():
-            terminal.detail(f"run {number + 1} of {len(scenes)}, {_piece_text(piece)}")
+    work = _Work(scenes, results)
+    todo = work.pieces()
+    others = [task for k in work.longest_first if not work.waiting[k] for task in work.stretches(k)]
+    total = sum((last - first) * work.step_seconds[k] for k, first, last in todo)
+    total += sum(task.cost for task in others)
 
     workers = workers or cost.cores()
     terminal.detail(
-        f"{name}: {len(todo)} pieces of {len(order)} runs, on {min(workers, len(todo))} processes"
+        f"{name}: {len(todo)} pieces of {len({k for k, _, _ in todo})} runs, on"
+        f" {min(workers, max(1, len(todo)))} processes"
     )
     with terminal.bar(total, name, progress) as bar:
-        return simulate.march_pieces(scenes, todo, workers, finished, bar.update, orders, begun)
+
+        def finished(number: int, done: simulate.Piece | March) -> list[pool.Task]:
+            following = work.add(number, done)
+            added(number)
+            bar.grow(sum(task.cost for task in following))
+            if terminal.is_verbose() and isinstance(done, simulate.Piece):
+                terminal.detail(f"run {number + 1} of {len(scenes)}, {_piece_text(done)}")
+            return following
+
+        return simulate.march_pieces(
+            scenes, todo, workers, finished, bar.update, work.orders(mapped), begun, others
+        )
 
 
 def _piece_text(piece: simulate.Piece) -> str:
@@ -78,3 +74,66 @@ def _piece_text(piece: simulate.Piece) -> str:
         f"steps {piece.first} to {piece.last - 1}:"
         f" {float(piece.states['iterations'].mean()):.1f} iterations per state, {seconds:.2f} s"
     )
+
+
+class _Work:
+    """Work on runs: their missing pieces, and then the stretches for their error estimates.
+
+    scenes, results : sequences. The runs.
+    step_seconds : list of float. Expected time of a step of each run [s].
+    waiting : list of int. Number of tasks of each run that are not done.
+    """
+
+    def __init__(self, scenes: Sequence[Scene], results: Sequence[Result]) -> None:
+        self.scenes, self.results = scenes, results
+        self.step_seconds = [
+            cost.expected_seconds(scene) / result.solved_steps
+            for scene, result in zip(scenes, results, strict=True)
+        ]
+        self.waiting = [0] * len(scenes)
+
+    @property
+    def longest_first(self) -> list[int]:
+        """The numbers of the runs; no core then works alone on a long run at the end."""
+        return sorted(range(len(self.scenes)), key=lambda k: -self.step_seconds[k])
+
+    def pieces(self) -> list[tuple[int, int, int]]:
+        """Return run, first and last position of each missing piece."""
+        todo = [
+            (k, first, last)
+            for k in self.longest_first
+            for first, last in simulate.missing(
+                self.results[k].solved_steps, self.results[k].series["release_energy"]
+            )
+        ]
+        for k, _, _ in todo:
+            self.waiting[k] += 1
+        return todo
+
+    def orders(self, mapped: bool) -> list[simulate.Order]:
+        """Return the settings for the march of each run."""
+        return [
+            simulate.Order(
+                seconds, mapped, result.identity.heights_sha256 if result.identity else None
+            )
+            for seconds, result in zip(self.step_seconds, self.results, strict=True)
+        ]
+
+    def add(self, number: int, done: simulate.Piece | March) -> list[pool.Task]:
+        """Add a piece or a stretch to the result of a run, and return the tasks that follow."""
+        result = self.results[number]
+        if isinstance(done, March):
+            result.add_march(done)
+        else:
+            result.add(done)
+        self.waiting[number] -= 1
+        return [] if self.waiting[number] else self.stretches(number)
+
+    def stretches(self, number: int) -> list[pool.Task]:
+        """Return the marches of stretches that a run needs next."""
+        scene = self.scenes[number]
+        tasks = error_stretches.tasks(
+            scene, self.results[number], number, self.step_seconds[number]
+        )
+        self.waiting[number] += len(tasks)
+        return tasks

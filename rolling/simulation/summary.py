@@ -19,18 +19,24 @@ from rolling.check import cost, findings, height_files
 from rolling.contact import closed_forms
 from rolling.folders import program
 from rolling.scene.scene import Scene
-from rolling.simulation import caveats, simulate
+from rolling.simulation import caveats, run_errors, simulate
 from rolling.simulation.labels import printable
 from rolling.simulation.result import Result
+from rolling.simulation.run_errors import RunErrors
 from rolling.sound.contact_sound import ContactSound
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import scene_surface
 
 PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "matplotlib", "h5py", "pydantic")
+ERROR_HEADS = "grid error dB", "solver error dB"  # of LAeq, where the scene asks for them
 
 
 def summarize(
-    scene: Scene, result: Result, sound: ContactSound, sound_seconds: float
+    scene: Scene,
+    result: Result,
+    sound: ContactSound,
+    sound_seconds: float,
+    errors: RunErrors | None = None,
 ) -> dict[str, Any]:
     """Collect the numbers of a run over the solved steps; levels of silence are None."""
     steps = result.done_steps
@@ -64,6 +70,7 @@ def summarize(
         "third_octave_db": sound.levels.third_octave_db,
         "third_octave_a_db": sound.levels.third_octave_a_db,
         "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
+        **run_errors.numbers(errors, sound.uncertainty.laeq_db),
         **_loudness(scene, sound),
         "duration_s": sound.duration,
         "loops": sound.loops,
@@ -89,7 +96,9 @@ def summarize(
         "sound_seconds": sound_seconds,
         "caveats": [
             asdict(each)
-            for each in caveats.caveats(scene, sound, findings.findings(scene), result.complete)
+            for each in caveats.caveats(
+                scene, sound, findings.findings(scene), result.complete, errors
+            )
         ],
         "surface": asdict(made.statistics),
         "levelling": None if made.levelling is None else _levelling(made.levelling),
@@ -156,6 +165,36 @@ def uncertain(level: float, uncertainty: float | None) -> str:
     )
 
 
+def laeq_errors(summary: dict[str, Any]) -> tuple[str, str]:
+    """Write the errors of LAeq from grid and solver [dB]; `-` where they are unknown."""
+    grid, solver = summary.get("laeq_grid_error_db"), summary.get("laeq_solver_error_db")
+    spread = summary.get("laeq_grid_error_uncertainty_db")
+    return (
+        "-" if grid is None else f"{grid:+.2f}" + ("" if spread is None else f" ± {spread:.2f}"),
+        "-" if solver is None else f"{solver:+.2f}",
+    )
+
+
+def error_line(label: str, summary: dict[str, Any]) -> str:
+    """Write the error estimate of a run, or an empty text without one."""
+    estimate = summary.get("error_estimate")
+    if estimate is None or "reason" in estimate or summary["laeq_grid_error_db"] is None:
+        return ""
+    grid, solver = summary["laeq_grid_error_db"], summary["laeq_solver_error_db"] or 0.0
+    corrected = uncertain(summary["laeq_db"] - grid - solver, summary["uncertainty_db"]["laeq"])
+    signal = [
+        f"{summary[key]:.0f} dB from the {name}"
+        for key, name in (("grid_signal_db", "grid"), ("solver_signal_db", "solver"))
+        if summary[key] is not None
+    ]
+    return (
+        f"errors of {label}: LAeq corrected for grid and solver {corrected} dB(A); rms error of the"
+        f" release over its fluctuation {', '.join(signal)};"
+        f" {estimate['stretches']} stretches of {estimate['steps']} steps,"
+        f" order {estimate['order']:.1f}, {estimate['seconds_share']:.0%} of the run's time"
+    )
+
+
 def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
     """Write levels and cost of runs as a table for the terminal.
 
@@ -166,9 +205,11 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
     runs : sequence of tuples. Label, folder and summary of each run; the summary is None where too
         few steps are solved.
     """
+    estimated = any("error_estimate" in summary for _, _, summary in runs if summary)
     head = (
         "run",
         "LAeq dB(A)",
+        *(ERROR_HEADS if estimated else ()),
         "LZeq dB",
         "steady dB",
         "plastic ratio",
@@ -179,7 +220,7 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
     rows: list[tuple[str, ...]] = [head]
     for label, folder, summary in runs:
         if summary is None:
-            rows.append((label, *["-"] * 6, printable(folder)))
+            rows.append((label, *["-"] * (len(head) - 2), printable(folder)))
             continue
 
         def db(name: str, summary: dict[str, Any] = summary) -> str:
@@ -193,6 +234,7 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
             (
                 label,
                 laeq,
+                *(laeq_errors(summary) if estimated else ()),
                 db("level_db"),
                 db("steady_level_db"),
                 f"{summary['plastic_ratio']:.3f}",
@@ -202,7 +244,8 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
             )
         )
     remarks = _remarks([(label, summary) for label, _, summary in runs if summary is not None])
-    return "\n".join([tables.columns(rows), *remarks])
+    errors = [error_line(label, summary) for label, _, summary in runs if summary is not None]
+    return "\n".join([tables.columns(rows), *filter(None, errors), *remarks])
 
 
 def _remarks(runs: list[tuple[str, dict[str, Any]]]) -> list[str]:

@@ -6,8 +6,8 @@ height_file
     reads heights from files in metres
 levelling
     finds tilt and seam of measured heights and removes the tilt
-refinement
-    computes heights between the nodes, on finer grids and on sub-cells
+refined
+    computes heights between the nodes, on finer and coarser grids and on sub-cells
 steepness
     finds steep surfaces, on which sub-cells pay
 scene_surface

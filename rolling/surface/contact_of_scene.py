@@ -9,7 +9,7 @@ from rolling._typing import Array
 from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
 from rolling.surface import steepness
-from rolling.surface.refinement import dies_out, subcell_heights
+from rolling.surface.refined import dies_out, subcell_heights
 from rolling.surface.scene_surface import heights
 
 

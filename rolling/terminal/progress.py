@@ -118,6 +118,9 @@ class Bar(Protocol):
     def update(self, share: float) -> object:
         """Add to the progress; zero moves the clock only."""
 
+    def grow(self, share: float) -> object:
+        """Add to the sum of the progress: more work has come up."""
+
 
 def bar(
     total: float,
@@ -183,6 +186,10 @@ class _Clocked:
         """Add to the progress."""
         return self._shown.update(share)
 
+    def grow(self, share: float) -> None:
+        """Add to the sum of the progress."""
+        self._shown.total += share
+
     def _tick(self) -> None:
         """Show the bar anew every second until the step is done."""
         wait = self._delay + TICK
@@ -196,7 +203,7 @@ class _Lines:
 
     def __init__(self, total: float, name: str) -> None:
         self.disable = is_quiet()
-        self._total, self._name, self._done = total, name, 0.0
+        self.total, self._name, self._done = total, name, 0.0
         self._began = time.monotonic()
         self._next = self._began + FIRST_LINE
         self._lock = threading.Lock()
@@ -216,10 +223,10 @@ class _Lines:
         """Say a line if it is time."""
         with self._lock:
             now = time.monotonic()
-            if now < self._next or self._total <= 0:
+            if now < self._next or self.total <= 0:
                 return
             self._next = now + NEXT_LINE
-        part, passed = min(1.0, self._done / self._total), now - self._began
+        part, passed = min(1.0, self._done / self.total), now - self._began
         left = f", {_clock(passed / part - passed)} left" if part > 0 else ""
         line(f"{self._name}: {100 * part:.0f} %, {_clock(passed)} passed{left}")
 

@@ -234,3 +234,21 @@ def test_level_limits():
 def test_curves_differ_without_colour():
     # Grey print: neighbouring colours also differ in line style and marker.
     assert len(set(plots.COLOURS)) == len(set(plots.LINE_STYLES)) == len(set(plots.MARKERS)) == 7
+
+
+def test_third_octaves_mark_levels_less_their_errors_and_hatch_bands_that_are_off() -> None:
+    levels, spread = dict.fromkeys(BAND_NAMES, 50.0), dict.fromkeys(BAND_NAMES, 0.5)
+    errors = dict.fromkeys(BAND_NAMES, 0.4) | {"8000": 2.0, "20": None}
+    ax = plots.third_octaves(
+        Figure().subplots(), [("a", levels, spread)], 10.0, errors=[(errors, spread)]
+    )
+    (marks,) = [
+        line for line in ax.get_lines() if line.get_marker() == "D" and len(line.get_xdata()) > 1
+    ]
+    shown = dict(zip(BAND_NAMES[1:], marks.get_ydata(), strict=True))
+    assert shown["1000"] == pytest.approx(49.6) and shown["8000"] == pytest.approx(48.0)
+    hatched = [patch for patch in ax.patches if patch.get_hatch()]
+    assert len(hatched) == 1
+    assert hatched[0].get_x() == pytest.approx(EDGES_HZ[BAND_NAMES.index("8000")])
+    plain = plots.third_octaves(Figure().subplots(), [("a", levels, spread)], 10.0, errors=[None])
+    assert not [patch for patch in plain.patches if patch.get_hatch()]

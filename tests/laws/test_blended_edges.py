@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from helpers import assert_solved, make_track, releases, roll, rough, space_of, step_energies
 
-from rolling.accuracy.variants import refined
 from rolling.contact import solver
 from rolling.contact.state import RollingContact
 from rolling.surface.contact_of_scene import on_subcells
+from rolling.surface.refined import refined
 
 HARDNESS = 2.1e9
 

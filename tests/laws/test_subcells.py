@@ -15,7 +15,7 @@ from rolling.contact.subcells import SubcellSpace, cell_means
 from rolling.scene.file import loads
 from rolling.simulation import simulate
 from rolling.surface.contact_of_scene import auto_subcells, on_subcells
-from rolling.surface.refinement import dies_out, subcell_heights
+from rolling.surface.refined import dies_out, subcell_heights
 from rolling.verification import optimality, subcell_deflection
 
 CLOSED = """\

@@ -125,7 +125,7 @@ def test_runs_write_the_page_unless_told_not_to(runs, tmp_path, capsys) -> None:
         == 0
     )
     assert not (third / "report.html").exists()
-    assert cli.main(["resume", str(third), "--workers", "1"]) == 0
+    assert cli.main(["report", str(third)]) == 0
     assert (third / "report.html").is_file()
 
 

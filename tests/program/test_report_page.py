@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import csv
 import io
 import json
 from pathlib import Path
@@ -101,12 +102,9 @@ def test_downloads_are_what_is_shown_and_the_table_can_be_copied(runs, pages, op
         assert saved["svg"] == base64.b64decode(shown) and b"<svg" in saved["svg"]
         image = Image.open(io.BytesIO(saved["png"]))
         assert image.size[0] == 1700 and np.ptp(np.asarray(image.convert("L"))) > 200
-        lines = saved["csv"].decode().splitlines()
-        assert "microphone" in "".join(line for line in lines if line.startswith("# "))
-        header, first = [line for line in lines if not line.startswith("#")][:2]
-        assert header.startswith("mid frequency [Hz]") and float(
-            first.split(",")[0]
-        ) == pytest.approx(19.95, abs=0.01)
+        first = next(csv.DictReader(io.StringIO(saved["csv"].decode())))
+        assert first["run"] == "load 0.5 N" and "level_db" in first
+        assert float(first["mid_frequency_hz"]) == pytest.approx(19.95, abs=0.01)
         page.context.grant_permissions(["clipboard-read", "clipboard-write"])
         page.click("#copy-levels")
         until(page, "document.querySelector('#said').textContent === 'copied'")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import shutil
 import subprocess
 import sys
 import threading
@@ -339,8 +340,11 @@ def test_resume_resound_and_accuracy_refuse_alike(
 ) -> None:
     # 320 MB are allowed, less than the program takes
     monkeypatch.setattr(machine, "memory", lambda: 4e8)
+    unfinished = finished.parent / "unfinished"
+    shutil.copytree(finished, unfinished)
+    (unfinished / "summary.json").unlink()  # a finished run asks for nothing
     for command in (
-        ["resume", finished],
+        ["resume", unfinished],
         ["resound", finished, "--out", finished.parent / "other"],
         ["accuracy", finished / "scene.yaml", "--out", finished.parent / "accuracy"],
     ):

@@ -163,6 +163,15 @@ def test_keys_that_cannot_be_set(changes: dict[str, float], message: str) -> Non
     assert faults(lambda: built().with_(changes)) == [message]
 
 
+def test_values_nested_in_themselves_are_refused() -> None:
+    value: list = [5]
+    value.append(value)
+    message = "scene: values are nested more than 16 times"
+    assert faults(lambda: built().with_(load_n=value)) == [message]
+    assert faults(lambda: Scene.from_dict({"rolling": {"load_n": value}})) == [message]
+    assert faults(lambda: Sphere(radius_mm=value)) == [message]
+
+
 def test_a_copy_with_other_numerics_has_a_track_of_its_own() -> None:
     """A copy must not keep the track that its original has stored."""
     scene = built()

@@ -21,6 +21,7 @@ from rolling.contact.solver import ContactError
 from rolling.folders import own_files, run_record
 from rolling.scene import file
 from rolling.surface import heights as surface
+from rolling.surface import refined
 from rolling.verification import judge
 
 pytestmark = pytest.mark.slow
@@ -145,7 +146,7 @@ def test_steps_too_long_for_hearing_are_marked_and_not_recommended(
 
 def test_refining_keeps_the_nodes() -> None:
     heights = surface.gaussian((120, 64), 2e-6, 1e-7, (10e-6, 10e-6), "gaussian", 1)
-    fine = variants.refined(
+    fine = refined.refined(
         heights, 3
     )  # an odd refinement moves the surface by whole fine nodes: every third is an old one
     assert np.allclose(
@@ -160,7 +161,7 @@ def test_refining_keeps_the_line_of_the_sphere() -> None:
     """
     across = np.arange(64) - 31.5
     ridge = np.tile(np.cos(2 * np.pi * across / 64), (16, 1))
-    fine = variants.refined(ridge, 4)
+    fine = refined.refined(ridge, 4)
     assert np.allclose(fine, fine[:, ::-1], atol=1e-14) and fine.shape == (64, 256)
 
 

@@ -6,6 +6,7 @@ the count of numbers, the first of them, and `scene`, `values` or `heights` for 
 
 from __future__ import annotations
 
+import copy
 import io
 import random
 import struct
@@ -123,7 +124,8 @@ def _value(chance: random.Random, before: Any) -> Any:
     """Return another value, of the same size for half of the numbers."""
     if isinstance(before, int | float) and abs(before) < 1e300 and chance.random() < 0.5:
         return before * chance.choice([1e-9, 1e-3, 0.1, 0.5, 2, 10, 1e3, 1e9])
-    return chance.choice(VALUES)
+    # A copy: a list that a case changed would change the cases after it.
+    return copy.deepcopy(chance.choice(VALUES))
 
 
 # ---- height files

@@ -1,0 +1,116 @@
+"""Cost of the error estimate of a run, and the stretches of track that its share pays for.
+
+The cost is counted in steps of the run. It is a function of the scene alone, so that the stretches
+do not depend on the speed of a machine.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from acoustics.bands import BAND_NAMES, BANDWIDTH_HZ
+from rolling.scene.scene import Scene
+
+SHARE = 0.25  # maximum cost of the estimate over the cost of the run
+FIRST_STRETCHES = 4  # stretches of the first round; each round doubles them
+STRETCH_STEPS = 64, 400  # minimum and maximum number of steps of a stretch
+START_STEPS = 10  # steps that a cold start and the run-in of blended edges cost
+TIGHTER = 10.0  # the scene's tolerance over the tight tolerance
+LEAST_TOLERANCE = 1e-10  # rounding does not let a solve come closer
+LINES = 2  # lines of a stretch in the third octave of 1 kHz, if the cost allows
+FINER_COST = 2.0**1.95  # cost of a step at half the spacing over that at the spacing
+COARSER_COST = 2.0**-1.95  # the same at twice the spacing, at the scene's own tolerance
+LEVELS = ("tight", "fine", "coarse")  # marches of a stretch, beside the run itself
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The stretches of a track in the order in which they are marched.
+
+    steps : int. Number of steps of a stretch.
+    firsts : tuple of int. First position of each stretch that the share of the cost pays for.
+    """
+
+    steps: int
+    firsts: tuple[int, ...]
+
+
+def tight_tolerance(scene: Scene) -> float:
+    """Return the tolerance against which the tolerance of a scene is judged."""
+    own = scene.numerics.tolerance
+    return min(own, max(own / TIGHTER, LEAST_TOLERANCE))
+
+
+def level_cost(scene: Scene, level: str) -> float:
+    """Return the expected cost of a step on a level, in steps of the run."""
+    if level == "coarse":
+        return COARSER_COST
+    # The number of iterations is proportional to the logarithm of the tolerance.
+    tighter = math.log(tight_tolerance(scene)) / math.log(scene.numerics.tolerance)
+    return tighter * (FINER_COST if level == "fine" else 1.0)
+
+
+def stretch_cost(scene: Scene, steps: int) -> float:
+    """Return the cost of all marches of a stretch, in steps of the run."""
+    return (steps + START_STEPS) * sum(level_cost(scene, level) for level in LEVELS)
+
+
+def stretch_steps(scene: Scene) -> int:
+    """Return the number of steps of a stretch, or 0 where the track is too short for stretches.
+
+    A stretch resolves 1 kHz where the share of the cost allows it.
+    """
+    track = scene.track
+    speed = track.distance / scene.duration
+    wanted = LINES * speed / (track.step * BANDWIDTH_HZ[BAND_NAMES.index("1000")])
+    per_step = stretch_cost(scene, 1) - stretch_cost(scene, 0)
+    paid = SHARE * track.solved_steps / FIRST_STRETCHES / per_step - START_STEPS
+    least, most = STRETCH_STEPS
+    room = min(paid, track.solved_steps / FIRST_STRETCHES)
+    return 0 if room < least else int(min(max(wanted, least), most, room))
+
+
+def layout(scene: Scene, steps: int) -> Layout:
+    """Spread stretches of `steps` steps evenly over the track, each round between the last ones.
+
+    The order is the low-discrepancy sequence of van der Corput, so that every round covers the
+    whole track. Stretches do not overlap.
+    """
+    slots = scene.track.solved_steps // steps
+    most = min(slots, int(SHARE * scene.track.solved_steps / stretch_cost(scene, steps) + 1e-9))
+    chosen: dict[int, None] = {}
+    number = 0
+    while len(chosen) < most:
+        chosen.setdefault(int(_van_der_corput(number) * slots))
+        number += 1
+    return Layout(steps, tuple(slot * steps for slot in chosen))
+
+
+def _van_der_corput(number: int) -> float:
+    """Return the number with its binary digits mirrored at the point, between 0 and 1."""
+    value, place = 0.0, 0.5
+    while number:
+        value += place * (number & 1)
+        number, place = number >> 1, place / 2
+    return value
+
+
+def too_short(scene: Scene) -> str | None:
+    """Explain that a track is too short for an estimate, or return None."""
+    if stretch_steps(scene):
+        return None
+    least = FIRST_STRETCHES * stretch_cost(scene, STRETCH_STEPS[0]) / SHARE
+    return (
+        f"the track has {scene.track.solved_steps} different steps, and the estimate needs"
+        f" {math.ceil(least)} to stay below {SHARE:.0%} of the run's cost"
+    )
+
+
+def cost_share(scene: Scene) -> float:
+    """Return the maximum cost of the estimate over the cost of the run; 0 without an estimate."""
+    steps = stretch_steps(scene) if scene.numerics.error_estimate else 0
+    if not steps or scene.surface.kind == "smooth":
+        return 0.0
+    count = len(layout(scene, steps).firsts)
+    return count * stretch_cost(scene, steps) / scene.track.solved_steps

@@ -1,0 +1,236 @@
+"""Stretches of a run that are marched again, for the estimate of its errors.
+
+Each stretch is marched from a cold start over the positions of the run: on the run's grid at a
+tight tolerance, at half the spacing and the tight tolerance, and at twice the spacing. Places,
+rounds and numbers depend on the scene alone, so they are equal for any number of workers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from rolling._typing import Array
+from rolling.check import cost, error_cost
+from rolling.check.error_cost import LEVELS, Layout
+from rolling.contact.solver import ContactError
+from rolling.contact.state import RollingContact
+from rolling.scene.scene import Scene
+from rolling.simulation import pool, simulate
+from rolling.simulation.result import Result
+from rolling.simulation.stretches import ErrorStretches, March
+from rolling.sound import error_estimate
+from rolling.sound.error_estimate import BandPowers, StretchReleases
+from rolling.surface.contact_of_scene import rolling_contact
+from rolling.surface.refined import cells_of_patch
+from rolling.surface.scene_surface import heights
+
+# ---- the stretches to march
+
+
+def layout_of(scene: Scene, stretches: ErrorStretches | None) -> Layout | None:
+    """Return the layout of the stretches, or None where the track is too short.
+
+    Stretches that are marched already keep their length, because another speed would choose another
+    length.
+    """
+    steps = stretches.steps if stretches else error_cost.stretch_steps(scene)
+    return error_cost.layout(scene, steps) if steps else None
+
+
+def missing(scene: Scene, result: Result) -> list[tuple[int, str]]:
+    """Return first position and level of the marches that the estimate of a run needs next.
+
+    The first round has four stretches. Each round doubles them, until the standard errors suffice
+    or the share of the run's cost is spent.
+    """
+    if not scene.numerics.error_estimate or not result.complete or scene.surface.kind == "smooth":
+        return []
+    layout = layout_of(scene, result.stretches)
+    if layout is None or (result.stretches and result.stretches.fault):
+        return []
+    count = error_cost.FIRST_STRETCHES
+    while True:
+        firsts = layout.firsts[:count]
+        known = result.stretches.marches if result.stretches else {}
+        todo = [
+            (first, level) for first in firsts for level in LEVELS if (first, level) not in known
+        ]
+        if todo or count >= len(layout.firsts):
+            return todo
+        if suffices(powers_of(scene, result, firsts)):
+            return []
+        count *= 2
+
+
+def suffices(powers: BandPowers) -> bool:
+    """Return whether all standard errors are as small as wanted."""
+    return error_estimate.worst_uncertainty_db(powers) <= error_estimate.WANTED_DB
+
+
+def marched(scene: Scene, result: Result) -> tuple[int, ...]:
+    """Return the first positions of the stretches in their order, as far as they are complete."""
+    stretches = result.stretches
+    layout = layout_of(scene, stretches) if stretches else None
+    if stretches is None or layout is None or stretches.fault:
+        return ()
+    gaps = [k for k, first in enumerate(layout.firsts) if not stretches.complete(first)]
+    return layout.firsts[: gaps[0]] if gaps else layout.firsts
+
+
+def powers_of(scene: Scene, result: Result, firsts: tuple[int, ...]) -> BandPowers:
+    """Compute the band powers of complete stretches of a run at the speeds of the scene."""
+    stretches = result.stretches
+    assert stretches is not None
+    own = result.series["release_energy"]
+
+    def of_level(level: str) -> Array:
+        return np.array([stretches.marches[first, level].release for first in firsts])
+
+    releases = StretchReleases(
+        own=np.array([own[first : first + stretches.steps] for first in firsts]),
+        tight=of_level("tight"),
+        fine=of_level("fine"),
+        coarse=of_level("coarse"),
+        step=result.step,
+        speeds=np.array([_speeds(scene, result, first) for first in firsts]),
+        tolerance_ratio=error_cost.tight_tolerance(scene) / scene.numerics.tolerance,
+    )
+    return error_estimate.band_powers(releases)
+
+
+def plastic_areas(result: Result, firsts: tuple[int, ...], level: str) -> Array:
+    """Return the mean area at the hardness of each stretch on a level [m2]."""
+    assert result.stretches is not None
+    return np.array([result.stretches.marches[first, level].plastic_area for first in firsts])
+
+
+def _speeds(scene: Scene, result: Result, first: int) -> Array:
+    """Return the mean speed at each pass over a stretch [m/s], 0 where the run ends before."""
+    assert result.stretches is not None
+    length = result.stretches.steps * result.step
+    laps = math.ceil(result.steps / result.solved_steps)
+    begin = (first + np.arange(laps) * result.solved_steps) * result.step
+    whole = begin + length <= result.steps * result.step * (1 + 1e-12)
+    reached = scene.motion.final_distance
+    begins, ends = np.minimum(begin, reached), np.minimum(begin + length, reached)
+    times = np.asarray(scene.motion.time(ends) - scene.motion.time(begins))
+    rolled = whole & (times > 0)
+    speeds: Array = np.divide(ends - begins, times, out=np.zeros(laps), where=rolled)
+    return speeds
+
+
+# ---- marching
+
+
+def tasks(scene: Scene, result: Result, run: int, step_seconds: float) -> list[pool.Task]:
+    """Return the marches that the estimate of a run needs next, as tasks of this run.
+
+    Parameters
+    ----------
+    scene : Scene. A scene without a sweep.
+    result : Result. The result of the run.
+    run : int. Number of the run.
+    step_seconds : float, s. Expected time of a step of the run.
+    """
+    layout = layout_of(scene, result.stretches)
+    heights_sha256 = result.identity.heights_sha256 if result.identity else None
+    made = []
+    for first, level in missing(scene, result) if layout else ():
+        assert layout is not None
+        step_cost = step_seconds * error_cost.level_cost(scene, level)
+        arguments = (scene, first, layout.steps, level, step_cost, heights_sha256)
+        made.append(pool.Task(run, march_stretch, arguments, layout.steps * step_cost))
+    return made
+
+
+# Side of a cell on each level, in cells of the run.
+SIDES = {"tight": 1.0, "fine": 0.5, "coarse": 2.0}
+
+
+def contact_of(scene: Scene, level: str, first: int, steps: int) -> RollingContact:
+    """Return the contact of a stretch on a level, on the patch of surface around it.
+
+    Position 0 of the contact is the first position of the stretch. All levels have the run's number
+    of sub-cells per cell.
+    """
+    whole, surface = rolling_contact(scene), heights(scene)
+    # Twice the radius of overlap holds the highest peaks, and a few nodes hold the run-in.
+    spacing, side = whole.cell_spacing, SIDES[level]
+    margin = math.ceil(
+        (2 * cost.overlap_radius(scene, cost.roughness(scene)[0]) + 8 * whole.step) / spacing
+    )
+    place = whole.position(first)
+    row = math.floor(place / spacing) - margin
+    rows = math.ceil(steps * whole.step / spacing) + 2 * margin
+    if rows >= len(surface):
+        row, rows = 0, len(surface)
+    rows += rows % 2
+    # Flat cells begin where the cells of the run begin, and places count from a centre.
+    off_centre = 0.0 if whole.slopes else (side - 1) / 2 * spacing
+    return replace(
+        whole,
+        heights=cells_of_patch(surface, row, rows, side, whole.subcells, whole.slopes),
+        spacing=whole.spacing * side,
+        start=place - row * spacing - off_centre,
+        tolerance=whole.tolerance if level == "coarse" else error_cost.tight_tolerance(scene),
+    )
+
+
+def march_stretch(
+    scene: Scene,
+    first: int,
+    steps: int,
+    level: str,
+    step_cost: float,
+    surface_sha256: str | None,
+    stopped: Callable[[], bool],
+    progress: Callable[[float], object],
+) -> March:
+    """March a stretch on a level; a contact that cannot be solved is a fault of the march.
+
+    Parameters
+    ----------
+    scene : Scene. A scene without a sweep.
+    first, steps : int. First position and number of steps.
+    level : str. Key of LEVELS.
+    step_cost : float. Progress of a step.
+    surface_sha256 : str. Digest of the height file; None for a generated surface.
+    stopped, progress : callable. As in `simulate.simulate_piece`.
+
+    Raises
+    ------
+    ContactError : the heights were replaced or removed.
+    Interrupted : `stopped` returned true.
+    """
+    if surface_sha256 and (fault := simulate.surface_fault(scene, surface_sha256)):
+        raise ContactError(fault)
+    try:
+        contact = contact_of(scene, level, first, steps)
+        piece = simulate.simulate_piece(
+            _without_events(scene),
+            0,
+            steps,
+            stopped,
+            lambda count: progress(count * step_cost),
+            contact,
+            mapped=False,
+        )
+    except ContactError as error:
+        return March(first, level, np.full(steps, np.nan), math.nan, 0.0, f"{level}: {error}")
+    return March(
+        first,
+        level,
+        piece.steps["release_energy"],
+        float(piece.states["plastic_area"][-steps:].mean()),
+        float(piece.steps["step_time"].sum()),
+    )
+
+
+def _without_events(scene: Scene) -> Scene:
+    """Return a scene that collects no recovery events."""
+    recovery = scene.recovery.model_copy(update={"events": False})
+    return scene.model_copy(update={"recovery": recovery})

@@ -1,0 +1,74 @@
+"""The stretches of the error estimate and their cost, as functions of the scene alone."""
+
+import numpy as np
+import pytest
+from scene_text import PLAIN
+
+from rolling.check import error_cost
+from rolling.scene.file import loads
+from rolling.scene.scene import Scene
+
+
+def scene(*overrides: str) -> Scene:
+    return loads(PLAIN, ["rolling.duration_s=0.5", *overrides], "s.yaml")
+
+
+def test_stretches_cost_no_more_than_their_share_of_the_run() -> None:
+    for overrides in ([], ["numerics.tolerance=1e-6"], ["numerics.step_nodes=2"]):
+        given = scene("numerics.error_estimate=true", *overrides)
+        steps = error_cost.stretch_steps(given)
+        layout = error_cost.layout(given, steps)
+        cost = len(layout.firsts) * error_cost.stretch_cost(given, steps)
+        assert len(layout.firsts) >= error_cost.FIRST_STRETCHES
+        assert 0.6 * error_cost.SHARE < cost / given.track.solved_steps <= error_cost.SHARE
+        assert error_cost.cost_share(given) == pytest.approx(cost / given.track.solved_steps)
+
+
+def test_stretches_lie_on_the_track_without_overlap_and_all_along_it() -> None:
+    given = scene("rolling.duration_s=4")
+    layout = error_cost.layout(given, error_cost.stretch_steps(given))
+    firsts = np.sort(layout.firsts)
+    solved = given.track.solved_steps
+    assert np.diff(firsts).min() >= layout.steps
+    assert firsts[-1] + layout.steps <= solved
+    for count in (4, 8):
+        quarters = np.array(layout.firsts[:count]) * 4 // solved
+        assert np.bincount(quarters, minlength=4).tolist() == [count / 4] * 4
+
+
+def test_a_longer_round_begins_with_the_shorter() -> None:
+    given = scene("rolling.duration_s=4")
+    shorter = error_cost.layout(given, 200).firsts
+    assert error_cost.layout(given, 200).firsts[:4] == shorter[:4]
+    assert len(set(shorter)) == len(shorter)
+
+
+def test_a_stretch_resolves_1_khz_where_the_cost_allows_it() -> None:
+    long = scene("rolling.duration_s=5", "rolling.speed_m_s=0.05")
+    lines = long.motion.speed(0.0) / (long.step * error_cost.stretch_steps(long))
+    assert lines == pytest.approx(231 / 2, rel=0.02)
+    least, most = error_cost.STRETCH_STEPS
+    assert error_cost.stretch_steps(scene("rolling.duration_s=5")) == most
+    assert least <= error_cost.stretch_steps(scene("rolling.duration_s=0.2")) < 100
+
+
+def test_a_short_track_says_how_long_it_has_to_be() -> None:
+    short = scene("rolling.duration_s=0.05")
+    assert error_cost.stretch_steps(short) == 0
+    text = error_cost.too_short(short) or ""
+    assert "2500 different steps" in text
+    needed = int(text.split("needs ")[1].split()[0])
+    assert error_cost.stretch_steps(scene(f"rolling.duration_s={(needed + 1) * 2e-5}"))
+    assert not error_cost.stretch_steps(scene(f"rolling.duration_s={(needed - 1) * 2e-5}"))
+    assert error_cost.too_short(scene()) is None
+
+
+def test_the_tight_tolerance_stays_above_rounding() -> None:
+    assert error_cost.tight_tolerance(scene()) == pytest.approx(1e-5)
+    assert error_cost.tight_tolerance(scene("numerics.tolerance=3e-10")) == 1e-10
+    assert error_cost.tight_tolerance(scene("numerics.tolerance=1e-11")) == 1e-11
+
+
+def test_no_estimate_costs_nothing() -> None:
+    assert error_cost.cost_share(scene()) == 0.0
+    assert error_cost.cost_share(scene("numerics.error_estimate=true")) > 0.0
