@@ -198,7 +198,7 @@ class Direction(NamedTuple):
     zr : float, Pa m
         Product z.r, 0 where the next direction forgets this direction.
     length : float
-        Accumulated step length of the unprojected direction, for the next beta.
+        Share of the preconditioned residual in the direction, from the step lengths so far.
     """
 
     slope: float

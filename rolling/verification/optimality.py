@@ -225,6 +225,18 @@ def _deflection_at(
     return u * track.spacing / (np.pi * track.contact_modulus)
 
 
+def _area_error(track: RollingContact, state: ContactState, rounding: float) -> float:
+    """Return the relative error of the contact area that rounding leaves.
+
+    The area of a shared cell follows from slopes of the deflected gap over the range that pressures
+    level. `rounding` is that of the gap over the maximum deflection.
+    """
+    if not track.has_blended_edges:
+        return LOAD_ERROR
+    slopes = 10 * rounding * float(state.deflection.max()) / _levelled(track)
+    return max(ENERGY_ERROR, slopes)
+
+
 def broken(track: RollingContact, state: ContactState, allowance: float = 1.5) -> list[str]:
     """List the conditions that a state violates, as "name: amount"; empty for a solved contact.
 
@@ -248,8 +260,7 @@ def broken(track: RollingContact, state: ContactState, allowance: float = 1.5) -
         "load": LOAD_ERROR,
         "energy": ENERGY_ERROR,
         "deflection": ENERGY_ERROR,
-        # the edges of shared cells follow from a deflection
-        "contact area": ENERGY_ERROR if track.has_blended_edges else LOAD_ERROR,
+        "contact area": _area_error(track, state, rounding),
         "plastic area": 1e-6,
     }
     broken_conditions = [
