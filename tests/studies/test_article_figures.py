@@ -316,14 +316,14 @@ def test_maps_are_of_the_solved_contact(solved: Reading) -> None:
         assert contact.pressure.sum() * 2e-6**2 == pytest.approx(load, rel=1e-9)
         # Over the deflected plate the sphere, a parabola of 1 mm that stands at the end of the 200
         # steps, is nowhere lower than where it presses. A cell with a blended edge bears its share
-        # while half of the range of gaps within it, about half the rms difference of neighbours,
-        # is still open. Heights of a node off break this on
+        # while half the range of gaps within it, about half the rms difference of neighbours,
+        # is still open, and all of it in steep cells. Heights of a node off break this on
         # some surface.
         rows = np.rint((contact.along + 400e-6) / 2e-6).astype(int)
         columns = np.rint((contact.across + 199e-6) / 2e-6).astype(int)
         parabola = (contact.along[:, None] ** 2 + contact.across**2) / 2e-3
         pressed = contact.pressure > 0
-        allowance = 0.5 * solved.slopes[ra, 10.0] / np.sqrt(2) * 2e-6
+        allowance = solved.slopes[ra, 10.0] / np.sqrt(2) * 2e-6
         for off in (0, 1):
             heights = np.roll(solved.patches[ra].heights, off, axis=0)
             below = heights[np.ix_(rows % heights.shape[0], columns % heights.shape[1])]
