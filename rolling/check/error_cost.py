@@ -38,7 +38,7 @@ class Layout:
 
 def tight_tolerance(scene: Scene) -> float:
     """Return the tolerance against which the tolerance of a scene is judged."""
-    own = scene.numerics.tolerance
+    own = scene.tolerance
     return min(own, max(own / TIGHTER, LEAST_TOLERANCE))
 
 
@@ -47,7 +47,7 @@ def level_cost(scene: Scene, level: str) -> float:
     if level == "coarse":
         return COARSER_COST
     # The number of iterations is proportional to the logarithm of the tolerance.
-    tighter = math.log(tight_tolerance(scene)) / math.log(scene.numerics.tolerance)
+    tighter = math.log(tight_tolerance(scene)) / math.log(scene.tolerance)
     return tighter * (FINER_COST if level == "fine" else 1.0)
 
 
@@ -79,12 +79,17 @@ def layout(scene: Scene, steps: int) -> Layout:
     """
     slots = scene.track.solved_steps // steps
     most = min(slots, int(SHARE * scene.track.solved_steps / stretch_cost(scene, steps) + 1e-9))
+    return Layout(steps, spread(slots, steps, most))
+
+
+def spread(slots: int, steps: int, count: int) -> tuple[int, ...]:
+    """Return first positions of `count` slots of `steps` steps in the order of van der Corput."""
     chosen: dict[int, None] = {}
     number = 0
-    while len(chosen) < most:
+    while len(chosen) < count:
         chosen.setdefault(int(_van_der_corput(number) * slots))
         number += 1
-    return Layout(steps, tuple(slot * steps for slot in chosen))
+    return tuple(slot * steps for slot in chosen)
 
 
 def _van_der_corput(number: int) -> float:
