@@ -325,7 +325,7 @@ def _chosen(run: RunResult) -> str:
     trial = run.result.trial
     if trial is None:
         return ""
-    if trial.reason:
+    if trial.grid_signal_db is None or trial.solver_signal_db is None:
         return f" (chosen without trial: {trial.reason})"
     return (
         f" (chosen by a trial of {trial.stretches} stretches: grid {trial.grid_signal_db:.0f} dB,"

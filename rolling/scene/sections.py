@@ -438,7 +438,7 @@ Tolerance = Annotated[
     WithJsonSchema(
         {
             "anyOf": [
-                {"const": "auto"},
+                {"type": "string", "const": "auto"},
                 {"type": "number", "minimum": TOLERANCES[0], "maximum": TOLERANCES[1]},
             ]
         }

@@ -162,9 +162,7 @@ def _attributes(file: h5py.File, result: Result, scene: Scene, scene_text: str) 
         if result.identity.heights_sha256 is not None:
             file.attrs["heights_sha256"] = result.identity.heights_sha256
     if result.trial is not None:
-        # JSON has no NaN, so unknown numbers are left out.
-        known = {name: value for name, value in vars(result.trial).items() if value == value}
-        file.attrs["tolerance_trial"] = canonical(known)
+        file.attrs["tolerance_trial"] = canonical(vars(result.trial))
 
 
 def _series(file: h5py.File, result: Result, scene: Scene) -> None:

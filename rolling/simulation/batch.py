@@ -79,10 +79,10 @@ def choose_tolerances(runs: list[Run], results: Sequence[Result], workers: int) 
         run = runs[number] = replace(runs[number], scene=scene)
         resolved, trial = run.folder / RESOLVED, results[number].trial
         assert trial is not None
-        if has_scene := resolved.is_file():
+        if resolved.is_file():
             write_bytes(resolved, file.dump(seen_from(run.folder, scene)).encode())
         # A run of four files has its scene in result.h5 alone; without a trial it is chosen again.
-        if has_scene or trial.stretches:
+        if trial.stretches:
             keep(run, results[number])
 
     scenes = [run.scene for run in runs]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 from rolling._typing import Array
@@ -73,7 +72,7 @@ class Trial:
     reason : str. Reason why no trial decided; empty if one did.
     stretches, steps : int. Number of stretches, and of steps of each.
     grid_signal_db, solver_signal_db : float, dB. Rms error of the release over its fluctuation from
-        the grid, and from the solver at the chosen tolerance; NaN: unknown.
+        the grid, and from the solver at the chosen tolerance; None without a trial.
     seconds : float, s. Time of the marches.
     """
 
@@ -81,6 +80,6 @@ class Trial:
     reason: str
     stretches: int = 0
     steps: int = 0
-    grid_signal_db: float = math.nan
-    solver_signal_db: float = math.nan
+    grid_signal_db: float | None = None
+    solver_signal_db: float | None = None
     seconds: float = 0.0

@@ -144,7 +144,7 @@ def _error_db(release: Array, better: Array, fluctuation: float) -> float:
 
 def text(trial: Trial) -> str:
     """Write a chosen tolerance and its reason."""
-    if trial.reason:
+    if trial.grid_signal_db is None or trial.solver_signal_db is None:
         return f"tolerance {trial.tolerance:g}, chosen without trial: {trial.reason}"
     return (
         f"tolerance {trial.tolerance:g}, chosen by a trial of {trial.stretches} stretches of"

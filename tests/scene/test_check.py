@@ -255,7 +255,7 @@ def test_expected_time_is_shared_by_the_cores(monkeypatch: pytest.MonkeyPatch) -
     line = next(line for line in lines if line.startswith(of_all))
     both = [single for _, single in loads(TEXT, ["sweep.surface.seed=[1, 2]"]).runs()]
     after = finishing.seconds(both, 8)
-    total = 2 * shared["expected time"].seconds + after
+    total = 2 * (shared["expected time"].seconds + shared["tolerance"].seconds) + after
     assert line.endswith(
         f"about {total:.2g} s on 8 cores, {after:.2g} s of it for start, sound and pictures, 2 runs"
     )
