@@ -160,13 +160,13 @@ def test_resume_takes_up_the_marches_that_are_done(
     run(scene_path, out=folder, workers=1, page=False)
     _drop(folder, scene_of(), keep=5)
     marched = []
-    inner = error_stretches.contact_of
+    inner = error_stretches.contact_on
 
-    def counted(scene: Scene, level: str, first: int, steps: int) -> object:
-        marched.append((first, level))
-        return inner(scene, level, first, steps)
+    def counted(scene: Scene, grid: error_stretches.Grid, first: int, steps: int) -> object:
+        marched.append((first, grid.name))
+        return inner(scene, grid, first, steps)
 
-    monkeypatch.setattr(error_stretches, "contact_of", counted)
+    monkeypatch.setattr(error_stretches, "contact_on", counted)
     resume(folder, workers=1, page=False)
     kept = result_file.load(folder / "result.h5").stretches
     assert kept and len(marched) == len(kept.marches) - 5
