@@ -228,14 +228,14 @@ def test_other_grids_see_the_same_asperities(level: str) -> None:
 def test_a_stretch_that_cannot_be_solved_costs_only_the_estimate(
     scene_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    inner = error_stretches.contact_of
+    inner = error_stretches.contact_on
 
     def failing(scene: Scene, level: str, first: int, steps: int) -> object:
         if level == "fine" and first > 0:
             raise ContactError("no room")
         return inner(scene, level, first, steps)
 
-    monkeypatch.setattr(error_stretches, "contact_of", failing)
+    monkeypatch.setattr(error_stretches, "contact_on", failing)
     folder = scene_path.parent / "failed"
     done = run(scene_path, out=folder, workers=1, page=False)
     assert done.exit_code == 0
@@ -405,7 +405,7 @@ def test_a_stopped_estimate_is_taken_up(
 ) -> None:
     """Ctrl-C between two marches keeps the run and the marches that are done."""
     folder = scene_path.parent / "stopped"
-    inner = error_stretches.contact_of
+    inner = error_stretches.contact_on
     marched: list[tuple[int, str]] = []
 
     def stopping(scene: Scene, level: str, first: int, steps: int) -> object:
@@ -414,13 +414,13 @@ def test_a_stopped_estimate_is_taken_up(
             os.kill(os.getpid(), signal.SIGINT)
         return inner(scene, level, first, steps)
 
-    monkeypatch.setattr(error_stretches, "contact_of", stopping)
+    monkeypatch.setattr(error_stretches, "contact_on", stopping)
     done = run(scene_path, out=folder, workers=1, page=False)
     assert done.interrupted and done.exit_code == 130
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["complete"]
     assert summary["error_estimate"]["reason"] == "its stretches are not solved yet"
-    monkeypatch.setattr(error_stretches, "contact_of", inner)
+    monkeypatch.setattr(error_stretches, "contact_on", inner)
     assert resume(folder, workers=1, page=False).exit_code == 0
     assert numbers(folder) == numbers(finished)
 
