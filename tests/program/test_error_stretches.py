@@ -353,7 +353,7 @@ def test_bands_off_by_more_than_1_db_are_a_warning() -> None:
     errors = RunErrors(levels, effort, 0.0, "")
     assert errors.off_db() == {"20000": -3.0}
     assert errors.corrected_db(values)["16000"] == -1.5
-    (caveat,) = caveats._of_errors(errors)
+    (caveat,) = caveats._of_errors(scene_of(), errors)
     assert caveat.key == "band_errors" and "20000 Hz (-3.0)" in caveat.text
 
 
