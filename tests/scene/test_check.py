@@ -141,11 +141,13 @@ def test_the_usual_scene_is_warned_of_its_resonance_and_record_only() -> None:
             " low, levels are off by up to 2.8 dB; choose a step of at most 17 um",
         ),
         (
-            "nodes per correlation length",
-            "surface.correlation_length_across_um=10",
-            "surface.correlation_length_across_um=9",
-            "4.5 nodes per correlation length, 5 are wanted: choose a surface.spacing_um of at "
-            "most 1.8",
+            "error of the grid",
+            "rolling.load_n=1",
+            "rolling.load_n=0.1",
+            # -7.2 - 14.8 log10(2.52) - 4.9 log10(11.9) = -18.4; 2 10^(-2.6/24.6) = 1.57.
+            "the grid leaves an error of the release of about -18 dB of its fluctuation (rms, by a"
+            " rule that is off by some 4 dB), -20 dB are wanted: choose a surface.spacing_um of at"
+            " most 1.28, or 0.5 for third octaves within 1 dB up to 16 kHz",
         ),
         (
             "rms slope",
