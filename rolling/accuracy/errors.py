@@ -17,7 +17,6 @@ import numpy as np
 from acoustics.bands import BAND_NAMES
 from rolling._typing import Array
 from rolling.accuracy.variants import Study, Variant
-from rolling.scene.sections import Numerics
 from rolling.simulation import simulate
 from rolling.sound.contact_sound import contact_sound
 
@@ -285,11 +284,6 @@ def loosest_tolerance(signal_errors: Mapping[float, float], grid_error: float) -
         ),
         default=None,
     )
-
-
-def default_tolerance() -> float:
-    """Return the tolerance of scenes that do not set one."""
-    return float(Numerics().tolerance)
 
 
 # ---- all together

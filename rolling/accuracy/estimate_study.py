@@ -24,7 +24,7 @@ from rolling.check import cost
 from rolling.contact.solver import ContactError
 from rolling.folders import files
 from rolling.scene.scene import Scene
-from rolling.simulation import pool, simulate, solving
+from rolling.simulation import pool, simulate, solving, tolerance_trial
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import RunResult, hear
 
@@ -130,7 +130,9 @@ def compare(
     ------
     ContactError : a march failed.
     """
-    run = _run(name, scene, workers, progress)
+    result = Result.empty(scene.track, scene.start)
+    (scene,) = tolerance_trial.choose([scene], [result], workers, progress).scenes
+    run = _run(name, scene, result, workers, progress)
     reference = _reference(scene, finest, workers, progress)
     assert run.errors is not None and run.errors.levels is not None and run.errors.effort
     levels, effort = run.errors.levels, run.errors.effort
@@ -162,9 +164,8 @@ def compare(
     )
 
 
-def _run(name: str, scene: Scene, workers: int, progress: bool | None) -> RunResult:
+def _run(name: str, scene: Scene, result: Result, workers: int, progress: bool | None) -> RunResult:
     """Run a scene in memory."""
-    result = Result.empty(scene.track, scene.start)
     result.identity = simulate.identity_of(scene)
     outcome = solving.solve([scene], [result], workers, name, mapped=False, progress=progress)
     raise_failures(outcome)

@@ -16,8 +16,9 @@ from rolling.check import cost, long_steps, refusals
 from rolling.folders import claim, files, new_folder, run_record
 from rolling.folders.claim import Claim
 from rolling.scene import file, library
-from rolling.simulation import pool, simulate, summary
+from rolling.simulation import pool, simulate, summary, tolerance_trial
 from rolling.simulation.batch import Run
+from rolling.simulation.result import Result
 from rolling.surface import contact_of_scene
 from rolling.terminal import defaults, progress
 
@@ -76,7 +77,14 @@ def run_study(
             f"{next(iter(values))}=..."
         )
     with new_folder.make(target, run_record.new("accuracy"), fill) as held:
-        results, interrupted = _march(study, held.folder, workers or cost.cores())
+        # `auto` is the tolerance that the run of the scene would take.
+        choices = tolerance_trial.choose(
+            [single], [Result.empty(single.track, single.start)], workers
+        )
+        study = study_of(choices.scenes[0], duration, finest)
+        results, interrupted = errors.judge(study, {}, {}), True
+        if not choices.interrupted:
+            results, interrupted = _march(study, held.folder, workers or cost.cores())
         with progress.step("writing tables and picture"):
             _write(held.folder, label, results)
         if progress.is_quiet():
@@ -214,7 +222,7 @@ def _numbers(label: str, results: Findings) -> dict[str, Any]:
             name: plain(asdict(candidate)) if (candidate := getattr(advice, name)) else None
             for name in ("both", "laeq_only", "nearest")
         },
-        "tolerance": {"recommended": results.tolerance, "default": errors.default_tolerance()},
+        "tolerance": {"recommended": results.tolerance, "own": study.own.tolerance},
         "provenance": summary.provenance(study.scene),
     }
 

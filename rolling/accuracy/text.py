@@ -249,22 +249,22 @@ def _advice(findings: Findings) -> list[str]:
 
 
 def _tolerance_advice(findings: Findings) -> str:
-    """Return the recommended tolerance, compared with the default."""
+    """Return the recommended tolerance, compared with that of the run."""
     wanted = "error of the solve of at most a fifth of the grid's and -40 dB"
-    default = errors.default_tolerance()
+    own = findings.study.own.tolerance
     if findings.tolerance is None:
         return f"no tolerance that was tried keeps the {wanted}"
     comparison = (
         "the same"
-        if math.isclose(findings.tolerance, default)
+        if math.isclose(findings.tolerance, own)
         else "tighter"
-        if default < findings.tolerance
+        if own < findings.tolerance
         else "looser"
     )
     loosest = tolerance_text(findings.tolerance)
     return (
         f"the loosest tolerance with an {wanted} is {loosest}; "
-        f"the program's default {tolerance_text(default)} is {comparison}"
+        f"the run's {tolerance_text(own)} is {comparison}"
     )
 
 

@@ -77,7 +77,7 @@ class Study:
         """The variant of the scene as it stands."""
         n = self.scene.numerics
         return Variant(
-            1, n.step_nodes, n.tolerance, n.edges if self.yields else "sharp", n.precision
+            1, n.step_nodes, self.scene.tolerance, n.edges if self.yields else "sharp", n.precision
         )
 
     @property

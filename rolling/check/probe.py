@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.check import cost
+from rolling.check import cost, error_cost
 from rolling.check.finding import Finding, clock, on_cores, si
 from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
@@ -35,7 +35,7 @@ from rolling.terminal import progress
 
 POSITIONS = 8
 WARM_STEPS = 3  # after each cold start, for the time of a step
-COLD_STEPS = 8  # cost of a cold start in steps, including the run-in of blended edges
+COLD_STEPS = 1 + error_cost.START_STEPS  # cost of a cold position in steps
 MAX_NODES = 10_000_000  # maximum for a generated surface, which takes about 4 s and 400 MB
 MAX_SECONDS = 60.0  # expected time of the solved positions, of one run and of all runs of a sweep
 # If a sweep has more runs, or slow runs, only its first and last runs are solved.

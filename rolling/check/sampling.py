@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from acoustics import bands
-from rolling.check import cost, long_steps
+from rolling.check import cost, long_steps, resolution
 from rolling.check.finding import Finding, rounded_down, rounded_up, si
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
 MIN_SHARE = 0.01  # share of a record; shorter stretches that are too slow for hearing are ignored
-MIN_CORRELATION_NODES = 5  # across the correlation length
+MIN_CORRELATION_NODES = 5  # of a measurement, across the correlation length
 
 
 def findings(scene: Scene) -> list[Finding]:
@@ -20,18 +20,12 @@ def findings(scene: Scene) -> list[Finding]:
 
 
 def _correlation(scene: Scene) -> list[Finding]:
-    """Count the nodes per correlation length of a made surface."""
+    """Count the nodes per correlation length of a made surface, and judge what they leave."""
     if not isinstance(scene.surface, Gaussian):
         return []
-    shortest = min(cost.correlation_lengths(scene.surface))
-    nodes = shortest / scene.surface.spacing_um
-    coarse = None
-    if nodes < MIN_CORRELATION_NODES * (1 - 1e-9):
-        coarse = (
-            f"{nodes:.2g} nodes per correlation length, {MIN_CORRELATION_NODES} are wanted: choose"
-            f" a surface.spacing_um of at most {rounded_down(shortest / MIN_CORRELATION_NODES)}"
-        )
-    return [Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}", coarse)]
+    nodes = min(cost.correlation_lengths(scene.surface)) / scene.surface.spacing_um
+    count = Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}")
+    return [count, *resolution.findings(scene)]
 
 
 def _nyquist(scene: Scene) -> Finding:

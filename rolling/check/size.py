@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rolling.check import cost, demand, error_cost, refusals
+from rolling.check import cost, demand, error_cost, refusals, tolerance
 from rolling.check.finding import Finding, clock, on_cores, si
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
@@ -16,7 +16,13 @@ def findings(scene: Scene, rq: float) -> list[Finding]:
     rq : float, m
         Rms roughness of the surface.
     """
-    return [*_track(scene), *_window(scene, rq), *_errors(scene, rq), *_demand(scene, rq)]
+    return [
+        *_track(scene),
+        *_window(scene, rq),
+        _tolerance(scene, rq),
+        *_errors(scene, rq),
+        *_demand(scene, rq),
+    ]
 
 
 def _track(scene: Scene) -> list[Finding]:
@@ -67,6 +73,12 @@ def _window(scene: Scene, rq: float) -> list[Finding]:
             seconds=seconds,
         ),
     ]
+
+
+def _tolerance(scene: Scene, rq: float) -> Finding:
+    """State the tolerance, or the trial that will choose it."""
+    step_ms = cost.expected_step_ms(cost.window_nodes(scene, rq), cost.subcells(scene))
+    return tolerance.finding(scene, step_ms * 1e-3 / cost.cores())
 
 
 def _errors(scene: Scene, rq: float) -> list[Finding]:

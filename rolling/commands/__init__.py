@@ -197,6 +197,7 @@ def resound(
         raise FolderError(
             f"{folder}: its sweep varies a key of --set; resound the runs in it one by one"
         )
+    plan.take_tolerances(stored)
     with progress.step("reading the runs"):
         results = [result for each in stored if (result := batch.stored(each))]
     if len(results) < len(stored):

@@ -12,7 +12,7 @@ from rolling.contact.solver import ContactError
 from rolling.folders.files import FolderError
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.simulation import batch, labels, solving
+from rolling.simulation import batch, labels, solving, tolerance_trial
 from rolling.simulation import simulate as pieces
 from rolling.simulation.plan import refuse
 from rolling.simulation.pool import Outcome
@@ -157,9 +157,15 @@ def _simulated(
     """Simulate the runs of a scene and return them by their swept values."""
     refuse(scene, workers, None)
     results = [Result.empty(single.scene.track, single.scene.start) for single in singles]
-    for single, result in zip(singles, results, strict=True):
-        result.identity = pieces.identity_of(single.scene)
-    scenes = [single.scene for single in singles]
+    choices = tolerance_trial.choose(
+        [single.scene for single in singles], results, workers, progress
+    )
+    if choices.interrupted:
+        raise KeyboardInterrupt
+    scenes = choices.scenes
+    singles = [replace(each, scene=one) for each, one in zip(singles, scenes, strict=True)]
+    for one, result in zip(scenes, results, strict=True):
+        result.identity = pieces.identity_of(one)
     outcome = solving.solve(scenes, results, workers, scene.name, progress=progress)
     if outcome.interrupted:
         raise KeyboardInterrupt

@@ -85,6 +85,9 @@ class Work:
 def solve(work: Work) -> Report:
     """Solve the missing steps of the runs, then write everything else."""
     work.wanted.begun(work.folder)
+    with told_on_error(lambda: _way_on(work)):
+        if batch.choose_tolerances(work.runs, work.results, work.wanted.workers):
+            return finish(work, make_sounds(work, {}), Outcome(interrupted=True))
     names = labels.labels(work.runs)
     sounds: dict[int, RunResult | None] = {}
 

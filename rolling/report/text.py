@@ -311,13 +311,26 @@ def _assumed_contact(run: RunResult) -> dict[str, str]:
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
         "half-space": _half_space(scene),
-        "solver": f"tolerance {scene.numerics.tolerance:g}, {scene.numerics.edges} edges, "
+        "solver": f"tolerance {scene.tolerance:g}{_chosen(run)}, {scene.numerics.edges} edges, "
         f"{scene.numerics.precision} precision",
         "release of a node": {
             "mean": "mean pressure of a step's ends",
             "left_end": "pressure at a step's beginning (the article's)",
         }[scene.recovery.rule],
     }
+
+
+def _chosen(run: RunResult) -> str:
+    """Write the choice of the tolerance in brackets; nothing where the scene gave a number."""
+    trial = run.result.trial
+    if trial is None:
+        return ""
+    if trial.grid_signal_db is None or trial.solver_signal_db is None:
+        return f" (chosen without trial: {trial.reason})"
+    return (
+        f" (chosen by a trial of {trial.stretches} stretches: grid {trial.grid_signal_db:.0f} dB,"
+        f" solver {trial.solver_signal_db:.0f} dB of the fluctuation)"
+    )
 
 
 def _half_space(scene: Scene) -> str:

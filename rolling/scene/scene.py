@@ -42,6 +42,7 @@ from rolling.scene.messages import (
 from rolling.scene.motion import Motion
 from rolling.scene.sections import (
     MAX_FAULTS,
+    UNTRIED_TOLERANCE,
     HeightFile,
     MadeSurface,
     Numerics,
@@ -376,6 +377,12 @@ class Scene(Section):
     def step(self) -> float:
         """Distance from one position to the next [m]."""
         return self.spacing * self.numerics.step_nodes
+
+    @property
+    def tolerance(self) -> float:
+        """Tolerance of the solver [-]; `auto` counts as 1e-4 until a trial has chosen a number."""
+        chosen = self.numerics.tolerance
+        return UNTRIED_TOLERANCE if isinstance(chosen, str) else chosen
 
     @property
     def load(self) -> float:

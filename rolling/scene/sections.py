@@ -417,6 +417,35 @@ class Rolling(Section):
     start_um: float = Field(default=0.0, description="Start position along the track [um]")
 
 
+TOLERANCES = 1e-12, 1e-1  # allowed numbers
+UNTRIED_TOLERANCE = 1e-4  # stands for `auto` until a trial has chosen a number
+TOLERANCE = Words(f"auto, or a number >= {TOLERANCES[0]:g} and <= {TOLERANCES[1]:g}")
+
+
+def _tolerance(value: Any) -> Any:
+    """Return a tolerance that is allowed."""
+    if (isinstance(value, str) and value == "auto") or (
+        is_number(value) and TOLERANCES[0] <= value <= TOLERANCES[1]
+    ):
+        return value if isinstance(value, str) else float(value)
+    raise fault(f"got {shown(value)}, allowed: {TOLERANCE.allowed}")
+
+
+Tolerance = Annotated[
+    float | Literal["auto"],
+    TOLERANCE,
+    BeforeValidator(_tolerance),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "string", "const": "auto"},
+                {"type": "number", "minimum": TOLERANCES[0], "maximum": TOLERANCES[1]},
+            ]
+        }
+    ),
+]
+
+
 class Numerics(Section):
     """Resolution and accuracy of the solution."""
 
@@ -428,11 +457,11 @@ class Numerics(Section):
         description="Step in nodes [-]: a whole number from 1 to 64, or one over a whole number"
         " down to 1/16",
     )
-    tolerance: float = Field(
-        default=1e-4,
-        ge=1e-12,
-        le=1e-1,
-        description="Maximum violation of the contact conditions over the maximum deflection [-]",
+    tolerance: Tolerance = Field(
+        default="auto",
+        description="Maximum violation of the contact conditions over the maximum deflection [-];"
+        " auto chooses it by a trial on the track, so that the solver's error stays below the"
+        " grid's",
     )
     edges: Literal["sharp", "blended"] = Field(
         default="blended",

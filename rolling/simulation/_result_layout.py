@@ -161,6 +161,8 @@ def _attributes(file: h5py.File, result: Result, scene: Scene, scene_text: str) 
         )
         if result.identity.heights_sha256 is not None:
             file.attrs["heights_sha256"] = result.identity.heights_sha256
+    if result.trial is not None:
+        file.attrs["tolerance_trial"] = canonical(vars(result.trial))
 
 
 def _series(file: h5py.File, result: Result, scene: Scene) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from dataclasses import fields
 from typing import Any
 
 import h5py
@@ -22,7 +23,7 @@ from rolling.scene.identity import STEPS, Identity
 from rolling.simulation._result_layout import FORMAT
 from rolling.simulation.result import Result
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, PressureMap, Snapshot
-from rolling.simulation.stretches import ErrorStretches, March
+from rolling.simulation.stretches import ErrorStretches, March, Trial
 
 MOST_STEPS = 10**9
 SIGNED = {"approach", "energy_defect"}  # no other series is ever negative
@@ -56,6 +57,7 @@ def read(file: h5py.File) -> Result:
     result.event_pieces = _events(file, result)
     _check_events(result, done)
     result.stretches = _stretches(file, result)
+    result.trial = _trial(file)
     complete = _attribute(file, "complete")
     if not isinstance(complete, bool | np.bool_) or bool(complete) != result.complete:
         raise Damage(
@@ -439,3 +441,19 @@ def _march_faults(group: h5py.Group) -> dict[str, str]:
     if not isinstance(faults, dict) or not all(isinstance(text, str) for text in faults.values()):
         raise Damage(f"error_estimate/faults: got {_shown(faults)}, allowed are texts by march")
     return faults
+
+
+# ---- trial of the tolerance
+
+
+def _trial(file: h5py.File) -> Trial | None:
+    """Read the choice of a tolerance; None where the scene gave a number."""
+    if "tolerance_trial" not in file.attrs:
+        return None
+    values = _values(file, "tolerance_trial")
+    kinds = {field.name: str(field.type).split(" | ") for field in fields(Trial)}
+    names = {float: "float", int: "int", str: "str", type(None): "None"}
+    for name, kind in kinds.items():
+        if name not in values or names.get(type(values[name])) not in kind:
+            raise Damage(f"tolerance_trial: got {_shown(values.get(name))} for {name}")
+    return Trial(**{name: values[name] for name in kinds})

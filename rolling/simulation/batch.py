@@ -5,14 +5,21 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rolling.folders.files import FolderError, Keeper
+from rolling.folders.files import FolderError, Keeper, write_bytes
 from rolling.scene import file
 from rolling.scene.identity import Identity, changes, differences, said
 from rolling.scene.scene import Scene
-from rolling.simulation import error_stretches, labels, result_file, simulate, solving
+from rolling.simulation import (
+    error_stretches,
+    labels,
+    result_file,
+    simulate,
+    solving,
+    tolerance_trial,
+)
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound
@@ -20,6 +27,7 @@ from rolling.sound.contact_sound import ContactSound
 __all__ = [
     "RESULT",
     "Run",
+    "choose_tolerances",
     "keep",
     "other_surface",
     "refuse_other_scene",
@@ -28,7 +36,7 @@ __all__ = [
     "stored",
 ]
 
-RESULT = "result.h5"
+RESULT, RESOLVED = "result.h5", "resolved.yaml"
 
 
 @dataclass(frozen=True)
@@ -51,6 +59,34 @@ class Run:
         `labels.labels` names several runs together.
         """
         return labels.labels([self])[0]
+
+
+def choose_tolerances(runs: list[Run], results: Sequence[Result], workers: int) -> bool:
+    """Choose the tolerances that scenes leave open, and keep each in the folder of its run.
+
+    Parameters
+    ----------
+    runs : list of Run. Runs that are open get scenes with their tolerances.
+    results : sequence of Result. One result per run, which gets the trial.
+    workers : int. Number of processes; 0: one per core.
+
+    Returns
+    -------
+    interrupted : Whether the trials were interrupted, so that some runs are still open.
+    """
+
+    def chosen(number: int, scene: Scene) -> None:
+        run = runs[number] = replace(runs[number], scene=scene)
+        resolved, trial = run.folder / RESOLVED, results[number].trial
+        assert trial is not None
+        if resolved.is_file():
+            write_bytes(resolved, file.dump(seen_from(run.folder, scene)).encode())
+        # A run of four files has its scene in result.h5 alone; without a trial it is chosen again.
+        if trial.stretches:
+            keep(run, results[number])
+
+    scenes = [run.scene for run in runs]
+    return tolerance_trial.choose(scenes, results, workers, chosen=chosen).interrupted
 
 
 def solve(
@@ -172,7 +208,7 @@ def refuse_other_scene(run: Run) -> None:
     FolderError : their physics differs. The message names the first key.
     SceneError : the scene in the folder cannot be used.
     """
-    path = run.folder / "resolved.yaml"
+    path = run.folder / RESOLVED
     if not run.values or not path.is_file():
         return
     # Heights are compared with the result, by their digest.

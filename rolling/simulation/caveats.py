@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from acoustics.bands import OFF_DB
+from rolling.check import resolution
 from rolling.check.finding import Finding
 from rolling.scene.scene import Scene
 from rolling.simulation.run_errors import RunErrors
@@ -85,9 +87,12 @@ def caveats(
         )
     )
     result += [
-        Caveat(each.key, f"{each.quantity}: {each.warning}") for each in findings if each.warning
+        Caveat(each.key, f"{each.quantity}: {each.warning}")
+        for each in findings
+        # A measured error of the grid stands for the rule's estimate.
+        if each.warning and (each.key != resolution.KEY or not _knows_grid(errors))
     ]
-    result += _of_errors(errors)
+    result += _of_errors(scene, errors)
     hidden = solver_error.doubt(scene, sound.audible_rms, sound.resolved_rms)
     return [*result, Caveat("solver", f"solver: {hidden}")] if hidden else result
 
@@ -122,13 +127,22 @@ def gathered(runs: Sequence[tuple[str, Sequence[Caveat]]]) -> list[Remark]:
     return remarks
 
 
-def _of_errors(errors: RunErrors | None) -> list[Caveat]:
+def _knows_grid(errors: RunErrors | None) -> bool:
+    """Return whether the error of the grid was measured."""
+    levels = errors.levels if errors else None
+    return levels is not None and math.isfinite(levels.grid_signal_db)
+
+
+def _of_errors(scene: Scene, errors: RunErrors | None) -> list[Caveat]:
     """List the caveats of the error estimate: its absence, its reach, and bands that are off."""
     if errors is None:
         return []
     if errors.levels is None or errors.effort is None:
         return [Caveat("no_error_estimate", f"error estimate: none, because {errors.reason}")]
     result = []
+    signal = errors.levels.grid_signal_db
+    if math.isfinite(signal) and (coarse := resolution.measured(scene, signal)):
+        result.append(Caveat(resolution.KEY, coarse))
     if not errors.effort.reached:
         text = (
             f"error estimate: its standard errors reach {errors.effort.worst_uncertainty_db:.1f} dB"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -97,7 +97,7 @@ def powers_of(scene: Scene, result: Result, firsts: tuple[int, ...]) -> BandPowe
         coarse=of_level("coarse"),
         step=result.step,
         speeds=np.array([_speeds(scene, result, first) for first in firsts]),
-        tolerance_ratio=error_cost.tight_tolerance(scene) / scene.numerics.tolerance,
+        tolerance_ratio=error_cost.tight_tolerance(scene) / scene.tolerance,
     )
     return error_estimate.band_powers(releases)
 
@@ -142,8 +142,8 @@ def tasks(scene: Scene, result: Result, run: int, step_seconds: float) -> list[p
     for first, level in missing(scene, result) if layout else ():
         assert layout is not None
         step_cost = step_seconds * error_cost.level_cost(scene, level)
-        arguments = (scene, first, layout.steps, level, step_cost, heights_sha256)
-        made.append(pool.Task(run, march_stretch, arguments, layout.steps * step_cost))
+        arguments = (scene, grid_of(scene, level), first, layout.steps, step_cost, heights_sha256)
+        made.append(pool.Task(run, march_grid, arguments, layout.steps * step_cost))
     return made
 
 
@@ -151,15 +151,40 @@ def tasks(scene: Scene, result: Result, run: int, step_seconds: float) -> list[p
 SIDES = {"tight": 1.0, "fine": 0.5, "coarse": 2.0}
 
 
-def contact_of(scene: Scene, level: str, first: int, steps: int) -> RollingContact:
-    """Return the contact of a stretch on a level, on the patch of surface around it.
+@dataclass(frozen=True)
+class Grid:
+    """Grid and tolerance on which a stretch is marched.
 
-    Position 0 of the contact is the first position of the stretch. All levels have the run's number
+    name : str. Name of the level.
+    side : float. Side of a cell in cells of the run: 1/2, 1 or 2.
+    tolerance : float. Tolerance of the march.
+    """
+
+    name: str
+    side: float
+    tolerance: float
+
+
+def grid_of(scene: Scene, level: str) -> Grid:
+    """Return the grid of a level of the error estimate."""
+    own = level == "coarse"
+    return Grid(level, SIDES[level], scene.tolerance if own else error_cost.tight_tolerance(scene))
+
+
+def contact_of(scene: Scene, level: str, first: int, steps: int) -> RollingContact:
+    """Return the contact of a stretch on a level of the error estimate, as `contact_on`."""
+    return contact_on(scene, grid_of(scene, level), first, steps)
+
+
+def contact_on(scene: Scene, grid: Grid, first: int, steps: int) -> RollingContact:
+    """Return the contact of a stretch on a grid, on the patch of surface around it.
+
+    Position 0 of the contact is the first position of the stretch. All grids have the run's number
     of sub-cells per cell.
     """
     whole, surface = rolling_contact(scene), heights(scene)
     # Twice the radius of overlap holds the highest peaks, and a few nodes hold the run-in.
-    spacing, side = whole.cell_spacing, SIDES[level]
+    spacing, side = whole.cell_spacing, grid.side
     margin = math.ceil(
         (2 * cost.overlap_radius(scene, cost.roughness(scene)[0]) + 8 * whole.step) / spacing
     )
@@ -176,29 +201,29 @@ def contact_of(scene: Scene, level: str, first: int, steps: int) -> RollingConta
         heights=cells_of_patch(surface, row, rows, side, whole.subcells, whole.slopes),
         spacing=whole.spacing * side,
         start=place - row * spacing - off_centre,
-        tolerance=whole.tolerance if level == "coarse" else error_cost.tight_tolerance(scene),
+        tolerance=grid.tolerance,
     )
 
 
-def march_stretch(
+def march_grid(
     scene: Scene,
+    grid: Grid,
     first: int,
     steps: int,
-    level: str,
     step_cost: float,
     surface_sha256: str | None,
     stopped: Callable[[], bool],
     progress: Callable[[float], object],
 ) -> March:
-    """March a stretch on a level; a contact that cannot be solved is a fault of the march.
+    """March a stretch on a grid; a contact that cannot be solved is a fault of the march.
 
     Parameters
     ----------
     scene : Scene. A scene without a sweep.
+    grid : Grid. Grid and tolerance.
     first, steps : int. First position and number of steps.
-    level : str. Key of LEVELS.
     step_cost : float. Progress of a step.
-    surface_sha256 : str. Digest of the height file; None for a generated surface.
+    surface_sha256 : str. Digest of the height file; None for a surface that is not compared.
     stopped, progress : callable. As in `simulate.simulate_piece`.
 
     Raises
@@ -209,21 +234,21 @@ def march_stretch(
     if surface_sha256 and (fault := simulate.surface_fault(scene, surface_sha256)):
         raise ContactError(fault)
     try:
-        contact = contact_of(scene, level, first, steps)
         piece = simulate.simulate_piece(
             _without_events(scene),
             0,
             steps,
             stopped,
             lambda count: progress(count * step_cost),
-            contact,
+            contact_on(scene, grid, first, steps),
             mapped=False,
         )
     except ContactError as error:
-        return March(first, level, np.full(steps, np.nan), math.nan, 0.0, f"{level}: {error}")
+        fault = f"{grid.name}: {error}"
+        return March(first, grid.name, np.full(steps, np.nan), math.nan, 0.0, fault)
     return March(
         first,
-        level,
+        grid.name,
         piece.steps["release_energy"],
         float(piece.states["plastic_area"][-steps:].mean()),
         float(piece.steps["step_time"].sum()),

@@ -65,7 +65,7 @@ WORDS = {  # in the order in which labels name them
     "sound.distance_m": Word("distance", "m"),
     "sound.q": Word("q"),
     "sound.gain_pa_per_w_m2": Word("gain", "Pa per W/m²", "no fixed gain"),
-    "numerics.tolerance": Word("tolerance"),
+    "numerics.tolerance": Word("tolerance", minor=True),
     "surface.width_um": Word("width", "µm", minor=True),
     "rolling.duration_s": Word("duration", "s", "once round the file", minor=True),
     "rolling.start_um": Word("start", "µm", minor=True),

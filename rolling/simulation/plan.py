@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
-from rolling.check import long_steps, refusals
+from rolling.check import long_steps, refusals, tolerance
 from rolling.folders import files, run_record
 from rolling.folders.run_record import RunRecord
 from rolling.scene import file
 from rolling.scene.messages import SceneError
 from rolling.scene.run_names import run_names
-from rolling.scene.scene import Scene
+from rolling.scene.scene import Scene, SweepRun
 from rolling.simulation.batch import Run, seen_from
 from rolling.surface import contact_of_scene
 
@@ -61,6 +62,15 @@ class Plan:
     def height_files(self) -> list[Path]:
         """The height file, if the scene reads one."""
         return [self.scene.height_path] if self.scene.height_path is not None else []
+
+    def take_tolerances(self, runs: Sequence[Run]) -> None:
+        """Take the tolerances of stored runs with the same swept values."""
+        self.singles = [
+            SweepRun(values, single.with_({"numerics.tolerance": run.scene.numerics.tolerance}))
+            if tolerance.is_open(single)
+            else SweepRun(values, single)
+            for (values, single), run in zip(self.singles, runs, strict=True)
+        ]
 
     def record(self) -> RunRecord:
         """Return the first run.json of the folder."""

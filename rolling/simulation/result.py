@@ -16,7 +16,7 @@ from rolling.contact.recovery import join_events
 from rolling.scene.identity import Identity
 from rolling.scene.track import Track
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, Piece, PressureMap, Snapshot
-from rolling.simulation.stretches import ErrorStretches, March
+from rolling.simulation.stretches import ErrorStretches, March, Trial
 
 
 @dataclass
@@ -34,6 +34,7 @@ class Result:
         table when the run is complete.
     identity : Identity. Scene and surface that were solved; None in files of version 0.1.0.
     stretches : ErrorStretches. Stretches that were marched for the error estimate. Default: None.
+    trial : Trial. Choice of the tolerance; None if the scene gave a number. Default: None.
     """
 
     steps: int
@@ -46,6 +47,7 @@ class Result:
     event_pieces: dict[int, dict[str, NDArray[Any]]] = field(default_factory=dict)
     identity: Identity | None = None
     stretches: ErrorStretches | None = None
+    trial: Trial | None = None
 
     @classmethod
     def empty(cls, track: Track, start: float) -> Result:

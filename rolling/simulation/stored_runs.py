@@ -5,10 +5,13 @@ from __future__ import annotations
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from rolling.check import tolerance
 from rolling.folders import program, run_folder, run_record
 from rolling.folders.files import FolderError
 from rolling.folders.run_record import RunRecord
@@ -48,12 +51,30 @@ def read_runs(folder: Path) -> list[Run]:
             " all but the last of them are lost: run the scene again"
         )
     runs = [
-        Run(values, single, folder / name)
+        with_chosen_tolerance(Run(values, single, folder / name))
         for (values, single), name in zip(singles, names, strict=True)
     ]
     for run in runs:
         batch.refuse_other_scene(run)
     return runs
+
+
+def with_chosen_tolerance(run: Run) -> Run:
+    """Return a run with the tolerance that was chosen for it, if its folder has one.
+
+    The scene of a sweep leaves the tolerance open, and each of its runs has its own.
+    """
+    if not tolerance.is_open(run.scene):
+        return run
+    resolved, result = run.folder / batch.RESOLVED, run.folder / batch.RESULT
+    chosen: Any = None
+    if run.values and resolved.is_file():
+        chosen = file.read_scene(resolved).numerics.tolerance
+    elif result.is_file() and (identity := result_file.load(result).identity):
+        chosen = identity.physics.get("numerics.tolerance")
+    if chosen is None:
+        return run
+    return replace(run, scene=run.scene.with_({"numerics.tolerance": chosen}))
 
 
 def resolved_scene(folder: Path) -> Scene:

@@ -1,4 +1,4 @@
-"""Stretches of a run that were marched again for its error estimate, as they are kept."""
+"""Stretches of a run that were marched for its error estimate and its tolerance, as kept."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class March:
     """The march of a stretch on a level.
 
     first : int. First position of the stretch.
-    level : str. Key of LEVELS.
+    level : str. Name of the level.
     release : (steps,) array, J. Release per step; NaN if the march failed.
     plastic_area : float, m2. Mean area at the hardness.
     seconds : float, s. Time of the march.
@@ -62,3 +62,24 @@ class ErrorStretches:
     def seconds(self) -> float:
         """Time of all marches [s]."""
         return sum(march.seconds for march in self.marches.values())
+
+
+@dataclass(frozen=True)
+class Trial:
+    """The choice of a tolerance that the scene left open.
+
+    tolerance : float. The tolerance that was chosen.
+    reason : str. Reason why no trial decided; empty if one did.
+    stretches, steps : int. Number of stretches, and of steps of each.
+    grid_signal_db, solver_signal_db : float, dB. Rms error of the release over its fluctuation from
+        the grid, and from the solver at the chosen tolerance; None without a trial.
+    seconds : float, s. Time of the marches.
+    """
+
+    tolerance: float
+    reason: str
+    stretches: int = 0
+    steps: int = 0
+    grid_signal_db: float | None = None
+    solver_signal_db: float | None = None
+    seconds: float = 0.0

@@ -91,6 +91,7 @@ def summarize(
         "residual_max": float(state["residual"].max()),
         "iterations_mean": float(state["iterations"].mean()),
         "convolutions_mean": float(state["convolutions"].mean()),
+        **_tolerance(scene, result),
         "step_ms": float(np.median(solved_time) * 1e3),
         "seconds": float(solved_time.sum()),
         "sound_seconds": sound_seconds,
@@ -102,6 +103,25 @@ def summarize(
         ],
         "surface": asdict(made.statistics),
         "levelling": None if made.levelling is None else _levelling(made.levelling),
+    }
+
+
+def _tolerance(scene: Scene, result: Result) -> dict[str, Any]:
+    """Collect the tolerance, and the trial behind it if the scene left it open."""
+    trial = result.trial
+    numbers: dict[str, Any] = {"tolerance": scene.tolerance, "tolerance_chosen": trial is not None}
+    if trial is None:
+        return numbers
+    if trial.reason:
+        return numbers | {"tolerance_trial": {"reason": trial.reason}}
+    return numbers | {
+        "tolerance_trial": {
+            "stretches": trial.stretches,
+            "steps": trial.steps,
+            "grid_signal_db": trial.grid_signal_db,
+            "solver_signal_db": trial.solver_signal_db,
+            "seconds": trial.seconds,
+        }
     }
 
 

@@ -24,7 +24,7 @@ def resolved_fluctuation(scene: Scene) -> float:
 
     The error is white along the track: a band holds its share of the mean square.
     """
-    return SOLVER_ERROR * scene.numerics.tolerance
+    return SOLVER_ERROR * scene.tolerance
 
 
 def doubt(scene: Scene, audible_rms: float, resolved_rms: float) -> str | None:
@@ -37,7 +37,7 @@ def doubt(scene: Scene, audible_rms: float, resolved_rms: float) -> str | None:
     resolved_rms : float, W
         Error of the solver within hearing.
     """
-    tolerance = f"numerics.tolerance, {scene.numerics.tolerance:g} here"
+    tolerance = f"numerics.tolerance, {scene.tolerance:g} here"
     if scene.surface.kind == "smooth" or not resolved_rms:  # no sound could be hidden
         return None
     if audible_rms <= resolved_rms:

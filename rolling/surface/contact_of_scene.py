@@ -30,7 +30,7 @@ def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
         load=scene.load,
         step=scene.step,
         start=scene.start,
-        tolerance=scene.numerics.tolerance,
+        tolerance=scene.tolerance,
         single=scene.numerics.precision == "single",
         blended=scene.numerics.edges == "blended",
     )

@@ -292,12 +292,14 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
         (
             "step_nodes: 1",
             "tolerance: 0.5",
-            "s.yaml:18: numerics.tolerance: got 0.5, allowed: a number >= 1e-12 and <= 0.1",
+            "s.yaml:18: numerics.tolerance: got 0.5, allowed: auto, or a number >= 1e-12 and"
+            " <= 0.1",
         ),
         (
             "step_nodes: 1",
             "tolerance: 1e-13",
-            "s.yaml:18: numerics.tolerance: got 1e-13, allowed: a number >= 1e-12 and <= 0.1",
+            "s.yaml:18: numerics.tolerance: got 1e-13, allowed: auto, or a number >= 1e-12 and"
+            " <= 0.1",
         ),
         (
             "numerics: {step_nodes: 1}",

@@ -131,7 +131,7 @@ def test_dump_fills_in_defaults_and_no_folder(tmp_path: Path) -> None:
     path.write_text(PLAIN)
     text = dump(read_scene(path))
     for line in (
-        "tolerance: 0.0001",
+        "tolerance: auto",
         "rule: mean",
         "events: false",
         "distance_m: 1.0",
