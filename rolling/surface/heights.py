@@ -83,6 +83,30 @@ def gaussian(
         The filter leaves nothing, because a correlation length is far above the size of the
         surface.
     """
+    noise = white_noise(shape, seed)
+    return filtered(noise, spacing, ra, correlation_length, autocorrelation)
+
+
+def white_noise(shape: tuple[int, int], seed: int) -> Array:
+    """Generate white noise of unit variance from a seed."""
+    return np.random.default_rng(seed).standard_normal(shape)
+
+
+def filtered(
+    noise: Array,
+    spacing: float,
+    ra: float,
+    correlation_length: tuple[float, float],
+    autocorrelation: str,
+) -> Array:
+    """Filter periodic white noise to heights [m] of exact Ra, as `gaussian` does.
+
+    Raises
+    ------
+    SurfaceError
+        The filter leaves nothing.
+    """
+    shape = noise.shape
     decay, exponent = AUTOCORRELATIONS[autocorrelation]
     along, across = (
         np.minimum(np.arange(n), n - np.arange(n)) * spacing / length
@@ -91,8 +115,7 @@ def gaussian(
     r2 = along[:, None] ** 2 + across[None, :] ** 2
     # On a periodic grid the law can have slightly negative spectral densities from rounding.
     density = np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0)
-    noise = np.random.default_rng(seed).standard_normal(shape)
-    heights = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
+    heights: Array = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
     heights -= heights.mean()
     got = np.abs(heights).mean()
     # A surface much smaller than its correlation length is flat except for rounding errors, which
