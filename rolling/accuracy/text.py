@@ -235,8 +235,8 @@ def _width(findings: Findings) -> str:
         f"The scene as it stands, {study.width_um(study.own):g} µm wide, against a surface of"
         f" {study.width_um(wider):g} µm with the same asperities in its middle: release signal"
         f" {_signal(off['signal'], 0.0)} dB, LAeq {_shown(off['laeq_db'], 0.0, 3)} dB{bands},"
-        f" mean release {_shown(off['release_percent'], 0.0, 2)} %. The differences hold the"
-        " influence of the period across and of the normalization of each surface to the same Ra."
+        f" mean release {_shown(off['release_percent'], 0.0, 2)} %. The differences are the"
+        " influence of the period across."
         f" {_width_advice(findings)}"
     )
 

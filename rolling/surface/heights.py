@@ -83,8 +83,9 @@ def gaussian(
         The filter leaves nothing, because a correlation length is far above the size of the
         surface.
     """
-    noise = white_noise(shape, seed)
-    return filtered(noise, spacing, ra, correlation_length, autocorrelation)
+    heights = filtered(white_noise(shape, seed), spacing, correlation_length, autocorrelation)
+    heights *= ra / np.abs(heights).mean()
+    return heights
 
 
 def white_noise(shape: tuple[int, int], seed: int) -> Array:
@@ -95,11 +96,12 @@ def white_noise(shape: tuple[int, int], seed: int) -> Array:
 def filtered(
     noise: Array,
     spacing: float,
-    ra: float,
     correlation_length: tuple[float, float],
     autocorrelation: str,
 ) -> Array:
-    """Filter periodic white noise to heights [m] of exact Ra, as `gaussian` does.
+    """Filter periodic white noise to heights of zero mean and a variance of about 1.
+
+    Parameters as in `gaussian`.
 
     Raises
     ------
@@ -117,10 +119,9 @@ def filtered(
     density = np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0)
     heights: Array = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
     heights -= heights.mean()
-    got = np.abs(heights).mean()
     # A surface much smaller than its correlation length is flat except for rounding errors, which
     # would pass for roughness if they were scaled up.
-    if not got > 1e-6 * np.sqrt(density.max() / heights.size):
+    if not np.abs(heights).mean() > 1e-6 * np.sqrt(density.max() / heights.size):
         sizes = " x ".join(f"{n * spacing * 1e6:.4g}" for n in shape)
         # Of a law that falls with (r / L)^exponent the share of roughness falls with its root.
         longest = 0.1 * 1e12 ** (1 / exponent) * max(shape) * spacing * 1e6
@@ -129,7 +130,6 @@ def filtered(
             f"no roughness left but rounding: got correlation lengths of {lengths} um"
             f" on {sizes} um, allowed: up to about {longest:.2g} um; enlarge the surface"
         )
-    heights *= ra / got
     return heights
 
 

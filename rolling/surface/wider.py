@@ -24,9 +24,9 @@ def wider_times(scene: Scene) -> int | None:
 def wider_heights(scene: Scene, times: int) -> Array:
     """Generate the surface of a scene `times` as wide, (along, times across) [m].
 
-    The scene's own white noise lies in the middle, between columns of other noise. Filtered on the
-    wider period, the asperities in the middle are those of the scene, except for the influence of
-    its period and of its other normalization to the same Ra.
+    The scene's own white noise lies in the middle, between columns of other noise, and its scale is
+    kept. Filtered on the wider period, the asperities in the middle are those of the scene, except
+    for the influence of its narrower period.
 
     Raises
     ------
@@ -39,11 +39,10 @@ def wider_heights(scene: Scene, times: int) -> Array:
     other = np.random.default_rng([s.seed, times]).standard_normal((track.n_along, sides))
     left, right = np.split(other, 2, axis=1)
     own = surface.white_noise((track.n_along, track.n_across), s.seed)
-    across = s.correlation_length_across_um or s.correlation_length_um
-    return surface.filtered(
-        np.hstack([left, own, right]),
-        scene.spacing,
-        s.roughness_ra_um * 1e-6,
-        (s.correlation_length_um * 1e-6, across * 1e-6),
-        s.autocorrelation,
+    lengths_um = s.correlation_length_um, s.correlation_length_across_um or s.correlation_length_um
+    lengths = (lengths_um[0] * 1e-6, lengths_um[1] * 1e-6)
+    narrow, wide = (
+        surface.filtered(noise, scene.spacing, lengths, s.autocorrelation)
+        for noise in (own, np.hstack([left, own, right]))
     )
+    return wide * (s.roughness_ra_um * 1e-6 / float(np.abs(narrow).mean()))

@@ -79,14 +79,13 @@ def test_a_wider_surface_has_the_same_asperities_in_its_middle(width: float, tim
     own = scene_surface.heights(scene)
     wide = wider.wider_heights(scene, times)
     assert wide.shape == (own.shape[0], times * own.shape[1])
-    assert np.abs(wide).mean() == pytest.approx(np.abs(own).mean())
+    assert np.abs(wide).mean() == pytest.approx(np.abs(own).mean(), rel=0.05)
     first = own.shape[1] * (times - 1) // 2
     middle = wide[:, first : first + own.shape[1]]
-    inner = own[:, 15:-15].ravel()  # away from the seam of the narrower period
-    scale, shift = np.polyfit(inner, middle[:, 15:-15].ravel(), 1)
-    assert scale == pytest.approx(1, abs=0.02) and abs(shift) < 0.1 * np.std(own)
-    assert np.std(middle[:, 15:-15].ravel() - scale * inner - shift) < 1e-6 * np.std(own)
-    assert np.std((middle - scale * own)[:, :3]) > 0.1 * np.std(own)
+    off = middle - own
+    # away from the seam of the narrower period; zero means differ by a constant
+    assert np.ptp(off[:, 20:-20]) < 1e-6 * np.std(own)
+    assert np.std(off[:, :3]) > 0.1 * np.std(own)
 
 
 def test_the_width_is_varied_where_a_surface_can_be_made(tmp_path: Path) -> None:
