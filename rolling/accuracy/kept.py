@@ -71,17 +71,27 @@ def _extent(study: Study) -> dict[str, Any]:
 
 
 def write_piece(folder: Path, variant: Variant, piece: Piece) -> None:
+    """Write the series of a piece of a study."""
+    save(_path(folder, variant, piece.first, piece.last), piece)
+
+
+def read_piece(folder: Path, variant: Variant, first: int, last: int) -> Piece | None:
+    """Read a piece of a study, or return None where it has to be marched."""
+    return load(_path(folder, variant, first, last), first, last)
+
+
+def save(path: Path, piece: Piece) -> None:
     """Write the series of a piece, complete or not at all."""
     content = io.BytesIO()
     series = {**piece.steps, **piece.states}
     np.savez(content, allow_pickle=False, **series)
-    files.write_bytes(_path(folder, variant, piece.first, piece.last), content.getvalue())
+    files.write_bytes(path, content.getvalue())
 
 
-def read_piece(folder: Path, variant: Variant, first: int, last: int) -> Piece | None:
-    """Read a piece, or return None where it is missing or damaged and has to be marched."""
+def load(path: Path, first: int, last: int) -> Piece | None:
+    """Read a piece, or return None where it is missing or damaged."""
     with suppress(OSError, ValueError, KeyError, EOFError, BadZipFile):
-        content = _path(folder, variant, first, last).read_bytes()
+        content = path.read_bytes()
         with np.load(io.BytesIO(content), allow_pickle=False) as stored:
             steps = {name: stored[name] for name in STEP_SERIES}
             states = {name: stored[name] for name in STATE_SERIES}
