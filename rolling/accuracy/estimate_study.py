@@ -36,10 +36,15 @@ SCENES: dict[str, dict[str, Any]] = {  # changes of the base scene
     "Ra 0.3, L 20, 0.5 N": {
         "surface.roughness_ra_um": 0.3,
         "surface.correlation_length_um": 20,
+        "surface.width_um": 224,
         "rolling.load_n": 0.5,
     },
-    "Ra 0.5, 3 GPa, 0.3 N": {"surface.roughness_ra_um": 0.5, "plate.hardness_gpa": 3},
-    "Ra 1, 0.3 N": {"surface.roughness_ra_um": 1.0, "surface.width_um": 192},
+    "Ra 0.5, 3 GPa, 0.3 N": {
+        "surface.roughness_ra_um": 0.5,
+        "surface.width_um": 224,
+        "plate.hardness_gpa": 3,
+    },
+    "Ra 1, 0.3 N": {"surface.roughness_ra_um": 1.0, "surface.width_um": 256},
     "L 6, 6.3 GPa, 0.5 N": {
         "plate.hardness_gpa": 6.3,
         "surface.correlation_length_um": 6,
