@@ -60,8 +60,15 @@ def surface(scene: Scene) -> Gaussian:
     return scene.surface
 
 
+TRACKS = {  # s of rolling of what counts for no verdict, or needs no more
+    "two-bodies-gaussian": 0.015,
+    "two-bodies-gaussian-10pct": 0.015,
+    "correlation-length": 0.025,
+}
+
+
 def test_readings_are_the_articles_cases() -> None:
-    """The readings have four roughnesses and five loads, two of them on five surfaces.
+    """The readings have four roughnesses and five loads, two of them on two or three surfaces.
 
     They have 256 nodes across at 2 um, or more where contact is wider.
     """
@@ -72,7 +79,8 @@ def test_readings_are_the_articles_cases() -> None:
             continue
         assert all(one.name == f"lee2025-{name}" for one in scenes)
         assert all(
-            one.motion.fastest(0.05) == 0.1 and one.rolling.duration_s == 0.05 for one in scenes
+            one.motion.fastest(0.05) == 0.1 and one.rolling.duration_s == TRACKS.get(name, 0.05)
+            for one in scenes
         )
         if name == "correlation-length":
             assert [surface(one).correlation_length_um for one in scenes] == [2, 5, 10, 20, 40]
@@ -84,7 +92,7 @@ def test_readings_are_the_articles_cases() -> None:
             (ra, w, s)
             for ra in (0.01, 0.1, 1, 5)
             for w in (5, 10, 20, 50, 100)
-            for s in range(1, 6 if full else 2)
+            for s in range(1, (4 if ra < 1 else 3) if full else 2)
         }
         assert cases == expected and len(scenes) == len(cases)
         for one in scenes:
