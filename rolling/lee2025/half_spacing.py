@@ -148,9 +148,10 @@ def solve(
 
 
 def _path(folder: Path, run: Run, variant: Variant, first: int, last: int) -> Path:
-    """Return the file of a piece."""
+    """Return the file of a piece, whose name holds a digest of the scene."""
     place = f"{run.folder.parent.name}_{run.folder.name}"
-    return folder / f"{place}_{variant.name}_{first}-{last}.npz"
+    digest = simulate.identity_of(run.scene).sha256[:12]
+    return folder / f"{place}_{digest}_{variant.name}_{first}-{last}.npz"
 
 
 def _empty(run: Run, steps: int) -> Result:
@@ -269,6 +270,8 @@ def checked(
     A check that fails leaves its verdicts as they are, and a line says why.
     """
     keys = wanted(table, cases)
+    if not keys:
+        return table, Outcome()
     chosen = [run_of(key, runs) for key in keys]
     outcome, fine = solver(chosen)
     for number, reason in outcome.failures.items():

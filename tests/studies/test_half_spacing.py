@@ -189,8 +189,9 @@ def test_checks_are_solved_once_and_compare_the_same_stretch(
     folder = tmp_path / "checks"
     outcome, fine = half_spacing.solve(folder, [run], 1, "study")
     assert not outcome.failures and not outcome.interrupted
+    digest = simulate.identity_of(run.scene).sha256[:12]
     assert [path.name for path in folder.iterdir()] == [
-        "as-stated_case_spacing-over-2_step-1_5e-5_blended_single_0-50.npz"
+        f"as-stated_case_{digest}_spacing-over-2_step-1_5e-5_blended_single_0-50.npz"
     ]
     monkeypatch.setattr(simulate, "simulate_piece", None)  # nothing is marched again
     again = half_spacing.solve(folder, [run], 1, "study")[1]
