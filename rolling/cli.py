@@ -256,7 +256,9 @@ def _accuracy(given: argparse.Namespace) -> int:
 
     from rolling.check import early
 
-    early.refuse_scene(given.scene, given.set, given.out, given.force, ("accuracy",), first=True)
+    goes_on = given.out is not None and not given.force and _goes_on(given.out)
+    new = None if goes_on else given.out  # the study itself refuses another scene
+    early.refuse_scene(given.scene, given.set, new, given.force, ("accuracy",), first=True)
     with progress.step(LOADING):
         from rolling.accuracy import study
     chosen = {
@@ -265,6 +267,13 @@ def _accuracy(given: argparse.Namespace) -> int:
         if (value := getattr(given, name)) is not None
     }
     return study.run_study(given.scene, given.set, given.out, given.force, given.workers, **chosen)
+
+
+def _goes_on(folder: Path) -> bool:
+    """Tell whether a folder holds a study of accuracy that was stopped."""
+    from rolling.folders import new_folder
+
+    return new_folder.is_unfinished(folder, "accuracy")
 
 
 def _hard_cases(given: argparse.Namespace) -> int:

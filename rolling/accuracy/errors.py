@@ -16,6 +16,7 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES
 from rolling._typing import Array
+from rolling.accuracy.record import RecordCheck, record_check
 from rolling.accuracy.variants import Study, Variant
 from rolling.simulation import simulate
 from rolling.sound.contact_sound import contact_sound
@@ -43,6 +44,7 @@ class Measurement:
     ----------
     variant : Variant. Its settings.
     steps : int. Number of steps.
+    release_energy : array (steps,), J. Release of each step.
     intensity : array (samples,), W/m2. Fluctuation in the audible band at 48 kHz.
     laeq_db, third_octave_db : dB. Levels as a run reports them.
     release : float, W. Mean release power over time.
@@ -57,6 +59,7 @@ class Measurement:
 
     variant: Variant
     steps: int
+    release_energy: Array
     intensity: Array
     laeq_db: float | None
     third_octave_db: dict[str, float | None]
@@ -93,6 +96,7 @@ def measure(study: Study, variant: Variant, pieces: Sequence[simulate.Piece]) ->
     return Measurement(
         variant=variant,
         steps=steps,
+        release_energy=step["release_energy"],
         intensity=sound.pressure / (sound.factor or 1.0),
         laeq_db=sound.levels.laeq_db,
         third_octave_db=sound.levels.third_octave_db,
@@ -306,6 +310,8 @@ class Findings:
         on its grid, and extrapolated from the ladder of grids.
     uncertainty : Errors. The larger of both.
     orders : dict from str to Errors. Observed orders by family.
+    wider : Errors or None. Errors of the scene as it stands against its wider surface.
+    record : RecordCheck or None. The record's length against its stated uncertainty.
     recommendation : Recommendation. The variants to use.
     tolerance : float or None. The loosest tolerance that serves the scene's grid.
     """
@@ -320,6 +326,8 @@ class Findings:
     by_refining: Errors
     uncertainty: Errors
     orders: dict[str, Errors]
+    wider: Errors | None
+    record: RecordCheck | None
     recommendation: Recommendation
     tolerance: float | None
 
@@ -345,6 +353,7 @@ def judge(study: Study, done: dict[Variant, Measurement], failures: dict[Variant
         by_refining = _by_refining(study, done, best) or by_refining
     uncertainty = either([by_edges, by_refining])
     solved = done.get(study.solver_reference)
+    own = done.get(study.own)
     own_grid = {v: measurement for v, measurement in done.items() if _same_grid(v, study.own)}
     solver_errors = (
         {v: errors(measurement, solved) for v, measurement in own_grid.items()} if solved else {}
@@ -365,11 +374,13 @@ def judge(study: Study, done: dict[Variant, Measurement], failures: dict[Variant
         by_refining=by_refining,
         uncertainty=uncertainty,
         orders=_orders(study, done, solver_errors),
+        wider=_against_wider(study, done),
+        record=record_check(study, own.release_energy) if own is not None else None,
         recommendation=recommend(
             [
                 candidate(done[v], off, uncertainty)
                 for v, off in errors_by_variant.items()
-                if _hears(study, v)
+                if _hears(study, v) and v.width == 1
             ]
         ),
         tolerance=loosest_tolerance(by_tolerance, errors_by_variant[study.own]["signal"])
@@ -378,17 +389,25 @@ def judge(study: Study, done: dict[Variant, Measurement], failures: dict[Variant
     )
 
 
+def _against_wider(study: Study, done: dict[Variant, Measurement]) -> Errors | None:
+    """Compute the errors of the scene as it stands against the same on a wider surface."""
+    if study.wider is None or study.wider not in done or study.own not in done:
+        return None
+    return errors(done[study.own], done[study.wider])
+
+
 def _hears(study: Study, variant: Variant) -> bool:
     """Return whether a step is short enough for hearing, or no longer than the scene's own."""
     return study.highest(variant) >= LEAST_NYQUIST or variant.step_nodes <= study.own.step_nodes
 
 
 def _same_grid(variant: Variant, other: Variant) -> bool:
-    """Return whether two variants share grid, step and edges."""
-    return (variant.times, variant.step_nodes, variant.edges) == (
+    """Return whether two variants share grid, step, edges and width."""
+    return (variant.times, variant.step_nodes, variant.edges, variant.width) == (
         other.times,
         other.step_nodes,
         other.edges,
+        other.width,
     )
 
 

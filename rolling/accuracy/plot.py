@@ -243,6 +243,8 @@ def _label(study: Study, name: str, variant: Variant) -> str:
         return f"{study.spacing_um(variant):g} µm"
     if name.startswith("tolerance"):
         return tolerance_text(variant.tolerance)
+    if name == "width":
+        return f"width {study.width_um(variant):g} µm"
     return f"step {study.step_um(variant):g} µm" if name == "step" else variant.precision
 
 

@@ -9,11 +9,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rolling.accuracy import errors, plot, text
+from rolling.accuracy import errors, kept, plot, text
 from rolling.accuracy.errors import Findings, Measurement
+from rolling.accuracy.record import AIM_DB, RecordCheck
 from rolling.accuracy.variants import Study, Variant, study_of, tasks
 from rolling.check import cost, long_steps, refusals
-from rolling.folders import claim, files, new_folder, run_record
+from rolling.folders import claim, files, new_folder, own_files, run_record
 from rolling.folders.claim import Claim
 from rolling.scene import file, library
 from rolling.simulation import pool, simulate, summary, tolerance_trial
@@ -33,6 +34,8 @@ def run_study(
     duration: float = defaults.ACCURACY_SECONDS,
 ) -> int:
     """March all variants of the first run of a scene file, print the table, write the folder.
+
+    A study in `out` that was stopped goes on with the pieces of variants that it holds.
 
     Parameters
     ----------
@@ -60,31 +63,20 @@ def run_study(
     refusals.refuse_variants_that_cannot_fit(study.scene, finest, workers, out or refusals.OUTPUTS)
     # this refuses a missing surface before anything is written
     contact_of_scene.rolling_contact(study.scene)
-    scene_path = library.find(scene_path)
-    given = scene_path.read_bytes()
-    inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]
-    target = new_folder.aim(
-        Path("outputs") / f"{scene.name}-accuracy", out, force, ["accuracy"], inputs
-    )
-
-    def fill(folder: Path) -> None:
-        files.write_bytes(folder / "scene.yaml", given)
-
-    label = Run(values, single, target.folder).label
+    label = Run(values, single, Path()).label
     if len(runs) > 1:
         progress.line(
             f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set "
             f"{next(iter(values))}=..."
         )
-    with new_folder.make(target, run_record.new("accuracy"), fill) as held:
-        # `auto` is the tolerance that the run of the scene would take.
-        choices = tolerance_trial.choose(
-            [single], [Result.empty(single.track, single.start)], workers
-        )
-        study = study_of(choices.scenes[0], duration, finest)
-        results, interrupted = errors.judge(study, {}, {}), True
-        if not choices.interrupted:
-            results, interrupted = _march(study, held.folder, workers or cost.cores())
+    # `auto` is the tolerance that the run of the scene would take. The trial is the same again.
+    choices = tolerance_trial.choose([single], [Result.empty(single.track, single.start)], workers)
+    if choices.interrupted:
+        print("interrupted in the trial of the tolerance: nothing was written", file=sys.stderr)
+        return 130
+    study = study_of(choices.scenes[0], duration, finest)
+    with _claimed(study, library.find(scene_path), out, force) as held:
+        results, interrupted = _march(study, held.folder, workers or cost.cores())
         with progress.step("writing tables and picture"):
             _write(held.folder, label, results)
         if progress.is_quiet():
@@ -95,21 +87,47 @@ def run_study(
         return _ended(held, results, interrupted)
 
 
+def _claimed(study: Study, scene_path: Path, out: Path | None, force: bool) -> Claim:
+    """Claim the folder of a study, new or of the same study that was stopped.
+
+    Raises
+    ------
+    FolderError : the folder holds something else, or another process works on it.
+    """
+    if out is not None and not force and new_folder.is_unfinished(out, "accuracy"):
+        kept.refuse_other_study(out, study)
+        return claim.take(out, "accuracy")
+    scene = study.scene
+    given = scene_path.read_bytes()
+    inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]
+    target = new_folder.aim(
+        Path("outputs") / f"{scene.name}-accuracy", out, force, ["accuracy"], inputs
+    )
+
+    def fill(folder: Path) -> None:
+        files.write_bytes(folder / "scene.yaml", given)
+        kept.write_study(folder, study)
+
+    return new_folder.make(target, run_record.new("accuracy"), fill)
+
+
 def _ended(held: Claim, results: Findings, interrupted: bool) -> int:
     """Write the state of the study, give the reason if it is not done, and return the exit code."""
     if interrupted:
         held.mark(held.folder, "waiting", claim.INTERRUPTED)
-        kept = len(results.measurements)
+        count = len(results.measurements)
         reason = (
-            f"interrupted: the tables hold the {kept} variants that were finished"
-            if kept
+            f"interrupted: the tables hold the {count} variants that were finished"
+            if count
             else "interrupted before a variant was finished"
         )
+        reason += f"; the same command with --out {held.folder} goes on"
     elif results.reference is None:
         reason = "the reference failed: there are no errors to show"
         held.mark(held.folder, "failed", reason)
     else:
         held.mark(held.folder, "done")
+        kept.remove_pieces(held.folder)
         if stays := new_folder.drop_previous(held):
             print(
                 f"{stays} stays: it holds files that this program did not write, or is in use",
@@ -123,24 +141,40 @@ def _ended(held: Claim, results: Findings, interrupted: bool) -> int:
 
 
 def _march(study: Study, folder: Path, workers: int) -> tuple[Findings, bool]:
-    """March all variants and write each variant when its last piece is done."""
+    """March the pieces that the folder lacks, and write each as it is done.
+
+    A variant's numbers follow its last piece.
+    """
     variants = study.variants()
-    todo = tasks(study, variants)
-    missing = Counter(task.run for task in todo)
+    every = tasks(study, variants)
+    missing = Counter(task.run for task in every)
     pieces: dict[int, list[simulate.Piece]] = {number: [] for number in missing}
     done: dict[Variant, Measurement] = {}
-    (folder / "variants").mkdir()
 
-    def finished(number: int, piece: simulate.Piece) -> None:
+    def added(number: int, piece: simulate.Piece) -> None:
         pieces[number].append(piece)
         if len(pieces[number]) == missing[number]:
             measurement = errors.measure(study, variants[number], pieces.pop(number))
             done[measurement.variant] = measurement
             progress.detail(_measurement_text(measurement))
             files.write_json(
-                folder / "variants" / f"{measurement.variant.name}.json", _row(measurement)
+                folder / own_files.VARIANTS / f"{measurement.variant.name}.json", _row(measurement)
             )
 
+    def finished(number: int, piece: simulate.Piece) -> None:
+        kept.write_piece(folder, variants[number], piece)
+        added(number, piece)
+
+    todo = []
+    for task in every:
+        _, variant, first, last = task.arguments
+        piece = kept.read_piece(folder, variant, first, last)
+        if piece is None:
+            todo.append(task)
+        else:
+            added(task.run, piece)
+    if len(todo) < len(every):
+        progress.line(f"going on: {len(every) - len(todo)} of {len(every)} pieces were marched")
     total = sum(task.cost for task in todo)
     with progress.bar(total, f"{study.scene.name}: {len(variants)} variants") as bar:
         outcome = pool.work(todo, workers, finished, bar.update)
@@ -158,6 +192,7 @@ def _in_table(variant: Variant) -> tuple[Any, ...]:
         variant.step_nodes,
         variant.precision,
         -variant.tolerance,
+        variant.width,
     )
 
 
@@ -177,7 +212,7 @@ def _row(measurement: Measurement) -> dict[str, Any]:
     facts = {
         name: value
         for name, value in vars(measurement).items()
-        if name not in ("variant", "intensity")
+        if name not in ("variant", "intensity", "release_energy")
     }
     return {"name": measurement.variant.name, **asdict(measurement.variant), **errors.plain(facts)}
 
@@ -217,6 +252,8 @@ def _numbers(label: str, results: Findings) -> dict[str, Any]:
             "larger": plain(results.uncertainty),
         },
         "orders": {name: plain(orders) for name, orders in results.orders.items()},
+        "wider": plain(results.wider) if results.wider is not None else None,
+        "record": _record(results.record),
         "limits_db": {"laeq": errors.LAEQ_LIMIT, "third_octave": errors.BAND_LIMIT},
         "recommendation": {
             name: plain(asdict(candidate)) if (candidate := getattr(advice, name)) else None
@@ -225,6 +262,13 @@ def _numbers(label: str, results: Findings) -> dict[str, Any]:
         "tolerance": {"recommended": results.tolerance, "own": study.own.tolerance},
         "provenance": summary.provenance(study.scene),
     }
+
+
+def _record(check: RecordCheck | None) -> dict[str, Any] | None:
+    """Return the numbers of the record's length for JSON."""
+    if check is None:
+        return None
+    return asdict(check) | {"needed_s": check.needed_s, "aim_db": AIM_DB}
 
 
 def _write(folder: Path, label: str, results: Findings) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from acoustics.bands import BAND_NAMES, reliable
 from rolling import tables
-from rolling.accuracy import errors
+from rolling.accuracy import errors, record
 from rolling.accuracy.errors import BANDS, ERRORS, ORDERED, Candidate, Errors, Findings, decibel
 from rolling.accuracy.variants import Study, Variant, tolerance_text
 
@@ -39,10 +40,11 @@ def _settings(study: Study, v: Variant) -> list[str]:
     A star marks a step that is too long for hearing.
     """
     step = f"{study.step_um(v):g}" + ("*" if study.highest(v) < errors.LEAST_NYQUIST else "")
-    return [f"{study.spacing_um(v):g}", v.edges, tolerance_text(v.tolerance), step, v.precision]
+    numerics = [f"{study.spacing_um(v):g}", v.edges, tolerance_text(v.tolerance), step, v.precision]
+    return [*numerics, f"{study.width_um(v):g}"]
 
 
-SETTINGS = ["spacing µm", "edges", "tolerance", "step µm", "precision"]
+SETTINGS = ["spacing µm", "edges", "tolerance", "step µm", "precision", "width µm"]
 
 
 def _shown(value: float, uncertainty: float, digits: int) -> str:
@@ -139,6 +141,10 @@ def text(label: str, findings: Findings) -> str:
         _orders_table(findings),
         "## The raw fluctuation",
         _raw(findings),
+        "## The width of the surface",
+        _width(findings),
+        "## The length of the record",
+        _record(findings),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
@@ -216,6 +222,90 @@ def _raw(findings: Findings) -> str:
     )
 
 
+def _width(findings: Findings) -> str:
+    """Write the effect of a wider surface."""
+    study, wider, off = findings.study, findings.study.wider, findings.wider
+    if wider is None:
+        return "Nothing is known beyond the edges of this surface, so it was not made wider."
+    if off is None:
+        return "The wider surface was not marched."
+    band, worst = _wider_band(findings)
+    bands = f", third octaves {worst:.2f} dB at most, at {band} Hz" if band else ""
+    return (
+        f"The scene as it stands, {study.width_um(study.own):g} µm wide, against a surface of"
+        f" {study.width_um(wider):g} µm with the same asperities in its middle: release signal"
+        f" {_signal(off['signal'], 0.0)} dB, LAeq {_shown(off['laeq_db'], 0.0, 3)} dB{bands},"
+        f" mean release {_shown(off['release_percent'], 0.0, 2)} %. The differences are the"
+        " influence of the period across."
+        f" {_width_advice(findings)}"
+    )
+
+
+def _width_advice(findings: Findings) -> str:
+    """Judge the width by the limits of a recommendation."""
+    off = findings.wider
+    assert off is not None
+    band, worst = _wider_band(findings)
+    if math.isnan(off["laeq_db"]):
+        return "Without sound no level judges the width."
+    if abs(off["laeq_db"]) <= errors.LAEQ_LIMIT and not worst > errors.BAND_LIMIT:
+        return "The surface is wide enough."
+    bands = f", third octaves by up to {worst:.2f} dB" if band else ""
+    return (
+        f"The width matters: LAeq by {abs(off['laeq_db']):.2f} dB{bands};"
+        " take a larger surface.width_um."
+    )
+
+
+def _wider_band(findings: Findings) -> tuple[str, float]:
+    """Return the third octave that the width changes most, and this change [dB].
+
+    Bands that the record is too short to read are left out: they hold a few lines only.
+    """
+    study, off = findings.study, findings.wider
+    assert off is not None
+    duration = study.scene.motion.duration(study.nodes * study.scene.spacing)
+    reads = dict(zip(BAND_NAMES, reliable(duration), strict=True))
+    return errors.worst_band({band: off[band] for band in BANDS if reads[band]})
+
+
+def _record(findings: Findings) -> str:
+    """Write the levels of parts of the track against the whole."""
+    check = findings.record
+    if check is None:
+        return "The record is silent or its speed changes, so its parts are not compared."
+    rows = [
+        [
+            f"1/{each.parts}",
+            f"{each.duration * 1e3:.3g}",
+            f"{each.shift_db:+.2f}",
+            f"{each.scatter_db:.2f}",
+            f"{each.stated_db:.2f}",
+            f"{each.bands_within} of {each.bands}",
+        ]
+        for each in check.parts
+    ]
+    head = ["part", "ms", "LAeq, mean less whole", "scatter dB", "stated dB", "bands within"]
+    return (
+        "Levels of equal parts of the track. *scatter*: standard deviation of their LAeq; *stated*:"
+        " their stated uncertainty; *bands within*: third octaves that are off the mean of the"
+        " parts by no more than twice the stated uncertainty, of those that a part is long enough"
+        " to read.\n\n"
+        f"{tables.markdown(head, rows, padded=True)}\n\n{_record_advice(findings)}"
+    )
+
+
+def _record_advice(findings: Findings) -> str:
+    """Return the duration that a record needs."""
+    check = findings.record
+    assert check is not None
+    return (
+        f"LAeq of these {check.duration * 1e3:.3g} ms is uncertain by"
+        f" {check.uncertainty_db:.2f} dB; {record.AIM_DB:g} dB take about"
+        f" {check.needed_s:.2g} s of rolling"
+    )
+
+
 def _advice(findings: Findings) -> list[str]:
     """Return the lines of the recommendation."""
     if findings.reference is None:
@@ -245,7 +335,16 @@ def _advice(findings: Findings) -> list[str]:
             f"cheapest with LAeq within {errors.LAEQ_LIMIT} dB: "
             f"{_offer(findings, advice.laeq_only)}"
         )
-    return [*lines, _tolerance_advice(findings)]
+    lines.append(_tolerance_advice(findings))
+    study = findings.study
+    if findings.wider is not None and study.wider is not None:
+        change = _shown(findings.wider["laeq_db"], 0.0, 3)
+        lines.append(
+            f"a surface of {study.width_um(study.wider):g} µm instead of"
+            f" {study.width_um(study.own):g} µm changes LAeq by {change} dB. "
+            + _width_advice(findings).rstrip(".")
+        )
+    return [*lines, *([_record_advice(findings)] if findings.record is not None else [])]
 
 
 def _tolerance_advice(findings: Findings) -> str:

@@ -1,7 +1,7 @@
 """The variants of a scene for `rolling accuracy`.
 
-They differ in grid, edges, tolerance, step or precision. All variants roll over the same stretch of
-the same surface.
+They differ in grid, edges, tolerance, step, precision or width. All variants roll over the same
+stretch of the same surface.
 """
 
 from __future__ import annotations
@@ -10,13 +10,15 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 from rolling._typing import Array
 from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
 from rolling.simulation import pool, simulate
-from rolling.surface import contact_of_scene
+from rolling.surface import contact_of_scene, scene_surface
 from rolling.surface.refined import dies_out, refined, subcell_heights
+from rolling.surface.wider import wider_heights, wider_times
 
 TOLERANCES = (1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6)
 FINE_TOLERANCES = (1e-3, 1e-4)  # tolerance on finer grids
@@ -33,6 +35,7 @@ class Variant:
     times : int. Divisor of the scene's spacing.
     step_nodes : float. Length of a step in nodes of the scene's own grid.
     tolerance, edges, precision : float, str, str. Numerics as in a scene.
+    width : int. Factor on the width of the surface. Default: 1.
     """
 
     times: int
@@ -40,13 +43,15 @@ class Variant:
     tolerance: float
     edges: str
     precision: str
+    width: int = 1
 
     @property
     def name(self) -> str:
         """The name of the variant in files."""
         step = f"{self.step_nodes:g}"
         grid, tolerance = f"spacing-over-{self.times}", tolerance_text(self.tolerance)
-        return f"{grid}_step-{step}_{tolerance}_{self.edges}_{self.precision}"
+        width = "" if self.width == 1 else f"_width-{self.width}"
+        return f"{grid}_step-{step}_{tolerance}_{self.edges}_{self.precision}{width}"
 
 
 def tolerance_text(value: float) -> str:
@@ -104,6 +109,12 @@ class Study:
         """The reference for the tolerance and the precision of the scene's own grid."""
         return replace(self.own, tolerance=SOLVER_REFERENCE_TOLERANCE, precision="double")
 
+    @property
+    def wider(self) -> Variant | None:
+        """The scene as it stands on a wider surface, or None where no surface can be wider."""
+        times = wider_times(self.scene)
+        return None if times is None else replace(self.own, width=times)
+
     def on_grid(self, times: int, edges: str) -> Variant:
         """Return the variant on a finer grid.
 
@@ -131,6 +142,8 @@ class Study:
         steps = sorted({*STEP_NODES, own.step_nodes}, reverse=True)
         families["step"] = [replace(own, step_nodes=s) for s in steps]
         families["precision"] = [replace(own, precision=p) for p in ("single", "double")]
+        if self.wider is not None:
+            families["width"] = [own, self.wider]
         rest = [
             replace(own, times=t, edges=e, tolerance=loose)
             for t in self.ladder
@@ -159,6 +172,10 @@ class Study:
     def spacing_um(self, variant: Variant) -> float:
         """Return the spacing of a variant [um]."""
         return self.scene.spacing * 1e6 / variant.times
+
+    def width_um(self, variant: Variant) -> float:
+        """Return the width of the surface of a variant [um]."""
+        return self.scene.track.n_across * self.scene.spacing * 1e6 * variant.width
 
     def step_um(self, variant: Variant) -> float:
         """Return the length of a step of a variant [um]."""
@@ -232,7 +249,9 @@ def rolling_contact(scene: Scene, variant: Variant) -> RollingContact:
     their middle.
     """
     plain = scene.numerics.model_copy(update={"edges": "sharp", "subcells": 1})
-    coarse = contact_of_scene.rolling_contact(scene.model_copy(update={"numerics": plain}))
+    coarse = contact_of_scene.rolling_contact(
+        scene.model_copy(update={"numerics": plain}), _heights(scene, variant.width)
+    )
     smooth, fine = _refined(coarse.heights, variant.times)
     spacing = coarse.spacing / variant.times
     contact = replace(
@@ -247,6 +266,19 @@ def rolling_contact(scene: Scene, variant: Variant) -> RollingContact:
         slopes=smooth,
     )
     return contact_of_scene.on_subcells(contact, subcells_of(scene, contact), smooth)
+
+
+_wide: list[tuple[tuple[Any, ...], int, Array]] = []  # the last wider surface is kept
+
+
+def _heights(scene: Scene, width: int) -> Array:
+    """Return the heights of a scene [m], or of its surface `width` times as wide."""
+    if width == 1:
+        return scene_surface.heights(scene)
+    key = scene_surface.identity(scene)
+    if not _wide or _wide[0][:2] != (key, width):
+        _wide[:] = [(key, width, wider_heights(scene, width))]
+    return _wide[0][2]
 
 
 def subcells_of(scene: Scene, contact: RollingContact) -> int:

@@ -110,6 +110,18 @@ def _aim(out: Path, force: bool, kinds: Sequence[Kind], inputs: Sequence[Path]) 
     return replace(target, replaces=True)
 
 
+def is_unfinished(folder: Path, kind: Kind) -> bool:
+    """Tell whether a folder holds work of a kind that was begun and is not done.
+
+    Raises
+    ------
+    FolderError
+        Its run.json cannot be used.
+    """
+    record = run_record.read(folder)
+    return record is not None and record.kind == kind and record.state != "done"
+
+
 def make(target: Target, record: RunRecord, fill: Fill = lambda folder: None) -> Claim:
     """Make the folder of a target and claim it for this process.
 

@@ -51,11 +51,14 @@ FILES: dict[str, frozenset[str]] = {
     "run": frozenset([*_OF_ALL, *_OF_A_RUN]),
     "sweep": frozenset([*_OF_ALL, "sweep.json", "runs.csv"]),
     "accuracy": frozenset(
-        [*_INPUTS, *(f"accuracy.{ending}" for ending in ("json", "md", "png", "svg"))]
+        [*_INPUTS, "study.json", *(f"accuracy.{ending}" for ending in ("json", "md", "png", "svg"))]
     ),
 }
 VARIANTS = "variants"  # folder of an accuracy study
-_VARIANT = re.compile(r"spacing-over-\d+_step-[\d.e+-]+_[\d.]+e-?\d+_[a-z]+_[a-z]+\.json")
+_VARIANT = re.compile(
+    r"spacing-over-\d+_step-[\d.e+-]+_[\d.]+e-?\d+_[a-z]+_[a-z]+(_width-\d+)?"
+    r"(\.json|_\d+-\d+\.npz)"  # numbers, and pieces of a study that is not done
+)
 _PARTIAL = re.compile(r"\.(.+)\.partial")
 
 

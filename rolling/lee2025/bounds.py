@@ -62,7 +62,10 @@ def ratio_at_each_load(
         text = f"{ratio:.2f}"
         if (factor_low, factor_high) != (1.0, 1.0):
             text += f" (fine grid: {factor_low * ratio:.2f} to {factor_high * ratio:.2f})"
-        checks.append(Check(newton(load), low <= ratio <= high, text, ratio, unsure=unsure))
+        places = (over, load), (under, load)
+        checks.append(
+            Check(newton(load), low <= ratio <= high, text, ratio, unsure=unsure, places=places)
+        )
     return concluded(checks)
 
 
@@ -183,7 +186,9 @@ def gap_over(
         )
         unsure = doubt(mean, lambda x: low_db <= x <= high_db, grid, error)
         numbers = {"mean": mean} | {name: step.mean for name, step in gaps.items()}
-        checks.append(Check(ra(roughness), low_db <= mean <= high_db, text, numbers, unsure=unsure))
+        places = tuple((each, load) for load in loads for each in (smooth, roughness))
+        holds = low_db <= mean <= high_db
+        checks.append(Check(ra(roughness), holds, text, numbers, unsure=unsure, places=places))
     return concluded(checks)
 
 
@@ -227,9 +232,9 @@ def rise_over_loads(
     )
     text = f"{measure.text(mean, '+')} dB ({each})"
     numbers = {"mean": mean} | {ra(roughness): step.mean for roughness, step in steps.items()}
-    return concluded(
-        [Check(place, low_db <= mean <= high_db, text, numbers, near=any(inside), unsure=unsure)],
-    )
+    places = tuple((roughness, load) for roughness in steps for load in (lowest, highest))
+    holds = low_db <= mean <= high_db
+    return concluded([Check(place, holds, text, numbers, any(inside), unsure, places)])
 
 
 def flattens(
@@ -290,6 +295,7 @@ def stands_apart(
                 gap >= LARGE_GAP_DB,
                 f"{measure.text(gap, '+')} dB",
                 gap,
+                places=((roughness, low), (roughness, high)),
                 unsure=doubt(
                     gap,
                     lambda x: x >= LARGE_GAP_DB,
@@ -324,7 +330,9 @@ def within(study: Cases, measure: Measure, roughnesses: Sequence[float], most_db
         step = change(measure, study.at(bottom, load), study.at(top, load), study.factor)
         grid = study.grid.shift_db(measure.grid, (top, load), (bottom, load), study.factor)
         unsure = doubt(span, lambda x: x <= most_db, grid, step.error if step else 0.0)
+        places = (top, load), (bottom, load)
+        text = f"{measure.text(span)} dB"
         checks.append(
-            Check(newton(load), span <= most_db, f"{measure.text(span)} dB", span, unsure=unsure)
+            Check(newton(load), span <= most_db, text, span, unsure=unsure, places=places)
         )
     return concluded(checks)

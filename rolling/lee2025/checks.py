@@ -16,6 +16,7 @@ REPRODUCED, PARTLY, NOT, NOT_RUN = "reproduced", "partly", "not", "not run"
 # The grid's error, the number of surfaces or the length of the record may turn this verdict into
 # another verdict.
 UNDECIDED = "undecided"
+Place = tuple[float, float]  # roughness Ra [um] and load [N] of a case
 GRID, SURFACES, RECORD = "the grid", "the number of surfaces", "the length of the record"
 
 
@@ -31,6 +32,7 @@ class Check:
     numbers : any. The measured numbers. Default: None.
     near : bool. True if it nearly holds. Default: False.
     unsure : str. GRID, SURFACES or RECORD if that may turn it. Default: empty.
+    places : tuple of Place. The cases that it compares, if the grid may turn it. Default: none.
     """
 
     place: str
@@ -39,6 +41,7 @@ class Check:
     numbers: Any = None
     near: bool = False
     unsure: str = ""
+    places: tuple[Place, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,27 @@ class Numbers:
 
 
 @dataclass(frozen=True)
+class FinerGrid:
+    """The verdict at half the spacing, where the grid might turn it.
+
+    Parameters
+    ----------
+    before, after : str. Verdicts with the study's own numbers and with the changes at half the
+        spacing, both without the grid's error.
+    places : tuple of Place. The cases that were solved at half the spacing.
+    """
+
+    before: str
+    after: str
+    places: tuple[Place, ...]
+
+    @property
+    def turns(self) -> bool:
+        """True if the verdict changes."""
+        return self.before != self.after
+
+
+@dataclass(frozen=True)
 class Finding:
     """The verdict on a statement, with the measured numbers.
 
@@ -66,6 +90,8 @@ class Finding:
     between : list of str or None. The less and the more favourable end of an undecided verdict.
         Default: None.
     decided_by : str. The cause of an undecided verdict. Default: empty.
+    grid_places : tuple of Place. The cases of the parts that the grid may turn. Default: none.
+    finer : FinerGrid or None. The verdict at half the spacing. Default: None, if not checked.
     """
 
     verdict: str
@@ -73,6 +99,8 @@ class Finding:
     numbers: Numbers | None = None
     between: list[str] | None = None
     decided_by: str = ""
+    grid_places: tuple[Place, ...] = ()
+    finer: FinerGrid | None = None
 
 
 def concluded(checks: Sequence[Check]) -> Finding:
@@ -107,7 +135,12 @@ def concluded(checks: Sequence[Check]) -> Finding:
     words.append(
         f"As measured: {verdict}; {causes} may turn it ({places}): between {least} and {most}"
     )
-    return Finding(UNDECIDED, ". ".join(words), numbers, [least, most], causes)
+    turned_by_grid = dict.fromkeys(
+        place for check in unsure if check.unsure == GRID for place in check.places
+    )
+    return Finding(
+        UNDECIDED, ". ".join(words), numbers, [least, most], causes, tuple(turned_by_grid)
+    )
 
 
 def _verdict(known: Sequence[Check]) -> str:

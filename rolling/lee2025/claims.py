@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from rolling.lee2025 import grid_error, standing
 from rolling.lee2025.checks import NOT_RUN, Finding
+from rolling.lee2025.grid_error import GridError
 from rolling.lee2025.measures import Cases, newton, ra
 from rolling.lee2025.results import (
     READING,
@@ -37,14 +38,7 @@ def table(
     departures : mapping from str to sequence of str. Differences of each reading from the article's
         statements; a reading with any is a variation. Default: none.
     """
-    groups = {name: tuple(case for case in cases if case.reading == name) for name in _names(cases)}
-    elastic = {
-        name: group
-        for name, group in groups.items()
-        if all(case.hardness_gpa is None for case in group)
-    }
-    without = tuple(case for group in elastic.values() for case in group)
-    judged = {name: group for name, group in groups.items() if name not in elastic}
+    judged, without, elastic = _groups(cases)
     claims = tuple(
         JudgedClaim(claim, tuple(_judgements(claim, judged, without)), claim in OUTLOOK)
         for claim in (*CLAIMS, *OUTLOOK)
@@ -55,13 +49,13 @@ def table(
         )
         for name, group in judged.items()
     }
-    made = Table(readings, tuple(elastic), claims)
+    made = Table(readings, elastic, claims)
     scores: list[Score] = []
     for kind in (READING, VARIATION):
         scores += standing.scores(claims, made.of_kind(kind), SCALES)
     return Table(
         readings,
-        tuple(elastic),
+        elastic,
         claims,
         standing.standing(claims, made.of_kind(READING)),
         tuple(scores),
@@ -73,6 +67,24 @@ def _names(cases: Sequence[Case]) -> list[str]:
     return list(dict.fromkeys(case.reading for case in cases))
 
 
+def _groups(
+    cases: Sequence[Case],
+) -> tuple[dict[str, tuple[Case, ...]], tuple[Case, ...], tuple[str, ...]]:
+    """Return the cases of each reading, all twins, and the names of the twins' scenes."""
+    groups = {name: tuple(case for case in cases if case.reading == name) for name in _names(cases)}
+    elastic = tuple(
+        name for name, group in groups.items() if all(case.hardness_gpa is None for case in group)
+    )
+    without = tuple(case for name in elastic for case in groups[name])
+    return {name: group for name, group in groups.items() if name not in elastic}, without, elastic
+
+
+def study_of(cases: Sequence[Case], judgement: Judgement, grid: GridError) -> Cases:
+    """Return the cases that a judgement stands on, with an error of their grid."""
+    judged, without, _ = _groups(cases)
+    return Cases(judged[judgement.reading], judgement.scale or SCALES[0], without, grid)
+
+
 def _judgements(
     claim: Claim, judged: Mapping[str, tuple[Case, ...]], twins: tuple[Case, ...]
 ) -> list[Judgement]:
@@ -81,7 +93,7 @@ def _judgements(
         Judgement(
             name,
             scale if claim.level else None,
-            _finding(
+            finding(
                 claim, Cases(group, scale, twins, grid_error.MEASURED.get(name, grid_error.NONE))
             ),
         )
@@ -90,7 +102,7 @@ def _judgements(
     ]
 
 
-def _finding(claim: Claim, study: Cases) -> Finding:
+def finding(claim: Claim, study: Cases) -> Finding:
     """Judge a claim by the cases of a reading.
 
     A sweep judges only the claims about its own variable.

@@ -22,6 +22,8 @@ DOCS_MARK = (
     "<!-- From here on: tables.md, as `rolling reproduce lee2025` writes it into its folder. -->"
 )
 
+TURNS = "‡"  # mark of a verdict that is another at half the spacing
+
 _KINDS = {
     READING: ("Readings", "Each keeps to the statements of the article."),
     VARIATION: (
@@ -72,6 +74,7 @@ def _tables(table: Table) -> str:
     )
     for kind, (heading, words) in _KINDS.items():
         parts += _verdicts(table, kind, heading, words)
+    parts += _finer(table)
     parts += _cautions(table)
     return "\n\n".join([*parts, *_scores(table)])
 
@@ -138,7 +141,9 @@ def _cell(judged: JudgedClaim, reading: str) -> str:
     """Write the verdicts of a reading on a claim, with a star where cases are missing."""
     findings = [judgement.finding for judgement in judged.of(reading)]
     words = [
-        _word(finding) + ("\\*" if finding.numbers and finding.numbers.missing else "")
+        _word(finding)
+        + ("\\*" if finding.numbers and finding.numbers.missing else "")
+        + (TURNS if finding.finer and finding.finer.turns else "")
         for finding in findings
     ]
     return " / ".join(dict.fromkeys(words))
@@ -149,6 +154,35 @@ def _word(finding: Finding) -> str:
     return (
         f"{UNDECIDED} ({finding.decided_by})" if finding.verdict == UNDECIDED else finding.verdict
     )
+
+
+def _finer(table: Table) -> list[str]:
+    """List the verdicts that were checked at half the spacing, those that turn by name."""
+    checked = [
+        (judged.claim.key, judgement, finer)
+        for judged in table.claims
+        for judgement in judged.judgements
+        if (finer := judgement.finding.finer) is not None
+    ]
+    if not checked:
+        return []
+    places = {
+        (judgement.reading, place) for _, judgement, finer in checked for place in finer.places
+    }
+    turned = [
+        f"- *{key}*, {judgement.reading}{f', {judgement.scale} lg' if judgement.scale else ''}:"
+        f" {finer.after} instead of {finer.before}"
+        for key, judgement, finer in checked
+        if finer.turns
+    ]
+    words = (
+        f"Twice the error of the grid could turn {len(checked)} verdicts. The {len(places)} cases"
+        " that decide them were solved again at half the spacing, on an eighth of the track of"
+        f" their first surface. {len(turned) or 'None'} of the verdicts"
+        f" change{'s' if len(turned) == 1 else ''} with these numbers"
+        f"{f' ({TURNS})' if turned else ''}."
+    )
+    return ["### At half the spacing", words, *(["\n".join(turned)] if turned else [])]
 
 
 def _cautions(table: Table) -> list[str]:

@@ -57,6 +57,30 @@ class GridError:
         a, b = self.change_db(name, *over), self.change_db(name, *under)
         return min(0.0, a[0] - b[1]) * factor / 10, max(0.0, a[1] - b[0]) * factor / 10
 
+    def times(self, factor: float) -> GridError:
+        """Return errors that are larger by a factor of 1 or more, with no error inside."""
+
+        def larger(ranges: Ranges, neutral: float) -> Ranges:
+            return {
+                roughness: {
+                    load: (
+                        min(neutral, neutral + factor * (low - neutral)),
+                        max(neutral, neutral + factor * (high - neutral)),
+                    )
+                    for load, (low, high) in loads.items()
+                }
+                for roughness, loads in ranges.items()
+            }
+
+        return GridError(
+            larger(self.plastic, 1.0),
+            larger(self.deflection, 1.0),
+            larger(self.level_db, 0.0),
+            larger(self.line_db, 0.0),
+            larger(self.high_db, 0.0),
+            {roughness: factor * db for roughness, db in self.band_db.items()},
+        )
+
     def _at(self, name: str, roughness_um: float, load_n: float) -> Range | None:
         """Return the range over both neighbouring loads, or at the nearest measured load."""
         ranges: Ranges = getattr(self, name) if name else {}

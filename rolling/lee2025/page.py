@@ -39,12 +39,14 @@ class Verdict:
     word : str. The verdict.
     measured : str. The measured numbers, in words.
     decided_by : str. The cause of an undecided verdict. Default: empty.
+    turns : bool. True if the verdict is another at half the spacing. Default: False.
     """
 
     scale: str
     word: str
     measured: str
     decided_by: str = ""
+    turns: bool = False
 
     @property
     def sign(self) -> str:
@@ -104,13 +106,18 @@ def page(readings: Sequence[str], table: Table, pictures: Mapping[str, Sequence[
         `figures.gallery` gives them. A reading without figures has no column among them.
     """
     extents = {name: table.readings[name] for name in readings if name in table.readings}
+    rows = [_row(judged, readings) for judged in table.claims]
     html = (
         report.environment()
         .get_template("article.html")
         .render(
             readings=list(readings),
-            rows=[_row(judged, readings) for judged in table.claims],
+            rows=rows,
             signs=SIGNS,
+            mark=claims_text.TURNS,
+            turned=any(
+                verdict.turns for row in rows for verdicts in row.verdicts for verdict in verdicts
+            ),
             scores=[_score(score, table) for score in table.scores],
             headline=claims_text.headline(table) if table.standing else "",
             kinds={name: table.kind(name) for name in readings},
@@ -144,7 +151,8 @@ def _verdict(judgement: Judgement) -> Verdict:
     """Return the cell of a judgement."""
     finding = judgement.finding
     scale = f"{judgement.scale} lg" if judgement.scale else ""
-    return Verdict(scale, finding.verdict, finding.measured, finding.decided_by)
+    turns = finding.finer is not None and finding.finer.turns
+    return Verdict(scale, finding.verdict, finding.measured, finding.decided_by, turns)
 
 
 def _score(score: Score, table: Table) -> ScoreRow:

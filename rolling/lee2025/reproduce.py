@@ -17,7 +17,7 @@ from rolling.figures.picture import Picture
 from rolling.folders import claim, files, new_folder, run_record
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError
-from rolling.lee2025 import claims, claims_text, figure_data, figures, page, study
+from rolling.lee2025 import claims, claims_text, figure_data, figures, half_spacing, page, study
 from rolling.lee2025.results import Table
 from rolling.lee2025.study import Case
 from rolling.scene import library
@@ -108,7 +108,7 @@ def reproduce(
     with _claimed(
         folder, [run.folder.relative_to(folder).as_posix() for run in flat], take_over
     ) as held:
-        done = _reproduced(held, name, folders, runs, workers)
+        done = _reproduced(held, name, folders, runs, workers, part.finer)
         _mark_all(held, flat, done)
     return done
 
@@ -150,7 +150,12 @@ def _mark_all(held: Claim, runs: Sequence[Run], done: Reproduction) -> None:
 
 
 def _reproduced(
-    held: Claim, name: str, folders: Sequence[Path], runs: dict[str, list[Run]], workers: int
+    held: Claim,
+    name: str,
+    folders: Sequence[Path],
+    runs: dict[str, list[Run]],
+    workers: int,
+    finer: bool,
 ) -> Reproduction:
     """Solve the missing cases of a study, judge the statements and draw the figures."""
     folder = held.folder
@@ -172,10 +177,18 @@ def _reproduced(
         table = claims.table(
             cases, {reading.name: study.description(reading) for reading in folders}, departures
         )
+    interrupted = outcome.interrupted
+    if finer and not interrupted and cases:
+
+        def solver(chosen: Sequence[Run]) -> tuple[Outcome, dict[Path, Result]]:
+            return half_spacing.solve(folder / half_spacing.FOLDER, chosen, workers, name)
+
+        table, checks = half_spacing.checked(table, cases, runs, results, solver)
+        interrupted = checks.interrupted
     files.write_json(folder / "claims.json", table.to_dict())
     files.write_bytes(folder / CLAIMS, claims_text.markdown(table).encode())
     files.write_bytes(folder / TABLES, claims_text.tables(table).encode())
-    if not outcome.interrupted:
+    if not interrupted:
         _write_pictures(folder, runs, results, cases, table)
     flat = [run for each in runs.values() for run in each]
     failures = {
@@ -187,7 +200,7 @@ def _reproduced(
     )
     begun = any(map(is_begun, results.values()))
     return Reproduction(
-        folder, claims_text.headline(table), cases, failures, outcome.interrupted, solved, begun
+        folder, claims_text.headline(table), cases, failures, interrupted, solved, begun
     )
 
 

@@ -34,6 +34,9 @@ class Judgement:
         """Return plain data for JSON."""
         plain = asdict(self.finding)
         plain["numbers"] = plain["numbers"] or {}
+        for places in filter(None, (plain, plain["finer"])):
+            name = "places" if places is plain["finer"] else "grid_places"
+            places[name] = [list(place) for place in places[name]]
         return {"reading": self.reading, "scale": self.scale, **plain}
 
 

@@ -47,15 +47,17 @@ class Part:
     loads : tuple of float or None, N. Loads of readings with several loads. Default: None, for all.
     duration_s : float or None, s. Duration of rolling. Default: None, as in the scene files.
     strides : int. Factor on the length of a step. Default: 1.
+    finer : bool. True if verdicts near their limit are checked at half the spacing. Default: False.
     """
 
     seeds: int | None = None
     loads: tuple[float, ...] | None = None
     duration_s: float | None = None
     strides: int = 1
+    finer: bool = False
 
 
-WHOLE = Part()
+WHOLE = Part(finer=True)
 QUICK = Part(
     seeds=defaults.QUICK_SEEDS,
     loads=defaults.QUICK_LOADS_N,
@@ -279,12 +281,21 @@ def solve_all(
     return batch.solve(runs, results, workers, name, mapped=False, begun=begun)
 
 
-def case(reading: str, run: Run, result: Result) -> Case:
-    """Compute the numbers of a solved run."""
+def case(reading: str, run: Run, result: Result, closed: bool | None = None) -> Case:
+    """Compute the numbers of a solved run.
+
+    Parameters
+    ----------
+    reading : str. Name of its reading.
+    run : Run. The run.
+    result : Result. Its result, or that of a part of its track.
+    closed : bool or None. Whether the steps are whole laps. Default: None, as the track is.
+    """
     scene, rolled = run.scene, run.scene.track
     roughness, load, seed, length = varied(scene)
     energy = result.whole("release_energy")
-    sound = contact_sound(scene, energy, result.step, rolled.closed, result.solved_steps)
+    closed = rolled.closed if closed is None else closed
+    sound = contact_sound(scene, energy, result.step, closed, result.solved_steps)
     hertz = (
         math.pi * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
     )

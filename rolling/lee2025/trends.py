@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from rolling.lee2025.checks import GRID, Check, Finding, concluded
+from rolling.lee2025.checks import GRID, Check, Finding, Place, concluded
 from rolling.lee2025.measures import Cases, Change, Measure, change, newton, ra, series
 
 
@@ -50,6 +50,12 @@ def _turns_on_grid(study: Cases, measure: Measure, step: _Step) -> bool:
         factors = study.grid.ratio(measure.grid, step.over, step.under, step.load)
         low, high = ((factor - 1) * (step.base + mean) for factor in factors)
     return 0 < mean <= -low or 0 < -mean <= high
+
+
+def _places(study: Cases, measure: Measure, steps: Sequence[_Step]) -> tuple[Place, ...]:
+    """Return the cases of the steps whose sign the grid may turn."""
+    turned = [step for step in steps if _turns_on_grid(study, measure, step)]
+    return tuple((each, step.load) for step in turned for each in (step.under, step.over))
 
 
 def _sign(study: Cases, measure: Measure, steps: Sequence[_Step], rises: bool) -> tuple[bool, str]:
@@ -120,9 +126,9 @@ def along_roughness(
             f"{', '.join(measure.text(mean, '+') for mean in means)} {measure.unit} "
             f"({', '.join(loads)})"
         )
-        checks.append(
-            Check(place, holds, text, dict(zip(loads, means, strict=True)), unsure=unsure)
-        )
+        numbers = dict(zip(loads, means, strict=True))
+        places = _places(study, measure, steps)
+        checks.append(Check(place, holds, text, numbers, unsure=unsure, places=places))
     return concluded(checks)
 
 
@@ -140,7 +146,8 @@ def lowest_of_all(study: Cases, measure: Measure, roughness: float) -> Finding:
         holds, unsure = _sign(study, measure, steps, rises=False)
         groups = [(ra(each), study.at(each, load)) for each in study.roughnesses]
         words, numbers = series(study, measure, groups)
-        checks.append(Check(newton(load), holds, words, numbers, unsure=unsure))
+        places = _places(study, measure, steps)
+        checks.append(Check(newton(load), holds, words, numbers, unsure=unsure, places=places))
     return concluded(checks)
 
 
@@ -170,11 +177,8 @@ def loudest(study: Cases, measure: Measure, roughness: float, loads: Sequence[fl
         lead = means[over] - means[under]
         least, _ = study.grid.shift_db(measure.grid, (over, load), (under, load), study.factor)
         unsure = GRID if least < 0 and lead <= -least else ""
-        checks.append(
-            Check(
-                newton(load), first == roughness, f"{ra(first)} of {words}", numbers, near, unsure
-            )
-        )
+        text, places = f"{ra(first)} of {words}", ((over, load), (under, load))
+        checks.append(Check(newton(load), first == roughness, text, numbers, near, unsure, places))
     return concluded(checks)
 
 

@@ -65,7 +65,14 @@ def influences(study: Cases) -> Finding:
         }
         place = f"{ra(roughness)}, {newton(load)}"
         checks.append(
-            Check(place, nominal, text, numbers, unsure=GRID if nominal != strict else "")
+            Check(
+                place,
+                nominal,
+                text,
+                numbers,
+                unsure=GRID if nominal != strict else "",
+                places=((roughness, load),),
+            )
         )
     return concluded(checks) if checks else Finding(NOT_RUN, NO_TWIN)
 
@@ -83,7 +90,8 @@ def louder(study: Cases) -> Finding:
         text = f"{AUDIBLE.text(step, '+')} ± {error:.1f} dB"
         place = f"{ra(roughness)}, {newton(load)}"
         unsure = doubt(step - 2 * error, lambda beyond: beyond > 0, (-grid, grid), 0.0)
-        checks.append(Check(place, holds, text, step, unsure=unsure))
+        places = ((roughness, load),)
+        checks.append(Check(place, holds, text, step, unsure=unsure, places=places))
     return concluded(checks) if checks else Finding(NOT_RUN, NO_TWIN)
 
 

@@ -83,6 +83,32 @@ def gaussian(
         The filter leaves nothing, because a correlation length is far above the size of the
         surface.
     """
+    heights = filtered(white_noise(shape, seed), spacing, correlation_length, autocorrelation)
+    heights *= ra / np.abs(heights).mean()
+    return heights
+
+
+def white_noise(shape: tuple[int, int], seed: int) -> Array:
+    """Generate white noise of unit variance from a seed."""
+    return np.random.default_rng(seed).standard_normal(shape)
+
+
+def filtered(
+    noise: Array,
+    spacing: float,
+    correlation_length: tuple[float, float],
+    autocorrelation: str,
+) -> Array:
+    """Filter periodic white noise to heights of zero mean and a variance of about 1.
+
+    Parameters as in `gaussian`.
+
+    Raises
+    ------
+    SurfaceError
+        The filter leaves nothing.
+    """
+    shape = noise.shape
     decay, exponent = AUTOCORRELATIONS[autocorrelation]
     along, across = (
         np.minimum(np.arange(n), n - np.arange(n)) * spacing / length
@@ -91,13 +117,11 @@ def gaussian(
     r2 = along[:, None] ** 2 + across[None, :] ** 2
     # On a periodic grid the law can have slightly negative spectral densities from rounding.
     density = np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0)
-    noise = np.random.default_rng(seed).standard_normal(shape)
-    heights = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
+    heights: Array = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
     heights -= heights.mean()
-    got = np.abs(heights).mean()
     # A surface much smaller than its correlation length is flat except for rounding errors, which
     # would pass for roughness if they were scaled up.
-    if not got > 1e-6 * np.sqrt(density.max() / heights.size):
+    if not np.abs(heights).mean() > 1e-6 * np.sqrt(density.max() / heights.size):
         sizes = " x ".join(f"{n * spacing * 1e6:.4g}" for n in shape)
         # Of a law that falls with (r / L)^exponent the share of roughness falls with its root.
         longest = 0.1 * 1e12 ** (1 / exponent) * max(shape) * spacing * 1e6
@@ -106,7 +130,6 @@ def gaussian(
             f"no roughness left but rounding: got correlation lengths of {lengths} um"
             f" on {sizes} um, allowed: up to about {longest:.2g} um; enlarge the surface"
         )
-    heights *= ra / got
     return heights
 
 

@@ -6,6 +6,8 @@ import json
 import math
 import os
 import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -116,7 +118,7 @@ def test_errors_fall_with_the_spacing(found: dict[str, Any]) -> None:
     orders = found["orders"]["spacing, sharp edges"]
     assert orders["signal"] > 1.5 and orders["contact_area_percent"] > 0.8
     own, fine = (
-        rows(found, times=t, step_nodes=1, tolerance=1e-4 / t, precision="single")[0]
+        rows(found, times=t, step_nodes=1, tolerance=1e-4 / t, precision="single", width=1)[0]
         for t in (1, 2)
     )
     assert fine["errors"]["signal"] < 0.5 * own["errors"]["signal"]
@@ -128,7 +130,7 @@ def test_errors_fall_with_the_spacing(found: dict[str, Any]) -> None:
 def test_errors_fall_with_the_tolerance(found: dict[str, Any]) -> None:
     by_tolerance = {
         row["tolerance"]: row["solver_errors"]["signal"]
-        for row in rows(found, times=1, step_nodes=1, precision="single")
+        for row in rows(found, times=1, step_nodes=1, precision="single", width=1)
     }
     off = [by_tolerance[t] for t in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)]
     assert all(b < 0.5 * a for a, b in pairwise(off))
@@ -254,10 +256,52 @@ def test_interrupted_keeps_what_is_there(
     out = tmp_path / "out"
     assert cli.main(["accuracy", str(scene), *QUICK, "--out", str(out)]) == 130
     kept = json.loads((out / "accuracy.json").read_text())["variants"]
-    assert len(kept) == whole == len([*(out / "variants").iterdir()])
+    assert len(kept) == whole == len([*(out / "variants").glob("*.json")])
+    assert len([*(out / "variants").glob("*.npz")]) >= whole  # pieces of which the study goes on
     # of the reference alone there is nothing to draw
     assert (out / "accuracy.png").exists() == (whole > 1)
     assert run_record.read(out).state != "done"
+
+
+def test_a_killed_study_goes_on_with_what_it_lacks(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    command = ["accuracy", str(scene), *QUICK, "--out", str(out)]
+    killed = (
+        "import os, signal; from rolling import cli; from rolling.accuracy import kept\n"
+        "write, count = kept.write_piece, []\n"
+        "def counted(*arguments):\n"
+        "    write(*arguments); count.append(1)\n"
+        "    if len(count) == 5: os.kill(os.getpid(), signal.SIGKILL)\n"
+        f"kept.write_piece = counted; cli.main({command})"
+    )
+    assert subprocess.run([sys.executable, "-c", killed], check=False).returncode == -9
+    assert not (out / "accuracy.json").exists()
+    before = {path: path.read_bytes() for path in (out / "variants").glob("*.npz")}
+    assert len(before) == 5
+    next(iter(before)).write_bytes(b"damaged")
+
+    marched: list[variants.Variant] = []
+    inner = variants.march_piece
+
+    def count(scene, variant, *rest):
+        marched.append(variant)
+        return inner(scene, variant, *rest)
+
+    monkeypatch.setattr(variants, "march_piece", count)
+    for other in ("rolling.load_n=0.2", "surface.seed=4"):
+        assert cli.main([*command, "--set", other]) == 2
+        assert other.split("=")[0] in capsys.readouterr().err
+    assert cli.main([part if part != "2" else "4" for part in command]) == 2
+    assert "--finest" in capsys.readouterr().err and not marched
+    assert cli.main(command) == 0
+    assert f"of {len(marched) + 4} pieces" in capsys.readouterr().err
+    found = json.loads((out / "accuracy.json").read_text())
+    assert len(marched) == len(found["variants"]) - 4 and not found["failures"]
+    assert {path.suffix for path in (out / "variants").iterdir()} == {".json"}
+    assert run_record.read(out).state == "done"
+    assert cli.main(command) == 2 and "--force" in capsys.readouterr().err
 
 
 def test_nothing_is_overwritten(

@@ -19,7 +19,7 @@ def test_estimates_agree_with_a_finer_grid_on_the_whole_track(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(error_cost, "SHARE", 3.0)
-    scene = scene_of("Ra 0.1, 5 N", **SHORT)
+    scene = scene_of("Ra 0.1, 0.3 N", **SHORT)
     done = compare("short", scene, 4, workers=1, progress=False)
     assert done.right >= 0.9 * len(done.bands) > 10
     assert done.laeq.right and abs(done.laeq.off) < 0.3
