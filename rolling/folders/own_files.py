@@ -44,6 +44,8 @@ _OF_A_RUN = [
     "signal.json",
     "listen.wav",
     "listen.json",
+    "extended.wav",
+    "extended.json",
 ]
 
 # These are the names by kind of folder. Folders of other kinds are never replaced.
