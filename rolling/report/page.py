@@ -18,7 +18,7 @@ import jinja2
 import numpy as np
 from markupsafe import Markup
 
-from acoustics import wav
+from acoustics import extension, wav
 from acoustics.plot_style import PREFIXES
 from rolling import __version__
 from rolling.figures import run_figures
@@ -37,6 +37,20 @@ from rolling.terminal import defaults
 LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
 GENERATOR = f"{program.NAME} {__version__}"
 MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
+# The parts of the page's script, in their order.
+SCRIPTS = (
+    "core",
+    "player",
+    "fourier",
+    "extended",
+    "choices",
+    "motion",
+    "contact",
+    "downloads",
+    "keys",
+    "begin",
+)
+EXTENDED = range(18, 22)  # powers of two: lengths of extended records in samples
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 # pictures of single runs, even if several are compared
 OWN = (*TIMELINES, "surface", "contact", "recovery_events")
@@ -127,6 +141,12 @@ class RunView:
             "buzzes": any(caveat.key == "short_loop" for caveat in self.repeats),
             "playback": asdict(self.playback),
             "maps": maps,
+            "slug": _slug(self.label),
+            "laps": self.run.laps,
+            "extendable": not sound.not_extendable,
+            "kurtosis": round(extension.kurtosis(sound.pressure), 3)
+            if sound.pressure.any()
+            else None,
         }
 
 
@@ -212,7 +232,8 @@ def page(
             curves=common,
             surfaces=_surfaces(views),
             css=own_text("report.css"),
-            js=own_text("report.js"),
+            js=scripts(),
+            lengths_of_extended=_lengths_of_extended(runs),
             **_script_data(runs, views, scale),
         )
     )
@@ -226,6 +247,21 @@ def _script_data(
     players = [view.player for view in views]
     data = {"runs": players, "view": asdict(scale) if scale else None, "tsv": report_text.tsv(runs)}
     return {"data": data, "short": any(player["buzzes"] for player in players)}
+
+
+def _lengths_of_extended(runs: Sequence[RunResult]) -> list[tuple[int, str]]:
+    """Return exponents and seconds of the extended records that the page can make.
+
+    They are longer than all records; there are none where no record can be extended.
+    """
+    if all(run.sound.not_extendable for run in runs):
+        return []
+    longest = max(len(run.sound.pressure) for run in runs)
+    return [
+        (exponent, f"{2**exponent / wav.SAMPLE_RATE_HZ:.3g}")
+        for exponent in EXTENDED
+        if 2**exponent > longest
+    ]
 
 
 def _views(
@@ -305,6 +341,12 @@ def environment() -> jinja2.Environment:
 def _slug(label: str) -> str:
     """Write a label as part of a file's name."""
     return re.sub(r"[^A-Za-z0-9.=-]+", "_", label).strip("_")
+
+
+def scripts() -> Markup:
+    """Join the parts of the page's script in a scope of its own."""
+    parts = "\n".join(own_text(f"{name}.js") for name in SCRIPTS)
+    return Markup(f'(() => {{\n"use strict";\n{parts}}})();')
 
 
 def own_text(name: str) -> Markup:

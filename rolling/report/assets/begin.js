@@ -1,0 +1,13 @@
+function begin() {
+    document.documentElement.classList.add("scripted");
+    $("#transport").hidden = false;
+    $(".singles").open = runs.length === 1;
+    $("#seek").max = total();
+    $("#loop").checked = state.loop;
+    listen();
+    choose(Math.max(0, runs.findIndex((run) => run.playback.calibrated_pa !== null))); // one that can be heard
+    say("");
+    (window.requestIdleCallback ?? setTimeout)(decode); // so that the first play is not late
+  }
+
+  begin();
