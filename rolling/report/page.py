@@ -26,6 +26,7 @@ from rolling.figures.picture import Picture
 from rolling.folders import program
 from rolling.report import citation, playback
 from rolling.report import text as report_text
+from rolling.report.films import Film, film_of
 from rolling.report.playback import Playback
 from rolling.report.run_maps import MapScale, RunMaps, maps_of
 from rolling.simulation import caveats
@@ -46,6 +47,7 @@ SCRIPTS = (
     "choices",
     "motion",
     "contact",
+    "film",
     "downloads",
     "keys",
     "begin",
@@ -111,6 +113,7 @@ class RunView:
     wav : str. Data URI of its record.
     pictures : dict of Exhibit. Its own pictures by name.
     maps : RunMaps or None. Its pressure maps.
+    film : Film or None. Its slow motion.
     """
 
     label: str
@@ -119,6 +122,7 @@ class RunView:
     wav: str
     pictures: dict[str, Exhibit]
     maps: RunMaps | None
+    film: Film | None
 
     @property
     def repeats(self) -> list[Caveat]:
@@ -141,6 +145,7 @@ class RunView:
             "buzzes": any(caveat.key == "short_loop" for caveat in self.repeats),
             "playback": asdict(self.playback),
             "maps": maps,
+            "film": _film_data(self.film) if self.film else None,
             "slug": _slug(self.label),
             "laps": self.run.laps,
             "extendable": not sound.not_extendable,
@@ -204,7 +209,8 @@ def page(
         The HTML file.
     """
     scale, maps = maps_of(runs)
-    views = _views(runs, shelf, maps)
+    films = [film_of(run, scale.max_gpa) if scale else None for run in runs]
+    views = _views(runs, shelf, maps, films)
     common = [
         picture
         for run, picture in shelf
@@ -229,6 +235,7 @@ def page(
             lengths={round(run.sound.duration, 4) for run in runs},
             SHORT_S=caveats.SHORT_S,
             map_scale=scale,
+            filmed=any(films),
             curves=common,
             surfaces=_surfaces(views),
             css=own_text("report.css"),
@@ -268,19 +275,30 @@ def _views(
     runs: Sequence[RunResult],
     shelf: Sequence[tuple[RunResult | None, Exhibit]],
     maps: Sequence[RunMaps | None],
+    films: Sequence[Film | None],
 ) -> list[RunView]:
-    """Return the runs with players, pictures and maps."""
+    """Return the runs with players, pictures, maps and films."""
     peaks = [float(np.abs(run.sound.pressure).max()) for run in runs]
     gains = playback.playbacks(peaks, [run.sound.levels.laeq_db for run in runs])
     views = []
-    for run, gain, own_maps in zip(runs, gains, maps, strict=True):
+    for run, gain, own_maps, film in zip(runs, gains, maps, films, strict=True):
         comment = f"full scale = {gain.full_scale_pa:.6g} Pa"
         record = wav.listening(
             run.sound.pressure, 1 / gain.full_scale_pa, comment, run.label, 16, run.sound.loops
         )
         pictures = {picture.name: picture for owner, picture in shelf if owner is run}
-        views.append(RunView(run.label, run, gain, _uri("audio/wav", record), pictures, own_maps))
+        views.append(
+            RunView(run.label, run, gain, _uri("audio/wav", record), pictures, own_maps, film)
+        )
     return views
+
+
+def _film_data(film: Film) -> dict[str, Any]:
+    """Return a film for the script of the page."""
+    data = asdict(film) | {"ground": _uri("image/png", film.ground)}
+    for name, sheet in (("pressure", film.pressure), ("release", film.release)):
+        data[name]["png"] = _uri("image/png", sheet.png)
+    return data
 
 
 def _time_axis(picture: Picture) -> TimeAxis:

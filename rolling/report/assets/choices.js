@@ -12,6 +12,7 @@ function choose(number) {
   for (const note of $$("[data-repeats]")) note.hidden = Number(note.dataset.repeats) !== number;
   say(runs[number].label);
   showExtension();
+  showFilm();
   render();
 }
 

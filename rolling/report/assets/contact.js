@@ -23,6 +23,7 @@ function sheetOf(number) {
   return state.sheets[number];
 }
 
+/** Shows the map of the time that is heard; while it plays, a map stays long enough to be seen. */
 function showMap() {
   const run = runs[state.run];
   $("#map-run").textContent = run.label;
@@ -30,8 +31,10 @@ function showMap() {
   const map = run.maps ? run.maps.order[stretch()] : -1;
   const ready = map >= 0 && sheetOf(state.run).complete;
   const drawn = `${state.run} ${map} ${ready}`;
-  if (drawn === state.drawn) return;
-  state.drawn = drawn;
+  const now = performance.now();
+  const held = state.playing && state.drawn.startsWith(`${state.run} `) && now - state.drawnAt < HOLD_MS;
+  if (drawn === state.drawn || held) return;
+  Object.assign(state, { drawn, drawnAt: now });
   showReadings(run, map);
   drawMap(run, ready ? map : -1);
 }
@@ -64,25 +67,25 @@ function drawMap({ maps }, map) {
     pen.imageSmoothingEnabled = false; // a cell is what was computed, nothing between cells was
     pen.drawImage(state.sheets[state.run], x, y, width, height, middle + left, middle - top, width * cell, height * cell);
   }
-  if (maps) drawCircle(pen, middle, maps.hertz_um * perUm);
-  drawScale(pen, perUm);
+  if (maps) drawCircle(pen, middle, middle, maps.hertz_um * perUm);
+  drawScale(pen, perUm, data.view.half_um / 1.5);
   drawArrow(pen);
 }
 
-function drawCircle(pen, middle, radius) {
+function drawCircle(pen, x, y, radius) {
   pen.setLineDash([9, 7]);
   for (const [colour, width] of [["#000", 5], ["#7fd4ff", 2]]) { // seen on the darkest pressure and on the lightest
     pen.strokeStyle = colour;
     pen.lineWidth = width;
     pen.beginPath();
-    pen.arc(middle, middle, radius, 0, 2 * Math.PI);
+    pen.arc(x, y, radius, 0, 2 * Math.PI);
     pen.stroke();
   }
   pen.setLineDash([]);
 }
 
-function drawScale(pen, perUm) {
-  const longest = data.view.half_um / 1.5;
+/** A scale of length, at most so many um long. */
+function drawScale(pen, perUm, longest) {
   const decade = 10 ** Math.floor(Math.log10(longest));
   const length = [5, 2, 1].find((digit) => digit * decade <= longest) * decade;
   const { height } = pen.canvas;

@@ -1,6 +1,7 @@
 const RATE = 48000;
 const FADE_S = 0.01; // short enough to switch at once, long enough not to click
 const NEVER = 1e9; // seconds
+const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, which is 1.25 flashes
 
 const $ = (selector) => document.querySelector(selector);
 const $$ = (selector) => [...document.querySelectorAll(selector)];
@@ -15,7 +16,7 @@ const modulo = (value, period) => ((value % period) + period) % period;
 const state = {
   run: 0, mode: "calibrated", loop: runs.every((run) => run.loops && !run.buzzes), wanted: false, playing: false,
   at: 0, from: 0, end: longest, origin: 0, source: "record", extended: [], trim: { calibrated: 1, equal: 1 },
-  context: null, master: null, decoding: null, buffers: [], voices: [], sheets: [], drawn: "",
+  context: null, master: null, decoding: null, buffers: [], voices: [], sheets: [], drawn: "", drawnAt: 0,
 };
 
 // ---- time ----

@@ -38,6 +38,10 @@
     on("input[name=mode]", "change", (choice) => setMode(choice.value));
     on("input[name=source], #length", "change", () => setSource($("input[name=source]:checked").value));
   on("#save-extended", "click", saveExtended);
+  on("#film-play", "click", playFilm);
+  on("#film-real", "click", realTime);
+  on("#film-rate", "change", stopFilm);
+  on("#film-seek", "input", (slider) => { stopFilm(); seekFilm(Number(slider.value)); });
   on("#before", "click", () => stepMap(-1));
     on("#after", "click", () => stepMap(1));
     on("[data-save]", "click", save);

@@ -74,15 +74,22 @@ function stopVoices() {
   }
 }
 
+function audioContext() {
+  if (!state.context) {
+    state.context = new AudioContext({ sampleRate: RATE });
+    state.master = new GainNode(state.context, { gain: Number($("#volume").value) });
+    state.master.connect(state.context.destination);
+  }
+  return state.context;
+}
+
 async function play() {
   if (state.wanted) return;
   state.wanted = true;
   for (const player of $$("audio")) player.pause();
-  state.context ??= new AudioContext({ sampleRate: RATE });
-  state.master ??= new GainNode(state.context, { gain: Number($("#volume").value) });
-  state.master.connect(state.context.destination);
+  stopFilm();
   showButton();
-  [state.buffers] = await Promise.all([decode(), state.context.resume()]);
+  [state.buffers] = await Promise.all([decode(), audioContext().resume()]);
   if (!state.wanted || state.playing) return;
   startVoices(state.at >= state.end ? 0 : state.at);
   tick();
