@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -19,12 +19,13 @@ import numpy as np
 from markupsafe import Markup
 
 from acoustics import extension, wav
+from acoustics.bands import BAND_NAMES
 from acoustics.plot_style import PREFIXES
 from rolling import __version__
 from rolling.figures import run_figures
 from rolling.figures.picture import Picture
 from rolling.folders import program
-from rolling.report import citation, playback
+from rolling.report import citation, hearing, playback
 from rolling.report import text as report_text
 from rolling.report.films import Film, film_of
 from rolling.report.playback import Playback
@@ -49,10 +50,26 @@ SCRIPTS = (
     "contact",
     "film",
     "downloads",
+    "compare",
+    "abx",
+    "sorting",
     "keys",
     "begin",
 )
 EXTENDED = range(18, 22)  # powers of two: lengths of extended records in samples
+SECTIONS = {  # by their places on the page
+    "listen": "Listen",
+    "slow": "Slow motion",
+    "contact": "Contact",
+    "spectra": "Spectra",
+    "compare": "Two runs compared",
+    "spectrograms": "Spectrograms",
+    "levels": "Levels",
+    "surface": "Surface",
+    "events": "Recovery events",
+    "assumed": "Assumed and warned",
+    "again": "Make it again",
+}
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 # pictures of single runs, even if several are compared
 OWN = (*TIMELINES, "surface", "contact", "recovery_events")
@@ -81,6 +98,7 @@ class Exhibit:
     csv : str or None. Data URI of the curves; None if they are too long.
     has_curves : bool. Whether the picture has curves at all.
     time : TimeAxis or None. The time axis of a picture over time.
+    size : (int, int), pixels. Width and height of the picture, so that nothing moves as it loads.
     """
 
     name: str
@@ -89,6 +107,7 @@ class Exhibit:
     csv: str | None
     has_curves: bool
     time: TimeAxis | None
+    size: tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -147,6 +166,8 @@ class RunView:
             "maps": maps,
             "film": _film_data(self.film) if self.film else None,
             "slug": _slug(self.label),
+            "bands": _rounded(sound.levels.third_octave_db),
+            "spreads": _rounded(self.run.summary["third_octave_uncertainty_db"]),
             "laps": self.run.laps,
             "extendable": not sound.not_extendable,
             "kurtosis": round(extension.kurtosis(sound.pressure), 3)
@@ -186,8 +207,20 @@ def exhibit(picture: Picture) -> Exhibit:
     link = _uri("text/csv", csv) if 0 < len(csv) <= LARGEST_CSV else None
     time = _time_axis(picture) if picture.name in TIMELINES else None
     return Exhibit(
-        picture.name, picture.alt, _uri("image/svg+xml", picture.svg()), link, bool(csv), time
+        picture.name,
+        picture.alt,
+        _uri("image/svg+xml", picture.svg()),
+        link,
+        bool(csv),
+        time,
+        _size(picture),
     )
+
+
+def _size(picture: Picture) -> tuple[int, int]:
+    """Return width and height of a picture in pixels of CSS, 96 to the inch."""
+    width, height = (round(96 * inches) for inches in picture.figure.get_size_inches())
+    return width, height
 
 
 def page(
@@ -228,9 +261,11 @@ def page(
                 )
             ),
             text=report_text,
+            hearing=hearing,
             citation=citation,
             runs=runs,
             views=views,
+            contents=_contents(runs, views),
             unheard=list(unheard),
             lengths={round(run.sound.duration, 4) for run in runs},
             SHORT_S=caveats.SHORT_S,
@@ -253,7 +288,22 @@ def _script_data(
     """Return the data of the page's script, and whether a record is short."""
     players = [view.player for view in views]
     data = {"runs": players, "view": asdict(scale) if scale else None, "tsv": report_text.tsv(runs)}
+    data["bands"] = list(BAND_NAMES)
     return {"data": data, "short": any(player["buzzes"] for player in players)}
+
+
+def _rounded(levels: Mapping[str, float | None]) -> list[float | None]:
+    """Return levels by band [dB], with three decimals."""
+    return [None if (level := levels[name]) is None else round(level, 3) for name in BAND_NAMES]
+
+
+def _contents(runs: Sequence[RunResult], views: Sequence[RunView]) -> list[tuple[str, str]]:
+    """Return place and name of the sections of the page."""
+    shown = {
+        "compare": len(runs) > 1,
+        "events": any("recovery_events" in view.pictures for view in views),
+    }
+    return [(place, name) for place, name in SECTIONS.items() if shown.get(place, True)]
 
 
 def _lengths_of_extended(runs: Sequence[RunResult]) -> list[tuple[int, str]]:
@@ -351,6 +401,7 @@ def environment() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     environment.filters["slug"] = _slug
+    environment.filters["css_text"] = _css_text
     # NaN must not reach the script of the page, because it is not JSON.
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     return environment
@@ -359,6 +410,16 @@ def environment() -> jinja2.Environment:
 def _slug(label: str) -> str:
     """Write a label as part of a file's name."""
     return re.sub(r"[^A-Za-z0-9.=-]+", "_", label).strip("_")
+
+
+def _css_text(text: str) -> Markup:
+    """Write any text as the inside of a string of CSS, all but letters and digits as numbers."""
+    return Markup(
+        "".join(
+            letter if letter.isascii() and letter.isalnum() else f"\\{ord(letter):06x}"
+            for letter in text
+        )
+    )
 
 
 def scripts() -> Markup:

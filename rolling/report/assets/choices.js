@@ -5,6 +5,7 @@ const signed = (value) => (Math.abs(value) < 0.05 ? "0.0" : `${value < 0 ? "−"
 function choose(number) {
   if (!(number in runs)) return;
   state.run = number;
+  endTest();
   mix();
   for (const radio of $$("input[name=run]")) radio.checked = Number(radio.value) === number;
   if ($("#choose")) $("#choose").value = String(number);

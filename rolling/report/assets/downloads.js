@@ -19,7 +19,7 @@ function save(button) {
   return canvas.toBlob((content) => download(content, "image/png", name), "image/png");
 }
 
-async function copy(text) {
+async function copy(text, button) {
   try {
     await navigator.clipboard.writeText(text);
   } catch { // not every browser lets a file use the clipboard
@@ -30,6 +30,9 @@ async function copy(text) {
     area.remove();
   }
   say("copied");
+  const before = button.dataset.label ??= button.textContent;
+  button.textContent = "Copied";
+  setTimeout(() => { button.textContent = before; }, 2000);
 }
 
 /** A mono WAV of 16 bits. */

@@ -23,6 +23,7 @@ function showFilm() {
   $("#no-film").hidden = Boolean(shown);
   if (!shown) return;
   const canvas = $("#film");
+  canvas.width = $("#film-power").width = Math.min(1200, 2 * canvas.clientWidth || 1200); // small print stays legible
   canvas.height = Math.round((canvas.width * shown.size[1]) / shown.size[0]);
   $("#film-seek").max = shown.times.length - 1;
   const loudest = shown.power_uw.indexOf(Math.max(...shown.power_uw));

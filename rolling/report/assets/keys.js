@@ -7,7 +7,9 @@
     ArrowRight: () => seek(sharedTime() + total() / 20),
     Home: () => seek(0),
     g: () => runs.length > 1 && setMode(state.mode === "equal" ? "calibrated" : "equal"),
-    l: () => setLoop(!state.loop),
+    n: () => choose((state.run + 1) % runs.length),
+  p: () => choose((state.run + runs.length - 1) % runs.length),
+  l: () => setLoop(!state.loop),
     "?": () => { $(".keys").open = !$(".keys").open; $(".keys summary").focus(); },
   };
 
@@ -18,7 +20,7 @@
     if (on.matches("select, textarea, audio, [contenteditable], input:not([type=radio], [type=checkbox], [type=range])")) return;
     // Keys that the focused control has a use of its own for.
     if (key === " " && on.matches("button, summary, a, [type=checkbox], [type=radio]:not(:checked)")) return;
-    if ((key.startsWith("Arrow") || key === "Home") && on.matches("[type=range], [type=radio], pre")) return;
+    if ((key.startsWith("Arrow") || key === "Home") && on.matches("[type=range], [type=radio], pre, .paper, .scroll")) return;
     if (on.id === "map" && key.startsWith("Arrow")) stepMap(key === "ArrowLeft" || key === "ArrowUp" ? -1 : 1);
     else if (/^[1-9]$/.test(key) && runs.length > 1) choose(Number(key) - 1);
     else if (Object.hasOwn(KEYS, key.toLowerCase())) KEYS[key.toLowerCase()]();
@@ -38,6 +40,9 @@
     on("input[name=mode]", "change", (choice) => setMode(choice.value));
     on("input[name=source], #length", "change", () => setSource($("input[name=source]:checked").value));
   on("#save-extended", "click", saveExtended);
+  on("#compare-a, #compare-b", "change", () => { endTest(); showDifference(); });
+  on("#abx-begin", "click", beginTest);
+  on("[data-abx]", "click", (button) => ABX[button.dataset.abx]());
   on("#film-play", "click", playFilm);
   on("#film-real", "click", realTime);
   on("#film-rate", "change", stopFilm);
@@ -45,13 +50,24 @@
   on("#before", "click", () => stepMap(-1));
     on("#after", "click", () => stepMap(1));
     on("[data-save]", "click", save);
-    on("#copy-levels", "click", () => copy(data.tsv));
-    on("[data-copy]", "click", (button) => copy($(`#${button.dataset.copy}`).textContent));
+    on("#copy-levels", "click", (button) => copy(data.tsv, button));
+    on("[data-copy]", "click", (button) => copy($(`#${button.dataset.copy}`).textContent, button));
     for (const line of timelines) line.figure.querySelector(".sheet").addEventListener("click", (event) => seekByClick(event, line));
     for (const player of $$("audio")) player.addEventListener("play", () => playAlone(player));
   }
 
-  function playAlone(player) {
+  /** Boxes that are wider than the page can be scrolled by keyboard, the others are no stop of Tab. */
+function markScrolling() {
+  for (const box of $$(".paper, .scroll")) {
+    const wide = box.scrollWidth > box.clientWidth + 1;
+    for (const [name, value] of [["tabindex", "0"], ["role", "group"], ["aria-label", "scrolls sideways"]]) {
+      if (wide) box.setAttribute(name, value);
+      else box.removeAttribute(name);
+    }
+  }
+}
+
+function playAlone(player) {
     if (state.wanted) pause();
     for (const other of $$("audio")) if (other !== player) other.pause();
   }

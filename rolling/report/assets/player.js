@@ -19,7 +19,7 @@ async function decodeOne(player) {
 }
 
 const decode = () => (state.decoding ??= Promise.all($$("audio").map(decodeOne)));
-const gainOf = (number) => (number === state.run ? runs[number].playback[state.mode] * state.trim[state.mode] : 0);
+const gainOf = (number) => (number === (state.blind ?? state.run) ? runs[number].playback[state.mode] * state.trim[state.mode] : 0);
 
 /** What a run sounds as: its extended record, or its record, round again or not. */
 function bufferOf(number) {
