@@ -23,6 +23,7 @@ _PICTURES = [
     "psd",
     "third_octaves",
     "third_octaves_a",
+    "third_octaves_of_seeds",
     "levels",
     "spectrogram",
     "release_power",

@@ -24,6 +24,7 @@ from acoustics.plot_style import PREFIXES
 from rolling import __version__
 from rolling.figures import run_figures
 from rolling.figures.picture import Picture
+from rolling.figures.seed_figures import SEED
 from rolling.folders import program
 from rolling.report import citation, hearing, playback
 from rolling.report import text as report_text
@@ -44,6 +45,7 @@ SCRIPTS = (
     "core",
     "player",
     "fourier",
+    "row",
     "extended",
     "choices",
     "motion",
@@ -276,6 +278,7 @@ def page(
             css=own_text("report.css"),
             js=scripts(),
             lengths_of_extended=_lengths_of_extended(runs),
+            row=_differ_in_seed(runs),
             **_script_data(runs, views, scale),
         )
     )
@@ -319,6 +322,16 @@ def _lengths_of_extended(runs: Sequence[RunResult]) -> list[tuple[int, str]]:
         for exponent in EXTENDED
         if 2**exponent > longest
     ]
+
+
+def _differ_in_seed(runs: Sequence[RunResult]) -> bool:
+    """Return whether several runs that sound differ in the seed of their surface alone."""
+    others = [
+        run.scene.to_dict() | {"surface": run.scene.surface.model_dump() | {"seed": None}}
+        for run in runs
+        if SEED in run.values and not run.sound.not_extendable
+    ]
+    return len(runs) > 1 and len(others) == len(runs) and all(each == others[0] for each in others)
 
 
 def _views(

@@ -20,15 +20,22 @@ function choose(number) {
 function setMode(mode) {
   state.mode = mode;
   mix();
+  showMode();
+  if (state.source === "row") setSource("row"); // whose gains are within
+  say(mode === "equal" ? "equal LAeq" : "calibrated");
+}
+
+function showMode() {
+  const { mode } = state;
   for (const radio of $$("input[name=mode]")) radio.checked = radio.value === mode;
   for (const [number, { playback }] of runs.entries()) {
     if (playback.calibrated_pa === null) continue;
     const equal = mode === "equal";
-    $(`[data-gain="${number}"]`).textContent = signed(equal ? playback.equal_db : 0);
+    const gain = $(`[data-gain="${number}"]`); // a single run has none
+    if (gain) gain.textContent = signed(equal ? playback.equal_db : 0);
     const scale = playback[`${mode}_pa`] / state.trim[mode];
     $(`[data-scale="${number}"]`).textContent = `${Number(scale.toPrecision(4))} Pa`;
   }
-  say(mode === "equal" ? "equal LAeq" : "calibrated");
 }
 
 function setLoop(loop) {

@@ -51,7 +51,7 @@ function drawDifference(found) {
   found.forEach((each, band) => {
     const x = left + (band + 0.5) * step;
     pen.fillStyle = style.color;
-    if (band % (width > 800 ? 3 : 6) === 0) pen.fillText(data.bands[band], x, height - 12);
+    if (band % (width > 800 ? 3 : 6) === 0) pen.fillText(data.bands[band].replace(/000$/, "k"), x, height - 12);
     if (!each) return;
     const [value, spread] = each;
     pen.fillStyle = style.accentColor;

@@ -11,11 +11,11 @@ const longest = Math.max(...runs.map((run) => run.seconds));
 const motionUnwanted = matchMedia("(prefers-reduced-motion: reduce)");
 const modulo = (value, period) => ((value % period) + period) % period;
 
-// All that changes. What sounds is the records or, as `source` says, their extended versions. The playhead rests at `at`, or moves with the audio clock from `from` to `end`, zero at `origin`. While
+// All that changes. What sounds is the records or, as `source` says, their extended versions or a row of all. The playhead rests at `at`, or moves with the audio clock from `from` to `end`, zero at `origin`. While
 // looping it runs on beyond `total`, so that records of other lengths go round in their own time.
 const state = {
   run: 0, blind: null, mode: "calibrated", loop: runs.every((run) => run.loops && !run.buzzes), wanted: false, playing: false,
-  at: 0, from: 0, end: longest, origin: 0, source: "record", extended: [], trim: { calibrated: 1, equal: 1 },
+  at: 0, from: 0, end: longest, origin: 0, source: "record", extended: [], row: [], trim: { calibrated: 1, equal: 1 },
   context: null, master: null, decoding: null, buffers: [], voices: [], sheets: [], drawn: "", drawnAt: 0,
 };
 

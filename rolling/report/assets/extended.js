@@ -87,21 +87,23 @@ function trims(buffers) {
   return Object.fromEntries(["calibrated", "equal"].map((mode) => [mode, Math.min(1, limit / loudest(mode) || 1)]));
 }
 
+const MAKERS = { record: () => [], extended: makeExtended, row: async () => [await makeRow()] };
+
 async function setSource(source) {
   const goesOn = state.wanted;
   pause();
-  $("#length").disabled = $("#save-extended").disabled = source === "record";
+  $("#length").disabled = $("#save-extended").disabled = source !== "extended";
   const samples = 2 ** Number($("#length").value);
-  const made = source === "record" ? [] : await makeExtended(samples);
+  const made = await MAKERS[source](samples);
   $("#extending").textContent = "";
   if ($("input[name=source]:checked").value !== source || (made.length && 2 ** Number($("#length").value) !== samples)) return;
-  Object.assign(state, { source, extended: made, trim: made.length ? trims(made) : { calibrated: 1, equal: 1 }, drawn: "" });
+  Object.assign(state, { source, extended: made, trim: source === "extended" ? trims(made) : { calibrated: 1, equal: 1 }, drawn: "" });
   Object.assign(state, { at: 0, from: 0, end: total() });
   $("#seek").max = total();
   setLoop(made.length > 0 || runs.every((run) => run.loops && !run.buzzes));
-  setMode(state.mode);
+  showMode();
   showExtension();
-  say(made.length ? `extended records of ${total().toFixed(1)} s` : "the records");
+  say({ record: "the records", extended: `extended records of ${total().toFixed(1)} s`, row: "all seeds in a row" }[source]);
   if (goesOn) play();
   else render();
 }
@@ -110,7 +112,8 @@ async function setSource(source) {
 function showExtension() {
   const note = $("#extension");
   if (!note) return;
-  note.hidden = state.source === "record";
+  note.hidden = state.source !== "extended";
+  if ($("#row")) $("#row").hidden = state.source !== "row";
   if (note.hidden) return;
   const { label, extendable, kurtosis: own } = runs[state.run];
   const quieter = -20 * Math.log10(state.trim[state.mode]);

@@ -19,6 +19,7 @@ function render() {
   $("#seek").setAttribute("aria-valuetext", seconds(time));
   $("#time").textContent = `${seconds(time)} / ${seconds(total())}`;
   for (const { line } of timelines) line.hidden = state.source !== "record"; // nothing rolls in an extended record
+  if (state.source === "row") showRow();
   if (state.source !== "record") return;
   timelines.forEach(movePlayhead);
   if (data.view && !(state.playing && motionUnwanted.matches)) showMap();

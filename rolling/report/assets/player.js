@@ -19,11 +19,11 @@ async function decodeOne(player) {
 }
 
 const decode = () => (state.decoding ??= Promise.all($$("audio").map(decodeOne)));
-const gainOf = (number) => (number === (state.blind ?? state.run) ? runs[number].playback[state.mode] * state.trim[state.mode] : 0);
+const gainOf = (number) => (state.source === "row" ? 1 : number === (state.blind ?? state.run) ? runs[number].playback[state.mode] * state.trim[state.mode] : 0);
 
 /** What a run sounds as: its extended record, or its record, round again or not. */
 function bufferOf(number) {
-  if (state.source === "extended") return state.extended[number];
+  if (state.source !== "record") return state.extended[number];
   const { round, once } = state.buffers[number];
   return goesRound(runs[number]) ? round : once;
 }
@@ -44,7 +44,8 @@ function startVoices(at) {
   const { context } = state;
   const when = context.currentTime;
   Object.assign(state, { playing: true, from: at, origin: when - at });
-  state.voices = runs.map((_, number) => {
+  const sounding = state.source === "row" ? runs.slice(0, 1) : runs; // a row is one sound
+  state.voices = sounding.map((_, number) => {
     const buffer = bufferOf(number);
     const source = new AudioBufferSourceNode(context, { buffer, loop: true });
     const gain = new GainNode(context, { gain: 0 });
