@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         reliable,
         third_octave_mean_square,
     )
+    from acoustics.extension import extend, kurtosis
     from acoustics.level import SoundLevels, laeq_db, level_db, sound_levels
     from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C, intensity, sound_pressure
     from acoustics.spectrum import Psd, line_spectrum, welch
@@ -45,7 +46,9 @@ __all__ = [
     "SoundLevels",
     "a_weighting_db",
     "band_uncertainty_db",
+    "extend",
     "intensity",
+    "kurtosis",
     "laeq_db",
     "level_db",
     "level_uncertainty",
@@ -68,6 +71,7 @@ _MODULES = {
         "reliable",
         "third_octave_mean_square",
     ),
+    "extension": ("extend", "kurtosis"),
     "level": ("SoundLevels", "laeq_db", "level_db", "sound_levels"),
     "radiation": ("I_REF_W_M2", "P_REF_PA", "RHO_C", "intensity", "sound_pressure"),
     "spectrum": ("Psd", "line_spectrum", "welch"),

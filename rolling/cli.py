@@ -158,6 +158,18 @@ def _report(given: argparse.Namespace) -> int:
     return OK
 
 
+def _extend(given: argparse.Namespace) -> int:
+    from rolling.check import early
+
+    early.refuse_folders([given.folder])
+    with progress.step(LOADING):
+        from rolling.commands import extending
+    for written in extending.extend(given.folder, given.seconds):
+        print(written.path)
+        progress.line(f"{written.label}: {written.text}")
+    return OK
+
+
 def _print_folder(folder: Path) -> None:
     """Print the folder of a command before it begins, unless the command is quiet."""
     if not progress.is_quiet():
@@ -409,6 +421,12 @@ _COMMANDS = (
         _report,
         "write one page to hear, see and read runs: a single HTML file that needs no network",
         (arguments.reported_folders,),
+    ),
+    _Command(
+        "extend",
+        _extend,
+        "write a long record with the spectrum of a run's record, to listen to; it never repeats",
+        (arguments.folder, arguments.extension),
     ),
     _Command(
         "accuracy",

@@ -55,7 +55,7 @@ FEW_FILES = 0.2e6  # short tables and files of a run that has no pictures
 SAMPLE_FILE, SAMPLE_PAGE, LAP_MAP_PAGE = 15.0, 2.7, 13.5  # in WAV files; on the page
 MAP_FILE = 1.0  # per cell of the pressure maps, compressed
 # Pictures and short tables of a run, its part of the page, and the page itself:
-RUN_FILES, PAGE_RUN, PAGE = 1.6e6, 0.4e6, 0.8e6
+RUN_FILES, PAGE_RUN, PAGE = 1.7e6, 0.6e6, 0.8e6
 
 ADVICE = {
     "program": "give fewer --workers",

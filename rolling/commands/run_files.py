@@ -42,6 +42,10 @@ class Wanted:
         """Return whether each of so many runs has all files in its folder, not four only."""
         return self.pictures is True or runs <= demand.PAGE_RUNS
 
+    def shows_each(self, runs: int) -> bool:
+        """Return whether each of so many runs is heard and seen on the page."""
+        return self.page and self.pictures is not False and runs <= demand.PAGE_RUNS
+
 
 def write_run(finished: RunResult, result: Result, whole: bool) -> None:
     """Write result, sound files, numbers and provenance of one run into its folder.

@@ -104,6 +104,7 @@ def solve(work: Work) -> Report:
             work.runs[0].scene.name,
             begun=lambda each: work.held.mark(each.folder, "running"),
             complete=complete,
+            filmed=work.wanted.shows_each(len(work.runs)),
         )
         finished = make_sounds(work, sounds)
         details.tell(work.runs, work.results)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from rolling.figures import contact_figures, sound_figures
+from rolling.figures import contact_figures, seed_figures, sound_figures
 from rolling.figures.contact_figures import ContactScales
 from rolling.figures.picture import Picture
 from rolling.figures.sound_figures import CurveScales, TimeScales
@@ -101,6 +101,8 @@ def of_runs(runs: Sequence[RunResult]) -> Iterator[Picture]:
     scales = CurveScales.of(runs)
     yield from sound_figures.spectra(runs, scales)
     yield from sound_figures.third_octaves(runs, scales)
+    if seeds := seed_figures.third_octaves_of_seeds(runs, scales):
+        yield seeds
     key = sound_figures.swept_key(runs)
     if key is not None:
         yield sound_figures.levels(key, runs)

@@ -23,6 +23,7 @@ _PICTURES = [
     "psd",
     "third_octaves",
     "third_octaves_a",
+    "third_octaves_of_seeds",
     "levels",
     "spectrogram",
     "release_power",
@@ -44,6 +45,8 @@ _OF_A_RUN = [
     "signal.json",
     "listen.wav",
     "listen.json",
+    "extended.wav",
+    "extended.json",
 ]
 
 # These are the names by kind of folder. Folders of other kinds are never replaced.

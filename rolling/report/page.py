@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -18,14 +18,17 @@ import jinja2
 import numpy as np
 from markupsafe import Markup
 
-from acoustics import wav
+from acoustics import extension, wav
+from acoustics.bands import BAND_NAMES
 from acoustics.plot_style import PREFIXES
 from rolling import __version__
 from rolling.figures import run_figures
 from rolling.figures.picture import Picture
+from rolling.figures.seed_figures import SEED
 from rolling.folders import program
-from rolling.report import citation, playback
+from rolling.report import citation, hearing, playback
 from rolling.report import text as report_text
+from rolling.report.films import Film, film_of
 from rolling.report.playback import Playback
 from rolling.report.run_maps import MapScale, RunMaps, maps_of
 from rolling.simulation import caveats
@@ -37,6 +40,38 @@ from rolling.terminal import defaults
 LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
 GENERATOR = f"{program.NAME} {__version__}"
 MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
+# The parts of the page's script, in their order.
+SCRIPTS = (
+    "core",
+    "player",
+    "fourier",
+    "row",
+    "extended",
+    "choices",
+    "motion",
+    "contact",
+    "film",
+    "downloads",
+    "compare",
+    "abx",
+    "sorting",
+    "keys",
+    "begin",
+)
+EXTENDED = range(18, 22)  # powers of two: lengths of extended records in samples
+SECTIONS = {  # by their places on the page
+    "listen": "Listen",
+    "slow": "Slow motion",
+    "contact": "Contact",
+    "spectra": "Spectra",
+    "compare": "Two runs compared",
+    "spectrograms": "Spectrograms",
+    "levels": "Levels",
+    "surface": "Surface",
+    "events": "Recovery events",
+    "assumed": "Assumed and warned",
+    "again": "Make it again",
+}
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 # pictures of single runs, even if several are compared
 OWN = (*TIMELINES, "surface", "contact", "recovery_events")
@@ -65,6 +100,7 @@ class Exhibit:
     csv : str or None. Data URI of the curves; None if they are too long.
     has_curves : bool. Whether the picture has curves at all.
     time : TimeAxis or None. The time axis of a picture over time.
+    size : (int, int), pixels. Width and height of the picture, so that nothing moves as it loads.
     """
 
     name: str
@@ -73,6 +109,7 @@ class Exhibit:
     csv: str | None
     has_curves: bool
     time: TimeAxis | None
+    size: tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -97,6 +134,7 @@ class RunView:
     wav : str. Data URI of its record.
     pictures : dict of Exhibit. Its own pictures by name.
     maps : RunMaps or None. Its pressure maps.
+    film : Film or None. Its slow motion.
     """
 
     label: str
@@ -105,6 +143,7 @@ class RunView:
     wav: str
     pictures: dict[str, Exhibit]
     maps: RunMaps | None
+    film: Film | None
 
     @property
     def repeats(self) -> list[Caveat]:
@@ -127,6 +166,15 @@ class RunView:
             "buzzes": any(caveat.key == "short_loop" for caveat in self.repeats),
             "playback": asdict(self.playback),
             "maps": maps,
+            "film": _film_data(self.film) if self.film else None,
+            "slug": _slug(self.label),
+            "bands": _rounded(sound.levels.third_octave_db),
+            "spreads": _rounded(self.run.summary["third_octave_uncertainty_db"]),
+            "laps": self.run.laps,
+            "extendable": not sound.not_extendable,
+            "kurtosis": round(extension.kurtosis(sound.pressure), 3)
+            if sound.pressure.any()
+            else None,
         }
 
 
@@ -161,8 +209,20 @@ def exhibit(picture: Picture) -> Exhibit:
     link = _uri("text/csv", csv) if 0 < len(csv) <= LARGEST_CSV else None
     time = _time_axis(picture) if picture.name in TIMELINES else None
     return Exhibit(
-        picture.name, picture.alt, _uri("image/svg+xml", picture.svg()), link, bool(csv), time
+        picture.name,
+        picture.alt,
+        _uri("image/svg+xml", picture.svg()),
+        link,
+        bool(csv),
+        time,
+        _size(picture),
     )
+
+
+def _size(picture: Picture) -> tuple[int, int]:
+    """Return width and height of a picture in pixels of CSS, 96 to the inch."""
+    width, height = (round(96 * inches) for inches in picture.figure.get_size_inches())
+    return width, height
 
 
 def page(
@@ -184,7 +244,8 @@ def page(
         The HTML file.
     """
     scale, maps = maps_of(runs)
-    views = _views(runs, shelf, maps)
+    films = [film_of(run, scale.max_gpa) if scale else None for run in runs]
+    views = _views(runs, shelf, maps, films)
     common = [
         picture
         for run, picture in shelf
@@ -202,17 +263,22 @@ def page(
                 )
             ),
             text=report_text,
+            hearing=hearing,
             citation=citation,
             runs=runs,
             views=views,
+            contents=_contents(runs, views),
             unheard=list(unheard),
             lengths={round(run.sound.duration, 4) for run in runs},
             SHORT_S=caveats.SHORT_S,
             map_scale=scale,
+            filmed=any(films),
             curves=common,
             surfaces=_surfaces(views),
             css=own_text("report.css"),
-            js=own_text("report.js"),
+            js=scripts(),
+            lengths_of_extended=_lengths_of_extended(runs),
+            row=_differ_in_seed(runs),
             **_script_data(runs, views, scale),
         )
     )
@@ -225,26 +291,77 @@ def _script_data(
     """Return the data of the page's script, and whether a record is short."""
     players = [view.player for view in views]
     data = {"runs": players, "view": asdict(scale) if scale else None, "tsv": report_text.tsv(runs)}
+    data["bands"] = list(BAND_NAMES)
     return {"data": data, "short": any(player["buzzes"] for player in players)}
+
+
+def _rounded(levels: Mapping[str, float | None]) -> list[float | None]:
+    """Return levels by band [dB], with three decimals."""
+    return [None if (level := levels[name]) is None else round(level, 3) for name in BAND_NAMES]
+
+
+def _contents(runs: Sequence[RunResult], views: Sequence[RunView]) -> list[tuple[str, str]]:
+    """Return place and name of the sections of the page."""
+    shown = {
+        "compare": len(runs) > 1,
+        "events": any("recovery_events" in view.pictures for view in views),
+    }
+    return [(place, name) for place, name in SECTIONS.items() if shown.get(place, True)]
+
+
+def _lengths_of_extended(runs: Sequence[RunResult]) -> list[tuple[int, str]]:
+    """Return exponents and seconds of the extended records that the page can make.
+
+    They are longer than all records; there are none where no record can be extended.
+    """
+    if all(run.sound.not_extendable for run in runs):
+        return []
+    longest = max(len(run.sound.pressure) for run in runs)
+    return [
+        (exponent, f"{2**exponent / wav.SAMPLE_RATE_HZ:.3g}")
+        for exponent in EXTENDED
+        if 2**exponent > longest
+    ]
+
+
+def _differ_in_seed(runs: Sequence[RunResult]) -> bool:
+    """Return whether several runs that sound differ in the seed of their surface alone."""
+    others = [
+        run.scene.to_dict() | {"surface": run.scene.surface.model_dump() | {"seed": None}}
+        for run in runs
+        if SEED in run.values and not run.sound.not_extendable
+    ]
+    return len(runs) > 1 and len(others) == len(runs) and all(each == others[0] for each in others)
 
 
 def _views(
     runs: Sequence[RunResult],
     shelf: Sequence[tuple[RunResult | None, Exhibit]],
     maps: Sequence[RunMaps | None],
+    films: Sequence[Film | None],
 ) -> list[RunView]:
-    """Return the runs with players, pictures and maps."""
+    """Return the runs with players, pictures, maps and films."""
     peaks = [float(np.abs(run.sound.pressure).max()) for run in runs]
     gains = playback.playbacks(peaks, [run.sound.levels.laeq_db for run in runs])
     views = []
-    for run, gain, own_maps in zip(runs, gains, maps, strict=True):
+    for run, gain, own_maps, film in zip(runs, gains, maps, films, strict=True):
         comment = f"full scale = {gain.full_scale_pa:.6g} Pa"
         record = wav.listening(
             run.sound.pressure, 1 / gain.full_scale_pa, comment, run.label, 16, run.sound.loops
         )
         pictures = {picture.name: picture for owner, picture in shelf if owner is run}
-        views.append(RunView(run.label, run, gain, _uri("audio/wav", record), pictures, own_maps))
+        views.append(
+            RunView(run.label, run, gain, _uri("audio/wav", record), pictures, own_maps, film)
+        )
     return views
+
+
+def _film_data(film: Film) -> dict[str, Any]:
+    """Return a film for the script of the page."""
+    data = asdict(film) | {"ground": _uri("image/png", film.ground)}
+    for name, sheet in (("pressure", film.pressure), ("release", film.release)):
+        data[name]["png"] = _uri("image/png", sheet.png)
+    return data
 
 
 def _time_axis(picture: Picture) -> TimeAxis:
@@ -297,6 +414,7 @@ def environment() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     environment.filters["slug"] = _slug
+    environment.filters["css_text"] = _css_text
     # NaN must not reach the script of the page, because it is not JSON.
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     return environment
@@ -305,6 +423,22 @@ def environment() -> jinja2.Environment:
 def _slug(label: str) -> str:
     """Write a label as part of a file's name."""
     return re.sub(r"[^A-Za-z0-9.=-]+", "_", label).strip("_")
+
+
+def _css_text(text: str) -> Markup:
+    """Write any text as the inside of a string of CSS, all but letters and digits as numbers."""
+    return Markup(
+        "".join(
+            letter if letter.isascii() and letter.isalnum() else f"\\{ord(letter):06x}"
+            for letter in text
+        )
+    )
+
+
+def scripts() -> Markup:
+    """Join the parts of the page's script in a scope of its own."""
+    parts = "\n".join(own_text(f"{name}.js") for name in SCRIPTS)
+    return Markup(f'(() => {{\n"use strict";\n{parts}}})();')
 
 
 def own_text(name: str) -> Markup:

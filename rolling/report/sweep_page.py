@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rolling.report import citation
+from rolling.report import citation, hearing
 from rolling.report import text as report_text
 from rolling.report.page import GENERATOR, Exhibit, environment, own_text
 from rolling.simulation.run_result import RunResult
@@ -32,7 +32,9 @@ def page(
         .render(
             generator=GENERATOR,
             title=", ".join(dict.fromkeys(run.scene.name for run in runs)),
+            descriptions=[],
             text=report_text,
+            hearing=hearing,
             citation=citation,
             runs=runs,
             unheard=list(unheard),

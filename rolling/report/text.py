@@ -374,6 +374,11 @@ def headline(runs: Sequence[RunResult]) -> str:
     return " ".join(each.line for each in remarks(runs) if each.key in caveats.HEADLINE)
 
 
+def band_errors(runs: Sequence[RunResult]) -> list[Remark]:
+    """List the caveat that names the bands that the grid or the solver puts off."""
+    return [each for each in remarks(runs) if each.key == "band_errors"]
+
+
 def partial(runs: Sequence[RunResult]) -> list[Remark]:
     """List the caveat that names the partial runs, if there are any."""
     return [each for each in remarks(runs) if each.key == "partial"]

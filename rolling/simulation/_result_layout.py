@@ -1,7 +1,7 @@
 """The layout of result.h5, format 2: a netCDF-4 tree with named dimensions and units.
 
 The root holds the series along the track. The groups are snapshot, pressure_maps, events
-(event_pieces while steps are missing), error_estimate and sound.
+(event_pieces while steps are missing), error_estimate, slow_motion and sound.
 """
 
 from __future__ import annotations
@@ -67,6 +67,7 @@ def image(result: Result, scene: Scene, scene_text: str, sound: ContactSound | N
         _maps(file, result)
         _events(file, result)
         _stretches(file, result)
+        _slow_motion(file, result)
         if sound is not None:
             _sound(file, sound)
         file.flush()
@@ -96,7 +97,7 @@ class _Group:
         dimensions: Sequence[str],
         units: str,
         packed: bool = False,
-        **more: str,
+        **more: str | float,
     ) -> None:
         """Add values along dimensions, compressed if `packed`, with the attributes `more`."""
         data = _dataset(self.group, name, values, packed)
@@ -284,6 +285,24 @@ def _stretches(file: h5py.File, result: Result) -> None:
     group.add("release_energy", release, ["stretch", "level", "stretch_step"], "J")
     group.add("plastic_area", plastic_area, ["stretch", "level"], "m2")
     group.add("seconds", seconds, ["stretch", "level"], "s")
+
+
+def _slow_motion(file: h5py.File, result: Result) -> None:
+    """Write the maps of the slow motion as whole numbers of a unit, as netCDF packs values."""
+    film = result.slow_motion
+    if film is None or not film.pressure.size:
+        return
+    group = _Group(file.create_group("slow_motion"))
+    group.coordinate("map_position", film.positions, "1", "position of each map")
+    for name, corner, count in zip(
+        ("along", "across"), (film.along, film.across), film.pressure.shape[1:], strict=True
+    ):
+        middles = corner + (np.arange(count) + 0.5) * film.cell
+        group.coordinate(name, middles, "m", f"middle of each cell on the plate, {name} the track")
+    group.group.attrs["cell_m"] = film.cell
+    axes = ("map_position", "along", "across")
+    group.add("pressure", film.pressure, axes, "Pa", True, scale_factor=film.pressure_unit)
+    group.add("release", film.release, axes, "J", True, scale_factor=film.release_unit)
 
 
 def _sound(file: h5py.File, sound: ContactSound) -> None:

@@ -23,6 +23,7 @@ from rolling.scene.identity import STEPS, Identity
 from rolling.simulation._result_layout import FORMAT
 from rolling.simulation.result import Result
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, PressureMap, Snapshot
+from rolling.simulation.slow_motion import SlowMotion
 from rolling.simulation.stretches import ErrorStretches, March, Trial
 
 MOST_STEPS = 10**9
@@ -58,6 +59,7 @@ def read(file: h5py.File) -> Result:
     _check_events(result, done)
     result.stretches = _stretches(file, result)
     result.trial = _trial(file)
+    result.slow_motion = _slow_motion(file, result)
     complete = _attribute(file, "complete")
     if not isinstance(complete, bool | np.bool_) or bool(complete) != result.complete:
         raise Damage(
@@ -457,3 +459,49 @@ def _trial(file: h5py.File) -> Trial | None:
         if name not in values or names.get(type(values[name])) not in kind:
             raise Damage(f"tolerance_trial: got {_shown(values.get(name))} for {name}")
     return Trial(**{name: values[name] for name in kinds})
+
+
+# ---- slow motion
+
+
+def _slow_motion(file: h5py.File, result: Result) -> SlowMotion | None:
+    group = _group(file, "slow_motion")
+    if group is None:
+        return None
+    positions = _array(group, "map_position", "iu", (None,)).astype(np.int64)
+    apart = np.diff(positions)
+    if len(positions) < 2 or apart[0] < 1 or (apart != apart[0]).any():
+        raise Damage("slow_motion/map_position: not evenly apart")
+    outside = (positions < 0) | (positions > result.solved_steps)
+    _refuse("slow_motion/map_position", outside, "are not on the track")
+    cell = _real(group, "cell_m")
+    if cell <= 0:
+        raise Damage(f"slow_motion/cell_m: {cell}, a cell is longer than 0")
+    pressure = _array(group, "pressure", "u", (len(positions), None, None))
+    release = _array(group, "release", "u", pressure.shape)
+    if not pressure.size:
+        raise Damage("slow_motion/pressure: empty")
+    corner = [
+        float(_array(group, name, "f", (count,))[0]) - cell / 2
+        for name, count in zip(("along", "across"), pressure.shape[1:], strict=True)
+    ]
+    units = [_unit(group[name]) for name in ("pressure", "release")]
+    return SlowMotion(
+        int(positions[0]),
+        int(apart[0]),
+        corner[0],
+        corner[1],
+        cell,
+        pressure.astype(np.uint8, copy=False),
+        units[0],
+        release.astype(np.uint16, copy=False),
+        units[1],
+    )
+
+
+def _unit(data: h5py.Dataset) -> float:
+    """Read the unit of packed values."""
+    unit = data.attrs.get("scale_factor")
+    if not isinstance(unit, float | np.floating) or not math.isfinite(unit) or unit <= 0:
+        raise Damage(f"{data.name.lstrip('/')}: scale_factor {_shown(unit)}, allowed is above 0")
+    return float(unit)

@@ -17,6 +17,7 @@ from rolling.simulation import (
     labels,
     result_file,
     simulate,
+    slow_march,
     solving,
     tolerance_trial,
 )
@@ -97,6 +98,7 @@ def solve(
     mapped: bool = True,
     begun: Callable[[Run], object] = lambda run: None,
     complete: Callable[[int], object] | None = None,
+    filmed: bool = False,
 ) -> Outcome:
     """Solve the missing steps of runs, and write each result.h5 as it grows.
 
@@ -111,11 +113,12 @@ def solve(
     begun : callable. It receives a run when one of its pieces is handed to a process.
     complete : callable. It receives the number of a run when all of it is solved, and writes its
         result. Default: the result is written without its sound.
+    filmed : bool. Whether complete runs get a slow motion. Default: false.
     """
     unsolved = [
         k
         for k, (run, result) in enumerate(zip(runs, results, strict=True))
-        if not result.complete or error_stretches.missing(run.scene, result)
+        if _lacks_marches(run, result, filmed)
     ]
     keepers = {k: Keeper() for k in unsolved}
     unkept: set[int] = set()
@@ -123,7 +126,7 @@ def solve(
     def added(number: int) -> None:
         run, result = runs[number], results[number]
         unkept.add(number)
-        last = result.complete and not error_stretches.missing(run.scene, result)
+        last = not _lacks_marches(run, result, filmed)
         # A result of one piece is written once, with its sound.
         at_once = complete is not None and last and result.solved_steps <= simulate.PIECE_STEPS
         if not at_once and (keepers[number].due() or last):
@@ -150,6 +153,7 @@ def solve(
         mapped,
         begun=lambda number: begun(runs[number]),
         added=added,
+        filmed=filmed,
     )
     for k in unsolved:
         if k in unkept:
@@ -158,6 +162,13 @@ def solve(
         if fault := other_surface(runs[k], results[k]):
             outcome.failures.setdefault(k, fault)
     return outcome
+
+
+def _lacks_marches(run: Run, result: Result, filmed: bool) -> bool:
+    """Return whether pieces, stretches of the error estimate or the slow motion are missing."""
+    if not result.complete or error_stretches.missing(run.scene, result):
+        return True
+    return filmed and slow_march.missing(run.scene, result)
 
 
 def keep(run: Run, result: Result, sound: ContactSound | None = None) -> None:

@@ -16,6 +16,7 @@ from rolling.contact.recovery import join_events
 from rolling.scene.identity import Identity
 from rolling.scene.track import Track
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, Piece, PressureMap, Snapshot
+from rolling.simulation.slow_motion import SlowMotion
 from rolling.simulation.stretches import ErrorStretches, March, Trial
 
 
@@ -35,6 +36,7 @@ class Result:
     identity : Identity. Scene and surface that were solved; None in files of version 0.1.0.
     stretches : ErrorStretches. Stretches that were marched for the error estimate. Default: None.
     trial : Trial. Choice of the tolerance; None if the scene gave a number. Default: None.
+    slow_motion : SlowMotion. Contiguous maps around the loudest event, for the page. Default: None.
     """
 
     steps: int
@@ -48,6 +50,7 @@ class Result:
     identity: Identity | None = None
     stretches: ErrorStretches | None = None
     trial: Trial | None = None
+    slow_motion: SlowMotion | None = None
 
     @classmethod
     def empty(cls, track: Track, start: float) -> Result:

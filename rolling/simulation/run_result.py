@@ -88,6 +88,11 @@ class RunResult:
         """The scene and the label."""
         return labels.title(self.scene.name, self.label)
 
+    @property
+    def laps(self) -> float:
+        """Number of times that the record holds the solved track, at least 1."""
+        return max(1.0, self.result.done_steps / self.result.solved_steps)
+
     # ---- series of the whole run
 
     @cached_property

@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 
 from rolling.check import cost
 from rolling.scene.scene import Scene
-from rolling.simulation import error_stretches, pool, simulate
+from rolling.simulation import error_stretches, pool, simulate, slow_march
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
+from rolling.simulation.slow_motion import SlowMotion
 from rolling.simulation.stretches import March
 from rolling.terminal import progress as terminal
 
@@ -26,6 +27,7 @@ def solve(
     progress: bool | None = None,
     begun: Callable[[int], object] = _ignore,
     added: Callable[[int], object] = _ignore,
+    filmed: bool = False,
 ) -> Outcome:
     """Solve the missing steps of runs and add them to their results.
 
@@ -37,13 +39,14 @@ def solve(
     name : str. Name of the progress bar.
     mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
         Default: true.
+    filmed : bool. Whether complete runs get a slow motion. Default: false.
     progress : bool. Whether a progress bar is shown. Default: on a terminal and in a notebook.
     begun : callable. It receives the number of a run when one of its pieces is handed to a process.
     added : callable. It receives the number of a run after each piece is added to its result.
     """
-    work = _Work(scenes, results)
+    work = _Work(scenes, results, filmed)
     todo = work.pieces()
-    others = [task for k in work.longest_first if not work.waiting[k] for task in work.stretches(k)]
+    others = [task for k in work.longest_first if not work.waiting[k] for task in work.following(k)]
     total = sum((last - first) * work.step_seconds[k] for k, first, last in todo)
     total += sum(task.cost for task in others)
 
@@ -54,7 +57,7 @@ def solve(
     )
     with terminal.bar(total, name, progress) as bar:
 
-        def finished(number: int, done: simulate.Piece | March) -> list[pool.Task]:
+        def finished(number: int, done: simulate.Piece | March | SlowMotion) -> list[pool.Task]:
             following = work.add(number, done)
             added(number)
             bar.grow(sum(task.cost for task in following))
@@ -77,15 +80,18 @@ def _piece_text(piece: simulate.Piece) -> str:
 
 
 class _Work:
-    """Work on runs: their missing pieces, and then the stretches for their error estimates.
+    """Work on runs: their pieces, then the stretches for their error estimates, then slow motions.
 
     scenes, results : sequences. The runs.
+    filmed : bool. Whether complete runs get a slow motion.
     step_seconds : list of float. Expected time of a step of each run [s].
     waiting : list of int. Number of tasks of each run that are not done.
     """
 
-    def __init__(self, scenes: Sequence[Scene], results: Sequence[Result]) -> None:
-        self.scenes, self.results = scenes, results
+    def __init__(
+        self, scenes: Sequence[Scene], results: Sequence[Result], filmed: bool = False
+    ) -> None:
+        self.scenes, self.results, self.filmed = scenes, results, filmed
         self.step_seconds = [
             cost.expected_seconds(scene) / result.solved_steps
             for scene, result in zip(scenes, results, strict=True)
@@ -119,21 +125,25 @@ class _Work:
             for seconds, result in zip(self.step_seconds, self.results, strict=True)
         ]
 
-    def add(self, number: int, done: simulate.Piece | March) -> list[pool.Task]:
-        """Add a piece or a stretch to the result of a run, and return the tasks that follow."""
+    def add(self, number: int, done: simulate.Piece | March | SlowMotion) -> list[pool.Task]:
+        """Add a piece, a stretch or a slow motion to its run, and return the tasks that follow."""
         result = self.results[number]
         if isinstance(done, March):
             result.add_march(done)
+        elif isinstance(done, SlowMotion):
+            result.slow_motion = done
         else:
             result.add(done)
         self.waiting[number] -= 1
-        return [] if self.waiting[number] else self.stretches(number)
+        return [] if self.waiting[number] else self.following(number)
 
-    def stretches(self, number: int) -> list[pool.Task]:
-        """Return the marches of stretches that a run needs next."""
-        scene = self.scenes[number]
-        tasks = error_stretches.tasks(
-            scene, self.results[number], number, self.step_seconds[number]
-        )
+    def following(self, number: int) -> list[pool.Task]:
+        """Return the marches of stretches that a run needs next, or that of its slow motion."""
+        scene, result = self.scenes[number], self.results[number]
+        step_seconds = self.step_seconds[number]
+        tasks = error_stretches.tasks(scene, result, number, step_seconds)
+        if self.filmed and not tasks:
+            film = slow_march.task(scene, result, number, step_seconds)
+            tasks = [film] if film else []
         self.waiting[number] += len(tasks)
         return tasks

@@ -7,10 +7,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from acoustics import wav
+from acoustics import extension, wav
+from rolling._typing import Array
 from rolling.folders import files as run_folder
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound
+
+EXTENDED = (
+    "stationary Gaussian noise with the band levels of the record; it has none of the record's"
+    " single events and never repeats"
+)
 
 
 def write(
@@ -80,6 +86,42 @@ def write_signal(folder: Path, scene: Scene, label: str, sound: ContactSound) ->
     OSError : the file cannot be written; an earlier one is still there.
     """
     run_folder.write_bytes(folder / "signal.wav", _signal(scene, label, sound))
+
+
+def write_extended(
+    folder: Path, scene: Scene, label: str, sound: ContactSound, extended: Array
+) -> None:
+    """Write extended.wav for the ear, with its JSON file.
+
+    Parameters
+    ----------
+    folder, scene, label, sound : as in `write`.
+    extended : array, Pa. The extended record.
+
+    Raises
+    ------
+    OSError : a file cannot be written. An earlier file of this name is kept.
+    """
+    gain = wav.listening_gain(extended)
+    rule, consequence = _rule_of_gain(sound, gain)
+    comment = f"extended: {EXTENDED}; {gain:.6g} full scale per Pa, {rule}"
+    title = f"{scene.name}, {label}, extended"
+    facts = {
+        "meaning": "Samples times pascal_per_full_scale are sound pressure in Pa at the distance"
+        f" given; {consequence}.",
+        "extended": EXTENDED,
+        "duration_s": len(extended) / sound.sample_rate,
+        "loops": True,
+        "kurtosis": extension.kurtosis(extended),
+        "record_kurtosis": extension.kurtosis(sound.pressure),
+        "record_duration_s": sound.duration,
+    }
+    run_folder.write_bytes(
+        folder / "extended.wav", wav.listening(extended, gain, comment, title, loops=True)
+    )
+    sidecar = _sidecar(scene, label, sound, gain, "24-bit PCM", "")
+    del sidecar["lz_peak_db"]  # the record's own
+    run_folder.write_json(folder / "extended.json", sidecar | facts)
 
 
 def _signal(scene: Scene, label: str, sound: ContactSound) -> bytes:

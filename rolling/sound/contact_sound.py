@@ -88,6 +88,13 @@ class ContactSound:
         return self.closed and not self.has_seam
 
     @property
+    def not_extendable(self) -> str:
+        """Reason why no longer record can stand for this one; empty if one can."""
+        if not self.pressure.any():
+            return "its record is silent"
+        return "" if self.constant_speed else "its speed changes"
+
+    @property
     def ends(self) -> str:
         """End of the record in words."""
         if self.closed:

@@ -95,6 +95,18 @@ def reported_folders(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--force", action="store_true", help="replace the page in --out")
 
 
+def extension(sub: argparse.ArgumentParser) -> None:
+    """Add the length of an extended record."""
+    sub.add_argument(
+        "--seconds",
+        type=_seconds,
+        default=defaults.EXTENDED_SECONDS,
+        metavar="S",
+        help=f"length of the record to make (default {defaults.EXTENDED_SECONDS:g}), up to"
+        f" {defaults.MOST_EXTENDED_SECONDS:g}",
+    )
+
+
 def fast(sub: argparse.ArgumentParser) -> None:
     """Add the check that solves nothing."""
     sub.add_argument(

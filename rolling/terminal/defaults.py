@@ -11,6 +11,10 @@ RANDOM_SCENES = 2000
 OTHER_SCENES = 4  # odd scenes, blended scenes and scenes on sub-cells: a fourth of that each
 LONG_STEPS = 100_000
 
+# `rolling extend`
+EXTENDED_SECONDS = 30.0
+MOST_EXTENDED_SECONDS = 600.0  # a file of 90 MB
+
 # `rolling reproduce --quick`
 QUICK_SEEDS = 1
 QUICK_LOADS_N = (5, 20, 100)

@@ -6,6 +6,7 @@ import base64
 import csv
 import io
 import json
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -108,6 +109,7 @@ def test_downloads_are_what_is_shown_and_the_table_can_be_copied(runs, pages, op
         page.context.grant_permissions(["clipboard-read", "clipboard-write"])
         page.click("#copy-levels")
         until(page, "document.querySelector('#said').textContent === 'copied'")
+        assert page.text_content("#copy-levels") == "Copied"
         copied = page.evaluate("navigator.clipboard.readText()").splitlines()
         assert "upper bound" in "".join(line for line in copied if line.startswith("# "))
         rows = [row.split("\t") for row in copied if not row.startswith("#")]
@@ -147,6 +149,49 @@ def test_without_scripts_records_pictures_and_tables_are_there(pages, browser) -
     assert page.locator(".timeline[data-name=release_power]").count() == 3
     assert page.locator("#levels-table tbody tr").count() == 3
     context.close()
+
+
+def test_targets_are_large_enough_and_boxes_scroll_by_keyboard(pages, opened) -> None:
+    """Buttons, links, boxes and sliders are 24 px high at least; what overflows takes the focus."""
+    with opened(pages("three"), viewport={"width": 360, "height": 740}) as page:
+        page.evaluate("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
+        small = page.evaluate("""() => [...document.querySelectorAll(
+          'button, select, summary, .tools a, .single a, input[type=range], label:has(input)')]
+          .filter((e) => e.checkVisibility() && e.getBoundingClientRect().height < 24)
+          .map((e) => e.outerHTML.slice(0, 80))""")
+        assert small == []
+        box = page.locator(".paper").first
+        assert box.evaluate("b => b.scrollWidth > b.clientWidth")
+        box.focus()
+        page.keyboard.press("ArrowRight")
+        until(page, "document.activeElement.scrollLeft > 0")
+    with opened(pages("three")) as page:
+        assert page.locator(".paper[tabindex]").count() == 0
+
+
+def test_a_silent_run_says_so_and_is_not_chosen_first(pages, opened) -> None:
+    with opened(pages("smooth", "one")) as page:
+        assert page.input_value("#choose") == "1"
+        assert "(silent)" in page.text_content("#choose option:first-child")
+        page.keyboard.press("1")
+        assert page.locator("[data-repeats='0']").is_visible()
+        assert "nothing to hear" in page.text_content("[data-repeats='0']")
+
+
+def test_curves_follow_dark_mode_and_maps_keep_their_colours(pages, opened) -> None:
+    filters = "getComputedStyle(document.querySelector('{}')).filter"
+    for scheme, dark in (("dark", True), ("light", False)):
+        with opened(pages("three"), color_scheme=scheme) as page:
+            curves = ".lines .sheet"
+            assert ("invert" in page.evaluate(filters.format(curves))) == dark
+            maps = "[data-name=spectrogram] .sheet"
+            assert page.evaluate(filters.format(maps)) == "none"
+
+
+def test_any_title_is_text_in_the_style_sheet() -> None:
+    for title in ('"; } body { display: none; } a { b: "', "</style><b>", "größe \\ 音\n"):
+        written = page._css_text(title)
+        assert re.fullmatch(r"[0-9A-Za-z\\]*", written)
 
 
 def test_the_scene_on_the_page_is_the_one_that_was_run(runs, pages, opened) -> None:

@@ -34,7 +34,7 @@ MINUS = "\N{MINUS SIGN}"
 RATE = wav.SAMPLE_RATE_HZ
 # Counts what the page starts, keeps its gains, and listens at its way out.
 TAP = """
-  window.tap = { starts: 0, gains: [], analyser: null };
+  window.tap = { starts: 0, gains: [], sources: [], analyser: null };
   const start = AudioBufferSourceNode.prototype.start;
   AudioBufferSourceNode.prototype.start = function (...a) {
     tap.starts++;
@@ -42,7 +42,10 @@ TAP = """
   };
   const connect = AudioNode.prototype.connect;
   AudioNode.prototype.connect = function (to, ...rest) {
-    if (this instanceof AudioBufferSourceNode) tap.gains.push(to);
+    if (this instanceof AudioBufferSourceNode) {
+      tap.gains.push(to);
+      tap.sources.push(this);
+    }
     if (to instanceof AudioDestinationNode) {
       tap.analyser = new AnalyserNode(this.context, { fftSize: 2048 });
       connect.call(this, tap.analyser);

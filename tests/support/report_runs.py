@@ -14,7 +14,7 @@ import pytest
 from rolling import commands
 from rolling.commands import work
 from rolling.folders import run_record
-from rolling.simulation import batch, result_file, simulate
+from rolling.simulation import batch, result_file, simulate, slow_march
 from rolling.simulation.run_result import RunResult
 from rolling.surface import heights
 
@@ -79,6 +79,18 @@ class Runs:
     def lap(self) -> Path:
         """Return a run of one lap: 6 ms that loop."""
         return self._made("lap", SCENE.replace("0.9", "0.006"))
+
+    def filmed(self) -> Path:
+        """Return a run of one lap with a slow motion, for which it is really too short."""
+        out = self.folder / "filmed"
+        if not out.exists():
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setattr(slow_march, "SHARE", 0.3)
+                patch.setattr(work, "write_pictures", lambda *_: [])
+                scene = self.folder / "filmed.yaml"
+                scene.write_text(SCENE.replace("PATH", f"'{self.heights}'").replace("0.9", "0.006"))
+                assert commands.run(scene, [], out, workers=1).exit_code == 0
+        return out
 
     def partial(self) -> Path:
         """Return a run that stopped after 200 of the 300 steps of its only lap."""

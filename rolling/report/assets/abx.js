@@ -1,0 +1,58 @@
+// ---- the blind test: is X the run A or the run B? ----
+
+const abx = { x: null, trials: 0, right: 0 };
+
+/** Probability to have at least so many right by chance. */
+function byChance(right, trials) {
+  let [sum, term] = [0, 0.5 ** trials];
+  for (let k = 0; k <= trials; k++) {
+    if (k >= right) sum += term;
+    term *= (trials - k) / (k + 1);
+  }
+  return sum;
+}
+
+/** Lets one run through without saying which. */
+function hearBlind(number) {
+  state.blind = number;
+  if (state.wanted) mix();
+  else play();
+}
+
+function beginTest() {
+  Object.assign(abx, { trials: 0, right: 0 });
+  drawLots();
+  $("#abx-result").textContent = "Listen, then say what X is.";
+}
+
+function drawLots() {
+  const [a, b] = pair();
+  abx.x = Math.random() < 0.5 ? a : b;
+  for (const button of $$("[data-abx]")) button.disabled = a === b;
+}
+
+function endTest() {
+  abx.x = state.blind = null;
+  for (const button of $$("[data-abx]")) button.disabled = true;
+  if ($("#abx-result")) $("#abx-result").textContent = "";
+  if (state.playing) mix();
+}
+
+function answer(number) {
+  const right = number === abx.x;
+  abx.trials += 1;
+  abx.right += right;
+  const percent = 100 * byChance(abx.right, abx.trials);
+  const chance = percent < 0.1 ? "less than 0.1" : Number(percent.toPrecision(2));
+  const text = `${right ? "Right" : "Wrong"}. ${abx.right} of ${abx.trials} right; guessing gives that or more in ${chance} % of tests.`;
+  $("#abx-result").textContent = text;
+  drawLots();
+}
+
+const ABX = {
+  a: () => hearBlind(pair()[0]),
+  b: () => hearBlind(pair()[1]),
+  x: () => hearBlind(abx.x),
+  "is-a": () => answer(pair()[0]),
+  "is-b": () => answer(pair()[1]),
+};

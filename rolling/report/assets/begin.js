@@ -1,0 +1,17 @@
+function begin() {
+    document.documentElement.classList.add("scripted");
+    $("#transport").hidden = false;
+    $(".singles").open = runs.length === 1;
+    $("#seek").max = total();
+    $("#loop").checked = state.loop;
+    listen();
+  for (const table of $$("#levels-table, .players")) if (runs.length > 1) makeSortable(table);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { showDifference(); showFilm(); });
+  new ResizeObserver(markScrolling).observe(document.body);
+    choose(Math.max(0, runs.findIndex((run) => run.playback.calibrated_pa !== null))); // one that can be heard
+    showDifference();
+  say("");
+    (window.requestIdleCallback ?? setTimeout)(decode); // so that the first play is not late
+  }
+
+  begin();

@@ -1,0 +1,122 @@
+// ---- the contact ----
+
+/** Which of the stretches of time with one map each the chosen run is in. */
+function stretch() {
+  const { begins } = runs[state.run].maps;
+  const time = ownTime(state.run);
+  let low = 0;
+  for (let high = begins.length; high - low > 1; ) {
+    const middle = (low + high) >> 1;
+    if (begins[middle] <= time) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
+function sheetOf(number) {
+  if (!state.sheets[number]) {
+    const sheet = new Image();
+    sheet.onload = render;
+    sheet.src = runs[number].maps.sheet;
+    state.sheets[number] = sheet;
+  }
+  return state.sheets[number];
+}
+
+/** Shows the map of the time that is heard; while it plays, a map stays long enough to be seen. */
+function showMap() {
+  const run = runs[state.run];
+  $("#map-run").textContent = run.label;
+  $("#map-time").textContent = seconds(ownTime(state.run));
+  const map = run.maps ? run.maps.order[stretch()] : -1;
+  const ready = map >= 0 && sheetOf(state.run).complete;
+  const drawn = `${state.run} ${map} ${ready}`;
+  const now = performance.now();
+  const held = state.playing && state.drawn.startsWith(`${state.run} `) && now - state.drawnAt < HOLD_MS;
+  if (drawn === state.drawn || held) return;
+  Object.assign(state, { drawn, drawnAt: now });
+  showReadings(run, map);
+  drawMap(run, ready ? map : -1);
+}
+
+function showReadings({ label, maps }, map) {
+  const read = (name, unit, factor = 1) => {
+    const value = maps?.[name][map] ?? null;
+    return value === null ? "-" : `${Number((value * factor).toPrecision(4))} ${unit}`;
+  };
+  $("#map-position").textContent = read("position_mm", "mm");
+  $("#map-load").textContent = maps ? `${maps.load_n} N` : "-";
+  $("#map-pressure").textContent = read("max_pressure_gpa", "GPa");
+  $("#map-area").textContent = read("contact_um2", "µm²");
+  $("#map-plastic").textContent = read("plastic_um2", "µm²");
+  const number = maps ? `map ${map + 1} of ${maps.tiles.length}` : "no maps kept";
+  $("#map-number").textContent = number;
+  $("#map").setAttribute("aria-label", `Contact pressure, ${label}, ${number}`);
+}
+
+function drawMap({ maps }, map) {
+  const canvas = $("#map");
+  const pen = canvas.getContext("2d");
+  const perUm = canvas.width / (2 * data.view.half_um);
+  const middle = canvas.width / 2;
+  pen.fillStyle = "#000";
+  pen.fillRect(0, 0, canvas.width, canvas.height);
+  if (map >= 0) {
+    const [x, y, width, height] = maps.tiles[map];
+    const [left, top, cell] = maps.boxes[map].map((um) => um * perUm);
+    pen.imageSmoothingEnabled = false; // a cell is what was computed, nothing between cells was
+    pen.drawImage(state.sheets[state.run], x, y, width, height, middle + left, middle - top, width * cell, height * cell);
+  }
+  if (maps) drawCircle(pen, middle, middle, maps.hertz_um * perUm);
+  drawScale(pen, perUm, data.view.half_um / 1.5);
+  drawArrow(pen);
+}
+
+function drawCircle(pen, x, y, radius) {
+  pen.setLineDash([9, 7]);
+  for (const [colour, width] of [["#000", 5], ["#7fd4ff", 2]]) { // seen on the darkest pressure and on the lightest
+    pen.strokeStyle = colour;
+    pen.lineWidth = width;
+    pen.beginPath();
+    pen.arc(x, y, radius, 0, 2 * Math.PI);
+    pen.stroke();
+  }
+  pen.setLineDash([]);
+}
+
+/** A scale of length, at most so many um long. */
+function drawScale(pen, perUm, longest) {
+  const decade = 10 ** Math.floor(Math.log10(longest));
+  const length = [5, 2, 1].find((digit) => digit * decade <= longest) * decade;
+  const { height } = pen.canvas;
+  pen.fillStyle = "#fff";
+  pen.fillRect(16, height - 20, length * perUm, 4);
+  pen.font = "22px system-ui, sans-serif";
+  pen.textAlign = "left";
+  pen.fillText(`${Number(length.toPrecision(1))} µm`, 16, height - 28);
+}
+
+function drawArrow(pen) {
+  const { width, height } = pen.canvas;
+  pen.fillStyle = pen.strokeStyle = "#fff";
+  pen.lineWidth = 3;
+  pen.beginPath();
+  pen.moveTo(width - 90, height - 18);
+  pen.lineTo(width - 28, height - 18);
+  pen.stroke();
+  pen.beginPath();
+  pen.moveTo(width - 14, height - 18);
+  pen.lineTo(width - 32, height - 26);
+  pen.lineTo(width - 32, height - 10);
+  pen.fill();
+  pen.textAlign = "right";
+  pen.fillText("rolls", width - 14, height - 36);
+}
+
+function stepMap(by) {
+  const { maps, seconds: own } = runs[state.run];
+  if (!maps) return;
+  if (state.wanted) pause();
+  const next = modulo(stretch() + by, maps.begins.length);
+  seek((maps.begins[next] + (maps.begins[next + 1] ?? own)) / 2);
+}

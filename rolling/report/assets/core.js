@@ -1,0 +1,42 @@
+const RATE = 48000;
+const FADE_S = 0.01; // short enough to switch at once, long enough not to click
+const NEVER = 1e9; // seconds
+const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, which is 1.25 flashes
+
+const $ = (selector) => document.querySelector(selector);
+const $$ = (selector) => [...document.querySelectorAll(selector)];
+const data = JSON.parse($("#data").textContent);
+const runs = data.runs;
+const longest = Math.max(...runs.map((run) => run.seconds));
+const motionUnwanted = matchMedia("(prefers-reduced-motion: reduce)");
+const modulo = (value, period) => ((value % period) + period) % period;
+
+// All that changes. What sounds is the records or, as `source` says, their extended versions or a row of all. The playhead rests at `at`, or moves with the audio clock from `from` to `end`, zero at `origin`. While
+// looping it runs on beyond `total`, so that records of other lengths go round in their own time.
+const state = {
+  run: 0, blind: null, mode: "calibrated", loop: runs.every((run) => run.loops && !run.buzzes), wanted: false, playing: false,
+  at: 0, from: 0, end: longest, origin: 0, source: "record", extended: [], row: [], trim: { calibrated: 1, equal: 1 },
+  context: null, master: null, decoding: null, buffers: [], voices: [], sheets: [], drawn: "", drawnAt: 0,
+};
+
+// ---- time ----
+
+function position() {
+  if (!state.playing) return state.at;
+  const heard = state.context.currentTime - (state.context.outputLatency || 0) - state.origin;
+  return Math.min(state.end, Math.max(state.from, heard));
+}
+
+/** Seconds of the longest record, or of the extended records, which are all of one length. */
+const total = () => (state.source === "record" ? longest : state.extended[0].length / RATE);
+
+const sharedTime = () => (position() === state.end ? total() : modulo(position(), total()));
+
+/** Whether a record goes round again within the longest one; one so short that it buzzes does so only when asked to. */
+const goesRound = ({ loops, buzzes }) => loops && (state.loop || !buzzes);
+
+/** Time within a run's own record: round again if it loops, at its end if it is over. */
+function ownTime(number) {
+  const { seconds } = runs[number];
+  return goesRound(runs[number]) && seconds < longest ? modulo(position(), seconds) : Math.min(sharedTime(), seconds);
+}

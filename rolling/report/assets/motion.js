@@ -1,0 +1,44 @@
+// ---- what moves ----
+
+function tick() {
+  if (!state.playing) return;
+  render();
+  requestAnimationFrame(tick);
+}
+
+function showButton() {
+  const button = $("#play");
+  button.textContent = state.wanted ? "Pause" : "Play";
+}
+
+const seconds = (time) => `${time.toFixed(longest < 1 ? 3 : 2)} s`;
+
+function render() {
+  const time = sharedTime();
+  $("#seek").value = time;
+  $("#seek").setAttribute("aria-valuetext", seconds(time));
+  $("#time").textContent = `${seconds(time)} / ${seconds(total())}`;
+  for (const { line } of timelines) line.hidden = state.source !== "record"; // nothing rolls in an extended record
+  if (state.source === "row") showRow();
+  if (state.source !== "record") return;
+  timelines.forEach(movePlayhead);
+  if (data.view && !(state.playing && motionUnwanted.matches)) showMap();
+}
+
+const timelines = $$(".timeline").map((figure) => {
+  const { run, ...rest } = figure.dataset;
+  const [begin, end, left, right] = ["begin", "end", "left", "right"].map((name) => Number(rest[name]));
+  return { figure, run: Number(run), begin, end, left, right, line: figure.querySelector(".playhead") };
+});
+
+function movePlayhead({ run, begin, end, left, right, line }) {
+  const share = (ownTime(run) - begin) / (end - begin);
+  line.style.left = `${left + (right - left) * Math.min(1, Math.max(0, share))}%`;
+}
+
+function seekByClick(event, { figure, run, begin, end, left, right }) {
+  const sheet = figure.querySelector(".sheet").getBoundingClientRect();
+  const share = ((100 * (event.clientX - sheet.left)) / sheet.width - left) / (right - left);
+  if (run !== state.run) choose(run);
+  seek(Math.min(Math.max(begin + share * (end - begin), 0), runs[run].seconds));
+}

@@ -1,0 +1,124 @@
+// ---- sound ----
+
+function bytesOf(uri) {
+  const text = atob(uri.slice(uri.indexOf(",") + 1));
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
+  return bytes;
+}
+
+/** The samples of a player, alone if they loop, and filled up with silence, so that all go round together. */
+async function decodeOne(player) {
+  const offline = new OfflineAudioContext(1, 1, RATE); // may be had before the user has clicked anything
+  const buffer = await offline.decodeAudioData(bytesOf(player.src).buffer);
+  const { loops, buzzes } = runs[Number(player.dataset.run)];
+  if (loops && !buzzes) return { record: buffer, round: buffer };
+  const once = new AudioBuffer({ length: Math.round(longest * RATE), sampleRate: RATE });
+  once.copyToChannel(buffer.getChannelData(0), 0);
+  return { record: buffer, round: loops ? buffer : once, once };
+}
+
+const decode = () => (state.decoding ??= Promise.all($$("audio").map(decodeOne)));
+const gainOf = (number) => (state.source === "row" ? 1 : number === (state.blind ?? state.run) ? runs[number].playback[state.mode] * state.trim[state.mode] : 0);
+
+/** What a run sounds as: its extended record, or its record, round again or not. */
+function bufferOf(number) {
+  if (state.source !== "record") return state.extended[number];
+  const { round, once } = state.buffers[number];
+  return goesRound(runs[number]) ? round : once;
+}
+
+function glide(gain, target) {
+  const now = state.context.currentTime;
+  gain.cancelScheduledValues(now);
+  gain.setValueAtTime(gain.value, now);
+  gain.linearRampToValueAtTime(target, now + FADE_S);
+}
+
+/** All runs sound together, but only one is let through: switching moves gains and nothing else. */
+function mix() {
+  state.voices.forEach(({ gain }, number) => glide(gain.gain, gainOf(number)));
+}
+
+function startVoices(at) {
+  const { context } = state;
+  const when = context.currentTime;
+  Object.assign(state, { playing: true, from: at, origin: when - at });
+  const sounding = state.source === "row" ? runs.slice(0, 1) : runs; // a row is one sound
+  state.voices = sounding.map((_, number) => {
+    const buffer = bufferOf(number);
+    const source = new AudioBufferSourceNode(context, { buffer, loop: true });
+    const gain = new GainNode(context, { gain: 0 });
+    source.connect(gain).connect(state.master);
+    source.start(when, modulo(at, buffer.duration));
+    return { source, gain };
+  });
+  const voices = state.voices;
+  voices[0].source.onended = () => voices === state.voices && finish();
+  setEnd();
+  mix();
+}
+
+/** Where it stops: at the end of this round, or never. */
+function setEnd() {
+  state.end = state.loop ? Infinity : total() * (Math.floor(position() / total() + 1e-9) + 1);
+  const when = state.loop ? NEVER : state.origin + state.end;
+  for (const { source } of state.voices) source.stop(when);
+}
+
+function stopVoices() {
+  const old = state.voices;
+  state.voices = [];
+  for (const { source, gain } of old) {
+    glide(gain.gain, 0);
+    source.stop(state.context.currentTime + FADE_S);
+  }
+}
+
+function audioContext() {
+  if (!state.context) {
+    state.context = new AudioContext({ sampleRate: RATE });
+    state.master = new GainNode(state.context, { gain: Number($("#volume").value) });
+    state.master.connect(state.context.destination);
+  }
+  return state.context;
+}
+
+async function play() {
+  if (state.wanted) return;
+  state.wanted = true;
+  for (const player of $$("audio")) player.pause();
+  stopFilm();
+  showButton();
+  [state.buffers] = await Promise.all([decode(), audioContext().resume()]);
+  if (!state.wanted || state.playing) return;
+  startVoices(state.at >= state.end ? 0 : state.at);
+  tick();
+}
+
+function pause() {
+  state.wanted = false;
+  if (state.playing) {
+    Object.assign(state, { at: position(), playing: false });
+    stopVoices();
+  }
+  showButton();
+  render();
+}
+
+function finish() {
+  Object.assign(state, { wanted: false, playing: false, voices: [], at: total(), end: total() });
+  showButton();
+  render();
+}
+
+function seek(time) {
+  const at = Math.min(Math.max(time, 0), total());
+  if (state.playing) {
+    stopVoices();
+    startVoices(at < total() ? at : 0);
+  } else {
+    Object.assign(state, { at, end: total() });
+  }
+  render();
+}

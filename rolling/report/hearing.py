@@ -1,0 +1,178 @@
+"""What the ear gets of runs and why, in sentences computed from their records."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from acoustics.bands import AUDIBLE_HZ
+from acoustics.spectrum import line_spectrum
+from acoustics.weighting import a_weighting_db
+from rolling._typing import Array
+from rolling.contact import closed_forms
+from rolling.report.text import surface_words
+from rolling.scene.sections import Gaussian
+from rolling.simulation.run_result import RunResult
+
+MOST = 0.8  # share of the A-weighted power that counts as most of it
+ALIKE = 0.05  # relative difference of pitch that is not named
+DIFFERS = 2.0  # standard uncertainties of a difference of levels that is named
+
+
+@dataclass(frozen=True)
+class Colour:
+    """Where the A-weighted power of a record lies.
+
+    middle_hz : float, Hz. Mean of the logarithm of the frequency, as a frequency.
+    low_hz, high_hz : float, Hz. Frequencies with a tenth of the power below and above.
+    """
+
+    middle_hz: float
+    low_hz: float
+    high_hz: float
+
+
+def colour(run: RunResult) -> Colour | None:
+    """Measure where the A-weighted power of a record lies; None for a silent one."""
+    if run.sound.levels.laeq_db is None:
+        return None
+    frequency, power = _weighted(run)
+    share = np.cumsum(power) / power.sum()
+    outside = (1.0 - MOST) / 2.0
+    low, high = (float(frequency[np.searchsorted(share, at)]) for at in (outside, 1.0 - outside))
+    middle = math.exp(float(np.average(np.log(frequency), weights=power)))
+    return Colour(middle, low, high)
+
+
+def _weighted(run: RunResult) -> tuple[Array, Array]:
+    """Return the audible lines of a record: frequencies [Hz] and A-weighted mean squares [Pa2]."""
+    frequency, power = line_spectrum(run.sound.pressure, run.sound.sample_rate)
+    heard = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
+    frequency = frequency[heard]
+    return frequency, power[heard] * 10.0 ** (a_weighting_db(frequency) / 10.0)
+
+
+def situation(runs: Sequence[RunResult]) -> str:
+    """Say what rolls over what, as far as it is the same in all runs; empty if it is not."""
+    said = {_situation(run) for run in runs}
+    return said.pop() if len(said) == 1 else ""
+
+
+def _situation(run: RunResult) -> str:
+    """Say what rolls over what in a run."""
+    scene = run.scene
+    body = "An elastic" if scene.sphere.youngs_modulus_gpa else "A rigid"
+    yields = f" that yields at {scene.plate.hardness_gpa:g} GPa" if scene.plate.hardness_gpa else ""
+    speed = ""
+    if run.sound.constant_speed:
+        speed = f" at {scene.motion.fastest(run.sound.duration):.3g} m/s"
+    return (
+        f"{body} sphere of {2 * scene.sphere.radius_mm:g} mm diameter rolls{speed} over a plate of"
+        f" {scene.plate.youngs_modulus_gpa:g} GPa{yields}: {surface_words(scene)}."
+        f" It is heard from {scene.sound.distance_m:g} m."
+    )
+
+
+def sentences(runs: Sequence[RunResult]) -> list[str]:
+    """Say how the loudest run differs from the quietest, where its sound lies, and why there."""
+    heard = [(run, own) for run in runs if (own := colour(run))]
+    if not heard:
+        return []
+    by_level = sorted(heard, key=lambda pair: pair[0].summary["laeq_db"])
+    (quiet, dull), (loud, bright) = by_level[0], by_level[-1]
+    said = []
+    if loud is not quiet:
+        said.append(_comparison(loud, bright, quiet, dull))
+    said.append(f"{_place(loud, bright)} {_reason(loud)}")
+    return said
+
+
+def _comparison(loud: RunResult, bright: Colour, quiet: RunResult, dull: Colour) -> str:
+    """Compare two runs in level and pitch."""
+    by = loud.summary["laeq_db"] - quiet.summary["laeq_db"]
+    parts = [run.summary["uncertainty_db"]["laeq"] or 0.0 for run in (loud, quiet)]
+    if by < DIFFERS * math.hypot(*parts):
+        level = f"as loud as {quiet.label} within the uncertainty"
+    else:
+        level = f"{by:.{0 if by >= 10 else 1}f} dB louder than {quiet.label}"
+    ratio = bright.middle_hz / dull.middle_hz
+    pitch = "of the same colour"
+    if abs(ratio - 1.0) > ALIKE:
+        pitch = "brighter" if ratio > 1 else "darker"
+    return (
+        f"{loud.label}: {level} and {pitch} (mean of the A-weighted log frequency"
+        f" {kilohertz(bright.middle_hz)} against {kilohertz(dull.middle_hz)})."
+    )
+
+
+def _place(run: RunResult, own: Colour) -> str:
+    """Say where most of the sound of a run lies."""
+    return (
+        f"{run.label}: {percent(MOST)} of what the ear weighs lies between"
+        f" {kilohertz(own.low_hz)} and {kilohertz(own.high_hz)}."
+    )
+
+
+def _reason(run: RunResult) -> str:
+    """Give the rates at which the sphere passes its own contact width and the asperities."""
+    scene = run.scene
+    speed = float(scene.motion.distance(run.sound.duration)) / run.sound.duration
+    width = 2 * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    text = f"The sphere rolls over its own contact width, {_rate(width, speed)}"
+    if not isinstance(scene.surface, Gaussian):
+        return f"{text}."
+    length = scene.surface.correlation_length_um * 1e-6
+    frequency, power = _weighted(run)
+    within = (frequency >= speed / width) & (frequency <= speed / length)
+    share = float(power[within].sum() / power.sum())
+    return (
+        f"{text}, and over a correlation length of the surface, {_rate(length, speed)}. Waves of"
+        f" the surface between these two lengths fit into the contact: {percent(share)} of what is"
+        " heard lies between the two rates."
+    )
+
+
+def _rate(length: float, speed: float) -> str:
+    """Write a length with the time to pass it and the rate."""
+    return (
+        f"{length * 1e6:.3g} µm, once in {length / speed * 1e3:.2g} ms"
+        f" ({kilohertz(speed / length)})"
+    )
+
+
+def kilohertz(hertz: float) -> str:
+    """Write a frequency with two digits."""
+    return f"{float(f'{hertz / 1e3:.2g}'):g} kHz"
+
+
+def percent(share: float) -> str:
+    """Write a share in percent."""
+    return f"{100 * share:.0f} %"
+
+
+def explanations(runs: Sequence[RunResult]) -> list[tuple[str, str]]:
+    """Explain the words of the table of levels at which a stranger stumbles."""
+    texts = [
+        (
+            "steady level",
+            "the level of the mean released power. A constant power makes no sound: it is the"
+            " energy that is there, not what is heard.",
+        ),
+        (
+            "plastic ratio",
+            "the area that yields at the hardness over the area of Hertz's smooth elastic contact.",
+        ),
+    ]
+    levels = [(run.summary["laeq_db"], run.summary["level_db"]) for run in runs]
+    if any(a is not None and z is not None and a > z for a, z in levels):
+        texts.append(
+            (
+                "LAeq above LZeq",
+                "the A-weighting follows the ear, which is most sensitive between 1 and 6 kHz, and"
+                " raises sound there by up to 1.3 dB.",
+            )
+        )
+    return texts

@@ -1,0 +1,79 @@
+"""The sentences of what to hear follow from the records, and stay within their uncertainty."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from report_runs import run_results
+
+from rolling.report import hearing
+from rolling.simulation.run_result import RunResult
+
+
+def with_record(run: RunResult, pressure: np.ndarray, laeq_db: float) -> RunResult:
+    sound = replace(run.sound, pressure=pressure)
+    return replace(run, sound=sound, summary=run.summary | {"laeq_db": laeq_db})
+
+
+def tone(hertz: float, samples: int = 48000) -> np.ndarray:
+    return np.sin(2 * np.pi * hertz * np.arange(samples) / 48000)
+
+
+@pytest.fixture
+def heard(runs) -> list[RunResult]:
+    return run_results(runs.three())
+
+
+def test_colour_is_the_mean_of_the_log_frequency_that_the_ear_weighs(heard) -> None:
+    both = tone(1000) + tone(4000) / 10 ** (0.964 / 20)  # equal after A-weighting
+    own = hearing.colour(with_record(heard[0], both, 60.0))
+    assert own is not None
+    assert own.middle_hz == pytest.approx(2000, rel=2e-3)
+    assert (own.low_hz, own.high_hz) == (1000, 4000)
+
+
+def test_the_loudest_run_is_compared_with_the_quietest(heard) -> None:
+    low, high = with_record(heard[0], tone(500), 50.0), with_record(heard[2], tone(2000), 62.0)
+    comparison, place = hearing.sentences([low, high])
+    assert comparison.startswith("load 2 N: 12 dB louder than load 0.5 N and brighter")
+    assert "2 kHz against 0.5 kHz" in comparison
+    assert "between 2 kHz and 2 kHz" in place
+    comparison, _ = hearing.sentences([replace(low, summary=low.summary | {"laeq_db": 70}), high])
+    assert "load 0.5 N: 8.0 dB louder than load 2 N and darker" in comparison
+
+
+def test_a_difference_within_the_uncertainty_is_not_claimed(heard) -> None:
+    alike = []
+    for k, run in enumerate(heard[:2]):
+        spread = run.summary["uncertainty_db"] | {"laeq": 0.2}
+        numbers = {"laeq_db": 60.0 + k / 10, "uncertainty_db": spread}
+        alike.append(replace(run, summary=run.summary | numbers))
+    assert "as loud as load 0.5 N within the uncertainty" in hearing.sentences(alike)[0]
+
+
+def test_widths_and_rates_are_of_the_contact(heard) -> None:
+    """Hertz: a = (3 F R / 4 E*)^(1/3), E* of a rigid sphere on 210 GPa, 0.3; at 0.1 m/s."""
+    run = heard[2]
+    width = 2 * (0.75 * 2 * 5e-3 / (210e9 / (1 - 0.3**2))) ** (1 / 3)
+    (place,) = hearing.sentences([run])
+    assert f"{width * 1e6:.3g} µm, once in {width / 0.1 * 1e3:.2g} ms" in place
+    assert hearing.situation(heard).startswith(
+        "A rigid sphere of 10 mm diameter rolls at 0.1 m/s over a plate of 210 GPa that yields at"
+        " 2.1 GPa: heights of"
+    )
+
+
+def test_silence_has_nothing_to_say(runs) -> None:
+    (silent,) = run_results(runs.smooth())
+    assert hearing.sentences([silent]) == [] and hearing.colour(silent) is None
+
+
+def test_weighting_is_explained_where_it_raises_a_level(heard) -> None:
+    words = dict(hearing.explanations(heard))
+    raised = any(run.summary["laeq_db"] > run.summary["level_db"] for run in heard)
+    assert ("LAeq above LZeq" in words) == raised
+    above = replace(heard[0], summary=heard[0].summary | {"laeq_db": 61.0, "level_db": 60.0})
+    assert "LAeq above LZeq" in dict(hearing.explanations([above]))
+    assert {"steady level", "plastic ratio"} <= set(words)
