@@ -158,6 +158,32 @@ def _report(given: argparse.Namespace) -> int:
     return OK
 
 
+def _status(given: argparse.Namespace) -> int:
+    from rolling.folders import status
+
+    if given.watch:
+        return _watched(given.folder)
+    print(status.text(given.folder))
+    return OK
+
+
+def _watched(folder: Path) -> int:
+    """Print the status of a run folder whenever it changes, until no run is waiting or running."""
+    import time
+
+    from rolling.folders import status
+
+    before = ""
+    while True:
+        text = status.text(folder)
+        if text != before:
+            print(text, flush=True)
+        before = text
+        if status.is_at_rest(status.statuses(folder)):
+            return OK
+        time.sleep(defaults.WATCH_SECONDS)
+
+
 def _print_folder(folder: Path) -> None:
     """Print the folder of a command before it begins, unless the command is quiet."""
     if not progress.is_quiet():
@@ -388,6 +414,12 @@ _COMMANDS = (
         _resume,
         "continue an interrupted run",
         (arguments.folder, arguments.workers, arguments.drawn, arguments.take_over),
+    ),
+    _Command(
+        "status",
+        _status,
+        "tell which runs of a folder are done, running (where), waiting or failed (why)",
+        (arguments.folder, arguments.watch),
     ),
     _Command(
         "resound",

@@ -80,6 +80,8 @@ class RunRecord:
         Id of OUT.previous beside it, which is removed when the work is done.
     adopted : bool
         If true, version 0.1.0 made the folder, and it is never replaced.
+    starts : int
+        Number of times that work on it began.
     """
 
     kind: Kind
@@ -97,6 +99,7 @@ class RunRecord:
     runs: tuple[Annotated[str, AfterValidator(_inner)], ...] = ()
     replaces: str | None = None
     adopted: bool = False
+    starts: Annotated[int, Field(ge=0)] = 0
 
     @model_validator(mode="after")
     def _consistent(self) -> RunRecord:
@@ -122,6 +125,7 @@ class RunRecord:
             process=process,
             changed=now,
             completed=completed,
+            starts=self.starts + (state == "running"),
             **made_by,
         )
 

@@ -137,6 +137,15 @@ def take_over(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def watch(sub: argparse.ArgumentParser) -> None:
+    """Add the choice to follow a folder."""
+    sub.add_argument(
+        "--watch",
+        action="store_true",
+        help="print the status again when it changes, until no run is waiting or running",
+    )
+
+
 def trial(sub: argparse.ArgumentParser) -> None:
     """Add a scene on other grids, or hard cases."""
     sub.add_argument(

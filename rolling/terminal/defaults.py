@@ -18,3 +18,4 @@ QUICK_LOADS_N = (5, 20, 100)
 # longer.
 QUICK_SECONDS = 0.015
 QUICK_STRIDES = 3
+WATCH_SECONDS = 2.0  # between two looks at a folder
