@@ -14,7 +14,17 @@ from pathlib import Path
 from rolling.check import refusals
 from rolling.commands import details
 from rolling.commands.run_files import Wanted, ignore, page_of, write_run
-from rolling.commands.work import PAGE, Report, Work, finish, make_sounds, solve, told_on_error
+from rolling.commands.run_tasks import Ends
+from rolling.commands.work import (
+    PAGE,
+    Report,
+    Work,
+    finish,
+    make_sounds,
+    solve,
+    told_on_error,
+    work_on,
+)
 from rolling.folders import claim, files, new_folder, own_files, run_record
 from rolling.folders.files import FolderError
 from rolling.folders.run_record import Kind
@@ -23,13 +33,11 @@ from rolling.simulation import batch, labels
 from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan, refuse
 from rolling.simulation.pool import Outcome
-from rolling.simulation.result import Result
 from rolling.simulation.run_result import RunResult, hear
 from rolling.simulation.stored_runs import (
     read_runs,
     records_of,
     resolved_scene,
-    warn_of_other_program,
 )
 from rolling.terminal import progress
 
@@ -75,9 +83,7 @@ def run(
         Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files]
     )
     with new_folder.make(target, plan.record(), plan.write) as held:
-        runs = plan.runs(held.folder)
-        results = [Result.empty(each.scene.track, each.scene.start) for each in runs]
-        return solve(Work(held, runs, results, wanted))
+        return solve(work_on(held, plan.runs(held.folder), wanted, None))
 
 
 def resume(
@@ -141,11 +147,7 @@ def _resumed(folder: Path, runs: list[Run], wanted: Wanted, take_over: bool) -> 
     names = [each.folder.name for each in runs] if runs[0].values else []
     with claim.take(folder, "sweep" if names else "run", names, take_over) as held:
         # Another process may have gone on since the folder was looked at.
-        results = [
-            batch.stored(each) or Result.empty(each.scene.track, each.scene.start) for each in runs
-        ]
-        warn_of_other_program(folder, before, results)
-        return solve(Work(held, runs, results, wanted))
+        return solve(work_on(held, runs, wanted, before or held.record, take_over))
 
 
 def _finished(folder: Path, runs: Sequence[Run]) -> Report | None:
@@ -242,7 +244,8 @@ def save_run(finished: RunResult, folder: Path, force: bool = False, report: boo
         ):
             saved = replace(finished, folder=alone.folder, label=alone.label, values={})
             write_run(saved, saved.result, work.whole_folders)
-            finish(work, [saved], Outcome())
+            ends = Ends.of(work.runs, work.results, [saved])
+            finish(work, ends, Outcome())
     return held.folder
 
 

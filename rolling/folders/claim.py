@@ -155,6 +155,23 @@ def take(folder: Path, kind: Kind, runs: Sequence[str] = (), take_over: bool = F
         return Claim(folder, claimed, record)
 
 
+def take_run(folder: Path, take_over: bool = False) -> Claim:
+    """Claim a run of a sweep for a worker of the process that has claimed the sweep.
+
+    Only a process of an earlier client may still work on the run, and it begins no other run.
+
+    Raises
+    ------
+    FolderError
+        Another process works on the run.
+    """
+    record = run_record.read(folder) or run_record.new("run")
+    refuse_in_use(folder, record, take_over)
+    claimed = record.with_state("running")
+    run_record.write(folder, claimed)
+    return Claim(folder, claimed, record)
+
+
 def begin(folder: Path, record: RunRecord) -> Claim:
     """Claim a new folder by writing its first run.json."""
     claimed = record.with_state("running")

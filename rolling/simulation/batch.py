@@ -105,7 +105,7 @@ def solve(
             unkept.discard(number)
 
     for k in unsolved:
-        _identify(runs[k], results[k])
+        identify(runs[k], results[k])
     outcome = solving.solve(
         [run.scene for run in runs],
         results,
@@ -126,12 +126,12 @@ def solve(
 
 def keep(run: Run, result: Result, sound: ContactSound | None = None) -> None:
     """Write the result of a run into its folder, together with its sound if it has one."""
-    _identify(run, result)
+    identify(run, result)
     text = file.dump(seen_from(run.folder, run.scene))
     result_file.save(run.folder / RESULT, result, run.scene, text, sound)
 
 
-def _identify(run: Run, result: Result) -> None:
+def identify(run: Run, result: Result) -> None:
     """Note scene and surface in a result, unless it has them from its file."""
     if result.identity is None:
         result.identity = simulate.identity_of(run.scene)

@@ -299,7 +299,15 @@ def march_pieces(
         Default: none.
     """
     orders = orders or [Order(surface_sha256=identity_of(scene).heights_sha256) for scene in scenes]
-    tasks = [
+    tasks = [*piece_tasks(scenes, todo, orders), *others]
+    return pool.work(tasks, workers, finished, progress, begun)
+
+
+def piece_tasks(
+    scenes: Sequence[Scene], todo: Sequence[tuple[int, int, int]], orders: Sequence[Order]
+) -> list[pool.Task]:
+    """Return the pieces of scenes as tasks; `todo` has scene, first and last position of each."""
+    return [
         pool.Task(
             run,
             _ordered_piece,
@@ -308,7 +316,6 @@ def march_pieces(
         )
         for run, first, last in todo
     ]
-    return pool.work([*tasks, *others], workers, finished, progress, begun)
 
 
 def missing(steps: int, release: Array) -> Iterator[tuple[int, int]]:

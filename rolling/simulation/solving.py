@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
 
 from rolling.check import cost
@@ -65,6 +66,34 @@ def solve(
         return simulate.march_pieces(
             scenes, todo, workers, finished, bar.update, work.orders(mapped), begun, others
         )
+
+
+def solve_here(
+    scene: Scene,
+    result: Result,
+    stopped: Callable[[], bool],
+    progress: Callable[[float], object],
+    added: Callable[[], object],
+) -> None:
+    """Solve the missing steps of a run in this process, without a bar.
+
+    Parameters
+    ----------
+    scene, result : the run. Its solved steps are not solved again.
+    stopped, progress : functions of a `pool.Task`.
+    added : callable. It is called after each piece is added to the result.
+
+    Raises
+    ------
+    ContactError, Interrupted : as in the tasks of the run.
+    """
+    work = _Work([scene], [result])
+    waiting = deque(simulate.piece_tasks([scene], work.pieces(), work.orders(True)))
+    waiting.extend([] if waiting else work.stretches(0))
+    while waiting:
+        task = waiting.popleft()
+        waiting.extend(work.add(0, task.function(*task.arguments, stopped, progress)))
+        added()
 
 
 def _piece_text(piece: simulate.Piece) -> str:
