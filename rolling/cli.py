@@ -94,9 +94,11 @@ def _is_bad_input(error: Exception) -> bool:
 def _run(given: argparse.Namespace) -> int:
     from rolling.check import early
 
-    early.refuse_scene(given.scene, given.set, given.out, given.force, ("run", "sweep"))
+    out = None if given.part else given.out  # parts share a folder
+    early.refuse_scene(given.scene, given.set, out, given.force, ("run", "sweep"))
     with progress.step(LOADING):
         from rolling import commands
+        from rolling.commands.parts import Part
     return _reported(
         commands.run(
             given.scene,
@@ -107,6 +109,8 @@ def _run(given: argparse.Namespace) -> int:
             not given.no_report,
             given.pictures,
             _print_folder,
+            Part(*given.part) if given.part else None,
+            given.take_over,
         )
     )
 
@@ -401,7 +405,15 @@ _COMMANDS = (
         "run",
         _run,
         "run a scene: release, sound, levels and plots",
-        (arguments.scene, arguments.settings, arguments.target, arguments.workers, arguments.drawn),
+        (
+            arguments.scene,
+            arguments.settings,
+            arguments.target,
+            arguments.part,
+            arguments.workers,
+            arguments.drawn,
+            arguments.take_over,
+        ),
     ),
     _Command(
         "check",

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from rolling.check import refusals
 from rolling.commands import details
+from rolling.commands.parts import Part, run_part
 from rolling.commands.run_files import Wanted, ignore, page_of, write_run
 from rolling.commands.run_tasks import Ends
 from rolling.commands.work import (
@@ -29,6 +30,8 @@ from rolling.folders import claim, files, new_folder, own_files, run_record
 from rolling.folders.files import FolderError
 from rolling.folders.run_record import Kind
 from rolling.scene import file, library
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
 from rolling.simulation import batch, labels
 from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan, refuse
@@ -55,6 +58,8 @@ def run(
     page: bool = True,
     pictures: bool | None = None,
     begun: Callable[[Path], object] = ignore,
+    part: Part | None = None,
+    take_over: bool = False,
 ) -> Report:
     """Run a scene file: every combination of its sweep, each into a run folder.
 
@@ -69,6 +74,9 @@ def run(
     pictures : bool. Write pictures of each run; false: no pictures and no page. Default: of up to
         24 runs.
     begun : callable. It receives the run folder before anything is solved. Default: none.
+    part : Part. A share of the runs of the sweep, in a folder that other commands share. Default:
+        all runs.
+    take_over : bool. As in `resume`, for a part. Default: false.
 
     Raises
     ------
@@ -76,6 +84,11 @@ def run(
     """
     scene = file.read_scene(scene_path, overrides)
     refuse(scene, workers, out or refusals.OUTPUTS)
+    if part is not None:
+        _refuse_part(scene, out, force)
+        assert out is not None
+        wanted = Wanted(page, pictures, workers, begun)
+        return run_part(scene, scene_path, out, part, wanted, take_over)
     scene_path = library.find(scene_path)
     wanted = Wanted(page, pictures, workers, begun)
     plan = Plan(scene, scene_path.read_bytes(), wanted.whole_folders(len(scene.runs())))
@@ -84,6 +97,14 @@ def run(
     )
     with new_folder.make(target, plan.record(), plan.write) as held:
         return solve(work_on(held, plan.runs(held.folder), wanted, None))
+
+
+def _refuse_part(scene: Scene, out: Path | None, force: bool) -> None:
+    """Raise an error where a part of a scene cannot be run."""
+    if not scene.sweep:
+        raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
+    if out is None or force:
+        raise FolderError("a part needs the folder of all parts, --out FOLDER without --force")
 
 
 def resume(

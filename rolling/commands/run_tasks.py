@@ -83,22 +83,28 @@ def are_tasks(runs: Sequence[Run], wanted: Wanted) -> bool:
 
 
 def solve(
-    held: Claim, runs: Sequence[Run], wanted: Wanted, take_over: bool
+    held: Claim,
+    runs: Sequence[Run],
+    wanted: Wanted,
+    take_over: bool,
+    numbers: Sequence[int] | None = None,
 ) -> tuple[Outcome, Ends]:
     """Do the runs that are not done, each as a task that writes its own files.
 
     Parameters
     ----------
-    held : Claim. The claim on the folder of the sweep.
-    runs : sequence of Run.
+    held : Claim. The claim on the folder of the sweep, or on a part of it.
+    runs : sequence of Run. All runs of the sweep.
     wanted : Wanted. The files that are requested.
     take_over : bool. Whether claims that cannot be judged from here are ignored.
+    numbers : sequence of int. The runs of a part, which draws nothing. Default: all runs.
     """
     names, ends = labels.labels(runs), Ends.unsolved(len(runs))
-    drawn = wanted.pictures is not False and len(runs) <= defaults.MOST_RUNS_COMPARED
+    drawn = numbers is None and _are_drawn(runs, wanted)
     whole = wanted.whole_folders(len(runs))
     tasks = []
-    for number, run in enumerate(runs):
+    for number in range(len(runs)) if numbers is None else numbers:
+        run = runs[number]
         if (done := _done_before(run)) is not None:
             ends.take(number, done)
         else:
@@ -112,6 +118,21 @@ def solve(
     if drawn:
         _hear(runs, names, ends)
     return outcome, ends
+
+
+def gather(runs: Sequence[Run], wanted: Wanted) -> Ends:
+    """Return the ends of runs that are done, from their files, without solving any."""
+    ends = Ends.unsolved(len(runs))
+    for number, run in enumerate(runs):
+        if (done := _done_before(run)) is not None:
+            ends.take(number, done)
+    if _are_drawn(runs, wanted):
+        _hear(runs, labels.labels(runs), ends)
+    return ends
+
+
+def _are_drawn(runs: Sequence[Run], wanted: Wanted) -> bool:
+    return wanted.pictures is not False and len(runs) <= defaults.MOST_RUNS_COMPARED
 
 
 def _work(tasks: Sequence[pool.Task], wanted: Wanted, name: str, ends: Ends) -> Outcome:
@@ -139,7 +160,9 @@ def _done_before(run: Run) -> Done | None:
     files = [run.folder / batch.RESULT, run.folder / "signal.wav", summary]
     if record is None or record.state != "done" or not all(path.is_file() for path in files):
         return None
-    return Done(json.loads(summary.read_text(encoding="utf-8")), True, True)
+    numbers = json.loads(summary.read_text(encoding="utf-8"))
+    numbers.pop("provenance", None)  # which a run of a large sweep has nowhere else
+    return Done(numbers, True, True)
 
 
 def _hear(runs: Sequence[Run], names: Sequence[str], ends: Ends) -> None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rolling.folders import run_record
-from rolling.folders.claim import LOCK
+from rolling.folders.claim import LOCK, PARTS
 from rolling.folders.files import FolderError
 from rolling.folders.run_record import RunRecord
 
@@ -160,12 +160,27 @@ def _sort_run(folder: Path, record: RunRecord, into: Contents) -> None:
             (into.files if _is_own(entry, own) else into.foreign).append(path)
         elif entry.name in record.runs:
             _sort_inner(path, into)
+        elif record.kind == "sweep" and entry.name == PARTS:
+            _sort_parts(path, into)
         elif record.kind == "accuracy" and entry.name == VARIANTS:
             for each in _entries(path):
                 (into.files if _is_own(each, None) else into.foreign).append(Path(each.path))
             into.folders.append(path)
         else:
             into.foreign.append(path)
+    into.folders.append(folder)
+
+
+def _sort_parts(folder: Path, into: Contents) -> None:
+    """Sort the parts of a sweep, which have nothing but their records."""
+    for part in _entries(folder):
+        if not part.is_dir(follow_symlinks=False):
+            into.foreign.append(Path(part.path))
+            continue
+        for entry in _entries(Path(part.path)):
+            own = _is_own(entry, frozenset([run_record.FILE]))
+            (into.files if own else into.foreign).append(Path(entry.path))
+        into.folders.append(Path(part.path))
     into.folders.append(folder)
 
 

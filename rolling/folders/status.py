@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from rolling.folders import run_folder, run_record
+from rolling.folders import claim, run_folder, run_record
 from rolling.folders.files import FolderError
 from rolling.folders.process import is_alive
 from rolling.folders.run_record import RunRecord, State
@@ -59,6 +59,11 @@ def text(folder: Path) -> str:
     lines = [
         f"{folder}: {len(every)} {'run' if len(every) == 1 else 'runs'}: "
         + ", ".join(f"{counts[state]} {state}" for state in STATES if counts[state])
+    ]
+    lines += [
+        f"  part {part.name}: {each.state}: {each.remark}"
+        for part, record in claim.parts(folder)
+        if (each := _status(part.name, record)).state == "running"
     ]
     for state in ("running", "failed", "waiting"):
         lines += _named([each for each in every if each.state == state and each.remark])

@@ -48,6 +48,17 @@ def target(sub: argparse.ArgumentParser, default: str = "outputs/NAME/TIME") -> 
     )
 
 
+def part(sub: argparse.ArgumentParser) -> None:
+    """Add the share of a sweep."""
+    sub.add_argument(
+        "--part",
+        type=_part,
+        metavar="K/N",
+        help="do every N-th run of a sweep from run K on, in an --out that the commands of all"
+        " parts share: for array jobs",
+    )
+
+
 def accuracy_target(sub: argparse.ArgumentParser) -> None:
     """Add the folder of an accuracy study."""
     target(sub, "outputs/NAME-accuracy/TIME")
@@ -231,6 +242,13 @@ def _count(text: str) -> int:
     if value < 1:
         raise argparse.ArgumentTypeError("at least 1")
     return value
+
+
+def _part(text: str) -> tuple[int, int]:
+    number, slash, count = text.partition("/")
+    if not (slash and number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+        raise argparse.ArgumentTypeError("K/N, such as 3/40, with K from 1 to N")
+    return int(number), int(count)
 
 
 def _power_of_two(text: str) -> int:
