@@ -188,6 +188,18 @@ def _watched(folder: Path) -> int:
         time.sleep(defaults.WATCH_SECONDS)
 
 
+def _table(given: argparse.Namespace) -> int:
+    from rolling.check import early
+
+    early.refuse_folders([given.folder])
+    with progress.step(LOADING):
+        from rolling.commands import table
+    over = {} if given.over is None else {"over": given.over}
+    for path in table.tabulate(given.folder, given.plot, given.against, **over):
+        print(path)
+    return OK
+
+
 def _print_folder(folder: Path) -> None:
     """Print the folder of a command before it begins, unless the command is quiet."""
     if not progress.is_quiet():
@@ -432,6 +444,12 @@ _COMMANDS = (
         _status,
         "tell which runs of a folder are done, running (where), waiting or failed (why)",
         (arguments.folder, arguments.watch),
+    ),
+    _Command(
+        "table",
+        _table,
+        "gather all numbers of a sweep, their statistics over the seeds, and plots of them",
+        (arguments.folder, arguments.tabulated),
     ),
     _Command(
         "resound",

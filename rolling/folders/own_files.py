@@ -45,17 +45,27 @@ _OF_A_RUN = [
     "listen.wav",
     "listen.json",
 ]
+_OF_A_SWEEP = [
+    "sweep.json",
+    *(
+        f"{name}.{ending}"
+        for name in ("runs", "bands", "statistics")
+        for ending in ("csv", "parquet")
+    ),
+    *(f"mean_third_octaves.{ending}" for ending in ("png", "svg", "csv")),
+]
 
 # These are the names by kind of folder. Folders of other kinds are never replaced.
 FILES: dict[str, frozenset[str]] = {
     "run": frozenset([*_OF_ALL, *_OF_A_RUN]),
-    "sweep": frozenset([*_OF_ALL, "sweep.json", "runs.csv"]),
+    "sweep": frozenset([*_OF_ALL, *_OF_A_SWEEP]),
     "accuracy": frozenset(
         [*_INPUTS, *(f"accuracy.{ending}" for ending in ("json", "md", "png", "svg"))]
     ),
 }
 VARIANTS = "variants"  # folder of an accuracy study
 _VARIANT = re.compile(r"spacing-over-\d+_step-[\d.e+-]+_[\d.]+e-?\d+_[a-z]+_[a-z]+\.json")
+_PLOT = re.compile(r"plot_[\w.]+_against_[\w.]+\.(png|svg|csv)")  # of `rolling table`
 _PARTIAL = re.compile(r"\.(.+)\.partial")
 
 
@@ -157,7 +167,9 @@ def _sort_run(folder: Path, record: RunRecord, into: Contents) -> None:
     for entry in _entries(folder):
         path = Path(entry.path)
         if not entry.is_dir(follow_symlinks=False):
-            (into.files if _is_own(entry, own) else into.foreign).append(path)
+            plotted = record.kind == "sweep" and _is_own(entry, None, _PLOT)
+            is_own = plotted or _is_own(entry, own)
+            (into.files if is_own else into.foreign).append(path)
         elif entry.name in record.runs:
             _sort_inner(path, into)
         elif record.kind == "sweep" and entry.name == PARTS:
@@ -196,10 +208,12 @@ def _sort_inner(folder: Path, into: Contents) -> None:
         into.foreign.append(folder)
 
 
-def _is_own(entry: os.DirEntry[str], names: frozenset[str] | None) -> bool:
+def _is_own(
+    entry: os.DirEntry[str], names: frozenset[str] | None, pattern: re.Pattern[str] = _VARIANT
+) -> bool:
     """Tell whether an entry is a file with one of the names.
 
-    `names` None stands for the names of variants.
+    `names` None stands for the pattern.
 
     Temporary files of killed writes count as well.
     """
@@ -207,7 +221,7 @@ def _is_own(entry: os.DirEntry[str], names: frozenset[str] | None) -> bool:
         return False
     partial = _PARTIAL.fullmatch(entry.name)
     name = partial[1] if partial else entry.name
-    return bool(_VARIANT.fullmatch(name)) if names is None else name in names or entry.name == LOCK
+    return bool(pattern.fullmatch(name)) if names is None else name in names or entry.name == LOCK
 
 
 def _entries(folder: Path) -> list[os.DirEntry[str]]:

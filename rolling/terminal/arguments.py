@@ -157,6 +157,29 @@ def watch(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def tabulated(sub: argparse.ArgumentParser) -> None:
+    """Add the numbers that are plotted, and the keys that they are plotted against."""
+    sub.add_argument(
+        "--plot",
+        nargs="+",
+        default=[],
+        metavar="NUMBER",
+        help="columns of runs.csv to plot (default: laeq_db)",
+    )
+    sub.add_argument(
+        "--against",
+        nargs="+",
+        default=[],
+        metavar="KEY",
+        help="a swept key for lines, or two for a map (default: the first swept key)",
+    )
+    sub.add_argument(
+        "--over",
+        metavar="KEY",
+        help="the swept key over which statistics are made (default: surface.seed)",
+    )
+
+
 def trial(sub: argparse.ArgumentParser) -> None:
     """Add a scene on other grids, or hard cases."""
     sub.add_argument(
