@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from rolling.folders.files import FolderError, Keeper
 from rolling.scene import file
+from rolling.scene import sweep as sweeps
 from rolling.scene.identity import Identity, changes, differences, said
 from rolling.scene.scene import Scene
+from rolling.scene.sweep import Value
 from rolling.simulation import error_stretches, labels, result_file, simulate, solving
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
@@ -40,7 +42,7 @@ class Run:
     folder : Path. The run folder.
     """
 
-    values: dict[str, float]
+    values: Mapping[str, Value]
     scene: Scene
     folder: Path
 
@@ -194,14 +196,18 @@ def other_surface(run: Run, result: Result) -> str | None:
 
 
 def seen_from(folder: Path, scene: Scene) -> Scene:
-    """Return a scene whose path to the height file is relative to a run folder.
+    """Return a scene whose paths to height files are relative to a run folder.
 
-    The scene is read from that folder later.
+    The scene is read from that folder later. Swept paths keep their text as labels.
     """
-    data = scene.to_dict()
-    if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
-        return scene
-    # Links are resolved first, because ".." of a linked folder leads elsewhere.
-    heights = scene.height_path.parent.resolve() / scene.height_path.name
-    data["surface"]["path"] = Path(os.path.relpath(heights, folder.resolve())).as_posix()
-    return Scene.from_dict(data, folder)
+
+    def moved(path: str) -> str:
+        if Path(path).is_absolute():
+            return path
+        # Links are resolved first, because ".." of a linked folder leads elsewhere.
+        heights = (scene.folder / path).parent.resolve() / Path(path).name
+        return Path(os.path.relpath(heights, folder.resolve())).as_posix()
+
+    before = scene.to_dict()
+    data = sweeps.with_paths(before, moved)
+    return scene if data == before else Scene.from_dict(data, folder)

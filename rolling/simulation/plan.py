@@ -59,8 +59,9 @@ class Plan:
 
     @property
     def height_files(self) -> list[Path]:
-        """The height file, if the scene reads one."""
-        return [self.scene.height_path] if self.scene.height_path is not None else []
+        """The height files that the runs read."""
+        paths = [single.height_path for _, single in self.singles]
+        return [path for path in dict.fromkeys(paths) if path is not None]
 
     def record(self) -> RunRecord:
         """Return the first run.json of the folder."""

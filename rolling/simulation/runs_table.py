@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from rolling.scene.sweep import Value
+
 _METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
 
 
@@ -20,7 +22,7 @@ class Row:
 
     label: str
     folder: str
-    values: Mapping[str, float]
+    values: Mapping[str, Value]
     summary: Mapping[str, Any] | None
 
 
