@@ -99,6 +99,7 @@ def _run(given: argparse.Namespace) -> int:
     with progress.step(LOADING):
         from rolling import commands
         from rolling.commands.parts import Part
+        from rolling.simulation.pool import Cluster
     return _reported(
         commands.run(
             given.scene,
@@ -111,6 +112,7 @@ def _run(given: argparse.Namespace) -> int:
             _print_folder,
             Part(*given.part) if given.part else None,
             given.take_over,
+            Cluster(given.cluster) if given.cluster else None,
         )
     )
 
@@ -121,6 +123,7 @@ def _resume(given: argparse.Namespace) -> int:
     early.refuse_folders([given.folder])
     with progress.step(LOADING):
         from rolling import commands
+        from rolling.simulation.pool import Cluster
     return _reported(
         commands.resume(
             given.folder,
@@ -129,6 +132,7 @@ def _resume(given: argparse.Namespace) -> int:
             given.take_over,
             given.pictures,
             _print_folder,
+            Cluster(given.cluster) if given.cluster else None,
         )
     )
 
@@ -423,6 +427,7 @@ _COMMANDS = (
             arguments.target,
             arguments.part,
             arguments.workers,
+            arguments.cluster,
             arguments.drawn,
             arguments.take_over,
         ),
@@ -437,7 +442,13 @@ _COMMANDS = (
         "resume",
         _resume,
         "continue an interrupted run",
-        (arguments.folder, arguments.workers, arguments.drawn, arguments.take_over),
+        (
+            arguments.folder,
+            arguments.workers,
+            arguments.cluster,
+            arguments.drawn,
+            arguments.take_over,
+        ),
     ),
     _Command(
         "status",

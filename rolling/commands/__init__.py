@@ -35,7 +35,7 @@ from rolling.scene.scene import Scene
 from rolling.simulation import batch, labels
 from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan, refuse
-from rolling.simulation.pool import Outcome
+from rolling.simulation.pool import Cluster, Outcome
 from rolling.simulation.run_result import RunResult, hear
 from rolling.simulation.stored_runs import (
     read_runs,
@@ -60,6 +60,7 @@ def run(
     begun: Callable[[Path], object] = ignore,
     part: Part | None = None,
     take_over: bool = False,
+    cluster: Cluster | None = None,
 ) -> Report:
     """Run a scene file: every combination of its sweep, each into a run folder.
 
@@ -77,6 +78,7 @@ def run(
     part : Part. A share of the runs of the sweep, in a folder that other commands share. Default:
         all runs.
     take_over : bool. As in `resume`, for a part. Default: false.
+    cluster : Cluster. A Dask scheduler whose workers solve. Default: local processes.
 
     Raises
     ------
@@ -84,19 +86,29 @@ def run(
     """
     scene = file.read_scene(scene_path, overrides)
     refuse(scene, workers, out or refusals.OUTPUTS)
+    wanted = _on_cluster(Wanted(page, pictures, workers, begun), cluster)
+    if cluster is not None:  # whose workers have other working folders
+        scene = Scene.from_dict(scene.to_dict(), scene.folder.resolve())
     if part is not None:
         _refuse_part(scene, out, force)
         assert out is not None
-        wanted = Wanted(page, pictures, workers, begun)
         return run_part(scene, scene_path, out, part, wanted, take_over)
     scene_path = library.find(scene_path)
-    wanted = Wanted(page, pictures, workers, begun)
     plan = Plan(scene, scene_path.read_bytes(), wanted.whole_folders(len(scene.runs())))
     target = new_folder.aim(
         Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files]
     )
     with new_folder.make(target, plan.record(), plan.write) as held:
         return solve(work_on(held, plan.runs(held.folder), wanted, None))
+
+
+def _on_cluster(wanted: Wanted, cluster: Cluster | None) -> Wanted:
+    """Return what is wanted from a cluster, after a look at its workers."""
+    if cluster is None:
+        return wanted
+    from rolling.simulation import cluster as clusters
+
+    return replace(wanted, cluster=cluster, cluster_workers=clusters.workers(cluster))
 
 
 def _refuse_part(scene: Scene, out: Path | None, force: bool) -> None:
@@ -114,6 +126,7 @@ def resume(
     take_over: bool = False,
     pictures: bool | None = None,
     begun: Callable[[Path], object] = ignore,
+    cluster: Cluster | None = None,
 ) -> Report:
     """Continue a run folder that was interrupted or killed; solved steps are not solved again.
 
@@ -126,7 +139,7 @@ def resume(
     page : bool. Write the report page as well. Default: true.
     take_over : bool. Continue even if the process that works on the folder is not visible from this
         machine. Default: false.
-    pictures, begun : as in `run`.
+    pictures, begun, cluster : as in `run`.
 
     Raises
     ------
@@ -134,6 +147,7 @@ def resume(
         surface.
     SceneError : the scene cannot be run here.
     """
+    folder = folder if cluster is None else folder.resolve()  # as its workers see it
     runs = read_runs(folder)
     for each in runs:
         if not each.folder.is_dir():
@@ -146,7 +160,7 @@ def resume(
     if not pictures and (done := _finished(folder, runs)):
         return done
     refusals.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
-    wanted = Wanted(page, pictures, workers, begun)
+    wanted = _on_cluster(Wanted(page, pictures, workers, begun), cluster)
     report = _resumed(folder, runs, wanted, take_over)
     if sweep := details.sweep_to_finish(folder):
         _finish_sweep(sweep, replace(wanted, begun=ignore), take_over)

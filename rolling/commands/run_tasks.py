@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from rolling.check import cost
@@ -71,11 +71,12 @@ class Ends:
 def are_tasks(runs: Sequence[Run], wanted: Wanted) -> bool:
     """Tell whether each run is one task, not each piece of its track.
 
-    Runs of small sweeps stay in memory for their pictures.
+    On local processes runs of small sweeps stay in memory for their pictures.
     """
-    if wanted.whole_folders(len(runs)):
+    if len(runs) == 1 or (wanted.cluster is None and wanted.whole_folders(len(runs))):
         return False
-    if len(runs) >= PER_WORKER * (wanted.workers or cost.cores()):
+    solvers = wanted.solvers
+    if len(runs) >= PER_WORKER * (solvers if isinstance(solvers, int) else wanted.cluster_workers):
         return True
     return all(
         each.scene.track.solved_steps <= SHORT_PIECES * simulate.PIECE_STEPS for each in runs
@@ -108,7 +109,10 @@ def solve(
         if (done := _done_before(run)) is not None:
             ends.take(number, done)
         else:
-            order = Order(run, names[number], whole, drawn, take_over)
+            if wanted.cluster:  # whose workers have other working folders
+                run = replace(run, folder=run.folder.resolve())
+            heard = drawn and wanted.cluster is None
+            order = Order(run, names[number], whole, heard, take_over or bool(wanted.cluster))
             seconds = cost.expected_seconds(run.scene)
             tasks.append(pool.Task(number, whole_runs.do_run, (order,), seconds))
     tasks.sort(key=lambda task: -task.cost)
@@ -116,7 +120,7 @@ def solve(
     for number, reason in outcome.failures.items():  # such as that its worker was killed
         held.mark(runs[number].folder, "failed", reason)
     if drawn:
-        _hear(runs, names, ends)
+        _hear(runs, names, ends, whole)
     return outcome, ends
 
 
@@ -127,7 +131,7 @@ def gather(runs: Sequence[Run], wanted: Wanted) -> Ends:
         if (done := _done_before(run)) is not None:
             ends.take(number, done)
     if _are_drawn(runs, wanted):
-        _hear(runs, labels.labels(runs), ends)
+        _hear(runs, labels.labels(runs), ends, wanted.whole_folders(len(runs)))
     return ends
 
 
@@ -145,7 +149,7 @@ def _work(tasks: Sequence[pool.Task], wanted: Wanted, name: str, ends: Ends) -> 
             if done.failure:
                 failures[number] = done.failure
 
-        outcome = pool.work(tasks, wanted.workers or cost.cores(), finished, bar.update)
+        outcome = pool.work(tasks, wanted.solvers, finished, bar.update)
     outcome.failures = dict(sorted((outcome.failures | failures).items()))
     return outcome
 
@@ -165,13 +169,16 @@ def _done_before(run: Run) -> Done | None:
     return Done(numbers, True, True)
 
 
-def _hear(runs: Sequence[Run], names: Sequence[str], ends: Ends) -> None:
-    """Make the sound of the runs that were done before, for pictures of all runs."""
+def _hear(runs: Sequence[Run], names: Sequence[str], ends: Ends, whole: bool) -> None:
+    """Make the sound of the runs that are in the folder alone, for pictures.
+
+    Pictures of each run, in whole folders, need all of its result.
+    """
     silent = [k for k in range(len(runs)) if ends.summaries[k] and ends.sounds[k] is None]
     with progress.bar(len(silent), "sound") as bar:
         for k in silent:
             run = runs[k]
             result = batch.stored(run)
             heard = hear(names[k], run.values, run.folder, run.scene, result) if result else None
-            ends.sounds[k] = whole_runs.light(heard) if heard else None
+            ends.sounds[k] = whole_runs.light(heard) if heard and not whole else heard
             bar.update(1)

@@ -135,7 +135,7 @@ def _solve_pieces(work: Work) -> tuple[Outcome, Ends]:
     outcome = batch.solve(
         work.runs,
         work.results,
-        work.wanted.workers,
+        work.wanted.solvers,
         work.runs[0].scene.name,
         begun=lambda each: work.held.mark(each.folder, "running"),
         complete=complete,

@@ -15,7 +15,7 @@ from rolling.scene.identity import Identity, changes, differences, said
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 from rolling.simulation import error_stretches, labels, result_file, simulate, solving
-from rolling.simulation.pool import Outcome
+from rolling.simulation.pool import Outcome, Workers
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound
 
@@ -58,7 +58,7 @@ class Run:
 def solve(
     runs: Sequence[Run],
     results: Sequence[Result],
-    workers: int,
+    workers: Workers,
     name: str,
     mapped: bool = True,
     begun: Callable[[Run], object] = lambda run: None,
@@ -70,7 +70,7 @@ def solve(
     ----------
     runs : sequence of Run.
     results : sequence of Result. Their solved steps are not solved again.
-    workers : int. Number of processes; 0: one per core.
+    workers : int or Cluster. Number of processes; 0: one per core.
     name : str. Name of the progress bar.
     mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
         Default: true.

@@ -30,6 +30,24 @@ class Interrupted(Exception):
 
 
 @dataclass(frozen=True)
+class Cluster:
+    """A Dask scheduler, whose workers do tasks in place of local processes.
+
+    address : str. Address, such as tcp://127.0.0.1:8786, or the name of its scheduler file.
+    """
+
+    address: str
+
+    @property
+    def is_file(self) -> bool:
+        """Whether the address is the name of a scheduler file."""
+        return self.address.endswith(".json")
+
+
+Workers = int | Cluster  # local processes, or a cluster
+
+
+@dataclass(frozen=True, eq=False)
 class Task:
     """A call `function(*arguments, stopped, progress)` that belongs to one run.
 
@@ -82,12 +100,12 @@ class Listener:
 
 def work(
     tasks: Sequence[Task],
-    workers: int,
+    workers: Workers,
     finished: Callable[[int, Any], Sequence[Task] | None],
     progress: Callable[[float], object] = _ignore,
     begun: Callable[[int], object] = _ignore,
 ) -> Outcome:
-    """Do the tasks on `workers` processes.
+    """Do the tasks on `workers` processes, or on a cluster.
 
     One worker, one task, or a system that starts no processes: all is done in this process.
 
@@ -98,12 +116,18 @@ def work(
     Parameters
     ----------
     tasks : sequence of Task.
-    workers : int. Number of processes.
+    workers : int or Cluster. Number of processes, or the cluster.
     finished, progress, begun : callable. The functions of the `Listener`.
     """
     listener, outcome = Listener(finished, progress, begun), Outcome()
-    workers = min(workers, len(tasks))
     with _stop_request() as asked:
+        if isinstance(workers, Cluster):
+            from rolling.simulation import cluster
+
+            cluster.work(tasks, workers, listener, asked, outcome)
+            outcome.interrupted = asked()
+            return outcome
+        workers = min(workers, len(tasks))
         if workers <= 1 or not spawning.can_start_workers():
             with compiling.told(terminal.compiling):
                 _work_here(tasks, listener, asked, outcome)

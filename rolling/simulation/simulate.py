@@ -273,7 +273,7 @@ def _ordered_piece(
 def march_pieces(
     scenes: Sequence[Scene],
     todo: Sequence[tuple[int, int, int]],
-    workers: int,
+    workers: pool.Workers,
     finished: Callable[[int, Any], Sequence[pool.Task] | None],
     progress: Callable[[float], object] = lambda cost: None,
     orders: Sequence[Order] | None = None,
@@ -289,7 +289,7 @@ def march_pieces(
     ----------
     scenes : sequence of Scene.
     todo : sequence of tuples. Number of the scene, first and last position of each piece.
-    workers : int. Number of processes.
+    workers : int or Cluster. Number of processes.
     finished : callable. It receives the number of the scene and each piece when the piece is done,
         and returns the tasks that follow from it, or None.
     progress : callable. It receives the cost of solved steps, step by step or piece by piece.

@@ -21,7 +21,7 @@ def _ignore(run: int) -> None:
 def solve(
     scenes: Sequence[Scene],
     results: Sequence[Result],
-    workers: int,
+    workers: pool.Workers,
     name: str,
     mapped: bool = True,
     progress: bool | None = None,
@@ -34,7 +34,7 @@ def solve(
     ----------
     scenes : sequence of Scene. Scenes without a sweep, one per run.
     results : sequence of Result. Their solved steps are not solved again.
-    workers : int. Number of processes; 0: one per core.
+    workers : int or Cluster. Number of processes; 0: one per core.
     name : str. Name of the progress bar.
     mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
         Default: true.
@@ -51,7 +51,7 @@ def solve(
     workers = workers or cost.cores()
     terminal.detail(
         f"{name}: {len(todo)} pieces of {len({k for k, _, _ in todo})} runs, on"
-        f" {min(workers, max(1, len(todo)))} processes"
+        f" {_processes(workers, len(todo))}"
     )
     with terminal.bar(total, name, progress) as bar:
 
@@ -94,6 +94,13 @@ def solve_here(
         task = waiting.popleft()
         waiting.extend(work.add(0, task.function(*task.arguments, stopped, progress)))
         added()
+
+
+def _processes(workers: pool.Workers, pieces: int) -> str:
+    """Write where pieces are solved."""
+    if isinstance(workers, pool.Cluster):
+        return f"the workers of {workers.address}"
+    return f"{min(workers, max(1, pieces))} processes"
 
 
 def _piece_text(piece: simulate.Piece) -> str:

@@ -71,6 +71,15 @@ def workers(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def cluster(sub: argparse.ArgumentParser) -> None:
+    """Add the scheduler of a cluster."""
+    sub.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="solve on the workers of a Dask scheduler: its address, or its scheduler file (.json)",
+    )
+
+
 def drawn(sub: argparse.ArgumentParser) -> None:
     """Add the choice of pictures and page."""
     sub.add_argument("--no-report", action="store_true", help="write no report page")

@@ -1,0 +1,320 @@
+"""Tasks on the workers of a Dask scheduler, behind the same interface as the local pool.
+
+A worker is asked for the digest of its sources before it computes, and computes one task at a time.
+Scenes travel as validated models; workers write runs to the shared folder themselves.
+"""
+
+from __future__ import annotations
+
+import logging
+import queue
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rolling.contact.solver import ContactError
+from rolling.folders import program
+from rolling.scene.messages import SceneError
+from rolling.simulation.pool import Cluster, Interrupted, Listener, Outcome, Task
+from rolling.terminal import progress as terminal
+
+CONNECT_SECONDS = 10.0
+LOST_SECONDS = 8.0  # without the scheduler, before the work is given up
+STOP_SECONDS = 60.0  # for steps at hand, after Ctrl-C
+MOST_TRIES = 4  # workers that may be unable to write a run
+_INSTALL = 'pip install "rolling-contact-noise[cluster]"'
+
+
+# ---- in a worker
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """The answer of a worker: a result, or the reason why there is none.
+
+    kind : str. done, failed, stopped, refused or unwritable.
+    """
+
+    kind: str
+    value: Any
+
+
+_alone = threading.Lock()  # kernels and transforms keep state, so threads take turns
+_stops: set[str] = set()  # tokens of clients that asked for a stop
+
+
+def _stop(token: str) -> None:
+    _stops.add(token)
+
+
+def _sources() -> tuple[str, str]:
+    identity = program.identity()
+    return identity.version, identity.sources
+
+
+def _act(
+    function: Callable[..., Any], arguments: tuple[Any, ...], sources: str, token: str
+) -> _Answer:
+    """Carry out a task in a worker."""
+    version, own = _sources()
+    if own != sources:
+        return _Answer("refused", f"version {version}, sources {own[:12]}")
+    stopped = _stop_request(token)
+    try:
+        with _alone:
+            return _Answer("done", function(*arguments, stopped, lambda share: None))
+    except (ContactError, MemoryError) as error:
+        return _Answer("failed", str(error) or "not enough memory")
+    except OSError as error:
+        return _Answer("unwritable", str(error))
+    except Interrupted:
+        return _Answer("stopped", None)
+
+
+def _stop_request(token: str) -> Callable[[], bool]:
+    """Return whether the client asked for a stop or is gone, or the worker closes."""
+    from distributed import get_worker
+
+    worker = get_worker()
+    key = worker.get_current_task()
+
+    def stopped() -> bool:
+        task = worker.state.tasks.get(key)
+        forgotten = task is None or task.state == "cancelled"
+        return token in _stops or forgotten or worker.status.name not in ("running", "paused")
+
+    return stopped
+
+
+# ---- in the client
+
+
+@contextmanager
+def _client(cluster: Cluster) -> Iterator[Any]:
+    """Connect to the scheduler.
+
+    Raises
+    ------
+    SceneError : the package is missing, or there is no scheduler.
+    """
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise SceneError([f"--cluster: needs Dask: {_INSTALL}"]) from error
+    for name in ("distributed", "tornado", "asyncio"):  # their lines would stand between ours
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    where = {"scheduler_file": cluster.address} if cluster.is_file else {"address": cluster.address}
+    if cluster.is_file and not Path(cluster.address).is_file():
+        raise SceneError([f"--cluster: {cluster.address}: no such scheduler file"])
+    try:
+        client = Client(**where, timeout=CONNECT_SECONDS, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise SceneError(
+            [f"--cluster: {cluster.address}: no scheduler answers ({type(error).__name__})"]
+        ) from error
+    try:
+        yield client
+    finally:
+        with suppress(Exception):  # a scheduler that is gone cannot be told
+            client.close(timeout=2)
+
+
+def workers(cluster: Cluster) -> int:
+    """Count the workers that can do tasks.
+
+    Raises
+    ------
+    SceneError : there is no scheduler, or none of its workers runs this version.
+    """
+    with _client(cluster) as client:
+        return len(_usable(client, cluster, told=True))
+
+
+def _usable(client: Any, cluster: Cluster, told: bool) -> set[str]:
+    """Return the addresses of the workers that run this version of the program.
+
+    Raises
+    ------
+    SceneError : there is none.
+    """
+    ours = _sources()
+    answers = client.run(_sources, on_error="return")
+    usable = {address for address, answer in answers.items() if answer == ours}
+    others = {
+        address: f"version {answer[0]}, sources {answer[1][:12]}"
+        if isinstance(answer, tuple)
+        else f"the program is not there ({answer})"
+        for address, answer in answers.items()
+        if address not in usable
+    }
+    if told:
+        for address, text in others.items():
+            terminal.line(_refusal(address, text))
+    if not usable:
+        named = "".join(f"\n  {address}: {text}" for address, text in others.items())
+        raise SceneError(
+            [
+                f"--cluster: {cluster.address}: no worker runs version {ours[0]}, sources"
+                f" {ours[1][:12]}{named}"
+            ]
+        )
+    return usable
+
+
+def _refusal(address: str, text: str) -> str:
+    return f"worker {address} is not used: {text}, not {_sources()[1][:12]}"
+
+
+def work(
+    tasks: Sequence[Task],
+    cluster: Cluster,
+    listener: Listener,
+    asked: Callable[[], bool],
+    outcome: Outcome,
+) -> None:
+    """Do the tasks on the workers of a scheduler, one at a time on each.
+
+    Raises
+    ------
+    OSError : the scheduler is gone, or no worker can write.
+    SceneError : no worker can be used.
+    """
+    if not tasks:
+        return
+    with _client(cluster) as client:
+        _Work(client, cluster, listener, outcome).do(deque(tasks), asked)
+
+
+class _Work:
+    """Tasks in hand and waiting.
+
+    client : distributed.Client.
+    """
+
+    def __init__(self, client: Any, cluster: Cluster, listener: Listener, outcome: Outcome) -> None:
+        self.client, self.cluster = client, cluster
+        self.listener, self.outcome = listener, outcome
+        self.token = f"rolling-{time.time_ns()}"
+        self.running: dict[Any, Task] = {}
+        self.ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self.tries: Counter[Task] = Counter()
+        self.unwritable: dict[str, str] = {}  # reasons by worker
+        self.refused: set[str] = set()
+        self.lost_since: float | None = None
+
+    def do(self, waiting: deque[Task], asked: Callable[[], bool]) -> None:
+        """Do tasks until none waits or runs, or until a stop is asked for."""
+        stopping: float | None = None
+        usable = _usable(self.client, self.cluster, told=False)
+        looked = time.monotonic()
+        while waiting or self.running:
+            if time.monotonic() - looked > 2:
+                usable, looked = self._looked(usable), time.monotonic()
+            while waiting and len(self.running) < max(1, len(usable)):
+                self._submit(waiting.popleft(), usable)
+            with suppress(queue.Empty):
+                self._take(self.ended.get(timeout=0.2), waiting)
+            self._refuse_lost_scheduler()
+            if asked() and stopping is None:
+                stopping = time.monotonic()
+                waiting.clear()
+                self.client.run(_stop, self.token, on_error="ignore")
+            if stopping is not None and time.monotonic() - stopping > STOP_SECONDS:
+                self.client.cancel(list(self.running), force=True)
+                return
+
+    def _looked(self, usable: set[str]) -> set[str]:
+        """Return the workers that may be used now: others may have come, or are gone."""
+        if self.client.status != "running":
+            return usable
+        there = set(self.client.scheduler_info()["workers"])
+        return there - self.refused - set(self.unwritable)
+
+    def _submit(self, task: Task, usable: set[str]) -> None:
+        """Hand a task to the cluster."""
+        if task.run in self.outcome.failures:
+            return
+        future = self.client.submit(
+            _act,
+            task.function,
+            task.arguments,
+            _sources()[1],
+            self.token,
+            pure=False,
+            key=f"{self.token}-{task.run}-{id(task)}-{self.tries[task]}",
+            # A worker that joins later may be used, too, unless another one has to be avoided.
+            workers=sorted(usable) if self.refused or self.unwritable else None,
+        )
+        self.running[future] = task
+        self.listener.begun(task.run)
+        future.add_done_callback(self.ended.put)
+
+    def _take(self, future: Any, waiting: deque[Task]) -> None:
+        """Take the end of a task."""
+        task = self.running.pop(future)
+        if future.status == "finished":
+            self._answer(task, future.result(), self._worker_of(future), waiting)
+        elif future.status == "error":
+            self.outcome.failures.setdefault(task.run, _reason(future.exception()))
+        else:  # lost with its scheduler or cancelled
+            waiting.appendleft(task)
+        future.release()
+
+    def _worker_of(self, future: Any) -> str:
+        """Return the address of the worker that holds a result; empty where it is not known."""
+        with suppress(Exception):
+            holders = self.client.who_has([future]).get(future.key, ())
+            return next(iter(holders), "")
+        return ""
+
+    def _answer(self, task: Task, answer: _Answer, worker: str, waiting: deque[Task]) -> None:
+        """Act on the answer of a worker."""
+        if answer.kind == "done":
+            waiting.extend(self.listener.finished(task.run, answer.value) or ())
+            self.listener.progress(task.cost)
+        elif answer.kind == "failed":
+            self.outcome.failures.setdefault(task.run, answer.value)
+        elif answer.kind == "refused":
+            if worker not in self.refused:
+                terminal.line(_refusal(worker, answer.value))
+            self.refused.add(worker)
+            waiting.append(task)
+        elif answer.kind == "unwritable":
+            self._avoid(task, answer.value, worker, waiting)
+
+    def _avoid(self, task: Task, reason: str, worker: str, waiting: deque[Task]) -> None:
+        """Give a task to another worker, and no more tasks to the one that could not write.
+
+        Raises
+        ------
+        OSError : no worker is left.
+        """
+        self.tries[task] += 1
+        if worker not in self.unwritable:
+            terminal.line(f"worker {worker} is not used any more: {reason}")
+        self.unwritable[worker] = reason
+        left = self._looked(set())
+        if not left or self.tries[task] >= MOST_TRIES:
+            raise OSError(f"no worker can write: {reason} (worker {worker})")
+        waiting.append(task)
+
+    def _refuse_lost_scheduler(self) -> None:
+        """Raise OSError if the scheduler has not answered for a while."""
+        if self.client.status == "running":
+            self.lost_since = None
+            return
+        self.lost_since = self.lost_since or time.monotonic()
+        if time.monotonic() - self.lost_since > LOST_SECONDS or self.client.status == "closed":
+            raise ConnectionError(f"the scheduler at {self.cluster.address} is gone")
+
+
+def _reason(error: BaseException) -> str:
+    """Write the reason why a task has no answer."""
+    if type(error).__name__ == "KilledWorker":
+        return f"its worker was killed {MOST_TRIES} times; out of memory?"
+    return f"{type(error).__name__}: {error}"
