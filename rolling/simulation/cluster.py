@@ -7,20 +7,19 @@ Scenes travel as validated models; workers write runs to the shared folder thems
 from __future__ import annotations
 
 import logging
+import pickle
 import queue
-import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rolling.contact.solver import ContactError
-from rolling.folders import program
 from rolling.scene.messages import SceneError
-from rolling.simulation.pool import Cluster, Interrupted, Listener, Outcome, Task
+from rolling.simulation import cluster_worker
+from rolling.simulation.cluster_worker import Answer
+from rolling.simulation.pool import Cluster, Listener, Outcome, Task
 from rolling.terminal import progress as terminal
 
 CONNECT_SECONDS = 10.0
@@ -28,67 +27,6 @@ LOST_SECONDS = 8.0  # without the scheduler, before the work is given up
 STOP_SECONDS = 60.0  # for steps at hand, after Ctrl-C
 MOST_TRIES = 4  # workers that may be unable to write a run
 _INSTALL = 'pip install "rolling-contact-noise[cluster]"'
-
-
-# ---- in a worker
-
-
-@dataclass(frozen=True)
-class _Answer:
-    """The answer of a worker: a result, or the reason why there is none.
-
-    kind : str. done, failed, stopped, refused or unwritable.
-    """
-
-    kind: str
-    value: Any
-
-
-_alone = threading.Lock()  # kernels and transforms keep state, so threads take turns
-_stops: set[str] = set()  # tokens of clients that asked for a stop
-
-
-def _stop(token: str) -> None:
-    _stops.add(token)
-
-
-def _sources() -> tuple[str, str]:
-    identity = program.identity()
-    return identity.version, identity.sources
-
-
-def _act(
-    function: Callable[..., Any], arguments: tuple[Any, ...], sources: str, token: str
-) -> _Answer:
-    """Carry out a task in a worker."""
-    version, own = _sources()
-    if own != sources:
-        return _Answer("refused", f"version {version}, sources {own[:12]}")
-    stopped = _stop_request(token)
-    try:
-        with _alone:
-            return _Answer("done", function(*arguments, stopped, lambda share: None))
-    except (ContactError, MemoryError) as error:
-        return _Answer("failed", str(error) or "not enough memory")
-    except OSError as error:
-        return _Answer("unwritable", str(error))
-    except Interrupted:
-        return _Answer("stopped", None)
-
-
-def _stop_request(token: str) -> Callable[[], bool]:
-    """Return whether the client asked for a stop or is gone, or the worker closes."""
-    from distributed import get_worker
-
-    worker = get_worker()
-    key = worker.get_current_task()
-
-    def stopped() -> bool:
-        task = worker.state.tasks.get(key)
-        forgotten = task is None or task.state == "cancelled"
-        return token in _stops or forgotten or worker.status.name not in ("running", "paused")
-
-    return stopped
 
 
 # ---- in the client
@@ -142,8 +80,8 @@ def _usable(client: Any, cluster: Cluster, told: bool) -> set[str]:
     ------
     SceneError : there is none.
     """
-    ours = _sources()
-    answers = client.run(_sources, on_error="return")
+    ours = cluster_worker.sources()
+    answers = client.run(cluster_worker.sources, on_error="return")
     usable = {address for address, answer in answers.items() if answer == ours}
     others = {
         address: f"version {answer[0]}, sources {answer[1][:12]}"
@@ -167,7 +105,7 @@ def _usable(client: Any, cluster: Cluster, told: bool) -> set[str]:
 
 
 def _refusal(address: str, text: str) -> str:
-    return f"worker {address} is not used: {text}, not {_sources()[1][:12]}"
+    return f"worker {address} is not used: {text}, not {cluster_worker.sources()[1][:12]}"
 
 
 def work(
@@ -206,10 +144,10 @@ class _Work:
         self.unwritable: dict[str, str] = {}  # reasons by worker
         self.refused: set[str] = set()
         self.lost_since: float | None = None
+        self.stopping = 0.0  # time of the request to stop
 
     def do(self, waiting: deque[Task], asked: Callable[[], bool]) -> None:
         """Do tasks until none waits or runs, or until a stop is asked for."""
-        stopping: float | None = None
         usable = _usable(self.client, self.cluster, told=False)
         looked = time.monotonic()
         while waiting or self.running:
@@ -220,11 +158,11 @@ class _Work:
             with suppress(queue.Empty):
                 self._take(self.ended.get(timeout=0.2), waiting)
             self._refuse_lost_scheduler()
-            if asked() and stopping is None:
-                stopping = time.monotonic()
+            if asked() and not self.stopping:
+                self.stopping = time.monotonic()
                 waiting.clear()
-                self.client.run(_stop, self.token, on_error="ignore")
-            if stopping is not None and time.monotonic() - stopping > STOP_SECONDS:
+                self.client.run(cluster_worker.stop, self.token, on_error="ignore")
+            if self.stopping and time.monotonic() - self.stopping > STOP_SECONDS:
                 self.client.cancel(list(self.running), force=True)
                 return
 
@@ -240,10 +178,9 @@ class _Work:
         if task.run in self.outcome.failures:
             return
         future = self.client.submit(
-            _act,
-            task.function,
-            task.arguments,
-            _sources()[1],
+            cluster_worker.act,
+            pickle.dumps((task.function, task.arguments)),
+            cluster_worker.sources()[1],
             self.token,
             pure=False,
             key=f"{self.token}-{task.run}-{id(task)}-{self.tries[task]}",
@@ -258,34 +195,30 @@ class _Work:
         """Take the end of a task."""
         task = self.running.pop(future)
         if future.status == "finished":
-            self._answer(task, future.result(), self._worker_of(future), waiting)
+            self._answer(task, future.result(), waiting)
         elif future.status == "error":
             self.outcome.failures.setdefault(task.run, _reason(future.exception()))
-        else:  # lost with its scheduler or cancelled
+        elif not self.stopping:  # lost with its scheduler
             waiting.appendleft(task)
         future.release()
 
-    def _worker_of(self, future: Any) -> str:
-        """Return the address of the worker that holds a result; empty where it is not known."""
-        with suppress(Exception):
-            holders = self.client.who_has([future]).get(future.key, ())
-            return next(iter(holders), "")
-        return ""
-
-    def _answer(self, task: Task, answer: _Answer, worker: str, waiting: deque[Task]) -> None:
+    def _answer(self, task: Task, answer: Answer, waiting: deque[Task]) -> None:
         """Act on the answer of a worker."""
-        if answer.kind == "done":
-            waiting.extend(self.listener.finished(task.run, answer.value) or ())
-            self.listener.progress(task.cost)
-        elif answer.kind == "failed":
+        if answer.kind == "failed":
             self.outcome.failures.setdefault(task.run, answer.value)
         elif answer.kind == "refused":
-            if worker not in self.refused:
-                terminal.line(_refusal(worker, answer.value))
-            self.refused.add(worker)
+            if answer.worker not in self.refused:
+                terminal.line(_refusal(answer.worker, answer.value))
+            self.refused.add(answer.worker)
             waiting.append(task)
         elif answer.kind == "unwritable":
-            self._avoid(task, answer.value, worker, waiting)
+            self._avoid(task, answer.value, answer.worker, waiting)
+        elif answer.kind == "stopped" and not self.stopping:  # its worker closes
+            waiting.append(task)
+        elif answer.value is not None:
+            following = self.listener.finished(task.run, answer.value) or ()
+            waiting.extend(() if self.stopping else following)
+            self.listener.progress(task.cost)
 
     def _avoid(self, task: Task, reason: str, worker: str, waiting: deque[Task]) -> None:
         """Give a task to another worker, and no more tasks to the one that could not write.
