@@ -25,7 +25,8 @@ from rolling.terminal import progress as terminal
 CONNECT_SECONDS = 10.0
 LOST_SECONDS = 8.0  # without the scheduler, before the work is given up
 STOP_SECONDS = 60.0  # for steps at hand, after Ctrl-C
-MOST_TRIES = 4  # workers that may be unable to write a run
+LOOK_SECONDS = 1.0  # between two looks at the workers
+MOST_KILLS = 4  # of the workers of a task, before its run has failed
 _INSTALL = 'pip install "rolling-contact-noise[cluster]"'
 
 
@@ -129,7 +130,7 @@ def work(
 
 
 class _Work:
-    """Tasks in hand and waiting.
+    """Tasks in hand, each on a worker of its own, so that a kill has one possible cause.
 
     client : distributed.Client.
     """
@@ -138,11 +139,11 @@ class _Work:
         self.client, self.cluster = client, cluster
         self.listener, self.outcome = listener, outcome
         self.token = f"rolling-{time.time_ns()}"
-        self.running: dict[Any, Task] = {}
+        self.running: dict[Any, tuple[Task, str]] = {}  # task and worker by future
         self.ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        self.tries: Counter[Task] = Counter()
-        self.unwritable: dict[str, str] = {}  # reasons by worker
-        self.refused: set[str] = set()
+        self.kills: Counter[Task] = Counter()
+        self.submitted = 0
+        self.avoided: dict[str, str] = {}  # reasons by worker
         self.lost_since: float | None = None
         self.stopping = 0.0  # time of the request to stop
 
@@ -151,13 +152,14 @@ class _Work:
         usable = _usable(self.client, self.cluster, told=False)
         looked = time.monotonic()
         while waiting or self.running:
-            if time.monotonic() - looked > 2:
-                usable, looked = self._looked(usable), time.monotonic()
-            while waiting and len(self.running) < max(1, len(usable)):
-                self._submit(waiting.popleft(), usable)
+            if time.monotonic() - looked > LOOK_SECONDS and self._is_connected():
+                usable = self._look(waiting)
+                looked = time.monotonic()
+            idle = usable - self.avoided.keys() - {worker for _, worker in self.running.values()}
+            while waiting and idle:
+                self._submit(waiting.popleft(), idle.pop())
             with suppress(queue.Empty):
                 self._take(self.ended.get(timeout=0.2), waiting)
-            self._refuse_lost_scheduler()
             if asked() and not self.stopping:
                 self.stopping = time.monotonic()
                 waiting.clear()
@@ -166,53 +168,62 @@ class _Work:
                 self.client.cancel(list(self.running), force=True)
                 return
 
-    def _looked(self, usable: set[str]) -> set[str]:
-        """Return the workers that may be used now: others may have come, or are gone."""
-        if self.client.status != "running":
-            return usable
-        there = set(self.client.scheduler_info()["workers"])
-        return there - self.refused - set(self.unwritable)
+    def _look(self, waiting: deque[Task]) -> set[str]:
+        """Return the addresses of all workers, and take back the tasks of those that are gone."""
+        there = set(self.client.scheduler_info(n_workers=-1)["workers"])
+        for future, (task, worker) in [*self.running.items()]:
+            if worker in there:
+                continue
+            del self.running[future]
+            self.client.cancel([future], force=True)
+            self.kills[task] += 1
+            if self.kills[task] >= MOST_KILLS:
+                reason = f"its worker was killed {MOST_KILLS} times; out of memory?"
+                self.outcome.failures.setdefault(task.run, reason)
+            elif not self.stopping:
+                terminal.line(f"worker {worker} is gone; its task is done again")
+                waiting.append(task)
+        return there
 
-    def _submit(self, task: Task, usable: set[str]) -> None:
-        """Hand a task to the cluster."""
+    def _submit(self, task: Task, worker: str) -> None:
+        """Hand a task to a worker."""
         if task.run in self.outcome.failures:
             return
+        self.submitted += 1
         future = self.client.submit(
             cluster_worker.act,
             pickle.dumps((task.function, task.arguments)),
             cluster_worker.sources()[1],
             self.token,
             pure=False,
-            key=f"{self.token}-{task.run}-{id(task)}-{self.tries[task]}",
-            # A worker that joins later may be used, too, unless another one has to be avoided.
-            workers=sorted(usable) if self.refused or self.unwritable else None,
+            key=f"{self.token}-{task.run}-{self.submitted}",
+            workers=[worker],
         )
-        self.running[future] = task
+        self.running[future] = task, worker
         self.listener.begun(task.run)
         future.add_done_callback(self.ended.put)
 
     def _take(self, future: Any, waiting: deque[Task]) -> None:
         """Take the end of a task."""
-        task = self.running.pop(future)
+        if future not in self.running or not self._is_connected():
+            return
+        task, worker = self.running.pop(future)
         if future.status == "finished":
-            self._answer(task, future.result(), waiting)
+            self._answer(task, worker, future.result(), waiting)
         elif future.status == "error":
-            self.outcome.failures.setdefault(task.run, _reason(future.exception()))
-        elif not self.stopping:  # lost with its scheduler
+            error = future.exception()
+            self.outcome.failures.setdefault(task.run, f"{type(error).__name__}: {error}")
+        elif not self.stopping:  # lost with its worker
             waiting.appendleft(task)
         future.release()
 
-    def _answer(self, task: Task, answer: Answer, waiting: deque[Task]) -> None:
+    def _answer(self, task: Task, worker: str, answer: Answer, waiting: deque[Task]) -> None:
         """Act on the answer of a worker."""
         if answer.kind == "failed":
             self.outcome.failures.setdefault(task.run, answer.value)
-        elif answer.kind == "refused":
-            if answer.worker not in self.refused:
-                terminal.line(_refusal(answer.worker, answer.value))
-            self.refused.add(answer.worker)
+        elif answer.kind in ("refused", "unwritable"):
             waiting.append(task)
-        elif answer.kind == "unwritable":
-            self._avoid(task, answer.value, answer.worker, waiting)
+            self._avoid(worker, answer)
         elif answer.kind == "stopped" and not self.stopping:  # its worker closes
             waiting.append(task)
         elif answer.value is not None:
@@ -220,34 +231,33 @@ class _Work:
             waiting.extend(() if self.stopping else following)
             self.listener.progress(task.cost)
 
-    def _avoid(self, task: Task, reason: str, worker: str, waiting: deque[Task]) -> None:
-        """Give a task to another worker, and no more tasks to the one that could not write.
+    def _avoid(self, worker: str, answer: Answer) -> None:
+        """Give no more tasks to a worker of another version, or to one that cannot write.
 
         Raises
         ------
         OSError : no worker is left.
         """
-        self.tries[task] += 1
-        if worker not in self.unwritable:
-            terminal.line(f"worker {worker} is not used any more: {reason}")
-        self.unwritable[worker] = reason
-        left = self._looked(set())
-        if not left or self.tries[task] >= MOST_TRIES:
-            raise OSError(f"no worker can write: {reason} (worker {worker})")
-        waiting.append(task)
+        if answer.kind == "refused":
+            text = _refusal(worker, answer.value)
+        else:
+            text = f"worker {worker} is not used any more: {answer.value}"
+        terminal.line(text)
+        self.avoided[worker] = text
+        if not self._look(deque()) - self.avoided.keys():
+            raise OSError(f"no worker is left; {text}")
 
-    def _refuse_lost_scheduler(self) -> None:
-        """Raise OSError if the scheduler has not answered for a while."""
+    def _is_connected(self) -> bool:
+        """Tell whether the scheduler answers.
+
+        Raises
+        ------
+        OSError : it has not answered for a while.
+        """
         if self.client.status == "running":
             self.lost_since = None
-            return
+            return True
         self.lost_since = self.lost_since or time.monotonic()
         if time.monotonic() - self.lost_since > LOST_SECONDS or self.client.status == "closed":
             raise ConnectionError(f"the scheduler at {self.cluster.address} is gone")
-
-
-def _reason(error: BaseException) -> str:
-    """Write the reason why a task has no answer."""
-    if type(error).__name__ == "KilledWorker":
-        return f"its worker was killed {MOST_TRIES} times; out of memory?"
-    return f"{type(error).__name__}: {error}"
+        return False

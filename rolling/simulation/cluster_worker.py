@@ -18,12 +18,10 @@ class Answer:
 
     kind : str. done, failed, stopped, refused or unwritable.
     value : the result, or the reason.
-    worker : str. Address of the worker.
     """
 
     kind: str
     value: Any
-    worker: str
 
 
 _alone = threading.Lock()  # kernels and transforms keep state, so threads take turns
@@ -52,17 +50,9 @@ def act(task: bytes, wanted: str, token: str) -> Answer:
     wanted : str. Digest of the sources of the program that the client runs.
     token : str. Token of the client.
     """
-    from distributed import get_worker
-
-    kind, value = _answer(task, wanted, token)
-    return Answer(kind, value, get_worker().address)
-
-
-def _answer(task: bytes, wanted: str, token: str) -> tuple[str, Any]:
-    """Return kind and value of an answer."""
     version, own = sources()
     if own != wanted:
-        return "refused", f"version {version}, sources {own[:12]}"
+        return Answer("refused", f"version {version}, sources {own[:12]}")
     from rolling.contact.solver import ContactError
     from rolling.simulation.pool import Interrupted
 
@@ -71,13 +61,15 @@ def _answer(task: bytes, wanted: str, token: str) -> tuple[str, Any]:
     try:
         with _alone:
             result = function(*arguments, stopped, lambda share: None)
-            return "stopped" if stopped() else "done", result
+            return Answer("stopped" if stopped() else "done", result)
     except (ContactError, MemoryError) as error:
-        return "failed", str(error) or "not enough memory"
+        return Answer("failed", str(error) or "not enough memory")
     except OSError as error:
-        return "unwritable", str(error)
+        return Answer("unwritable", str(error))
     except Interrupted:
-        return "stopped", None
+        return Answer("stopped", None)
+    except Exception as error:  # which may not be sent, and which stops no other run
+        return Answer("failed", f"{type(error).__name__}: {error}")
 
 
 def _stop_request(token: str) -> Callable[[], bool]:
