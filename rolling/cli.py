@@ -94,9 +94,12 @@ def _is_bad_input(error: Exception) -> bool:
 def _run(given: argparse.Namespace) -> int:
     from rolling.check import early
 
-    early.refuse_scene(given.scene, given.set, given.out, given.force, ("run", "sweep"))
+    out = None if given.part else given.out  # parts share a folder
+    early.refuse_scene(given.scene, given.set, out, given.force, ("run", "sweep"))
     with progress.step(LOADING):
         from rolling import commands
+        from rolling.commands.parts import Part
+        from rolling.simulation.pool import Cluster
     return _reported(
         commands.run(
             given.scene,
@@ -107,6 +110,9 @@ def _run(given: argparse.Namespace) -> int:
             not given.no_report,
             given.pictures,
             _print_folder,
+            Part(*given.part) if given.part else None,
+            given.take_over,
+            Cluster(given.cluster) if given.cluster else None,
         )
     )
 
@@ -117,6 +123,7 @@ def _resume(given: argparse.Namespace) -> int:
     early.refuse_folders([given.folder])
     with progress.step(LOADING):
         from rolling import commands
+        from rolling.simulation.pool import Cluster
     return _reported(
         commands.resume(
             given.folder,
@@ -125,6 +132,7 @@ def _resume(given: argparse.Namespace) -> int:
             given.take_over,
             given.pictures,
             _print_folder,
+            Cluster(given.cluster) if given.cluster else None,
         )
     )
 
@@ -167,6 +175,44 @@ def _extend(given: argparse.Namespace) -> int:
     for written in extending.extend(given.folder, given.seconds):
         print(written.path)
         progress.line(f"{written.label}: {written.text}")
+    return OK
+
+
+def _status(given: argparse.Namespace) -> int:
+    from rolling.folders import status
+
+    if given.watch:
+        return _watched(given.folder)
+    print(status.text(given.folder))
+    return OK
+
+
+def _watched(folder: Path) -> int:
+    """Print the status of a run folder whenever it changes, until no run is waiting or running."""
+    import time
+
+    from rolling.folders import status
+
+    before = ""
+    while True:
+        text = status.text(folder)
+        if text != before:
+            print(text, flush=True)
+        before = text
+        if status.is_at_rest(status.statuses(folder)):
+            return OK
+        time.sleep(defaults.WATCH_SECONDS)
+
+
+def _table(given: argparse.Namespace) -> int:
+    from rolling.check import early
+
+    early.refuse_folders([given.folder])
+    with progress.step(LOADING):
+        from rolling.commands import table
+    over = {} if given.over is None else {"over": given.over}
+    for path in table.tabulate(given.folder, given.plot, given.against, **over):
+        print(path)
     return OK
 
 
@@ -396,7 +442,16 @@ _COMMANDS = (
         "run",
         _run,
         "run a scene: release, sound, levels and plots",
-        (arguments.scene, arguments.settings, arguments.target, arguments.workers, arguments.drawn),
+        (
+            arguments.scene,
+            arguments.settings,
+            arguments.target,
+            arguments.part,
+            arguments.workers,
+            arguments.cluster,
+            arguments.drawn,
+            arguments.take_over,
+        ),
     ),
     _Command(
         "check",
@@ -408,7 +463,25 @@ _COMMANDS = (
         "resume",
         _resume,
         "continue an interrupted run",
-        (arguments.folder, arguments.workers, arguments.drawn, arguments.take_over),
+        (
+            arguments.folder,
+            arguments.workers,
+            arguments.cluster,
+            arguments.drawn,
+            arguments.take_over,
+        ),
+    ),
+    _Command(
+        "status",
+        _status,
+        "tell which runs of a folder are done, running (where), waiting or failed (why)",
+        (arguments.folder, arguments.watch),
+    ),
+    _Command(
+        "table",
+        _table,
+        "gather all numbers of a sweep, their statistics over the seeds, and plots of them",
+        (arguments.folder, arguments.tabulated),
     ),
     _Command(
         "resound",

@@ -13,23 +13,34 @@ from pathlib import Path
 
 from rolling.check import refusals
 from rolling.commands import details
+from rolling.commands.parts import Part, run_part
 from rolling.commands.run_files import Wanted, ignore, page_of, write_run
-from rolling.commands.work import PAGE, Report, Work, finish, make_sounds, solve, told_on_error
+from rolling.commands.run_tasks import Ends
+from rolling.commands.work import (
+    PAGE,
+    Report,
+    Work,
+    finish,
+    make_sounds,
+    solve,
+    told_on_error,
+    work_on,
+)
 from rolling.folders import claim, files, new_folder, own_files, run_record
 from rolling.folders.files import FolderError
 from rolling.folders.run_record import Kind
 from rolling.scene import file, library
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
 from rolling.simulation import batch, labels
 from rolling.simulation.batch import Run
 from rolling.simulation.plan import Plan, refuse
-from rolling.simulation.pool import Outcome
-from rolling.simulation.result import Result
+from rolling.simulation.pool import Cluster, Outcome
 from rolling.simulation.run_result import RunResult, hear
 from rolling.simulation.stored_runs import (
     read_runs,
     records_of,
     resolved_scene,
-    warn_of_other_program,
 )
 from rolling.terminal import progress
 
@@ -47,6 +58,9 @@ def run(
     page: bool = True,
     pictures: bool | None = None,
     begun: Callable[[Path], object] = ignore,
+    part: Part | None = None,
+    take_over: bool = False,
+    cluster: Cluster | None = None,
 ) -> Report:
     """Run a scene file: every combination of its sweep, each into a run folder.
 
@@ -61,6 +75,10 @@ def run(
     pictures : bool. Write pictures of each run; false: no pictures and no page. Default: of up to
         24 runs.
     begun : callable. It receives the run folder before anything is solved. Default: none.
+    part : Part. A share of the runs of the sweep, in a folder that other commands share. Default:
+        all runs.
+    take_over : bool. As in `resume`, for a part. Default: false.
+    cluster : Cluster. A Dask scheduler whose workers solve. Default: local processes.
 
     Raises
     ------
@@ -68,16 +86,37 @@ def run(
     """
     scene = file.read_scene(scene_path, overrides)
     refuse(scene, workers, out or refusals.OUTPUTS)
+    wanted = _on_cluster(Wanted(page, pictures, workers, begun), cluster)
+    if cluster is not None:  # whose workers have other working folders
+        scene = Scene.from_dict(scene.to_dict(), scene.folder.resolve())
+    if part is not None:
+        _refuse_part(scene, out, force)
+        assert out is not None
+        return run_part(scene, scene_path, out, part, wanted, take_over)
     scene_path = library.find(scene_path)
-    wanted = Wanted(page, pictures, workers, begun)
     plan = Plan(scene, scene_path.read_bytes(), wanted.whole_folders(len(scene.runs())))
     target = new_folder.aim(
         Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files]
     )
     with new_folder.make(target, plan.record(), plan.write) as held:
-        runs = plan.runs(held.folder)
-        results = [Result.empty(each.scene.track, each.scene.start) for each in runs]
-        return solve(Work(held, runs, results, wanted))
+        return solve(work_on(held, plan.runs(held.folder), wanted, None))
+
+
+def _on_cluster(wanted: Wanted, cluster: Cluster | None) -> Wanted:
+    """Return what is wanted from a cluster, after a look at its workers."""
+    if cluster is None:
+        return wanted
+    from rolling.simulation import cluster as clusters
+
+    return replace(wanted, cluster=cluster, cluster_workers=clusters.workers(cluster))
+
+
+def _refuse_part(scene: Scene, out: Path | None, force: bool) -> None:
+    """Raise an error where a part of a scene cannot be run."""
+    if not scene.sweep:
+        raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
+    if out is None or force:
+        raise FolderError("a part needs the folder of all parts, --out FOLDER without --force")
 
 
 def resume(
@@ -87,6 +126,7 @@ def resume(
     take_over: bool = False,
     pictures: bool | None = None,
     begun: Callable[[Path], object] = ignore,
+    cluster: Cluster | None = None,
 ) -> Report:
     """Continue a run folder that was interrupted or killed; solved steps are not solved again.
 
@@ -99,7 +139,7 @@ def resume(
     page : bool. Write the report page as well. Default: true.
     take_over : bool. Continue even if the process that works on the folder is not visible from this
         machine. Default: false.
-    pictures, begun : as in `run`.
+    pictures, begun, cluster : as in `run`.
 
     Raises
     ------
@@ -107,6 +147,7 @@ def resume(
         surface.
     SceneError : the scene cannot be run here.
     """
+    folder = folder if cluster is None else folder.resolve()  # as its workers see it
     runs = read_runs(folder)
     for each in runs:
         if not each.folder.is_dir():
@@ -119,7 +160,7 @@ def resume(
     if not pictures and (done := _finished(folder, runs)):
         return done
     refusals.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
-    wanted = Wanted(page, pictures, workers, begun)
+    wanted = _on_cluster(Wanted(page, pictures, workers, begun), cluster)
     report = _resumed(folder, runs, wanted, take_over)
     if sweep := details.sweep_to_finish(folder):
         _finish_sweep(sweep, replace(wanted, begun=ignore), take_over)
@@ -141,11 +182,7 @@ def _resumed(folder: Path, runs: list[Run], wanted: Wanted, take_over: bool) -> 
     names = [each.folder.name for each in runs] if runs[0].values else []
     with claim.take(folder, "sweep" if names else "run", names, take_over) as held:
         # Another process may have gone on since the folder was looked at.
-        results = [
-            batch.stored(each) or Result.empty(each.scene.track, each.scene.start) for each in runs
-        ]
-        warn_of_other_program(folder, before, results)
-        return solve(Work(held, runs, results, wanted))
+        return solve(work_on(held, runs, wanted, before or held.record, take_over))
 
 
 def _finished(folder: Path, runs: Sequence[Run]) -> Report | None:
@@ -243,7 +280,8 @@ def save_run(finished: RunResult, folder: Path, force: bool = False, report: boo
         ):
             saved = replace(finished, folder=alone.folder, label=alone.label, values={})
             write_run(saved, saved.result, work.whole_folders)
-            finish(work, [saved], Outcome())
+            ends = Ends.of(work.runs, work.results, [saved])
+            finish(work, ends, Outcome())
     return held.folder
 
 

@@ -12,6 +12,7 @@ from rolling.contact.solver import ContactError
 from rolling.folders.files import FolderError
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
+from rolling.scene.sweep import Value
 from rolling.simulation import batch, labels, solving, tolerance_trial
 from rolling.simulation import simulate as pieces
 from rolling.simulation.plan import refuse
@@ -20,7 +21,7 @@ from rolling.simulation.result import Result
 from rolling.simulation.run_result import RunResult, hear
 from rolling.simulation.stored_runs import read_runs
 
-Values = float | tuple[float, ...]
+Values = Value | tuple[Value, ...]
 _HERE = Path()  # folder of a run in memory
 
 
@@ -146,7 +147,7 @@ def open_run(folder: Path | str) -> RunResult:
 class _Single:
     """A run in memory: the values of its sweep and the scene with them."""
 
-    values: dict[str, float]
+    values: Mapping[str, Value]
     scene: Scene
     folder: Path = _HERE
 
@@ -194,7 +195,7 @@ def _raise_failures(
         raise ContactError(next(iter(outcome.failures.values())))
 
 
-def _key(values: Mapping[str, float]) -> Values:
+def _key(values: Mapping[str, Value]) -> Values:
     """Return the key of a run in a sweep: its swept value, or the tuple of its values."""
     return next(iter(values.values())) if len(values) == 1 else tuple(values.values())
 

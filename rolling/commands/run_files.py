@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling.check import demand
+from rolling.check import cost, demand
 from rolling.folders import files
 from rolling.simulation import batch, runs_table, sound_files, summary
 from rolling.simulation.batch import Run
+from rolling.simulation.pool import Cluster, Workers
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import RunResult
 
@@ -31,12 +32,21 @@ class Wanted:
         all runs together and the page need more than false.
     workers : processes that draw; 0: one per core.
     begun : gets the folder before anything is solved in it.
+    cluster : solves the runs; None: local processes do.
+    cluster_workers : number of its workers at the start.
     """
 
     page: bool = True
     pictures: bool | None = None
     workers: int = 0
     begun: Callable[[Path], object] = ignore
+    cluster: Cluster | None = None
+    cluster_workers: int = 1
+
+    @property
+    def solvers(self) -> Workers:
+        """The cluster or the number of processes that solve."""
+        return self.cluster or self.workers or cost.cores()
 
     def whole_folders(self, runs: int) -> bool:
         """Return whether each of so many runs has all files in its folder, not four only."""

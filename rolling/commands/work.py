@@ -8,17 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling.commands import details
+from rolling.commands import details, run_tasks
 from rolling.commands.run_files import Wanted, page_of, write_run, write_sweep
+from rolling.commands.run_tasks import Ends
 from rolling.folders import claim, files, new_folder
 from rolling.folders.claim import Claim
 from rolling.folders.files import Stopped
-from rolling.simulation import batch, error_stretches, labels
+from rolling.folders.run_record import RunRecord
+from rolling.simulation import batch, labels
 from rolling.simulation.batch import Run
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import RunResult, hear
-from rolling.simulation.stored_runs import is_begun, is_kept
+from rolling.simulation.stored_runs import is_begun, is_kept, warn_of_other_program
 from rolling.terminal import progress
 
 if TYPE_CHECKING:
@@ -62,14 +64,16 @@ class Work:
 
     held : Claim. The claim on the folder.
     runs : list of Run. The runs in the folder.
-    results : list of Result. One result per run.
+    results : list of Result. One result per run; empty where each run is a task.
     wanted : Wanted. The files that are requested.
+    take_over : bool. Whether claims that cannot be judged from here are ignored. Default: false.
     """
 
     held: Claim
     runs: list[Run]
     results: list[Result]
     wanted: Wanted
+    take_over: bool = False
 
     @property
     def whole_folders(self) -> bool:
@@ -82,12 +86,46 @@ class Work:
         return self.held.folder
 
 
+def work_on(
+    held: Claim, runs: list[Run], wanted: Wanted, before: RunRecord | None, take_over: bool = False
+) -> Work:
+    """Return the work on a claimed folder, with stored results where its runs are not tasks.
+
+    Parameters
+    ----------
+    before : RunRecord. The record of the folder before it was claimed; None for a new folder, whose
+        results are empty.
+    """
+    if run_tasks.are_tasks(runs, wanted):
+        if before is not None:
+            warn_of_other_program(held.folder, before, before.state != "done")
+        return Work(held, runs, [], wanted, take_over)
+    results = [
+        (batch.stored(each) if before else None) or Result.empty(each.scene.track, each.scene.start)
+        for each in runs
+    ]
+    if before is not None:
+        partly = any(is_begun(result) and not result.complete for result in results)
+        warn_of_other_program(held.folder, before, partly)
+    return Work(held, runs, results, wanted, take_over)
+
+
 def solve(work: Work) -> Report:
     """Solve the missing steps of the runs, then write everything else."""
     work.wanted.begun(work.folder)
     with told_on_error(lambda: _way_on(work)):
-        if batch.choose_tolerances(work.runs, work.results, work.wanted.workers):
+        if not work.results:
+            outcome, ends = run_tasks.solve(work.held, work.runs, work.wanted, work.take_over)
+            return finish(work, ends, outcome)
+        if batch.choose_tolerances(work.runs, work.results, work.wanted.solvers):
             return finish(work, make_sounds(work, {}), Outcome(interrupted=True))
+        outcome, ends = _solve_pieces(work)
+        details.tell(work.runs, work.results)
+        return finish(work, ends, outcome)
+
+
+def _solve_pieces(work: Work) -> tuple[Outcome, Ends]:
+    """Solve pieces of the runs on all cores, and make the sound of each run in this process."""
     names = labels.labels(work.runs)
     sounds: dict[int, RunResult | None] = {}
 
@@ -96,19 +134,16 @@ def solve(work: Work) -> Report:
         if sounds[number] is None:
             batch.keep(work.runs[number], work.results[number])
 
-    with told_on_error(lambda: _way_on(work)):
-        outcome = batch.solve(
-            work.runs,
-            work.results,
-            work.wanted.workers,
-            work.runs[0].scene.name,
-            begun=lambda each: work.held.mark(each.folder, "running"),
-            complete=complete,
-            filmed=work.wanted.shows_each(len(work.runs)),
-        )
-        finished = make_sounds(work, sounds)
-        details.tell(work.runs, work.results)
-        return finish(work, finished, outcome)
+    outcome = batch.solve(
+        work.runs,
+        work.results,
+        work.wanted.solvers,
+        work.runs[0].scene.name,
+        begun=lambda each: work.held.mark(each.folder, "running"),
+        complete=complete,
+        filmed=work.wanted.shows_each(len(work.runs)),
+    )
+    return outcome, make_sounds(work, sounds)
 
 
 @contextmanager
@@ -137,8 +172,8 @@ def _way_on(work: Work) -> str:
     )
 
 
-def make_sounds(work: Work, made: Mapping[int, RunResult | None]) -> list[RunResult | None]:
-    """Make the sound of each run and write its files; None where too few steps are solved.
+def make_sounds(work: Work, made: Mapping[int, RunResult | None]) -> Ends:
+    """Make the sound of each run and write its files.
 
     Parameters
     ----------
@@ -155,7 +190,7 @@ def make_sounds(work: Work, made: Mapping[int, RunResult | None]) -> list[RunRes
             else:  # pictures read the heights once more
                 sounds.append(None if batch.other_surface(run, result) else made[number])
             bar.update(1)
-    return sounds
+    return Ends.of(work.runs, work.results, sounds)
 
 
 def _sound(work: Work, number: int, label: str) -> RunResult | None:
@@ -169,40 +204,39 @@ def _sound(work: Work, number: int, label: str) -> RunResult | None:
     return finished
 
 
-def finish(work: Work, sounds: Sequence[RunResult | None], outcome: Outcome) -> Report:
+def finish(work: Work, ends: Ends, outcome: Outcome) -> Report:
     """Write tables and figures of all runs, the page, and the states last.
 
     Parameters
     ----------
     work : The runs and their results.
-    sounds : Each run with its sound, whose files are written; None where too few steps are solved.
+    ends : The runs with their sound, whose files are written.
     outcome : The outcome of solving.
     """
-    finished = [each for each in sounds if each is not None]
+    finished = [each for each in ends.sounds if each is not None]
     names = labels.labels(work.runs)
-    summaries = [None if each is None else each.summary for each in sounds]
     if len(work.runs) > 1:
-        write_sweep(work.folder, work.runs, names, summaries)
+        write_sweep(work.folder, work.runs, names, ends.summaries)
     exhibits = []
     if finished and work.wanted.pictures is not False:
         exhibits = write_pictures(work.folder, finished, work.wanted)
     if exhibits:
-        unsolved = [label for label, each in zip(names, sounds, strict=True) if each is None]
+        unsolved = [label for label, each in zip(names, ends.sounds, strict=True) if each is None]
         with progress.step("writing the page"):
             files.write_bytes(work.folder / PAGE, page_of(finished, exhibits, unsolved))
-    previous = _mark_all(work, outcome)
+    previous = _mark_all(work, ends, outcome)
     return Report(
         work.folder,
-        list(zip(work.runs, summaries, strict=True)),
+        list(zip(work.runs, ends.summaries, strict=True)),
         {names[number]: reason for number, reason in outcome.failures.items()},
         outcome.interrupted,
         work.folder / PAGE if exhibits else None,
-        any(map(is_begun, work.results)),
+        any(ends.begun),
         previous,
     )
 
 
-def _mark_all(work: Work, outcome: Outcome) -> Path | None:
+def _mark_all(work: Work, ends: Ends, outcome: Outcome) -> Path | None:
     """Write the state of each run and of the folder.
 
     The folder is done when all runs are done, and failed when any run has failed.
@@ -212,14 +246,14 @@ def _mark_all(work: Work, outcome: Outcome) -> Path | None:
     previous : The folder of an earlier run that stays beside this run.
     """
     held, failures = work.held, outcome.failures
-    for number, (each, result) in enumerate(zip(work.runs, work.results, strict=True)):
+    for number, each in enumerate(work.runs):
         if each.folder == held.folder:
             continue
         if number in failures:
             held.mark(each.folder, "failed", failures[number])
-        elif result.complete and not error_stretches.missing(each.scene, result):
+        elif ends.complete[number]:
             held.mark(each.folder, "done")
-        elif is_begun(result) or outcome.interrupted:
+        elif ends.begun[number] or outcome.interrupted:
             held.mark(each.folder, "waiting", claim.INTERRUPTED)
     if outcome.interrupted:
         held.mark(held.folder, "waiting", claim.INTERRUPTED)
@@ -230,7 +264,7 @@ def _mark_all(work: Work, outcome: Outcome) -> Path | None:
             "failed",
             first if runs == 1 else f"{len(failures)} of {runs} runs: {first}",
         )
-    elif all(result.complete for result in work.results):
+    elif all(ends.complete):
         held.mark(held.folder, "done")
         return new_folder.drop_previous(held)
     else:  # new sound of an incomplete run

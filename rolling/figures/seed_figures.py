@@ -15,6 +15,7 @@ from rolling._typing import Array
 from rolling.figures import captions
 from rolling.figures.picture import Picture, single
 from rolling.figures.sound_figures import CurveScales
+from rolling.scene.sweep import Value
 from rolling.simulation import labels
 from rolling.simulation.run_result import RunResult
 
@@ -38,7 +39,7 @@ class Seeds:
 
 def merged(runs: Sequence[RunResult]) -> list[Seeds]:
     """Merge the runs that differ in their seed alone; empty where any of them has few seeds."""
-    groups: dict[tuple[tuple[str, float], ...], list[RunResult]] = {}
+    groups: dict[tuple[tuple[str, Value], ...], list[RunResult]] = {}
     for run in runs:
         others = tuple((key, value) for key, value in run.values.items() if key != SEED)
         groups.setdefault(others, []).append(run)
@@ -49,7 +50,7 @@ def merged(runs: Sequence[RunResult]) -> list[Seeds]:
     return [_merge(others, group) for others, group in groups.items()]
 
 
-def _merge(others: Sequence[tuple[str, float]], group: Sequence[RunResult]) -> Seeds:
+def _merge(others: Sequence[tuple[str, Value]], group: Sequence[RunResult]) -> Seeds:
     """Merge the third octaves of one group."""
     words = [labels.worded(*value) for value in others]
     mean: dict[str, float | None] = {}

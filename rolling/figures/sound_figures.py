@@ -35,6 +35,7 @@ from rolling.figures.picture import (
     lay_out,
     single,
 )
+from rolling.scene.sweep import Value
 from rolling.simulation import labels
 from rolling.simulation.run_result import RunResult
 
@@ -443,7 +444,8 @@ def swept_key(runs: Sequence[RunResult]) -> str | None:
     The result is None if the swept values do not distinguish the runs.
     """
     for key in runs[0].values:
-        if all(key in run.values for run in runs) and len({run.values[key] for run in runs}) > 1:
+        numbers = all(isinstance(run.values.get(key), int | float) for run in runs)
+        if numbers and len({run.values[key] for run in runs}) > 1:
             distinct = {(run.scene.name, *run.values.items()) for run in runs}
             return key if len(distinct) == len(runs) else None
     return None
@@ -453,7 +455,7 @@ def level_panels(key: str, runs: Sequence[RunResult], x: Array) -> list[LevelPan
     """Return LAeq and LZeq of runs at the values x (n,) of a swept key, with gaps."""
     several = len({run.scene.name for run in runs}) > 1
 
-    def others(run: RunResult) -> tuple[str, tuple[tuple[str, float], ...]]:
+    def others(run: RunResult) -> tuple[str, tuple[tuple[str, Value], ...]]:
         return run.scene.name, tuple(
             (name, value) for name, value in run.values.items() if name != key
         )

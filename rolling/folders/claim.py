@@ -25,6 +25,7 @@ try:
 except ImportError:  # Windows cannot separate two commands within the same millisecond
     fcntl = None  # type: ignore[assignment]
 
+PARTS = "parts"  # folder of a sweep, with a folder for each part that was claimed
 LOCK = ".lock"  # empty file, held for milliseconds while claims are read and changed
 PATIENCE = 10.0  # [s]
 INTERRUPTED = "interrupted"
@@ -145,7 +146,8 @@ def take(folder: Path, kind: Kind, runs: Sequence[str] = (), take_over: bool = F
         record = run_record.read(folder) or run_record.new(kind, runs, adopted=True)
         # A run of a sweep may be worked on while others of the sweep are not.
         around = run_record.read(owner) if owner else None
-        for place, other in ((owner, around), *_with_runs(folder, record)):
+        parts = _parts_with(owner, {folder.resolve().name}) if owner else ()
+        for place, other in ((owner, around), *parts, *_with_runs(folder, record)):
             if other is not None and place is not None:
                 refuse_in_use(place, other, take_over)
         claimed = replace(record, runs=tuple(dict.fromkeys([*record.runs, *runs]))).with_state(
@@ -153,6 +155,75 @@ def take(folder: Path, kind: Kind, runs: Sequence[str] = (), take_over: bool = F
         )
         run_record.write(folder, claimed)
         return Claim(folder, claimed, record)
+
+
+def take_part(sweep: Path, name: str, runs: Sequence[str], take_over: bool = False) -> Claim:
+    """Claim some runs of a sweep, beside other processes that claim others.
+
+    Parameters
+    ----------
+    sweep : Path
+        Folder of the sweep.
+    name : str
+        Name of the part.
+    runs : sequence of str
+        Names of the folders of its runs.
+    take_over : bool
+        As in `take`.
+
+    Raises
+    ------
+    FolderError
+        Another process works on the sweep, or on one of the runs.
+    """
+    folder = sweep / PARTS / name
+    with guard(sweep):
+        whole = run_record.read(sweep)
+        if whole is None:
+            raise FolderError(f"{sweep}: no sweep of this version")
+        refuse_in_use(sweep, whole, take_over)
+        for place, other in _parts_with(sweep, {*runs}):
+            refuse_in_use(place, other, take_over)
+        for each in runs:
+            own = run_record.read(sweep / each)
+            if own is not None:
+                refuse_in_use(sweep / each, own, take_over)
+        folder.mkdir(parents=True, exist_ok=True)
+        record = run_record.read(folder) or run_record.new("part", runs)
+        claimed = replace(record, runs=tuple(runs)).with_state("running")
+        run_record.write(folder, claimed)
+        return Claim(folder, claimed, record)
+
+
+def parts(sweep: Path) -> Iterator[tuple[Path, RunRecord]]:
+    """Yield the parts of a sweep that were ever claimed, with their records."""
+    with suppress(OSError):
+        for folder in sorted((sweep / PARTS).iterdir()):
+            record = run_record.read(folder)
+            if record is not None and record.kind == "part":
+                yield folder, record
+
+
+def _parts_with(sweep: Path, runs: set[str]) -> Iterator[tuple[Path, RunRecord]]:
+    """Yield the parts of a sweep that have one of the runs."""
+    yield from ((folder, record) for folder, record in parts(sweep) if runs & {*record.runs})
+
+
+def take_run(folder: Path, take_over: bool = False) -> Claim:
+    """Claim a run of a sweep for a worker of the process that has claimed the sweep.
+
+    Only a process of an earlier client may still work on the run, and it begins no other run.
+
+    Raises
+    ------
+    FolderError
+        Another process works on the run.
+    """
+    record = run_record.read(folder) or run_record.new("run")
+    refuse_in_use(folder, record, take_over)
+    claimed = record.with_state("running")
+    run_record.write(folder, claimed)
+    return Claim(folder, claimed, record)
 
 
 def begin(folder: Path, record: RunRecord) -> Claim:
@@ -265,9 +336,12 @@ def _locked(path: Path) -> int | None:
 def _with_runs(folder: Path, record: RunRecord) -> Iterator[tuple[Path, RunRecord | None]]:
     yield folder, record
     yield from ((folder / name, run_record.read(folder / name)) for name in record.runs)
+    yield from parts(folder)
 
 
 def _way_out(folder: Path, record: RunRecord, process: Process) -> str:
+    if record.kind == "part":
+        return "if it is gone, the same command with --take-over goes on"
     if record.kind in ("run", "sweep"):
         return f"if it is gone, `rolling resume {folder} --take-over` goes on"
     if record.kind == "study":

@@ -141,6 +141,36 @@ def make(target: Target, record: RunRecord, fill: Fill = lambda folder: None) ->
     return _make_in_place(target.folder, record, fill)
 
 
+def make_shared(out: Path, record: RunRecord, fill: Fill) -> bool:
+    """Make a folder that several commands make at once, and claim it for none of them.
+
+    The folder appears with its inputs. Return whether this command made it.
+
+    Raises
+    ------
+    FolderError
+        The folder is there and is of another kind, or it cannot be made.
+    """
+    if not out.exists() or (out.is_dir() and is_empty(out)):
+        temporary = _temporary(out)
+        _mkdir(temporary)
+        with _fill(temporary, record, fill, True):
+            pass
+        try:
+            if out.is_dir():
+                (out / claim.LOCK).unlink(missing_ok=True)
+            temporary.rename(out)
+            return True
+        except OSError as error:  # another command was faster
+            own_files.remove(temporary, record)
+            if not out.is_dir():
+                raise FolderError(f"{out}: cannot be made ({error.strerror or error})") from error
+    if not out.is_dir():
+        raise FolderError(f"{out}: is a file, --out is a folder; take another --out")
+    _marked(out, [record.kind])
+    return False
+
+
 def stamped(base: Path) -> Path:
     """Make a folder named after the time.
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rolling.folders import run_record
-from rolling.folders.claim import LOCK
+from rolling.folders.claim import LOCK, PARTS
 from rolling.folders.files import FolderError
 from rolling.folders.run_record import RunRecord
 
@@ -48,11 +48,20 @@ _OF_A_RUN = [
     "extended.wav",
     "extended.json",
 ]
+_OF_A_SWEEP = [
+    "sweep.json",
+    *(
+        f"{name}.{ending}"
+        for name in ("runs", "bands", "statistics")
+        for ending in ("csv", "parquet")
+    ),
+    *(f"mean_third_octaves.{ending}" for ending in ("png", "svg", "csv")),
+]
 
 # These are the names by kind of folder. Folders of other kinds are never replaced.
 FILES: dict[str, frozenset[str]] = {
     "run": frozenset([*_OF_ALL, *_OF_A_RUN]),
-    "sweep": frozenset([*_OF_ALL, "sweep.json", "runs.csv"]),
+    "sweep": frozenset([*_OF_ALL, *_OF_A_SWEEP]),
     "accuracy": frozenset(
         [*_INPUTS, "study.json", *(f"accuracy.{ending}" for ending in ("json", "md", "png", "svg"))]
     ),
@@ -62,6 +71,7 @@ _VARIANT = re.compile(
     r"spacing-over-\d+_step-[\d.e+-]+_[\d.]+e-?\d+_[a-z]+_[a-z]+(_width-\d+)?"
     r"(\.json|_\d+-\d+\.npz)"  # numbers, and pieces of a study that is not done
 )
+_PLOT = re.compile(r"plot_[\w.]+_against_[\w.]+\.(png|svg|csv)")  # of `rolling table`
 _PARTIAL = re.compile(r"\.(.+)\.partial")
 
 
@@ -163,15 +173,32 @@ def _sort_run(folder: Path, record: RunRecord, into: Contents) -> None:
     for entry in _entries(folder):
         path = Path(entry.path)
         if not entry.is_dir(follow_symlinks=False):
-            (into.files if _is_own(entry, own) else into.foreign).append(path)
+            plotted = record.kind == "sweep" and _is_own(entry, None, _PLOT)
+            is_own = plotted or _is_own(entry, own)
+            (into.files if is_own else into.foreign).append(path)
         elif entry.name in record.runs:
             _sort_inner(path, into)
+        elif record.kind == "sweep" and entry.name == PARTS:
+            _sort_parts(path, into)
         elif record.kind == "accuracy" and entry.name == VARIANTS:
             for each in _entries(path):
                 (into.files if _is_own(each, None) else into.foreign).append(Path(each.path))
             into.folders.append(path)
         else:
             into.foreign.append(path)
+    into.folders.append(folder)
+
+
+def _sort_parts(folder: Path, into: Contents) -> None:
+    """Sort the parts of a sweep, which have nothing but their records."""
+    for part in _entries(folder):
+        if not part.is_dir(follow_symlinks=False):
+            into.foreign.append(Path(part.path))
+            continue
+        for entry in _entries(Path(part.path)):
+            own = _is_own(entry, frozenset([run_record.FILE]))
+            (into.files if own else into.foreign).append(Path(entry.path))
+        into.folders.append(Path(part.path))
     into.folders.append(folder)
 
 
@@ -187,10 +214,12 @@ def _sort_inner(folder: Path, into: Contents) -> None:
         into.foreign.append(folder)
 
 
-def _is_own(entry: os.DirEntry[str], names: frozenset[str] | None) -> bool:
+def _is_own(
+    entry: os.DirEntry[str], names: frozenset[str] | None, pattern: re.Pattern[str] = _VARIANT
+) -> bool:
     """Tell whether an entry is a file with one of the names.
 
-    `names` None stands for the names of variants.
+    `names` None stands for the pattern.
 
     Temporary files of killed writes count as well.
     """
@@ -198,7 +227,7 @@ def _is_own(entry: os.DirEntry[str], names: frozenset[str] | None) -> bool:
         return False
     partial = _PARTIAL.fullmatch(entry.name)
     name = partial[1] if partial else entry.name
-    return bool(_VARIANT.fullmatch(name)) if names is None else name in names or entry.name == LOCK
+    return bool(pattern.fullmatch(name)) if names is None else name in names or entry.name == LOCK
 
 
 def _entries(folder: Path) -> list[os.DirEntry[str]]:

@@ -34,7 +34,7 @@ FILE = "run.json"
 FORMAT = 1
 LARGEST = 100_000_000  # [bytes]; ten thousand runs take one million
 
-Kind = Literal["run", "sweep", "accuracy", "hard-cases", "study"]
+Kind = Literal["run", "sweep", "accuracy", "hard-cases", "study", "part"]
 State = Literal["waiting", "running", "done", "failed"]
 
 
@@ -76,10 +76,13 @@ class RunRecord:
         Time when the work was first done; later work does not change it.
     runs : tuple of str
         Folders of its runs, in the order of the sweep of the scene; each has a run.json of its own.
+        The record of a part of a sweep names the runs of the part.
     replaces : str or None
         Id of OUT.previous beside it, which is removed when the work is done.
     adopted : bool
         If true, version 0.1.0 made the folder, and it is never replaced.
+    starts : int
+        Number of times that work on it began.
     """
 
     kind: Kind
@@ -97,6 +100,7 @@ class RunRecord:
     runs: tuple[Annotated[str, AfterValidator(_inner)], ...] = ()
     replaces: str | None = None
     adopted: bool = False
+    starts: Annotated[int, Field(ge=0)] = 0
 
     @model_validator(mode="after")
     def _consistent(self) -> RunRecord:
@@ -122,6 +126,7 @@ class RunRecord:
             process=process,
             changed=now,
             completed=completed,
+            starts=self.starts + (state == "running"),
             **made_by,
         )
 

@@ -12,7 +12,18 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 
 from rolling.scene import library, yaml_text
-from rolling.scene.messages import Key, SceneError, all_keys, nearest, numeric_keys, required, shown
+from rolling.scene import sweep as sweeps
+from rolling.scene.messages import (
+    Key,
+    SceneError,
+    all_keys,
+    nearest,
+    numeric_keys,
+    required,
+    section_keys,
+    shown,
+    text_keys,
+)
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile, Rolling, Sound
@@ -169,7 +180,7 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
             places[key] = "--set"
             sweep = data.get("sweep")
             if isinstance(sweep, dict) and key[0] != "sweep":
-                sweep.pop(name, None)
+                sweeps.drop(sweep, name)
     return faults
 
 
@@ -244,9 +255,18 @@ def schema() -> dict[str, Any]:
     )
     numbers = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "number"}}
     sweep = result["properties"]["sweep"]
-    sweep["properties"] = {
-        key: {**numbers, "description": f"Values of {key}: {field.description}"}
-        for key, field in numeric_keys(Scene).items()
+    names = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "string"}}
+    labelled = {"type": "object", "minProperties": 1}
+    swept: dict[str, Any] = {
+        key: {"anyOf": [form, labelled], "description": f"Values of {key}: {field.description}"}
+        for keys, form in ((numeric_keys(Scene), numbers), (text_keys(Scene), names))
+        for key, field in keys.items()
+    }
+    for key in section_keys(Scene):
+        swept[key] = {**labelled, "description": f"Sections {key} by label"}
+    together = {"type": "object", "minProperties": 1, "propertyNames": {"enum": [*swept]}}
+    sweep["properties"] = swept | {
+        sweeps.ZIP: {**together, "description": "Values by dotted key that go together"}
     }
     sweep["additionalProperties"] = False
     return result

@@ -220,12 +220,21 @@ def numeric_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
     }
 
 
+def text_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Map every dotted key that holds no number to its field."""
+    return {name: field for name, field in _inner(root) if name not in numeric_keys(root)}
+
+
+def section_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Map every section to its field."""
+    return {name: field for name, field in root.model_fields.items() if _models(field)}
+
+
 def all_keys(root: type[BaseModel]) -> list[str]:
     """List every name that an override can set, including sections and swept keys."""
     inner = [name for name, _ in _inner(root)]
-    return list(
-        dict.fromkeys([*root.model_fields, *inner, *(f"sweep.{key}" for key in numeric_keys(root))])
-    )
+    swept = [*numeric_keys(root), *text_keys(root), *section_keys(root), "zip"]
+    return list(dict.fromkeys([*root.model_fields, *inner, *(f"sweep.{key}" for key in swept)]))
 
 
 def required(model: type[BaseModel]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 
@@ -10,11 +11,26 @@ from rolling.scene.messages import plain_number
 
 LONGEST = 120  # bytes; temporary names add to it, and some file systems end at 143
 DIGEST = 16  # hexadecimal digits
+_TEXT = 40  # letters of a text value
 
-Values = Mapping[str, float]
+Values = Mapping[str, float | str]
 
 
-def run_name(values: Values, number: Callable[[float], str] = plain_number) -> str:
+def short_value(value: float | str) -> str:
+    """Write a number, or the end of a text in letters that every file system takes."""
+    if not isinstance(value, str):
+        return plain_number(value)
+    return re.sub(r"[^A-Za-z0-9._+-]+", "-", value.strip("./\\ "))[-_TEXT:].strip("-") or "-"
+
+
+def exact_value(value: float | str) -> str:
+    """Write a number with all digits, or the end of a text with a digest of the whole."""
+    if not isinstance(value, str):
+        return repr(value)
+    return f"{short_value(value)}-{hashlib.sha256(value.encode()).hexdigest()[:8]}"
+
+
+def run_name(values: Values, written: Callable[[float | str], str] = short_value) -> str:
     """Return the short name of a run, such as "load_n=5,radius_mm=2".
 
     Each key stands with its last part unless two keys share it.
@@ -23,7 +39,7 @@ def run_name(values: Values, number: Callable[[float], str] = plain_number) -> s
     """
     last = [name.rpartition(".")[2] for name in values]
     return ",".join(
-        f"{short if last.count(short) == 1 else name}={number(value)}"
+        f"{short if last.count(short) == 1 else name}={written(value)}"
         for short, (name, value) in zip(last, values.items(), strict=True)
     )
 
@@ -39,7 +55,7 @@ def run_names(runs: Sequence[Values]) -> list[str]:
     names = [run_name(values) for values in runs]
     shared = Counter(name.casefold() for name in names)
     names = [
-        run_name(values, repr) if shared[name.casefold()] > 1 else name
+        run_name(values, exact_value) if shared[name.casefold()] > 1 else name
         for values, name in zip(runs, names, strict=True)
     ]
     names = [_shortened(name, values) for name, values in zip(names, runs, strict=True)]

@@ -72,7 +72,7 @@ class SweepRun(NamedTuple):
     It has the swept values by dotted key, and the scene with them, which sweeps nothing.
     """
 
-    values: dict[str, float]
+    values: dict[str, sweeps.Value]
     scene: Scene
 
 
@@ -117,10 +117,14 @@ class Scene(Section):
     recovery: Recovery = Field(default_factory=Recovery)
     sound: Sound = Field(default_factory=Sound)
     sweep: Annotated[
-        dict[str, tuple[int | float, ...]],
+        dict[str, Any],
         BeforeValidator(lambda value: sweeps.validated(value, Scene)),
         WithJsonSchema({"type": "object"}),  # the keys are filled in by `schema`
-    ] = Field(default={}, description="Lists of values by dotted key; their product is run")
+    ] = Field(
+        default={},
+        description="Lists of values by dotted key, or values by label; all combinations are run;"
+        " values under `zip` go together",
+    )
 
     # `check` judges the scene before it is run. Its module stands above this one, so
     # `rolling/__init__.py` binds it.
@@ -191,7 +195,7 @@ class Scene(Section):
         SceneError
             The data has faults. The known faults come first.
         """
-        data = plain(data)
+        data = sweeps.with_first_sections(plain(data))
         scene, new_faults = None, list[sweeps.Fault]()
         try:
             scene = cls.model_validate(data)
@@ -266,7 +270,7 @@ class Scene(Section):
             if isinstance(inside, dict):
                 inside[last or section] = plain(value)
             if section != "sweep" and isinstance(data.get("sweep"), dict):
-                data["sweep"].pop(key, None)
+                sweeps.drop(data["sweep"], key)
         if faults:
             raise SceneError(faults)
         return type(self).from_dict(data, self.folder)
@@ -282,8 +286,8 @@ class Scene(Section):
         del data["sweep"]
         places = {key: at for key, at in self._places.items() if key[:1] != ("sweep",)}
         return [
-            SweepRun(values, Scene.from_dict(sweeps.with_values(data, values), self.folder, places))
-            for values in sweeps.product(self.sweep)
+            SweepRun(values, Scene.from_dict(sweeps.with_values(data, forms), self.folder, places))
+            for values, forms in sweeps.product(self.sweep)
         ]
 
     def place(self, name: str) -> str:

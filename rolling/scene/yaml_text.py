@@ -26,6 +26,7 @@ from rolling.scene.messages import Key, cut, dotted, first_line, shown
 MAX_BYTES = 1_000_000  # maximum size of a file
 MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded
 MAX_NESTING = 4  # maximum depth of values in a scene
+MAX_SWEEP_NESTING = 7  # such as a speed profile, in a section with a label, under sweep.zip
 _MAX_BITS = 1000  # maximum length of a whole number; Python refuses to write much longer numbers
 _LONG_NUMBER = re.compile(r"[0-9_]{4301,}")  # Python reads no longer numbers
 # Maximum depth of a text; values nested deeper than this are reported without their key.
@@ -227,7 +228,7 @@ def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
     lines: dict[Key, int] = {(): 1}
 
     def plain(value: Any, key: Key) -> Any:
-        if len(key) > MAX_NESTING:
+        if len(key) > (MAX_SWEEP_NESTING if key[:1] == ("sweep",) else MAX_NESTING):
             raise TextError(f"{where}:{lines[key]}: {cut(dotted(key))}: nested too deeply")
         if isinstance(value, CommentedMap):
             for name in value:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rolling.folders.files import FolderError, Keeper, write_bytes
 from rolling.scene import file
+from rolling.scene import sweep as sweeps
 from rolling.scene.identity import Identity, changes, differences, said
 from rolling.scene.scene import Scene
+from rolling.scene.sweep import Value
 from rolling.simulation import (
     error_stretches,
     labels,
@@ -21,13 +23,14 @@ from rolling.simulation import (
     solving,
     tolerance_trial,
 )
-from rolling.simulation.pool import Outcome
+from rolling.simulation.pool import Outcome, Workers
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound
 
 __all__ = [
     "RESULT",
     "Run",
+    "choose_tolerance",
     "choose_tolerances",
     "keep",
     "other_surface",
@@ -49,7 +52,7 @@ class Run:
     folder : Path. The run folder.
     """
 
-    values: dict[str, float]
+    values: Mapping[str, Value]
     scene: Scene
     folder: Path
 
@@ -62,14 +65,14 @@ class Run:
         return labels.labels([self])[0]
 
 
-def choose_tolerances(runs: list[Run], results: Sequence[Result], workers: int) -> bool:
+def choose_tolerances(runs: list[Run], results: Sequence[Result], workers: Workers) -> bool:
     """Choose the tolerances that scenes leave open, and keep each in the folder of its run.
 
     Parameters
     ----------
     runs : list of Run. Runs that are open get scenes with their tolerances.
     results : sequence of Result. One result per run, which gets the trial.
-    workers : int. Number of processes; 0: one per core.
+    workers : int or Cluster. Number of processes; 0: one per core.
 
     Returns
     -------
@@ -77,23 +80,43 @@ def choose_tolerances(runs: list[Run], results: Sequence[Result], workers: int) 
     """
 
     def chosen(number: int, scene: Scene) -> None:
-        run = runs[number] = replace(runs[number], scene=scene)
-        resolved, trial = run.folder / RESOLVED, results[number].trial
-        assert trial is not None
-        if resolved.is_file():
-            write_bytes(resolved, file.dump(seen_from(run.folder, scene)).encode())
-        # A run of four files has its scene in result.h5 alone; without a trial it is chosen again.
-        if trial.stretches:
-            keep(run, results[number])
+        runs[number] = replace(runs[number], scene=scene)
+        _keep_choice(runs[number], results[number])
 
     scenes = [run.scene for run in runs]
     return tolerance_trial.choose(scenes, results, workers, chosen=chosen).interrupted
 
 
+def choose_tolerance(run: Run, result: Result, stopped: Callable[[], bool]) -> Run:
+    """Choose the tolerance of a run in this process, and keep it in the folder of the run.
+
+    Raises
+    ------
+    ContactError, Interrupted : as in the tasks of the run.
+    """
+    scene = tolerance_trial.choose_here(run.scene, result, stopped)
+    if scene is run.scene:
+        return run
+    chosen = replace(run, scene=scene)
+    _keep_choice(chosen, result)
+    return chosen
+
+
+def _keep_choice(run: Run, result: Result) -> None:
+    """Keep the tolerance that was chosen for a run in its folder."""
+    resolved = run.folder / RESOLVED
+    assert result.trial is not None
+    if resolved.is_file():
+        write_bytes(resolved, file.dump(seen_from(run.folder, run.scene)).encode())
+    # A run of four files has its scene in result.h5 alone; without a trial it is chosen again.
+    if result.trial.stretches:
+        keep(run, result)
+
+
 def solve(
     runs: Sequence[Run],
     results: Sequence[Result],
-    workers: int,
+    workers: Workers,
     name: str,
     mapped: bool = True,
     begun: Callable[[Run], object] = lambda run: None,
@@ -106,7 +129,7 @@ def solve(
     ----------
     runs : sequence of Run.
     results : sequence of Result. Their solved steps are not solved again.
-    workers : int. Number of processes; 0: one per core.
+    workers : int or Cluster. Number of processes; 0: one per core.
     name : str. Name of the progress bar.
     mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
         Default: true.
@@ -144,7 +167,7 @@ def solve(
             unkept.discard(number)
 
     for k in unsolved:
-        _identify(runs[k], results[k])
+        identify(runs[k], results[k])
     outcome = solving.solve(
         [run.scene for run in runs],
         results,
@@ -173,12 +196,12 @@ def _lacks_marches(run: Run, result: Result, filmed: bool) -> bool:
 
 def keep(run: Run, result: Result, sound: ContactSound | None = None) -> None:
     """Write the result of a run into its folder, together with its sound if it has one."""
-    _identify(run, result)
+    identify(run, result)
     text = file.dump(seen_from(run.folder, run.scene))
     result_file.save(run.folder / RESULT, result, run.scene, text, sound)
 
 
-def _identify(run: Run, result: Result) -> None:
+def identify(run: Run, result: Result) -> None:
     """Note scene and surface in a result, unless it has them from its file."""
     if result.identity is None:
         result.identity = simulate.identity_of(run.scene)
@@ -241,14 +264,18 @@ def other_surface(run: Run, result: Result) -> str | None:
 
 
 def seen_from(folder: Path, scene: Scene) -> Scene:
-    """Return a scene whose path to the height file is relative to a run folder.
+    """Return a scene whose paths to height files are relative to a run folder.
 
-    The scene is read from that folder later.
+    The scene is read from that folder later. Swept paths keep their text as labels.
     """
-    data = scene.to_dict()
-    if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
-        return scene
-    # Links are resolved first, because ".." of a linked folder leads elsewhere.
-    heights = scene.height_path.parent.resolve() / scene.height_path.name
-    data["surface"]["path"] = Path(os.path.relpath(heights, folder.resolve())).as_posix()
-    return Scene.from_dict(data, folder)
+
+    def moved(path: str) -> str:
+        if Path(path).is_absolute():
+            return path
+        # Links are resolved first, because ".." of a linked folder leads elsewhere.
+        heights = (scene.folder / path).parent.resolve() / Path(path).name
+        return Path(os.path.relpath(heights, folder.resolve())).as_posix()
+
+    before = scene.to_dict()
+    data = sweeps.with_paths(before, moved)
+    return scene if data == before else Scene.from_dict(data, folder)

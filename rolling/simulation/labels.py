@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from rolling.scene.scene import Scene
+from rolling.scene.sweep import Value
 
 LONGEST = 72  # characters of a label: the width of a row in a legend
 _LONGEST_PART = 28  # characters of a scene's or a folder's name in a label that would be too long
@@ -80,7 +81,7 @@ class Labelled(Protocol):
     """A run, solved or not, for which a label can be made."""
 
     @property
-    def values(self) -> Mapping[str, float]:
+    def values(self) -> Mapping[str, Value]:
         """The swept values of the run, by dotted key."""
 
     @property
@@ -94,12 +95,16 @@ class Labelled(Protocol):
 
 def named(key: str) -> tuple[str, str]:
     """Return word and unit of a dotted key: rolling.load_n is load in N."""
-    return WORDS[key].name, WORDS[key].unit
+    word = WORDS.get(key, Word(key))  # a section has its own name
+    return word.name, word.unit
 
 
-def worded(key: str, value: float) -> str:
-    """Write a value with its word and unit: load 5 N."""
-    return f"{WORDS[key].name} {value:g} {WORDS[key].unit}".rstrip()
+def worded(key: str, value: float | str) -> str:
+    """Write a value with its word and unit, or with its label: load 5 N, surface lapped."""
+    name, unit = named(key)
+    if isinstance(value, str):
+        return f"{name} {printable(value)}"
+    return f"{name} {value:g} {unit}".rstrip()
 
 
 def labels(runs: Sequence[Labelled]) -> list[str]:
@@ -165,15 +170,21 @@ def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
 
     The text is empty where a quantity does not apply.
     """
-    differing = {key: texts for key in WORDS if len(set(texts := _texts(key, runs))) > 1}
     swept = list(dict.fromkeys(key for run in runs for key in run.values))
+    labelled = {key: texts for key in swept if (texts := _labelled(key, runs)) is not None}
+    differing = {
+        key: written
+        for key in WORDS
+        if key.partition(".")[0] not in labelled and len(set(written := _texts(key, runs))) > 1
+    }
+    differing |= {key: texts for key, texts in labelled.items() if len(set(texts)) > 1}
     names = [run.scene.name for run in runs]
     chosen = [key for key in swept if key in differing] or swept
     if len(set(names)) == 1:
-        major = [key for key in differing if key not in chosen and not WORDS[key].minor]
+        major = [key for key in differing if key not in chosen and not _is_minor(key)]
         chosen += major[: max(0, _PROMINENT - len(chosen))]
-    parts = {key: _texts(key, runs) for key in chosen}
-    for key in sorted(differing, key=lambda key: WORDS[key].minor):
+    parts = {key: labelled.get(key) or _texts(key, runs) for key in chosen}
+    for key in sorted(differing, key=_is_minor):
         before = len(set(zip(names, *parts.values(), strict=True)))
         if (
             key not in parts
@@ -181,6 +192,25 @@ def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
         ):
             parts[key] = differing[key]
     return list((parts or {"rolling.load_n": _texts("rolling.load_n", runs)}).values())
+
+
+def _is_minor(key: str) -> bool:
+    return key in WORDS and WORDS[key].minor
+
+
+def _labelled(key: str, runs: Sequence[Labelled]) -> list[str] | None:
+    """Write the labels of a swept key, or return None where its values speak for themselves."""
+    values = [run.values.get(key) for run in runs]
+    named_by_label = [
+        isinstance(value, str) and (key not in WORDS or _value(run.scene, key) != value)
+        for run, value in zip(runs, values, strict=True)
+    ]
+    if key == "surface.path" or not any(named_by_label):
+        return None
+    return [
+        worded(key, value) if value is not None else _texts(key, runs)[k]
+        for k, value in enumerate(values)
+    ]
 
 
 def _texts(key: str, runs: Sequence[Labelled]) -> list[str]:

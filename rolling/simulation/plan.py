@@ -60,8 +60,9 @@ class Plan:
 
     @property
     def height_files(self) -> list[Path]:
-        """The height file, if the scene reads one."""
-        return [self.scene.height_path] if self.scene.height_path is not None else []
+        """The height files that the runs read."""
+        paths = [single.height_path for _, single in self.singles]
+        return [path for path in dict.fromkeys(paths) if path is not None]
 
     def take_tolerances(self, runs: Sequence[Run]) -> None:
         """Take the tolerances of stored runs with the same swept values."""

@@ -1,6 +1,7 @@
 """Tasks on any number of processes.
 
-A failed run does not stop the others, and Ctrl-C stops the work after the current steps.
+A failed run does not stop the others, nor does the kill of a worker. Ctrl-C stops the work after
+the current steps.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from rolling.contact.solver import ContactError
 from rolling.simulation import lifeline, spawning
 from rolling.terminal import progress as terminal
 
-_KILLED = "a worker process was killed; out of memory? Fewer --workers need less"
+_LOST = "a worker process was killed; the tasks that it may have had are done again, one by one"
+_KILLED = "a worker process was killed twice while it had this run alone; out of memory?"
 
 
 class Interrupted(Exception):
@@ -28,6 +30,24 @@ class Interrupted(Exception):
 
 
 @dataclass(frozen=True)
+class Cluster:
+    """A Dask scheduler, whose workers do tasks in place of local processes.
+
+    address : str. Address, such as tcp://127.0.0.1:8786, or the name of its scheduler file.
+    """
+
+    address: str
+
+    @property
+    def is_file(self) -> bool:
+        """Whether the address is the name of a scheduler file."""
+        return self.address.endswith(".json")
+
+
+Workers = int | Cluster  # local processes, or a cluster
+
+
+@dataclass(frozen=True, eq=False)
 class Task:
     """A call `function(*arguments, stopped, progress)` that belongs to one run.
 
@@ -80,12 +100,12 @@ class Listener:
 
 def work(
     tasks: Sequence[Task],
-    workers: int,
+    workers: Workers,
     finished: Callable[[int, Any], Sequence[Task] | None],
     progress: Callable[[float], object] = _ignore,
     begun: Callable[[int], object] = _ignore,
 ) -> Outcome:
-    """Do the tasks on `workers` processes.
+    """Do the tasks on `workers` processes, or on a cluster.
 
     One worker, one task, or a system that starts no processes: all is done in this process.
 
@@ -96,12 +116,18 @@ def work(
     Parameters
     ----------
     tasks : sequence of Task.
-    workers : int. Number of processes.
+    workers : int or Cluster. Number of processes, or the cluster.
     finished, progress, begun : callable. The functions of the `Listener`.
     """
     listener, outcome = Listener(finished, progress, begun), Outcome()
-    workers = min(workers, len(tasks))
     with _stop_request() as asked:
+        if isinstance(workers, Cluster):
+            from rolling.simulation import cluster
+
+            cluster.work(tasks, workers, listener, asked, outcome)
+            outcome.interrupted = asked()
+            return outcome
+        workers = min(workers, len(tasks))
         if workers <= 1 or not spawning.can_start_workers():
             with compiling.told(terminal.compiling):
                 _work_here(tasks, listener, asked, outcome)
@@ -137,23 +163,64 @@ def _work_in_parallel(
     asked: Callable[[], bool],
     outcome: Outcome,
 ) -> None:
-    """Do the tasks on worker processes, with at most one waiting task per worker."""
+    """Do the tasks on worker processes, and once more one by one after the kill of a worker.
+
+    Any of the tasks in hand may have caused the kill. The run of a task that is alone with a worker
+    has failed when the worker is killed twice.
+    """
+    waiting = deque(tasks)
+    with _one_thread_each():
+        while waiting:
+            suspects = _work_until_a_kill(waiting, waiting, workers, listener, asked, outcome)
+            if suspects:
+                terminal.line(_LOST)
+            for task in suspects:
+                alone = [task]
+                for _ in range(2):
+                    if alone and not asked():
+                        alone = _work_until_a_kill(
+                            deque(alone), waiting, 1, listener, asked, outcome
+                        )
+                if alone and not asked():
+                    outcome.failures.setdefault(task.run, _KILLED)
+
+
+def _work_until_a_kill(
+    waiting: deque[Task],
+    following: deque[Task],
+    workers: int,
+    listener: Listener,
+    asked: Callable[[], bool],
+    outcome: Outcome,
+) -> list[Task]:
+    """Do waiting tasks on worker processes, with at most one more task in hand per worker.
+
+    Parameters
+    ----------
+    waiting : deque of Task. It is emptied.
+    following : deque of Task. It receives the tasks that follow.
+
+    Returns
+    -------
+    suspects : The tasks in hand when a worker was killed; empty otherwise.
+    """
     context = spawning.context()
     stop, compiles = context.Event(), context.Event()
     events = (stop, compiles)
-    waiting = deque(tasks)
     running: dict[Future[Any], Task] = {}
-    with _one_thread_each(), ProcessPoolExecutor(workers, context, _begin_worker, events) as pool:
+    with ProcessPoolExecutor(workers, context, _begin_worker, events) as pool:
         try:
             while waiting or running:
                 while waiting and len(running) < 2 * workers:
-                    task = waiting.popleft()
+                    task = waiting[0]
                     if task.run not in outcome.failures:
+                        future = pool.submit(_in_worker, task)
+                        running[future] = task
                         listener.begun(task.run)
-                        running[pool.submit(_in_worker, task)] = task
+                    waiting.popleft()
                 done, _ = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
                 for future in done:
-                    waiting.extend(_collect(future, running[future], listener, outcome))
+                    following.extend(_collect(future, running[future], listener, outcome))
                     del running[future]
                 if compiles.is_set():
                     terminal.compiling()
@@ -161,10 +228,10 @@ def _work_in_parallel(
                     waiting.clear()
                     stop.set()
         except BrokenProcessPool:
-            for task in (*running.values(), *waiting):
-                outcome.failures.setdefault(task.run, _KILLED)
+            return [] if asked() else [*running.values()]
         finally:
             stop.set()  # before the pool waits for its workers, whatever happened
+    return []
 
 
 def _collect(

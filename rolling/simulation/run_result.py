@@ -21,6 +21,7 @@ from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.folders import files
 from rolling.scene import file
 from rolling.scene.scene import Scene
+from rolling.scene.sweep import Value
 from rolling.simulation import _result_layout, labels
 from rolling.simulation import summary as numbers_of
 from rolling.simulation.result import Result
@@ -58,7 +59,7 @@ class RunResult:
     """
 
     label: str
-    values: dict[str, float]
+    values: Mapping[str, Value]
     folder: Path
     scene: Scene
     result: Result
@@ -225,7 +226,7 @@ class RunResult:
 
 
 def hear(
-    label: str, values: dict[str, float], folder: Path, scene: Scene, result: Result
+    label: str, values: Mapping[str, Value], folder: Path, scene: Scene, result: Result
 ) -> RunResult | None:
     """Make the sound of the solved steps of a run, or return None below two solved steps."""
     steps = result.done_steps

@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from rolling.scene.sweep import Value
+
 _METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
 
 
@@ -20,7 +22,7 @@ class Row:
 
     label: str
     folder: str
-    values: Mapping[str, float]
+    values: Mapping[str, Value]
     summary: Mapping[str, Any] | None
 
 
@@ -32,7 +34,7 @@ def csv(runs: Sequence[Row]) -> bytes:
     little is solved, and a number that does not exist, leave their cells empty.
     """
     rows = [
-        {"run": run.label, "folder": run.folder, **run.values, **_numbers(run.summary or {})}
+        {"run": run.label, "folder": run.folder, **run.values, **numbers(run.summary or {})}
         for run in runs
     ]
     stream = io.StringIO()
@@ -43,25 +45,25 @@ def csv(runs: Sequence[Row]) -> bytes:
     return stream.getvalue().encode()
 
 
-def _numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
+def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
     """Return the numbers of a summary by the names of their columns."""
-    numbers: dict[str, Any] = {}
+    cells: dict[str, Any] = {}
     for key, value in summary.items():
         if key == "caveats":
-            numbers[key] = " ".join(caveat["key"] for caveat in value)
+            cells[key] = " ".join(caveat["key"] for caveat in value)
         elif key == "uncertainty_db":
-            numbers |= {f"{name}_uncertainty_db": spread for name, spread in value.items()}
+            cells |= {f"{name}_uncertainty_db": spread for name, spread in value.items()}
         elif key == "surface":
-            numbers |= {
+            cells |= {
                 f"surface_{name}{'_m' if name in _METRES else ''}": number
                 for name, number in value.items()
             }
         elif isinstance(value, Mapping):
             if key == "levelling":
-                numbers |= {f"levelling_{name}": _cell(inner) for name, inner in value.items()}
+                cells |= {f"levelling_{name}": _cell(inner) for name, inner in value.items()}
         elif key not in ("name", "levelling"):
-            numbers[key] = _cell(value)
-    return numbers
+            cells[key] = _cell(value)
+    return cells
 
 
 def _cell(value: Any) -> Any:

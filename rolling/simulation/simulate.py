@@ -280,7 +280,7 @@ def _ordered_piece(
 def march_pieces(
     scenes: Sequence[Scene],
     todo: Sequence[tuple[int, int, int]],
-    workers: int,
+    workers: pool.Workers,
     finished: Callable[[int, Any], Sequence[pool.Task] | None],
     progress: Callable[[float], object] = lambda cost: None,
     orders: Sequence[Order] | None = None,
@@ -296,7 +296,7 @@ def march_pieces(
     ----------
     scenes : sequence of Scene.
     todo : sequence of tuples. Number of the scene, first and last position of each piece.
-    workers : int. Number of processes.
+    workers : int or Cluster. Number of processes.
     finished : callable. It receives the number of the scene and each piece when the piece is done,
         and returns the tasks that follow from it, or None.
     progress : callable. It receives the cost of solved steps, step by step or piece by piece.
@@ -306,7 +306,15 @@ def march_pieces(
         Default: none.
     """
     orders = orders or [Order(surface_sha256=identity_of(scene).heights_sha256) for scene in scenes]
-    tasks = [
+    tasks = [*piece_tasks(scenes, todo, orders), *others]
+    return pool.work(tasks, workers, finished, progress, begun)
+
+
+def piece_tasks(
+    scenes: Sequence[Scene], todo: Sequence[tuple[int, int, int]], orders: Sequence[Order]
+) -> list[pool.Task]:
+    """Return the pieces of scenes as tasks; `todo` has scene, first and last position of each."""
+    return [
         pool.Task(
             run,
             _ordered_piece,
@@ -315,7 +323,6 @@ def march_pieces(
         )
         for run, first, last in todo
     ]
-    return pool.work([*tasks, *others], workers, finished, progress, begun)
 
 
 def missing(steps: int, release: Array) -> Iterator[tuple[int, int]]:

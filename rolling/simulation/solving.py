@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
 
 from rolling.check import cost
@@ -21,7 +22,7 @@ def _ignore(run: int) -> None:
 def solve(
     scenes: Sequence[Scene],
     results: Sequence[Result],
-    workers: int,
+    workers: pool.Workers,
     name: str,
     mapped: bool = True,
     progress: bool | None = None,
@@ -35,7 +36,7 @@ def solve(
     ----------
     scenes : sequence of Scene. Scenes without a sweep, one per run.
     results : sequence of Result. Their solved steps are not solved again.
-    workers : int. Number of processes; 0: one per core.
+    workers : int or Cluster. Number of processes; 0: one per core.
     name : str. Name of the progress bar.
     mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
         Default: true.
@@ -53,7 +54,7 @@ def solve(
     workers = workers or cost.cores()
     terminal.detail(
         f"{name}: {len(todo)} pieces of {len({k for k, _, _ in todo})} runs, on"
-        f" {min(workers, max(1, len(todo)))} processes"
+        f" {_processes(workers, len(todo))}"
     )
     with terminal.bar(total, name, progress) as bar:
 
@@ -68,6 +69,41 @@ def solve(
         return simulate.march_pieces(
             scenes, todo, workers, finished, bar.update, work.orders(mapped), begun, others
         )
+
+
+def solve_here(
+    scene: Scene,
+    result: Result,
+    stopped: Callable[[], bool],
+    progress: Callable[[float], object],
+    added: Callable[[], object],
+) -> None:
+    """Solve the missing steps of a run in this process, without a bar.
+
+    Parameters
+    ----------
+    scene, result : the run. Its solved steps are not solved again.
+    stopped, progress : functions of a `pool.Task`.
+    added : callable. It is called after each piece is added to the result.
+
+    Raises
+    ------
+    ContactError, Interrupted : as in the tasks of the run.
+    """
+    work = _Work([scene], [result])
+    waiting = deque(simulate.piece_tasks([scene], work.pieces(), work.orders(True)))
+    waiting.extend([] if waiting else work.following(0))
+    while waiting:
+        task = waiting.popleft()
+        waiting.extend(work.add(0, task.function(*task.arguments, stopped, progress)))
+        added()
+
+
+def _processes(workers: pool.Workers, pieces: int) -> str:
+    """Write where pieces are solved."""
+    if isinstance(workers, pool.Cluster):
+        return f"the workers of {workers.address}"
+    return f"{min(workers, max(1, pieces))} processes"
 
 
 def _piece_text(piece: simulate.Piece) -> str:

@@ -126,13 +126,10 @@ def records_of(folders: Sequence[Path]) -> list[RunRecord | None]:
     return records
 
 
-def warn_of_other_program(
-    folder: Path, before: RunRecord | None, results: Sequence[Result]
-) -> None:
-    """Warn if another version of the program solved a part of the results."""
+def warn_of_other_program(folder: Path, before: RunRecord, partly: bool) -> None:
+    """Warn if the results of a folder are partly solved, by another version of the program."""
     ours = program.identity()
-    solved = [result for result in results if is_begun(result) and not result.complete]
-    if before is not None and before.sources != ours.sources and solved:
+    if before.sources != ours.sources and partly:
         print(
             f"warning: {folder}: begun by version {before.version} (sources "
             f"{before.sources[:12]}), goes on with"

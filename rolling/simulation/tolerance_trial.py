@@ -42,7 +42,7 @@ class Choices:
 def choose(
     scenes: Sequence[Scene],
     results: Sequence[Result],
-    workers: int,
+    workers: pool.Workers,
     progress: bool | None = None,
     chosen: Callable[[int, Scene], object] = lambda number, scene: None,
 ) -> Choices:
@@ -52,7 +52,7 @@ def choose(
     ----------
     scenes : sequence of Scene. Scenes without a sweep, one per run.
     results : sequence of Result. One result per run, which gets the trial.
-    workers : int. Number of processes; 0: one per core.
+    workers : int or Cluster. Number of processes; 0: one per core.
     progress : bool. Whether a progress bar is shown. Default: on a terminal and in a notebook.
     chosen : callable. It receives number and changed scene of each run as soon as it is chosen.
     """
@@ -89,6 +89,26 @@ def choose(
     for number, reason in outcome.failures.items():  # the run will fail for the same reason
         decide(number, Trial(tolerance.SHORT, f"the trial failed: {reason}"))
     return Choices(pinned, outcome.interrupted)
+
+
+def choose_here(scene: Scene, result: Result, stopped: Callable[[], bool]) -> Scene:
+    """Choose the tolerance of a scene that leaves it open in this process, without a bar.
+
+    Raises
+    ------
+    ContactError, Interrupted : as in the tasks of the run.
+    """
+    if not tolerance.is_open(scene):
+        return scene
+    if without := tolerance.untried(scene):
+        trial = Trial(without[0], without[1])
+    else:
+        marches = [
+            task.function(*task.arguments, stopped, lambda share: None) for task in _tasks(scene, 0)
+        ]
+        trial = trial_of(marches)
+    result.trial = trial
+    return scene.with_({"numerics.tolerance": trial.tolerance})
 
 
 def _tasks(scene: Scene, run: int) -> list[pool.Task]:

@@ -48,6 +48,17 @@ def target(sub: argparse.ArgumentParser, default: str = "outputs/NAME/TIME") -> 
     )
 
 
+def part(sub: argparse.ArgumentParser) -> None:
+    """Add the share of a sweep."""
+    sub.add_argument(
+        "--part",
+        type=_part,
+        metavar="K/N",
+        help="do every N-th run of a sweep from run K on, in an --out that the commands of all"
+        " parts share: for array jobs",
+    )
+
+
 def accuracy_target(sub: argparse.ArgumentParser) -> None:
     """Add the folder of an accuracy study."""
     target(sub, "outputs/NAME-accuracy/TIME")
@@ -57,6 +68,15 @@ def workers(sub: argparse.ArgumentParser) -> None:
     """Add the number of processes."""
     sub.add_argument(
         "--workers", type=_count, default=0, metavar="N", help="processes (default: one per core)"
+    )
+
+
+def cluster(sub: argparse.ArgumentParser) -> None:
+    """Add the scheduler of a cluster."""
+    sub.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="solve on the workers of a Dask scheduler: its address, or its scheduler file (.json)",
     )
 
 
@@ -149,6 +169,38 @@ def take_over(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def watch(sub: argparse.ArgumentParser) -> None:
+    """Add the choice to follow a folder."""
+    sub.add_argument(
+        "--watch",
+        action="store_true",
+        help="print the status again when it changes, until no run is waiting or running",
+    )
+
+
+def tabulated(sub: argparse.ArgumentParser) -> None:
+    """Add the numbers that are plotted, and the keys that they are plotted against."""
+    sub.add_argument(
+        "--plot",
+        nargs="+",
+        default=[],
+        metavar="NUMBER",
+        help="columns of runs.csv to plot (default: laeq_db)",
+    )
+    sub.add_argument(
+        "--against",
+        nargs="+",
+        default=[],
+        metavar="KEY",
+        help="a swept key for lines, or two for a map (default: the first swept key)",
+    )
+    sub.add_argument(
+        "--over",
+        metavar="KEY",
+        help="the swept key over which statistics are made (default: surface.seed)",
+    )
+
+
 def trial(sub: argparse.ArgumentParser) -> None:
     """Add a scene on other grids, or hard cases."""
     sub.add_argument(
@@ -234,6 +286,13 @@ def _count(text: str) -> int:
     if value < 1:
         raise argparse.ArgumentTypeError("at least 1")
     return value
+
+
+def _part(text: str) -> tuple[int, int]:
+    number, slash, count = text.partition("/")
+    if not (slash and number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+        raise argparse.ArgumentTypeError("K/N, such as 3/40, with K from 1 to N")
+    return int(number), int(count)
 
 
 def _power_of_two(text: str) -> int:

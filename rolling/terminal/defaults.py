@@ -1,6 +1,7 @@
 """Numbers that help texts name and commands use, in a module that imports nothing."""
 
 MOST_RUNS_ON_PAGE = 24  # which grows by half a megabyte and more with each
+MOST_RUNS_COMPARED = 400  # with a curve each in pictures of all runs, and a row on the terminal
 
 # `rolling accuracy SCENE`
 FINEST = 4  # divisor of the spacing for the reference
@@ -22,3 +23,4 @@ QUICK_LOADS_N = (5, 20, 100)
 # longer.
 QUICK_SECONDS = 0.015
 QUICK_STRIDES = 3
+WATCH_SECONDS = 2.0  # between two looks at a folder

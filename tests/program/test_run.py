@@ -232,9 +232,7 @@ def test_a_killed_run_is_resumed_to_the_same_numbers(scene: Path, tmp_path: Path
 
 
 @pytest.mark.slow
-def test_a_killed_worker_fails_the_run_and_keeps_what_is_solved(
-    scene: Path, tmp_path: Path
-) -> None:
+def test_a_killed_worker_is_replaced_and_every_step_is_solved(scene: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     process = start(scene, out, *LONG, "--workers", "2")
     wait_for_steps(out, process)
@@ -243,11 +241,11 @@ def test_a_killed_worker_fails_the_run_and_keeps_what_is_solved(
         int(pid) for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()
     ]
     os.kill(workers[0], signal.SIGKILL)
-    _, complaint = process.communicate(timeout=60)
-    assert process.returncode == 1
-    assert "a worker process was killed" in complaint and "resume" in complaint
-    assert "step/s" not in complaint  # no progress bar where nobody looks
-    assert summary(out)["steps"] >= simulate.PIECE_STEPS and run_record.read(out).state == "failed"
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert "a worker process was killed" in said
+    assert "step/s" not in said  # no progress bar where nobody looks
+    assert np.isfinite(series(out)).all() and run_record.read(out).state == "done"
 
 
 @pytest.mark.slow

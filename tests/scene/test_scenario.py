@@ -346,7 +346,7 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
         (
             "rolling.load_n: [",
             "surface.kind: [",
-            "s.yaml:20: sweep.surface.kind: cannot be swept, only numbers can",
+            "s.yaml:20: sweep.surface.kind[0]: got 5, allowed: text",
         ),
         (
             "[5, 20, 100]",
@@ -384,6 +384,49 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
             "rolling.load_n: [5, 20, 100]",
             "surface.seed: [1, 1.5]",
             "s.yaml:20: sweep.surface.seed[1]: got 1.5, allowed: a whole number >= 0",
+        ),
+        (
+            "rolling.load_n: [5, 20, 100]",
+            "numerics.edges: [blended, blunt]",
+            's.yaml:20: sweep.numerics.edges[1]: got "blunt", allowed: sharp or blended',
+        ),
+        (
+            "rolling.load_n: [5, 20, 100]",
+            "plate: [steel, glass]",
+            's.yaml:20: sweep.plate: got ["steel", "glass"], allowed: sections by label, as in'
+            " plate: {first: {...}, second: {...}}",
+        ),
+        (
+            "rolling.load_n: [5, 20, 100]",
+            "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n    glass: 3",
+            "s.yaml:22: sweep.plate.glass: got 3, allowed: a section",
+        ),
+        (
+            "rolling.load_n: [5, 20, 100]",
+            "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n"
+            "    glass: {youngs_modulus_gpa: -70, poissons_ratio: 0.2}",
+            "s.yaml:22: sweep.plate.glass.youngs_modulus_gpa: got -70, allowed: a number > 0",
+        ),
+        (
+            "rolling.load_n: [5, 20, 100]",
+            "zip: {rolling.load_n: [5, 20], surface.seed: [1, 2, 3]}",
+            "s.yaml:20: sweep.zip: got 2 of rolling.load_n, 3 of surface.seed, allowed: equally"
+            " many values of each key",
+        ),
+        (
+            "rolling.load_n: [5, 20, 100]",
+            "zip: {rolling.load_n: [5, 20, 5], surface.seed: [1, 2, 1]}",
+            "s.yaml:20: sweep.zip: the same values stand together twice, allowed: different ones",
+        ),
+        (
+            "rolling.load_n: [5, 20, 100]",
+            "rolling.load_n: [5]\n  zip: {rolling.load_n: [6]}",
+            "s.yaml:21: sweep.zip.rolling.load_n: is swept beside it, too",
+        ),
+        (
+            "rolling.load_n: [5, 20, 100]",
+            "zip: {rolling.load_n: [5, -2], surface.seed: [1, 2]}",
+            "s.yaml:20: sweep.zip.rolling.load_n[1]: got -2, allowed: a number > 0",
         ),
         (
             "[5, 20, 100]",

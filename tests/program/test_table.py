@@ -1,0 +1,157 @@
+"""Tables, statistics and plots of a sweep are what the summaries of its runs say."""
+
+from __future__ import annotations
+
+import csv
+import json
+import statistics
+from pathlib import Path
+
+import pytest
+
+from rolling import cli
+from rolling.commands import table, work
+from rolling.folders import own_files, run_record
+from rolling.simulation import seed_statistics
+
+SCENE = """\
+name: tiny
+sphere: {radius_mm: 1}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
+surface:
+  {kind: gaussian, roughness_ra_um: 0.02, correlation_length_um: 10, spacing_um: 2,
+   width_um: 128, seed: 1}
+rolling: {load_n: 0.005, speed_m_s: 0.1, duration_s: 0.0005}
+sweep:
+  rolling.load_n: [0.005, 0.01]
+  rolling.speed_m_s: [0.1, 0.2]
+  surface.seed: [1, 2, 3]
+"""
+
+
+@pytest.fixture(scope="module")
+def sweep(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A sweep of twelve runs, of which the last is not solved."""
+    folder = tmp_path_factory.mktemp("table")
+    (folder / "tiny.yaml").write_text(SCENE)
+    out = folder / "out"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(work, "write_pictures", lambda *_: [])
+        assert (
+            cli.main(["run", str(folder / "tiny.yaml"), "--out", str(out), "--workers", "1"]) == 0
+        )
+    for path in (out / "load_n=0.01,speed_m_s=0.2,seed=3").iterdir():
+        if path.name != "run.json":
+            path.unlink()
+    return out
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def summaries(sweep: Path, pattern: str) -> list[dict]:
+    return [json.loads(path.read_text()) for path in sorted(sweep.glob(f"{pattern}/summary.json"))]
+
+
+def test_statistics_are_those_of_the_summaries(sweep: Path) -> None:
+    table.tabulate(sweep)
+    every = rows(sweep / "statistics.csv")
+    own = [
+        row
+        for row in every
+        if (row["rolling.load_n"], row["rolling.speed_m_s"], row["level"])
+        == ("0.005", "0.1", "laeq_db")
+    ]
+    (row,) = own
+    runs = summaries(sweep, "load_n=0.005,speed_m_s=0.1,*")
+    levels = [run["laeq_db"] for run in runs]
+    stated = [run["uncertainty_db"]["laeq"] for run in runs]
+    assert len(levels) == 3 and row["runs"] == "3"
+    deviation = statistics.stdev(levels)
+    expected = {
+        "mean": statistics.fmean(levels),
+        "standard_deviation": deviation,
+        "standard_error": deviation / 3**0.5,
+        "stated_uncertainty": statistics.fmean([one**2 for one in stated]) ** 0.5,
+    }
+    for name, value in expected.items():
+        assert float(row[name]) == pytest.approx(value, rel=1e-12)
+    assert float(row["deviation_over_stated"]) == pytest.approx(
+        deviation / expected["stated_uncertainty"], rel=1e-12
+    )
+    bands = [
+        each
+        for each in every
+        if each["level"] == "third_octave_a_db" and each["band_hz"] == "12500"
+    ]
+    assert [each["runs"] for each in bands] == ["3", "3", "3", "2"]  # a run is not solved
+
+
+def test_tables_have_every_run_and_every_band(sweep: Path) -> None:
+    written = table.tabulate(sweep)
+    assert [path.name for path in written if path.suffix == ".csv"] == [
+        "runs.csv",
+        "bands.csv",
+        "statistics.csv",
+    ]
+    runs = rows(sweep / "runs.csv")
+    assert len(runs) == 12 and runs[-1]["laeq_db"] == "" != runs[0]["laeq_db"]
+    bands = rows(sweep / "bands.csv")
+    assert len(bands) == 11 * 31
+    (one,) = [row for row in bands if row["run"] == runs[0]["run"] and row["band_hz"] == "12500"]
+    (summary,) = summaries(sweep, runs[0]["folder"])
+    assert float(one["third_octave_db"]) == summary["third_octave_db"]["12500"]
+
+
+def test_plots_hold_the_means(sweep: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--plot", "plastic_ratio", "--against", "rolling.speed_m_s"]
+    assert cli.main(["table", str(sweep), *words]) == 0
+    name = "plot_plastic_ratio_against_rolling.speed_m_s"
+    assert f"{sweep / name}.svg" in capsys.readouterr().out
+    lines = rows(sweep / f"{name}.csv")
+    assert [row["curve"] for row in lines] == ["load 0.005 N"] * 2 + ["load 0.01 N"] * 2
+    runs = summaries(sweep, "load_n=0.01,speed_m_s=0.1,*")
+    mean = statistics.fmean(run["plastic_ratio"] for run in runs)
+    assert float(lines[2]["plastic_ratio_mean"]) == pytest.approx(mean, rel=1e-8)
+    two = ["--against", "rolling.load_n", "rolling.speed_m_s"]
+    assert cli.main(["table", str(sweep), "--plot", "plastic_ratio", *two]) == 0
+    cells = rows(sweep / "plot_plastic_ratio_against_rolling.load_n_rolling.speed_m_s.csv")
+    assert [row["runs"] for row in cells] == ["3", "3", "3", "2"]
+    assert float(cells[1]["plastic_ratio_mean"]) == pytest.approx(mean, rel=1e-8)
+    spectra = rows(sweep / "mean_third_octaves.csv")
+    assert len(spectra) == 4 * 31
+    # All of these are this program's own files.
+    assert own_files.foreign(sweep, run_record.read(sweep)) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--plot", "laeq"], "laeq_db"),
+        (["--against", "rolling.load"], "rolling.load_n"),
+        (["--against", "a", "b", "c"], "one for lines, two for a map"),
+        (["--over", "surface.sed"], "surface.seed"),
+    ],
+)
+def test_unknown_names_get_the_nearest_and_nothing_is_written(
+    sweep: Path, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = {path.name: path.stat().st_mtime_ns for path in sweep.iterdir()}
+    assert cli.main(["table", str(sweep), *words]) == 2
+    assert message in capsys.readouterr().err
+    assert {path.name: path.stat().st_mtime_ns for path in sweep.iterdir()} == before
+
+
+def test_parquet_holds_the_same_tables(sweep: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="Parquet is written with pyarrow only")
+    table.tabulate(sweep)
+    read = parquet.read_table(sweep / "statistics.parquet").to_pydict()
+    assert read["mean"] == [float(row["mean"]) for row in rows(sweep / "statistics.csv")]
+
+
+def test_a_single_run_has_no_spread() -> None:
+    alone = seed_statistics.statistic([(70.0, 0.5), (None, None)])
+    assert alone == seed_statistics.Statistic(1, 70.0, None, None, 0.5) and alone.ratio is None
+    assert seed_statistics.statistic([(None, 0.1), ("x", None), (True, None)]) is None
