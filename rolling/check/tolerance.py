@@ -21,7 +21,7 @@ SHORT_STEPS = 2000  # shorter tracks have no trial
 BELOW_DB = 14.0  # distance of the solver's error from the grid's that is promised
 # Distance that is aimed at beyond that, because a trial sees few steps of the track.
 MARGIN_DB = 3.0
-# Cost of a trial over the cost of the run, by the counts below; measured times were up to a quarter
+# Cost of a trial over the cost of the run, by the counts below; measured times were up to a half
 # more of the run, which takes steps at the chosen tolerance.
 SHARE = 0.016
 LEAST_BUDGET = 400.0  # a trial may cost so many steps of the run in any case
