@@ -82,9 +82,10 @@ RECORD_CAUTION = (
     " would turn."
 )
 LEVEL_CAUTION = (
-    "From 2 to 1 µm the level of the release changes by 0.1 dB (10 lg) at most up to Ra 1 µm, and as"
-    " stated at Ra 5 µm by +0.2, +0.1 and -0.2 dB (5, 20, 100 N), over 60 to 120 steps. At Ra 5 µm"
-    " and 20 N the lines from 700 to 2800 Hz fall by 1.1 dB, elsewhere they change by 0.3 dB at most."
+    "From 2 to 1 µm the level of the release changes by 0.1 dB (10 lg) at most up to Ra 1 µm, and"
+    " as stated at Ra 5 µm by +0.2, +0.1 and -0.2 dB (5, 20, 100 N), over 60 to 120 steps. At Ra"
+    " 5 µm and 20 N the lines from 700 to 2800 Hz fall by 1.1 dB, elsewhere they change by 0.3 dB"
+    " at most."
 )
 _UP = (
     "Every step up by more than twice its standard error over the surfaces, "
