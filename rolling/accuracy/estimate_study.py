@@ -55,7 +55,11 @@ SCENES: dict[str, dict[str, Any]] = {  # changes of the base scene
         "surface.autocorrelation": "exponential",
         "surface.width_um": 192,
     },
-    "elastic, 0.5 N": {"plate.hardness_gpa": None, "rolling.load_n": 0.5},
+    "elastic, 0.5 N": {
+        "plate.hardness_gpa": None,
+        "surface.width_um": 192,
+        "rolling.load_n": 0.5,
+    },
 }
 _BASE: dict[str, Any] = {
     "name": "estimate",
