@@ -44,7 +44,7 @@ SCENES: dict[str, dict[str, Any]] = {  # changes of the base scene
         "surface.width_um": 224,
         "plate.hardness_gpa": 3,
     },
-    "Ra 1, 0.3 N": {"surface.roughness_ra_um": 1.0, "surface.width_um": 256},
+    "Ra 1, 0.3 N": {"surface.roughness_ra_um": 1.0, "surface.width_um": 384},
     "L 6, 6.3 GPa, 0.5 N": {
         "plate.hardness_gpa": 6.3,
         "surface.correlation_length_um": 6,
@@ -55,7 +55,11 @@ SCENES: dict[str, dict[str, Any]] = {  # changes of the base scene
         "surface.autocorrelation": "exponential",
         "surface.width_um": 192,
     },
-    "elastic, 0.5 N": {"plate.hardness_gpa": None, "rolling.load_n": 0.5},
+    "elastic, 0.5 N": {
+        "plate.hardness_gpa": None,
+        "surface.width_um": 192,
+        "rolling.load_n": 0.5,
+    },
 }
 _BASE: dict[str, Any] = {
     "name": "estimate",

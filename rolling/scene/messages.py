@@ -12,6 +12,7 @@ import math
 import types
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
@@ -213,19 +214,23 @@ def dotted(key: Key) -> str:
     ).removeprefix(".")
 
 
-def numeric_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
+@cache  # a sweep asks once per run
+def numeric_keys(root: type[BaseModel]) -> Mapping[str, FieldInfo]:
     """Map every dotted key that holds a number to its field."""
     return {
         name: field for name, field in _inner(root) if {int, float} & set(_kinds(field.annotation))
     }
 
 
-def text_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
+@cache
+def text_keys(root: type[BaseModel]) -> Mapping[str, FieldInfo]:
     """Map every dotted key that holds no number to its field."""
-    return {name: field for name, field in _inner(root) if name not in numeric_keys(root)}
+    numeric = numeric_keys(root)
+    return {name: field for name, field in _inner(root) if name not in numeric}
 
 
-def section_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
+@cache
+def section_keys(root: type[BaseModel]) -> Mapping[str, FieldInfo]:
     """Map every section to its field."""
     return {name: field for name, field in root.model_fields.items() if _models(field)}
 

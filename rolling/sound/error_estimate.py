@@ -7,7 +7,7 @@ better than either power. The module takes arrays and plain numbers; it marches 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -208,14 +208,15 @@ def _lines(band: int, width_hz: float) -> int:
 def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:
     """Estimate the errors of a record's levels.
 
-    Their standard errors come from the jackknife over stretches, and from the doubt about the order
-    that extrapolates them.
+    Their standard errors come from the jackknife over stretches, from the doubt about the bands of
+    a group and from the doubt about the order that extrapolates them.
     """
     total = powers.sums.sum(axis=0)
     order, measured = _order(total)
     bands = len(BAND_NAMES)
     numbers = _reported(total, powers, record)
     spread = _jackknife(powers.sums, lambda part: _reported(part, powers, record))
+    spread[:bands] = _band_spread(spread[:bands], numbers[:bands], powers.groups)
     spread = np.hypot(spread, DOUBT * (1.0 - 1.0 / refinement_factor(order)) * np.abs(numbers))
     grid, solver = numbers[:bands], numbers[bands : 2 * bands]
     return LevelErrors(
@@ -261,6 +262,37 @@ def _jackknife(sums: Array, numbers: Callable[[Array], Array]) -> Array:
     left_out = np.array([numbers(np.delete(sums, k, axis=0).sum(axis=0)) for k in range(count)])
     widened = float(stdtrit(count - 1, 0.975) / ndtri(0.975))
     return np.asarray(widened * np.sqrt((count - 1) * np.var(left_out, axis=0)))
+
+
+def _band_spread(spread: Array, errors: Array, groups: Sequence[Sequence[int]]) -> Array:
+    """Return standard errors of bands [dB] from those of a few stretches and their neighbours.
+
+    The jackknife over four stretches is often too small by chance in a single band. Above the
+    lowest group it is therefore at least the rms over a group and its neighbours. Bands of a group
+    may differ from each other as much as the group differs from the nearest of its neighbours.
+
+    Parameters
+    ----------
+    spread, errors : (bands,) arrays, dB. Standard errors by the jackknife, and errors.
+    groups : sequence of sequences of int. Numbers of the bands that share an estimate.
+    """
+    known = [
+        bands
+        for group in groups
+        if (bands := [band for band in group if np.isfinite(spread[band] + errors[band])])
+    ]
+    firsts = [bands[0] for bands in known]
+    result = spread.copy()
+    for k, bands in enumerate(known):
+        near = [j for j in (k - 1, k + 1) if 0 <= j < len(known)]
+        own = spread[firsts[k]]
+        if k > 0:
+            around = spread[[firsts[k], *(firsts[j] for j in near if j > 0)]]
+            own = max(own, float(np.sqrt(np.mean(around**2))))
+        steps = [abs(errors[firsts[k]] - errors[firsts[j]]) for j in near]
+        shared = min(steps, default=0.0) if len(bands) > 1 else 0.0
+        result[bands] = math.hypot(own, shared)
+    return result
 
 
 def _order(total: Array) -> tuple[float, bool]:
