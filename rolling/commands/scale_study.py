@@ -264,7 +264,7 @@ def forecasts(steps: Array, seconds: float, measured: Overheads) -> list[tuple[s
     count = round(HOUR_STEPS / 3600 * seconds)
     scenes = random.choice(steps, SCENES) * count + measured.files
     pieces = np.full(HOUR_STEPS // simulate.PIECE_STEPS, np.median(steps) * simulate.PIECE_STEPS)
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for work, times, gather in (
         (f"{SCENES:,} scenes of {seconds:g} s", scenes, SCENES * measured.gather),
         ("an hour of sound, in pieces", pieces, 0.0),
