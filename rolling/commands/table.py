@@ -45,7 +45,7 @@ def tabulate(
         written.
     """
     with progress.step("reading the runs"):
-        rows = _rows(folder)
+        rows = read_rows(folder)
     solved = [row for row in rows if row.summary is not None]
     if not solved or not solved[0].values:
         raise FolderError(f"{folder}: no solved run of a sweep, so there is nothing to tabulate")
@@ -76,7 +76,7 @@ def tabulate(
     return written + _pictures(folder, groups, numbers or [DEFAULT], against or keys[:1])
 
 
-def _rows(folder: Path) -> list[Row]:
+def read_rows(folder: Path) -> list[Row]:
     """Read the runs of a sweep with the summaries that they have."""
     runs = read_runs(folder)
     rows = []

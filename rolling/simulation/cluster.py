@@ -223,7 +223,7 @@ class _Work:
             self.outcome.failures.setdefault(task.run, answer.value)
         elif answer.kind in ("refused", "unwritable"):
             waiting.append(task)
-            self._avoid(worker, answer)
+            self._avoid(worker, answer, waiting)
         elif answer.kind == "stopped" and not self.stopping:  # its worker closes
             waiting.append(task)
         elif answer.value is not None:
@@ -231,7 +231,7 @@ class _Work:
             waiting.extend(() if self.stopping else following)
             self.listener.progress(task.cost)
 
-    def _avoid(self, worker: str, answer: Answer) -> None:
+    def _avoid(self, worker: str, answer: Answer, waiting: deque[Task]) -> None:
         """Give no more tasks to a worker of another version, or to one that cannot write.
 
         Raises
@@ -244,7 +244,7 @@ class _Work:
             text = f"worker {worker} is not used any more: {answer.value}"
         terminal.line(text)
         self.avoided[worker] = text
-        if not self._look(deque()) - self.avoided.keys():
+        if not self._look(waiting) - self.avoided.keys():
             raise OSError(f"no worker is left; {text}")
 
     def _is_connected(self) -> bool:
