@@ -7,6 +7,7 @@ import pytest
 from report_browser import data_of
 
 
+@pytest.mark.browser
 def test_firefox_shows_plays_extends_and_compares(pages, tmp_path) -> None:
     executable = firefox.path()
     if executable is None:
