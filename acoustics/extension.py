@@ -70,7 +70,7 @@ def extend(
     count = np.bincount(group, minlength=int(of_record[-1]) + 1)
     power = np.bincount(of_record, weights=mean_square, minlength=len(count))
     shared = power[group] / count[group]
-    longer_hz = line * (sample_rate_hz / samples)
+    longer_hz = np.asarray(line * (sample_rate_hz / samples), dtype=float)
     shared *= _band_factors(frequency_hz, mean_square, longer_hz, shared)
     amplitude = samples * np.sqrt(shared / 2.0)
     return np.asarray(np.fft.irfft(amplitude * np.exp(1j * _phases(line, seed)), samples))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from rolling.figures.picture import Picture
 from rolling.lee2025 import claims_text
 from rolling.lee2025.results import READING, SWEEP, VARIATION, JudgedClaim, Judgement, Score, Table
-from rolling.report import citation
+from rolling.report import citation, templates
 from rolling.report import page as report
 from rolling.report.page import Exhibit
 
@@ -108,7 +108,7 @@ def page(readings: Sequence[str], table: Table, pictures: Mapping[str, Sequence[
     extents = {name: table.readings[name] for name in readings if name in table.readings}
     rows = [_row(judged, readings) for judged in table.claims]
     html = (
-        report.environment()
+        templates.environment()
         .get_template("article.html")
         .render(
             readings=list(readings),
@@ -134,7 +134,7 @@ def page(readings: Sequence[str], table: Table, pictures: Mapping[str, Sequence[
             ],
             shelves=_shelves(readings, pictures),
             citation=citation,
-            css=report.own_text("report.css"),
+            css=templates.own_text("report.css"),
         )
     )
     return html.encode()

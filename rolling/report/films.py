@@ -93,7 +93,7 @@ def glow(release: NDArray[np.uint16]) -> NDArray[np.uint8]:
     """Return the opacity of cells that release energy, linear up to nearly the maximum."""
     lit = release[release > 0]
     most = float(np.quantile(lit, BRIGHTEST)) if lit.size else 1.0
-    return np.rint(255 * np.minimum(release / most, 1.0)).astype(np.uint8)
+    return np.asarray(np.rint(255 * np.minimum(release / most, 1.0)), dtype=np.uint8)
 
 
 def _centres(run: RunResult, slow: SlowMotion) -> list[tuple[float, float]]:

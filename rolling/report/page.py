@@ -7,16 +7,12 @@ behaviour are in `assets/`.
 from __future__ import annotations
 
 import base64
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
-from markupsafe import Markup
 
 from acoustics import extension, wav
 from acoustics.bands import BAND_NAMES
@@ -26,7 +22,7 @@ from rolling.figures import run_figures
 from rolling.figures.picture import Picture
 from rolling.figures.seed_figures import SEED
 from rolling.folders import program
-from rolling.report import citation, hearing, playback
+from rolling.report import citation, hearing, playback, templates
 from rolling.report import text as report_text
 from rolling.report.films import Film, film_of
 from rolling.report.playback import Playback
@@ -40,24 +36,6 @@ from rolling.terminal import defaults
 LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
 GENERATOR = f"{program.NAME} {__version__}"
 MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
-# The parts of the page's script, in their order.
-SCRIPTS = (
-    "core",
-    "player",
-    "fourier",
-    "row",
-    "extended",
-    "choices",
-    "motion",
-    "contact",
-    "film",
-    "downloads",
-    "compare",
-    "abx",
-    "sorting",
-    "keys",
-    "begin",
-)
 EXTENDED = range(18, 22)  # powers of two: lengths of extended records in samples
 SECTIONS = {  # by their places on the page
     "listen": "Listen",
@@ -167,7 +145,7 @@ class RunView:
             "playback": asdict(self.playback),
             "maps": maps,
             "film": _film_data(self.film) if self.film else None,
-            "slug": _slug(self.label),
+            "slug": templates.slug(self.label),
             "bands": _rounded(sound.levels.third_octave_db),
             "spreads": _rounded(self.run.summary["third_octave_uncertainty_db"]),
             "laps": self.run.laps,
@@ -252,7 +230,7 @@ def page(
         if run is None or (len(runs) == 1 and picture.name not in OWN)
     ]
     html = (
-        environment()
+        templates.environment()
         .get_template("report.html")
         .render(
             generator=GENERATOR,
@@ -275,8 +253,8 @@ def page(
             filmed=any(films),
             curves=common,
             surfaces=_surfaces(views),
-            css=own_text("report.css"),
-            js=scripts(),
+            css=templates.own_text("report.css"),
+            js=templates.scripts(),
             lengths_of_extended=_lengths_of_extended(runs),
             row=_differ_in_seed(runs),
             **_script_data(runs, views, scale),
@@ -290,8 +268,12 @@ def _script_data(
 ) -> dict[str, Any]:
     """Return the data of the page's script, and whether a record is short."""
     players = [view.player for view in views]
-    data = {"runs": players, "view": asdict(scale) if scale else None, "tsv": report_text.tsv(runs)}
-    data["bands"] = list(BAND_NAMES)
+    data = {
+        "runs": players,
+        "view": asdict(scale) if scale else None,
+        "tsv": report_text.tsv(runs),
+        "bands": BAND_NAMES,
+    }
     return {"data": data, "short": any(player["buzzes"] for player in players)}
 
 
@@ -402,45 +384,3 @@ def _one_line(text: str) -> str:
 def _uri(kind: str, content: bytes) -> str:
     """Return a file as a data URI."""
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
-
-
-def environment() -> jinja2.Environment:
-    """Return the environment of the pages, which escapes values and raises on missing values."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("rolling.report", "assets"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["slug"] = _slug
-    environment.filters["css_text"] = _css_text
-    # NaN must not reach the script of the page, because it is not JSON.
-    environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
-    return environment
-
-
-def _slug(label: str) -> str:
-    """Write a label as part of a file's name."""
-    return re.sub(r"[^A-Za-z0-9.=-]+", "_", label).strip("_")
-
-
-def _css_text(text: str) -> Markup:
-    """Write any text as the inside of a string of CSS, all but letters and digits as numbers."""
-    return Markup(
-        "".join(
-            letter if letter.isascii() and letter.isalnum() else f"\\{ord(letter):06x}"
-            for letter in text
-        )
-    )
-
-
-def scripts() -> Markup:
-    """Join the parts of the page's script in a scope of its own."""
-    parts = "\n".join(own_text(f"{name}.js") for name in SCRIPTS)
-    return Markup(f'(() => {{\n"use strict";\n{parts}}})();')
-
-
-def own_text(name: str) -> Markup:
-    """Read a file of the page, which is the program's own text and needs no escaping."""
-    return Markup(files("rolling.report").joinpath("assets", name).read_text(encoding="utf-8"))

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from rolling.report import citation, hearing
 from rolling.report import text as report_text
-from rolling.report.page import GENERATOR, Exhibit, environment, own_text
+from rolling.report.page import GENERATOR, Exhibit
+from rolling.report.templates import environment, own_text
 from rolling.simulation.run_result import RunResult
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +66,7 @@ class SlowMotion:
         return cls.of(0, 1, (0.0, 0.0), 1.0, empty, empty)
 
 
-def _packed(values: Array, kind: type[np.unsignedinteger]) -> tuple[NDArray, float]:
+def _packed(values: Array, kind: type[np.unsignedinteger]) -> tuple[NDArray[Any], float]:
     """Return values as whole numbers of a unit, and the unit: the maximum over the last number."""
     most = np.iinfo(kind).max
     unit = float(np.max(values, initial=0.0)) / most or 1.0

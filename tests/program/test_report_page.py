@@ -23,7 +23,7 @@ from report_runs import HOSTILE
 
 from acoustics import plots as sound_plots
 from rolling import commands
-from rolling.report import page
+from rolling.report import page, templates
 from rolling.scene import file
 
 
@@ -188,9 +188,19 @@ def test_curves_follow_dark_mode_and_maps_keep_their_colours(pages, opened) -> N
             assert page.evaluate(filters.format(maps)) == "none"
 
 
+def test_on_paper_tables_keep_their_heads_and_controls_go(pages, opened) -> None:
+    with opened(pages("three"), viewport={"width": 690, "height": 990}) as page:
+        page.emulate_media(media="print")
+        assert page.locator("#levels-table thead button").first.is_visible()
+        for selector in ("#transport", "nav", ".tools", ".ear", "#film-play"):
+            assert not page.locator(f"{selector} >> visible=true").count(), selector
+        page.wait_for_timeout(50)
+        assert page.evaluate("document.scrollingElement.scrollWidth") <= 690
+
+
 def test_any_title_is_text_in_the_style_sheet() -> None:
     for title in ('"; } body { display: none; } a { b: "', "</style><b>", "größe \\ 音\n"):
-        written = page._css_text(title)
+        written = templates._css_text(title)
         assert re.fullmatch(r"[0-9A-Za-z\\]*", written)
 
 
