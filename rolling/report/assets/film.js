@@ -77,7 +77,7 @@ function drawPower({ times, power_uw: power }) {
   pen.fillStyle = style.color;
   pen.font = "22px system-ui, sans-serif";
   pen.textAlign = "left";
-  pen.fillText(`release power, ${watts(least)} to ${watts(most)}: its fluctuation is the sound`, 8, 24);
+  pen.fillText(`release power, ${watts(least)} to ${watts(most)}`, 8, 24);
   pen.strokeStyle = style.color;
   pen.lineWidth = 3;
   pen.beginPath();
