@@ -130,12 +130,14 @@ def measure(folder: Path, repeats: int = 3) -> Overheads:
 
 def _per_task(workers: pool.Workers, repeats: int) -> float:
     """Return the time per empty task, without the time that one task takes."""
+    from rolling.commands import scale_study  # a process does not know the main module
+
     seconds = []
     for count in (1, TASKS):
         best = np.inf
         for _ in range(repeats):
             # Two tasks at least, because a single one is done without a process.
-            tasks = [Task(k, nothing, (), 1.0) for k in range(count + 1)]
+            tasks = [Task(k, scale_study.nothing, (), 1.0) for k in range(count + 1)]
             began = time.perf_counter()
             pool.work(tasks, workers, lambda run, result: None)
             best = min(best, time.perf_counter() - began)
