@@ -27,7 +27,9 @@ from rolling.commands import table, whole_runs
 from rolling.commands.whole_runs import Order
 from rolling.scene.messages import SceneError
 from rolling.simulation import batch, labels, pool, simulate
-from rolling.simulation.pool import Cluster, Task
+from rolling.simulation import cluster as clusters
+from rolling.simulation.cluster import Cluster
+from rolling.simulation.pool import Task
 from rolling.simulation.stored_runs import read_runs
 
 TASKS = 200  # empty tasks, for the overhead of one
@@ -193,8 +195,6 @@ def loopback(workers: int = 1) -> Iterator[Cluster]:
 
 def _wait(cluster: Cluster, workers: int) -> None:
     """Wait until the workers have joined."""
-    from rolling.simulation import cluster as clusters
-
     end = time.monotonic() + 120
     while time.monotonic() < end:
         with suppress(SceneError):
