@@ -99,7 +99,7 @@ def _run(given: argparse.Namespace) -> int:
     with progress.step(LOADING):
         from rolling import commands
         from rolling.commands.parts import Part
-        from rolling.simulation.pool import Cluster
+        from rolling.simulation.cluster import Cluster
     return _reported(
         commands.run(
             given.scene,
@@ -123,7 +123,7 @@ def _resume(given: argparse.Namespace) -> int:
     early.refuse_folders([given.folder])
     with progress.step(LOADING):
         from rolling import commands
-        from rolling.simulation.pool import Cluster
+        from rolling.simulation.cluster import Cluster
     return _reported(
         commands.resume(
             given.folder,

@@ -33,9 +33,11 @@ from rolling.scene import file, library
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.simulation import batch, labels
+from rolling.simulation import cluster as clusters
 from rolling.simulation.batch import Run
+from rolling.simulation.cluster import Cluster
 from rolling.simulation.plan import Plan, refuse
-from rolling.simulation.pool import Cluster, Outcome
+from rolling.simulation.pool import Outcome
 from rolling.simulation.run_result import RunResult, hear
 from rolling.simulation.stored_runs import (
     read_runs,
@@ -106,8 +108,6 @@ def _on_cluster(wanted: Wanted, cluster: Cluster | None) -> Wanted:
     """Return what is wanted from a cluster, after a look at its workers."""
     if cluster is None:
         return wanted
-    from rolling.simulation import cluster as clusters
-
     return replace(wanted, cluster=cluster, cluster_workers=clusters.workers(cluster))
 
 

@@ -11,7 +11,8 @@ from rolling.check import cost, demand
 from rolling.folders import files
 from rolling.simulation import batch, runs_table, sound_files, summary
 from rolling.simulation.batch import Run
-from rolling.simulation.pool import Cluster, Workers
+from rolling.simulation.cluster import Cluster
+from rolling.simulation.pool import Workers
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import RunResult
 

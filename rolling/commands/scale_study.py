@@ -27,7 +27,9 @@ from rolling.commands import table, whole_runs
 from rolling.commands.whole_runs import Order
 from rolling.scene.messages import SceneError
 from rolling.simulation import batch, labels, pool, simulate
-from rolling.simulation.pool import Cluster, Task
+from rolling.simulation import cluster as clusters
+from rolling.simulation.cluster import Cluster
+from rolling.simulation.pool import Task
 from rolling.simulation.stored_runs import read_runs
 
 TASKS = 200  # empty tasks, for the overhead of one
@@ -130,12 +132,14 @@ def measure(folder: Path, repeats: int = 3) -> Overheads:
 
 def _per_task(workers: pool.Workers, repeats: int) -> float:
     """Return the time per empty task, without the time that one task takes."""
+    from rolling.commands import scale_study  # a process does not know the main module
+
     seconds = []
     for count in (1, TASKS):
         best = np.inf
         for _ in range(repeats):
             # Two tasks at least, because a single one is done without a process.
-            tasks = [Task(k, nothing, (), 1.0) for k in range(count + 1)]
+            tasks = [Task(k, scale_study.nothing, (), 1.0) for k in range(count + 1)]
             began = time.perf_counter()
             pool.work(tasks, workers, lambda run, result: None)
             best = min(best, time.perf_counter() - began)
@@ -191,8 +195,6 @@ def loopback(workers: int = 1) -> Iterator[Cluster]:
 
 def _wait(cluster: Cluster, workers: int) -> None:
     """Wait until the workers have joined."""
-    from rolling.simulation import cluster as clusters
-
     end = time.monotonic() + 120
     while time.monotonic() < end:
         with suppress(SceneError):

@@ -13,13 +13,14 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from rolling.scene.messages import SceneError
 from rolling.simulation import cluster_worker
 from rolling.simulation.cluster_worker import Answer
-from rolling.simulation.pool import Cluster, Listener, Outcome, Task
+from rolling.simulation.pool import Listener, Outcome, Task
 from rolling.terminal import progress as terminal
 
 CONNECT_SECONDS = 10.0
@@ -31,6 +32,40 @@ _INSTALL = 'pip install "rolling-contact-noise[cluster]"'
 
 
 # ---- in the client
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """A Dask scheduler, whose workers do tasks in place of local processes.
+
+    address : str. Address, such as tcp://127.0.0.1:8786, or the name of its scheduler file.
+    """
+
+    address: str
+
+    @property
+    def is_file(self) -> bool:
+        """Whether the address is the name of a scheduler file."""
+        return self.address.endswith(".json")
+
+    def work(
+        self,
+        tasks: Sequence[Task],
+        listener: Listener,
+        asked: Callable[[], bool],
+        outcome: Outcome,
+    ) -> None:
+        """Do the tasks on the workers of the scheduler, one at a time on each.
+
+        Raises
+        ------
+        OSError : the scheduler is gone, or no worker can write.
+        SceneError : no worker can be used.
+        """
+        if not tasks:
+            return
+        with _client(self) as client:
+            _Work(client, self, listener, outcome).do(deque(tasks), asked)
 
 
 @contextmanager
@@ -51,7 +86,7 @@ def _client(cluster: Cluster) -> Iterator[Any]:
     if cluster.is_file and not Path(cluster.address).is_file():
         raise SceneError([f"--cluster: {cluster.address}: no such scheduler file"])
     try:
-        client = Client(**where, timeout=CONNECT_SECONDS, set_as_default=False)
+        client: Any = cast(Any, Client)(**where, timeout=CONNECT_SECONDS, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise SceneError(
             [f"--cluster: {cluster.address}: no scheduler answers ({type(error).__name__})"]
@@ -107,26 +142,6 @@ def _usable(client: Any, cluster: Cluster, told: bool) -> set[str]:
 
 def _refusal(address: str, text: str) -> str:
     return f"worker {address} is not used: {text}, not {cluster_worker.sources()[1][:12]}"
-
-
-def work(
-    tasks: Sequence[Task],
-    cluster: Cluster,
-    listener: Listener,
-    asked: Callable[[], bool],
-    outcome: Outcome,
-) -> None:
-    """Do the tasks on the workers of a scheduler, one at a time on each.
-
-    Raises
-    ------
-    OSError : the scheduler is gone, or no worker can write.
-    SceneError : no worker can be used.
-    """
-    if not tasks:
-        return
-    with _client(cluster) as client:
-        _Work(client, cluster, listener, outcome).do(deque(tasks), asked)
 
 
 class _Work:

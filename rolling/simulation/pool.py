@@ -14,7 +14,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 from rolling.contact import compiling
 from rolling.contact.solver import ContactError
@@ -27,24 +27,6 @@ _KILLED = "a worker process was killed twice while it had this run alone; out of
 
 class Interrupted(Exception):
     """The end of the work at the user's request, before all of it is done."""
-
-
-@dataclass(frozen=True)
-class Cluster:
-    """A Dask scheduler, whose workers do tasks in place of local processes.
-
-    address : str. Address, such as tcp://127.0.0.1:8786, or the name of its scheduler file.
-    """
-
-    address: str
-
-    @property
-    def is_file(self) -> bool:
-        """Whether the address is the name of a scheduler file."""
-        return self.address.endswith(".json")
-
-
-Workers = int | Cluster  # local processes, or a cluster
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +80,26 @@ class Listener:
     begun: Callable[[int], object] = _ignore
 
 
+class Remote(Protocol):
+    """Workers elsewhere, such as those of a cluster."""
+
+    @property
+    def address(self) -> str:
+        """The address of the workers, for messages."""
+
+    def work(
+        self,
+        tasks: Sequence[Task],
+        listener: Listener,
+        asked: Callable[[], bool],
+        outcome: Outcome,
+    ) -> None:
+        """Do the tasks, until all are done or `asked` returns true."""
+
+
+Workers = int | Remote  # local processes, or workers elsewhere
+
+
 def work(
     tasks: Sequence[Task],
     workers: Workers,
@@ -105,7 +107,7 @@ def work(
     progress: Callable[[float], object] = _ignore,
     begun: Callable[[int], object] = _ignore,
 ) -> Outcome:
-    """Do the tasks on `workers` processes, or on a cluster.
+    """Do the tasks on `workers` processes, or on workers elsewhere.
 
     One worker, one task, or a system that starts no processes: all is done in this process.
 
@@ -116,15 +118,13 @@ def work(
     Parameters
     ----------
     tasks : sequence of Task.
-    workers : int or Cluster. Number of processes, or the cluster.
+    workers : int or Remote. Number of processes, or workers elsewhere.
     finished, progress, begun : callable. The functions of the `Listener`.
     """
     listener, outcome = Listener(finished, progress, begun), Outcome()
     with _stop_request() as asked:
-        if isinstance(workers, Cluster):
-            from rolling.simulation import cluster
-
-            cluster.work(tasks, workers, listener, asked, outcome)
+        if not isinstance(workers, int):
+            workers.work(tasks, listener, asked, outcome)
             outcome.interrupted = asked()
             return outcome
         workers = min(workers, len(tasks))

@@ -101,7 +101,7 @@ def solve_here(
 
 def _processes(workers: pool.Workers, pieces: int) -> str:
     """Write where pieces are solved."""
-    if isinstance(workers, pool.Cluster):
+    if not isinstance(workers, int):
         return f"the workers of {workers.address}"
     return f"{min(workers, max(1, pieces))} processes"
 
