@@ -13,8 +13,9 @@ from rolling.commands.run_files import Wanted, page_of, write_run, write_sweep
 from rolling.folders import claim, files, new_folder
 from rolling.folders.claim import Claim
 from rolling.folders.files import Stopped
-from rolling.simulation import batch, error_stretches, labels
+from rolling.simulation import batch, labels
 from rolling.simulation.batch import Run
+from rolling.simulation.lacking import lacks_marches
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import RunResult, hear
@@ -213,7 +214,7 @@ def _mark_all(work: Work, outcome: Outcome) -> Path | None:
             continue
         if number in failures:
             held.mark(each.folder, "failed", failures[number])
-        elif result.complete and not error_stretches.missing(each.scene, result):
+        elif not lacks_marches(each.scene, result):
             held.mark(each.folder, "done")
         elif is_begun(result) or outcome.interrupted:
             held.mark(each.folder, "waiting", claim.INTERRUPTED)

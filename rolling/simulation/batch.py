@@ -12,7 +12,8 @@ from rolling.folders.files import FolderError, Keeper
 from rolling.scene import file
 from rolling.scene.identity import Identity, changes, differences, said
 from rolling.scene.scene import Scene
-from rolling.simulation import error_stretches, labels, result_file, simulate, solving
+from rolling.simulation import labels, result_file, shared, simulate, solving
+from rolling.simulation.lacking import lacks_marches
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound
@@ -55,7 +56,7 @@ class Run:
 
 def solve(
     runs: Sequence[Run],
-    results: Sequence[Result],
+    results: list[Result],
     workers: int,
     name: str,
     mapped: bool = True,
@@ -67,7 +68,8 @@ def solve(
     Parameters
     ----------
     runs : sequence of Run.
-    results : sequence of Result. Their solved steps are not solved again.
+    results : list of Result. Their solved steps are not solved again. Runs with the same march
+        share a result afterwards, which the folder of the first of them holds as it grows.
     workers : int. Number of processes; 0: one per core.
     name : str. Name of the progress bar.
     mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
@@ -76,51 +78,63 @@ def solve(
     complete : callable. It receives the number of a run when all of it is solved, and writes its
         result. Default: the result is written without its sound.
     """
+    for run, result in zip(runs, results, strict=True):
+        _identify(run, result)
+    scenes = [run.scene for run in runs]
+    shared.share(scenes, results)
+    members = shared.members(results)
     unsolved = [
-        k
-        for k, (run, result) in enumerate(zip(runs, results, strict=True))
-        if not result.complete or error_stretches.missing(run.scene, result)
+        leader
+        for leader, numbers in members.items()
+        if any(lacks_marches(scenes[k], results[leader]) for k in numbers)
     ]
     keepers = {k: Keeper() for k in unsolved}
     unkept: set[int] = set()
 
-    def added(number: int) -> None:
-        run, result = runs[number], results[number]
-        unkept.add(number)
-        last = result.complete and not error_stretches.missing(run.scene, result)
+    def completed(number: int, at_once: bool) -> None:
+        """Complete a run, or keep its result where nobody completes it or that fails."""
+        if complete is None:
+            keep(runs[number], results[number])
+            return
+        try:
+            complete(number)
+        except BaseException:
+            if at_once:
+                keep(runs[number], results[number])
+            raise
+
+    def added(leader: int) -> None:
+        run, result = runs[leader], results[leader]
+        unkept.add(leader)
+        last = not any(lacks_marches(scenes[k], result) for k in members[leader])
         # A result of one piece is written once, with its sound.
         at_once = complete is not None and last and result.solved_steps <= simulate.PIECE_STEPS
-        if not at_once and (keepers[number].due() or last):
+        if not at_once and (keepers[leader].due() or last):
             start = time.monotonic()
             keep(run, result)
-            keepers[number].wrote(time.monotonic() - start)
-            unkept.discard(number)
-        if complete is not None and last:
-            try:
-                complete(number)
-            except BaseException:
-                if at_once:
-                    keep(run, result)
-                raise
-            unkept.discard(number)
+            keepers[leader].wrote(time.monotonic() - start)
+            unkept.discard(leader)
+        if last:
+            for number in members[leader] if complete else members[leader][1:]:
+                completed(number, at_once or number != leader)
+            unkept.discard(leader)
 
-    for k in unsolved:
-        _identify(runs[k], results[k])
     outcome = solving.solve(
-        [run.scene for run in runs],
+        scenes,
         results,
         workers,
         name,
         mapped,
-        begun=lambda number: begun(runs[number]),
+        begun=lambda leader: [begun(runs[number]) for number in members[leader]],
         added=added,
     )
     for k in unsolved:
         if k in unkept:
             keep(runs[k], results[k])
         # Statistics and figures of the surface read the heights once more.
-        if fault := other_surface(runs[k], results[k]):
-            outcome.failures.setdefault(k, fault)
+        for number in members[k]:
+            if fault := other_surface(runs[number], results[number]):
+                outcome.failures.setdefault(number, fault)
     return outcome
 
 

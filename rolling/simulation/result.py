@@ -15,6 +15,7 @@ from rolling._typing import Array
 from rolling.contact.recovery import join_events
 from rolling.scene.identity import Identity
 from rolling.scene.track import Track
+from rolling.simulation.load_marches import LoadMarches
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, Piece, PressureMap, Snapshot
 from rolling.simulation.stretches import ErrorStretches, March
 
@@ -34,6 +35,7 @@ class Result:
         table when the run is complete.
     identity : Identity. Scene and surface that were solved; None in files of version 0.1.0.
     stretches : ErrorStretches. Stretches that were marched for the error estimate. Default: None.
+    load_marches : LoadMarches. Marches at other loads, for the force law. Default: None.
     """
 
     steps: int
@@ -46,6 +48,7 @@ class Result:
     event_pieces: dict[int, dict[str, NDArray[Any]]] = field(default_factory=dict)
     identity: Identity | None = None
     stretches: ErrorStretches | None = None
+    load_marches: LoadMarches | None = None
 
     @classmethod
     def empty(cls, track: Track, start: float) -> Result:

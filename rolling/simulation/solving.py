@@ -6,7 +6,9 @@ from collections.abc import Callable, Sequence
 
 from rolling.check import cost
 from rolling.scene.scene import Scene
-from rolling.simulation import error_stretches, pool, simulate
+from rolling.contact.solver import ContactError
+from rolling.simulation import error_stretches, force_law, pool, shared, simulate, vibration
+from rolling.simulation.load_marches import LoadPiece
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.stretches import March
@@ -19,7 +21,7 @@ def _ignore(run: int) -> None:
 
 def solve(
     scenes: Sequence[Scene],
-    results: Sequence[Result],
+    results: list[Result],
     workers: int,
     name: str,
     mapped: bool = True,
@@ -29,10 +31,13 @@ def solve(
 ) -> Outcome:
     """Solve the missing steps of runs and add them to their results.
 
+    Runs whose marches are equal share a result afterwards. The first of them is marched.
+
     Parameters
     ----------
     scenes : sequence of Scene. Scenes without a sweep, one per run.
-    results : sequence of Result. Their solved steps are not solved again.
+    results : list of Result. Their solved steps are not solved again. Results of equal marches are
+        replaced by one of them.
     workers : int. Number of processes; 0: one per core.
     name : str. Name of the progress bar.
     mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
@@ -40,10 +45,14 @@ def solve(
     progress : bool. Whether a progress bar is shown. Default: on a terminal and in a notebook.
     begun : callable. It receives the number of a run when one of its pieces is handed to a process.
     added : callable. It receives the number of a run after each piece is added to its result.
+
+    Both are called with the first of the runs that share a result.
     """
+    shared.share(scenes, results)
     work = _Work(scenes, results)
     todo = work.pieces()
-    others = [task for k in work.longest_first if not work.waiting[k] for task in work.stretches(k)]
+    failures: dict[int, str] = {}
+    others = work.first_others(failures)
     total = sum((last - first) * work.step_seconds[k] for k, first, last in todo)
     total += sum(task.cost for task in others)
 
@@ -54,7 +63,7 @@ def solve(
     )
     with terminal.bar(total, name, progress) as bar:
 
-        def finished(number: int, done: simulate.Piece | March) -> list[pool.Task]:
+        def finished(number: int, done: simulate.Piece | March | LoadPiece) -> list[pool.Task]:
             following = work.add(number, done)
             added(number)
             bar.grow(sum(task.cost for task in following))
@@ -62,9 +71,14 @@ def solve(
                 terminal.detail(f"run {number + 1} of {len(scenes)}, {_piece_text(done)}")
             return following
 
-        return simulate.march_pieces(
+        outcome = simulate.march_pieces(
             scenes, todo, workers, finished, bar.update, work.orders(mapped), begun, others
         )
+    outcome.failures |= failures
+    for leader, members in work.members.items():
+        if leader in outcome.failures:
+            outcome.failures |= dict.fromkeys(members, outcome.failures[leader])
+    return outcome
 
 
 def _piece_text(piece: simulate.Piece) -> str:
@@ -77,15 +91,17 @@ def _piece_text(piece: simulate.Piece) -> str:
 
 
 class _Work:
-    """Work on runs: their missing pieces, and then the stretches for their error estimates.
+    """Work on runs: their missing pieces, and then the marches for error estimate and force law.
 
     scenes, results : sequences. The runs.
+    members : dict. Numbers of the runs that share a result, by the first of them.
     step_seconds : list of float. Expected time of a step of each run [s].
     waiting : list of int. Number of tasks of each run that are not done.
     """
 
     def __init__(self, scenes: Sequence[Scene], results: Sequence[Result]) -> None:
         self.scenes, self.results = scenes, results
+        self.members = shared.members(results)
         self.step_seconds = [
             cost.expected_seconds(scene) / result.solved_steps
             for scene, result in zip(scenes, results, strict=True)
@@ -95,7 +111,7 @@ class _Work:
     @property
     def longest_first(self) -> list[int]:
         """The numbers of the runs; no core then works alone on a long run at the end."""
-        return sorted(range(len(self.scenes)), key=lambda k: -self.step_seconds[k])
+        return sorted(self.members, key=lambda k: -self.step_seconds[k])
 
     def pieces(self) -> list[tuple[int, int, int]]:
         """Return run, first and last position of each missing piece."""
@@ -119,21 +135,40 @@ class _Work:
             for seconds, result in zip(self.step_seconds, self.results, strict=True)
         ]
 
-    def add(self, number: int, done: simulate.Piece | March) -> list[pool.Task]:
+    def first_others(self, failures: dict[int, str]) -> list[pool.Task]:
+        """Return the first marches beside the pieces, and note runs that cannot have them."""
+        tasks = []
+        for number in self.longest_first:
+            try:
+                tasks += self.others(number)
+            except ContactError as error:
+                failures[number] = str(error)
+        return tasks
+
+    def add(self, number: int, done: simulate.Piece | March | LoadPiece) -> list[pool.Task]:
         """Add a piece or a stretch to the result of a run, and return the tasks that follow."""
         result = self.results[number]
         if isinstance(done, March):
             result.add_march(done)
+        elif isinstance(done, LoadPiece):
+            assert result.load_marches is not None
+            result.load_marches.add(done)
         else:
             result.add(done)
         self.waiting[number] -= 1
-        return [] if self.waiting[number] else self.stretches(number)
+        return [] if self.waiting[number] else self.others(number)
 
-    def stretches(self, number: int) -> list[pool.Task]:
-        """Return the marches of stretches that a run needs next."""
-        scene = self.scenes[number]
-        tasks = error_stretches.tasks(
-            scene, self.results[number], number, self.step_seconds[number]
+    def others(self, number: int) -> list[pool.Task]:
+        """Return the marches of stretches and at other loads that a run needs next."""
+        scene, result, seconds = (
+            self.scenes[number],
+            self.results[number],
+            self.step_seconds[number],
         )
+        scenes = [self.scenes[k] for k in self.members[number]]
+        tasks = [
+            *error_stretches.tasks(scene, result, number, seconds),
+            *force_law.tasks(scenes, result, number, seconds, vibration.extremes),
+        ]
         self.waiting[number] += len(tasks)
         return tasks

@@ -285,7 +285,8 @@ def test_resound_refusals() -> None:
         resound(loads(PLAIN), ["rolling.load_n=5", "sound.q=0", "sound.z=1"])
     assert error.value.faults == [
         f"--set: rolling.load_n: needs a new run; without solving again allowed: {allowed}",
-        "--set: sound.z: unknown key, allowed: source, ball, distance_m, q, gain_pa_per_w_m2, loudness",
+        "--set: sound.z: unknown key, allowed: source, ball, distance_m, q, gain_pa_per_w_m2,"
+        " loudness",
         "--set: sound.q: got 0, allowed: a number > 0 and <= 1",
     ]
     with pytest.raises(
