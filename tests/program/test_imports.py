@@ -19,7 +19,7 @@ FLOORS = {
     "rolling": (
         ("_own_acoustics", "_typing", "tables", "terminal"),
         ("contact", "scene"),
-        ("folders", "surface"),
+        ("dynamics", "folders", "surface"),
         ("check", "sound"),
         ("simulation",),
         ("accuracy", "figures", "verification"),
