@@ -20,6 +20,7 @@ from rolling._typing import Array
 from rolling.check.error_cost import LEVELS
 from rolling.scene.identity import STEPS, Identity
 from rolling.simulation._result_layout import FORMAT
+from rolling.simulation.load_marches import LoadMarches
 from rolling.simulation.result import Result
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, PressureMap, Snapshot
 from rolling.simulation.stretches import ErrorStretches, March
@@ -56,6 +57,7 @@ def read(file: h5py.File) -> Result:
     result.event_pieces = _events(file, result)
     _check_events(result, done)
     result.stretches = _stretches(file, result)
+    result.load_marches = _load_marches(file, result)
     complete = _attribute(file, "complete")
     if not isinstance(complete, bool | np.bool_) or bool(complete) != result.complete:
         raise Damage(
@@ -439,3 +441,40 @@ def _march_faults(group: h5py.Group) -> dict[str, str]:
     if not isinstance(faults, dict) or not all(isinstance(text, str) for text in faults.values()):
         raise Damage(f"error_estimate/faults: got {_shown(faults)}, allowed are texts by march")
     return faults
+
+
+# ---- marches at other loads
+
+
+def _load_marches(file: h5py.File, result: Result) -> LoadMarches | None:
+    group = _group(file, "force_law")
+    if group is None:
+        return None
+    loads = _array(group, "load", "f", (None,)).astype(np.float64)
+    shape = len(loads), result.solved_steps + 1
+    approach = _array(group, "approach", "f", shape).astype(np.float64)
+    _refuse("force_law/load", ~(loads > 0) | ~np.isfinite(loads), "are not greater than 0")
+    _refuse("force_law/load", np.diff(loads, prepend=0.0) <= 0, "do not increase")
+    _refuse("force_law/approach", np.isinf(approach), "are infinite")
+    complete = _attribute(group, "complete")
+    if not isinstance(complete, bool | np.bool_):
+        raise Damage(f"force_law/complete: got {_shown(complete)}, allowed is true or false")
+    if complete and np.isnan(approach).any():
+        raise Damage("force_law/approach: NaN in marches that are complete")
+    seconds = _real(group, "seconds")
+    marches = LoadMarches(result.solved_steps, seconds=seconds, complete=bool(complete))
+    marches.fault = _text(group, "fault")
+    own = result.identity.physics.get("rolling.load_n") if result.identity else None
+    if own not in loads.tolist():
+        raise Damage(f"force_law/load: the load of the run, {_shown(own)} N, is missing")
+    marches.approach = {
+        load: values for load, values in zip(loads.tolist(), approach, strict=True) if load != own
+    }
+    if "judging_load" in group:
+        between = _array(group, "judging_load", "f", (None,)).astype(np.float64)
+        judging = _array(group, "judging_approach", "f", (len(between), None)).astype(np.float64)
+        _refuse("force_law/judging_approach", ~np.isfinite(judging), "are not finite")
+        if judging.shape[1] > result.solved_steps + 1:
+            raise Damage("force_law/judging_approach: longer than the track")
+        marches.judging = dict(zip(between.tolist(), judging, strict=True))
+    return marches

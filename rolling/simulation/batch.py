@@ -17,6 +17,7 @@ from rolling.simulation.lacking import lacks_marches
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound
+from rolling.sound.vibration_sound import Vibration
 
 __all__ = [
     "RESULT",
@@ -138,11 +139,16 @@ def solve(
     return outcome
 
 
-def keep(run: Run, result: Result, sound: ContactSound | None = None) -> None:
-    """Write the result of a run into its folder, together with its sound if it has one."""
+def keep(
+    run: Run,
+    result: Result,
+    sound: ContactSound | None = None,
+    vibration: Vibration | None = None,
+) -> None:
+    """Write the result of a run into its folder, together with sound and vibration if it has."""
     _identify(run, result)
     text = file.dump(seen_from(run.folder, run.scene))
-    result_file.save(run.folder / RESULT, result, run.scene, text, sound)
+    result_file.save(run.folder / RESULT, result, run.scene, text, sound, vibration)
 
 
 def _identify(run: Run, result: Result) -> None:

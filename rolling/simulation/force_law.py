@@ -11,6 +11,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -48,14 +49,14 @@ def is_missing(scene: Scene, result: Result) -> bool:
     if scene.dynamics is None:
         return False
     marches = result.load_marches
-    return marches is None or not marches.complete or bool(
-        _unmarched(first_loads(scene), scene.load, result)
+    return (
+        marches is None
+        or not marches.complete
+        or bool(_unmarched(first_loads(scene), scene.load, result))
     )
 
 
-def _unmarched(
-    loads: Sequence[float], own: float, result: Result
-) -> list[tuple[float, int, int]]:
+def _unmarched(loads: Sequence[float], own: float, result: Result) -> list[tuple[float, int, int]]:
     """Return load, first and last position of the pieces that lack, but for the own load [N]."""
     known = result.load_marches.approach if result.load_marches else {}
     todo = []
@@ -101,7 +102,7 @@ def _law(scene: Scene, result: Result, closed: bool, last: int | None = None) ->
             for load in loads
         ]
     )[:, :count]
-    position = np.arange(count) * result.step
+    position = np.arange(count, dtype=np.float64) * result.step
     period = count * result.step if closed else None
     try:
         return ForceLaw(position, np.array(loads), approach, period)
@@ -202,7 +203,7 @@ def tasks(
 
 def _between(loads: Sequence[float]) -> list[float]:
     """Return the geometric means of neighbouring loads [N]."""
-    return [math.sqrt(low * high) for low, high in zip(loads[:-1], loads[1:], strict=True)]
+    return [math.sqrt(low * high) for low, high in pairwise(loads)]
 
 
 def _further_loads(

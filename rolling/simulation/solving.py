@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from rolling.check import cost
-from rolling.scene.scene import Scene
 from rolling.contact.solver import ContactError
+from rolling.scene.scene import Scene
 from rolling.simulation import error_stretches, force_law, pool, shared, simulate, vibration
 from rolling.simulation.load_marches import LoadPiece
 from rolling.simulation.pool import Outcome

@@ -24,6 +24,7 @@ from rolling.simulation.labels import printable
 from rolling.simulation.result import Result
 from rolling.simulation.run_errors import RunErrors
 from rolling.sound.contact_sound import ContactSound
+from rolling.sound.vibration_sound import Vibration
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import scene_surface
 
@@ -37,6 +38,7 @@ def summarize(
     sound: ContactSound,
     sound_seconds: float,
     errors: RunErrors | None = None,
+    vibration: Vibration | None = None,
 ) -> dict[str, Any]:
     """Collect the numbers of a run over the solved steps; levels of silence are None."""
     steps = result.done_steps
@@ -97,7 +99,7 @@ def summarize(
         "caveats": [
             asdict(each)
             for each in caveats.caveats(
-                scene, sound, findings.findings(scene), result.complete, errors
+                scene, sound, findings.findings(scene), result.complete, errors, vibration
             )
         ],
         "surface": asdict(made.statistics),

@@ -28,8 +28,9 @@ class ContactSound:
     ----------
     pressure : (samples,) array, Pa
         Sound pressure at `sample_rate`, the record that is shown, measured and heard.
-    factor : float, Pa per W/m2
-        Factor from the fluctuation of the intensity to the sound pressure.
+    factor : float or None, Pa per W/m2
+        Factor from the fluctuation of the intensity to the sound pressure; None for a vibration,
+        whose pressure has no such factor.
     closed : bool
         If true, levels and bands take the record as closed, because the track closes and the speed
         is constant. Otherwise the record is faded.
@@ -62,10 +63,12 @@ class ContactSound:
     has_seam : bool
         If true, the end of the surface does not lead to its beginning, so a closed record clicks
         where it repeats.
+    source : str
+        Source of the pressure, release or vibration. Power and its rms belong to the release.
     """
 
     pressure: Array
-    factor: float
+    factor: float | None
     closed: bool
     constant_speed: bool
     duration: float
@@ -81,6 +84,7 @@ class ContactSound:
     audible_rms: float
     resolved_rms: float
     has_seam: bool = False
+    source: str = "release"
 
     @property
     def loops(self) -> bool:
@@ -291,7 +295,7 @@ def _at_constant_speed(power: Array, closed: bool, duration: float, samples: int
     """
     if not closed:
         # The fade applies to the fluctuation only.
-        power = resampling.fade(power - power.mean(), _fade_length(len(power), duration))
+        power = resampling.fade(power - power.mean(), fade_length(len(power), duration))
     return resampling.resample_closed(resampling.undo_step_mean(power), samples)
 
 
@@ -304,17 +308,17 @@ def _at_changing_speed(
     # sound as loud as the roughness.
     signal = per_metre - per_metre.mean()
     if not closed:
-        signal = resampling.fade(signal, _fade_length(len(signal), duration))
+        signal = resampling.fade(signal, fade_length(len(signal), duration))
     signal = resampling.undo_step_mean(signal)
     fine_samples = samples * oversampling(motion, duration, step)
     fine = np.arange(fine_samples) * duration / fine_samples
     in_time = resampling.interpolate_closed(signal, np.asarray(motion.distance(fine)) / step)
     in_time = resampling.fade(
-        in_time * np.asarray(motion.speed(fine)), _fade_length(fine_samples, duration)
+        in_time * np.asarray(motion.speed(fine)), fade_length(fine_samples, duration)
     )
     return resampling.resample_closed(in_time, samples)
 
 
-def _fade_length(samples: int, duration: float) -> int:
+def fade_length(samples: int, duration: float) -> int:
     """Return the number of samples of the fade at either end of a record."""
     return max(1, int(samples * min(FADE_S / duration, 0.1)))
