@@ -94,7 +94,9 @@ class ForceLaw:
         knots = position[0] + spacing * np.arange(len(values))
         spline = CubicSpline(knots, values, bc_type="periodic" if closed else "not-a-knot")
         slopes = np.ascontiguousarray(spline(knots, 1))
-        return LawTable(float(position[0]), spacing, closed, breaks, values, slopes)
+        return LawTable(
+            float(position[0]), spacing, closed, breaks, np.sqrt(breaks), values, slopes
+        )
 
     def force(self, position_m: ArrayLike, approach_m: ArrayLike) -> Array:
         """Return the contact force [N] at positions [m] and approaches [m], broadcast together."""
@@ -115,11 +117,10 @@ class ForceLaw:
     def approach(self, position_m: ArrayLike, load_n: float) -> Array:
         """Return the approach [m] under a constant load [N] >= 0 at positions [m]."""
         x = np.asarray(position_m, dtype=float)
-        law = np.empty((x.size, self.table.values.shape[1]))
-        for row, place in zip(law, x.flat, strict=True):
-            _law_kernels.law_at(place, self.table, row)
+        laws = np.empty((x.size, self.table.values.shape[1]))
+        _law_kernels.laws_at(x.ravel(), self.table, laws)
         weights = _integrals(self.table.breaks, float(load_n) ** (2 / 3))
-        return (law[:, 0] + law[:, 1:] @ weights).reshape(x.shape)
+        return np.asarray(laws[:, 0] + laws[:, 1:] @ weights).reshape(x.shape)
 
     def outside(self, force_n: ArrayLike) -> float:
         """Return the share of forces that lie outside the marched loads."""
