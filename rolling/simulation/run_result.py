@@ -218,6 +218,8 @@ class RunResult:
 
     def _level(self, key: str, uncertainty: str) -> str:
         level = self.summary[key]
+        if key == "steady_level_db" and self.sound.source == "vibration":
+            return "-"
         return (
             "silent"
             if level is None

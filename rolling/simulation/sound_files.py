@@ -93,9 +93,9 @@ def _signal(scene: Scene, label: str, sound: ContactSound) -> bytes:
 def _facts(scene: Scene, label: str, sound: ContactSound) -> str:
     """Write the facts that the comment of a sound file holds."""
     s = scene.sound
-    source = f"q {s.q:g}, {sound.factor:.6g} Pa per W/m2 of fluctuation"
-    if sound.source == "vibration":
-        source = f"vibration of {'plate and sphere' if s.ball else 'plate'} on the axis"
+    source = f"vibration of {'plate and sphere' if s.ball else 'plate'} on the axis"
+    if sound.factor is not None:
+        source = f"q {s.q:g}, {sound.factor:.6g} Pa per W/m2 of fluctuation"
     return f"{scene.name}, {label}; distance {s.distance_m:g} m, {source}; {sound.ends}"
 
 

@@ -226,7 +226,10 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
             continue
 
         def db(name: str, summary: dict[str, Any] = summary) -> str:
-            return "silent" if summary[name] is None else f"{summary[name]:.1f}"
+            if summary[name] is None:
+                no_level = name == "steady_level_db" and summary.get("source") == "vibration"
+                return "-" if no_level else "silent"
+            return f"{summary[name]:.1f}"
 
         laeq = "silent"
         if summary["laeq_db"] is not None:

@@ -145,7 +145,7 @@ def _bodies(scene: Scene, vibrating: Vibration) -> dict[str, Any]:
         "critical_hz": plate and plate.critical_hz,
         "bending_limit_hz": plate and vibration.bending_limit_hz(plate),
         "plate_deflection_m": float(np.ptp(motion.plate_m)),
-        "contact_radius_over_thickness": plate and radius / plate.thickness_m,
+        "contact_radius_over_thickness": plate and float(radius / plate.thickness_m),
     }
 
 
@@ -156,7 +156,7 @@ def _motion(vibrating: Vibration) -> dict[str, Any]:
         "force_outside_share": motion.outside_share,
         "motion_time_step_s": motion.time_step_s,
         "motion_balance_error": motion.energy_error,
-        "motion_settled": motion.settled,
+        "motion_settled": bool(motion.settled),
         "motion_laps": motion.laps,
         "motion_transient_s": _known(motion.transient_s),
     }
