@@ -73,39 +73,93 @@ def _unmarched(loads: Sequence[float], own: float, result: Result) -> list[tuple
 # ---- the law
 
 
-def loads_of(scene: Scene, result: Result) -> list[float]:
-    """Return the loads of the complete marches in ascending order [N]."""
+Extremes = Callable[[Scene, ForceLaw], tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Loads:
+    """The loads of a run's force law.
+
+    A run takes no more of the marches than it needs itself, so that its numbers do not depend on
+    the runs that it shares them with.
+
+    marched : list of float, N. The loads in ascending order.
+    lacking : list of float, N. Loads beyond them that the force reaches, but are not marched.
+    """
+
+    marched: list[float]
+    lacking: list[float]
+
+
+def loads_of(scene: Scene, result: Result, extremes: Extremes) -> Loads:
+    """Return the loads that a run needs, up to the extremes of its contact force.
+
+    Parameters
+    ----------
+    scene : Scene. A scene without a sweep.
+    result : Result. A complete result with the marches that the scene asks for.
+    extremes : callable. It returns minimum and maximum force [N] of the scene over a law.
+
+    Raises
+    ------
+    ContactError : a force law or a motion is not possible.
+    """
     marches = result.load_marches
-    known = marches.approach.items() if marches else ()
-    return sorted([scene.load, *(load for load, a in known if not np.isnan(a).any())])
+    known = (
+        {load for load, a in marches.approach.items() if not np.isnan(a).any()} if marches else ()
+    )
+    loads = first_loads(scene)
+    while further := _beyond(scene, loads, *extremes(scene, force_law(scene, result, loads))):
+        marched = [load for load in further if load in known]
+        lacking = [load for load in further if load not in known]
+        if lacking and not marched:
+            return Loads(loads, lacking)
+        loads = sorted([*loads, *marched])
+    return Loads(loads, [])
 
 
-def force_law(scene: Scene, result: Result) -> ForceLaw:
-    """Return the force law of a run whose marches are complete.
+def _beyond(scene: Scene, loads: Sequence[float], least: float, most: float) -> list[float]:
+    """Return loads beyond the given ones up to the extremes of the force [N]."""
+    further = []
+    for sign, wanted, limit in ((1, most, HIGHEST), (-1, least, LOWEST)):
+        for k in range(1, 100):
+            load = _load(scene, sign * k)
+            if sign * (wanted - _load(scene, sign * (k - 1))) <= 0:
+                break
+            if sign * (load - scene.load * limit) > 0:
+                break
+            if load not in loads:
+                further.append(load)
+    return further
+
+
+def force_law(
+    scene: Scene, result: Result, loads: Sequence[float], last: int | None = None
+) -> ForceLaw:
+    """Return the force law of a run from its marches at some loads.
+
+    Parameters
+    ----------
+    scene : Scene. A scene without a sweep.
+    result : Result. The result with the marches.
+    loads : sequence of float, N. Ascending loads.
+    last : int. Last position of the law. Default: that of the track.
 
     Raises
     ------
     ContactError : the approach does not rise with the load everywhere.
     """
-    return _law(scene, result, scene.track.lap_steps <= result.solved_steps)
-
-
-def _law(scene: Scene, result: Result, closed: bool, last: int | None = None) -> ForceLaw:
-    """Return the force law on the whole track, or up to a last position."""
-    marches, loads = result.load_marches, loads_of(scene, result)
+    marches = result.load_marches
     assert marches is not None
     # The last position of a closed track is its first.
+    closed = last is None and scene.track.lap_steps <= result.solved_steps
     count = result.solved_steps + (not closed) if last is None else last + 1
-    approach = np.array(
-        [
-            result.series["approach"] if load == scene.load else marches.approach[load]
-            for load in loads
-        ]
-    )[:, :count]
+    own = result.series["approach"]
+    rows = [own if load == scene.load else marches.approach[load] for load in loads]
     position = np.arange(count, dtype=np.float64) * result.step
     period = count * result.step if closed else None
     try:
-        return ForceLaw(position, np.array(loads), approach, period)
+        return ForceLaw(position, np.array(loads), np.array(rows)[:, :count], period)
     except ValueError as error:
         raise ContactError(
             f"{error}: the solver's error is larger than the difference between two loads; take a"
@@ -126,19 +180,22 @@ class LawError:
     decibels: float
 
 
-def law_error(scene: Scene, result: Result) -> LawError | None:
-    """Compare a law with marches at loads between its own; None where there are none."""
+def law_error(scene: Scene, result: Result, loads: Sequence[float]) -> LawError | None:
+    """Compare a law over some loads with marches between them; None where there are none."""
     marches = result.load_marches
-    if marches is None or not marches.judging:
+    between = [each for each in _between(loads) if marches and each in marches.judging]
+    if marches is None or not between:
         return None
-    steps = len(next(iter(marches.judging.values()))) - 1
-    law, loads = _law(scene, result, False, steps), np.array(loads_of(scene, result))
+    steps = len(marches.judging[between[0]]) - 1
+    law = force_law(scene, result, loads, steps)
     position = np.arange(steps + 1) * result.step
     newtons, ratios = [], []
-    for load, approach in marches.judging.items():
-        error = float(np.sqrt(np.mean(np.square(law.force(position, approach) - load))))
+    for load in between:
+        error = float(
+            np.sqrt(np.mean(np.square(law.force(position, marches.judging[load]) - load)))
+        )
         newtons.append(error)
-        ratios.append(error / float(np.abs(loads - load).min()))
+        ratios.append(error / float(np.abs(np.array(loads) - load).min()))
     return LawError(max(newtons), 20 * math.log10(1 + max(ratios)))
 
 
@@ -150,7 +207,7 @@ def tasks(
     result: Result,
     run: int,
     step_seconds: float,
-    extremes: Callable[[Scene, Result], tuple[float, float]],
+    extremes: Extremes,
 ) -> list[pool.Task]:
     """Return the marches that the runs of a shared result need next, as tasks of one run.
 
@@ -160,7 +217,7 @@ def tasks(
     result : Result. The shared result.
     run : int. Number of the run that the tasks belong to.
     step_seconds : float, s. Expected time of a step.
-    extremes : callable. It returns minimum and maximum force [N] of a run.
+    extremes : callable. It returns minimum and maximum force [N] of a scene over a law.
 
     Raises
     ------
@@ -190,9 +247,11 @@ def tasks(
         return [task(*each, False, True) for each in todo]
     if not result.complete or marches.complete:
         return []
-    if not marches.fault and (further := _further_loads(vibrating, result, extremes)):
+    loads = [loads_of(scene, result, extremes) for scene in vibrating]
+    further = list(dict.fromkeys(load for each in loads for load in each.lacking))
+    if further and not marches.fault:
         return [task(*each, False, True) for each in _unmarched(further, own, result)]
-    between = _between(loads_of(vibrating[0], result))
+    between = list(dict.fromkeys(load for each in loads for load in _between(each.marched)))
     judged = [load for load in between if load not in marches.judging]
     last = min(JUDGED_STEPS, result.solved_steps)
     if judged and not marches.fault:
@@ -204,29 +263,6 @@ def tasks(
 def _between(loads: Sequence[float]) -> list[float]:
     """Return the geometric means of neighbouring loads [N]."""
     return [math.sqrt(low * high) for low, high in pairwise(loads)]
-
-
-def _further_loads(
-    scenes: Sequence[Scene],
-    result: Result,
-    extremes: Callable[[Scene, Result], tuple[float, float]],
-) -> list[float]:
-    """Return loads beyond the marched ones, up to the extremes of the force of all runs."""
-    further = []
-    for scene in scenes:
-        loads = loads_of(scene, result)
-        least, most = extremes(scene, result)
-        power = len(first_loads(scene)) // 2
-        for sign, wanted, limit in ((1, most, HIGHEST), (-1, least, LOWEST)):
-            bound = scene.load * limit
-            for k in range(power + 1, 100):
-                load = _load(scene, sign * k)
-                inner = _load(scene, sign * (k - 1))
-                if sign * (wanted - inner) <= 0 or sign * (load - bound) > 0:
-                    break
-                if load not in loads:
-                    further.append(load)
-    return list(dict.fromkeys(further))
 
 
 def march_load(

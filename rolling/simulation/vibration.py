@@ -10,22 +10,18 @@ import numpy as np
 from acoustics.bands import BAND_NAMES
 from acoustics.level import level_db
 from rolling.contact import closed_forms
+from rolling.dynamics import of_scene
+from rolling.dynamics.force_law import ForceLaw
 from rolling.scene.scene import Scene
 from rolling.simulation import force_law
 from rolling.simulation.result import Result
-from rolling.sound import vibration
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import P_REF_W, Vibration, vibrate
 
 
-def extremes(scene: Scene, result: Result) -> tuple[float, float]:
-    """Return minimum and maximum of the contact force of a run [N].
-
-    Raises
-    ------
-    ContactError : the marches make no force law.
-    """
-    force = vibration.motion(scene, force_law.force_law(scene, result)).force_n
+def extremes(scene: Scene, law: ForceLaw) -> tuple[float, float]:
+    """Return minimum and maximum of the contact force of a scene over a force law [N]."""
+    force = of_scene.motion(scene, law).force_n
     return float(force.min()), float(force.max())
 
 
@@ -46,7 +42,8 @@ def vibration_of(scene: Scene, result: Result, release: ContactSound) -> Vibrati
         return None
     whole_laps = scene.track.closed and result.steps % result.solved_steps == 0
     laps = result.steps / result.solved_steps
-    law = force_law.force_law(scene, result)
+    loads = force_law.loads_of(scene, result, extremes).marched
+    law = force_law.force_law(scene, result, loads)
     return vibrate(scene, law, release.highest, whole_laps and release.constant_speed, laps)
 
 
@@ -60,7 +57,7 @@ def numbers(
         "source": scene.sound.source,
         **_levels(scene, release, vibrating),
         **_force(vibrating),
-        **_law(scene, result),
+        **_law(scene, result, vibrating.law.load_n.tolist()),
         **_bodies(scene, vibrating),
         **_motion(vibrating),
     }
@@ -113,11 +110,11 @@ def _force(vibrating: Vibration) -> dict[str, Any]:
     }
 
 
-def _law(scene: Scene, result: Result) -> dict[str, Any]:
+def _law(scene: Scene, result: Result, loads: list[float]) -> dict[str, Any]:
     """Return the loads of the force law, its error, and the time of its marches."""
-    marches, loads = result.load_marches, force_law.loads_of(scene, result)
+    marches = result.load_marches
     assert marches is not None
-    error = force_law.law_error(scene, result)
+    error = force_law.law_error(scene, result, loads)
     return {
         "force_law_loads": len(loads),
         "force_law_min_n": loads[0],
@@ -132,7 +129,7 @@ def _law(scene: Scene, result: Result) -> dict[str, Any]:
 def _bodies(scene: Scene, vibrating: Vibration) -> dict[str, Any]:
     """Return resonance and damping, and the numbers that say whether the model holds."""
     chain, motion = vibrating.chain, vibrating.motion
-    plate = vibration.plate(scene)
+    plate = of_scene.plate(scene)
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     fastest = scene.motion.fastest(scene.duration)
     return {
@@ -143,7 +140,7 @@ def _bodies(scene: Scene, vibrating: Vibration) -> dict[str, Any]:
         "resonance_q": _known(chain.quality),
         "resonance_wavelength_m": fastest / chain.resonance_hz,
         "critical_hz": plate and plate.critical_hz,
-        "bending_limit_hz": plate and vibration.bending_limit_hz(plate),
+        "bending_limit_hz": plate and of_scene.bending_limit_hz(plate),
         "plate_deflection_m": float(np.ptp(motion.plate_m)),
         "contact_radius_over_thickness": plate and float(radius / plate.thickness_m),
     }

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
+from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
-from rolling.sound import vibration
 
 RHO, C = 1.204, 343.2
 
@@ -16,7 +16,7 @@ def axis_transfer(scene: Scene, frequency_hz: Array) -> NDArray[np.complex128]:
     """Return the pressure on the axis over the force [Pa/N], on the side of the sphere."""
     iw = 2j * np.pi * frequency_hz
     r = scene.sound.distance_m
-    bending = vibration.plate(scene)
+    bending = of_scene.plate(scene)
     density = scene.plate.density_kg_m3
     if bending is not None:
         plate = np.full(len(iw), -RHO / (2 * np.pi * r * bending.mass_per_area_kg_m2), complex)
@@ -33,7 +33,7 @@ def axis_transfer(scene: Scene, frequency_hz: Array) -> NDArray[np.complex128]:
 
 def power_per_force(scene: Scene, frequency_hz: Array) -> tuple[Array, Array]:
     """Return sound power of plate and sphere over the mean square of the force [W/N2]."""
-    bending = vibration.plate(scene)
+    bending = of_scene.plate(scene)
     if bending is None:
         plate = np.full(len(frequency_hz), np.nan)
     else:

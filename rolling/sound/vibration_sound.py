@@ -14,11 +14,12 @@ import numpy as np
 from acoustics import level, resampling, spectrum, uncertainty, wav
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from rolling._typing import Array
+from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import Motion
 from rolling.scene.scene import Scene
-from rolling.sound import radiators, vibration
+from rolling.sound import radiators
 from rolling.sound.contact_sound import ContactSound, fade_length
 
 P_REF_W = 1e-12  # reference sound power
@@ -125,7 +126,7 @@ def vibrate(
     laps : float
         Laps of the track in the record. Default: 1.
     """
-    motion = vibration.motion(scene, law)
+    motion = of_scene.motion(scene, law)
     closed = whole_laps and motion.settled
     duration = len(motion.force_n) * motion.time_step_s
     samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
@@ -142,7 +143,7 @@ def vibrate(
     return Vibration(
         motion=motion,
         law=law,
-        chain=vibration.chain_over(scene, law),
+        chain=of_scene.chain_over(scene, law),
         load=scene.load,
         closed=closed,
         highest=highest,

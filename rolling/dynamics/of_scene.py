@@ -1,4 +1,4 @@
-"""Vibration of sphere and plate over a force law, with the bodies of a scene."""
+"""Sphere and plate of a scene as vibrating bodies, and their motion over a force law."""
 
 from __future__ import annotations
 
