@@ -9,11 +9,13 @@ from pathlib import Path
 TESTS = Path(__file__).parents[1]
 LAWS = {
     "A-weighting",
+    "Ball on plate",
     "Capacity",
     "Dense method",
     "Energy ledger",
     "First yield",
     "Hertz",
+    "Impact",
     "Left-end rule",
     "Mean rule",
     "Optimality",
