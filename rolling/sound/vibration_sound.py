@@ -13,6 +13,8 @@ import numpy as np
 
 from acoustics import level, resampling, spectrum, uncertainty, wav
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
+from acoustics.radiation import ThinPlate, pressure_on_axis
+from acoustics.sound_power import band_power
 from rolling._typing import Array
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
@@ -137,7 +139,11 @@ def vibrate(
     if scene.surface.kind == "smooth":  # what remains is the solver's error
         fluctuation = np.zeros_like(fluctuation)
     force = _heard(fluctuation, samples)
-    pressure = _heard(_radiated(scene, fluctuation, motion.time_step_s), samples)
+    sources = [radiators.ground(scene), *([radiators.ball(scene)] if scene.sound.ball else [])]
+    radiated = pressure_on_axis(
+        fluctuation, motion.sample_rate_hz, sources, scene.sound.distance_m, closed=True
+    )
+    pressure = _heard(radiated, samples)
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
     plate, ball = _powers(scene, force, highest)
     return Vibration(
@@ -176,15 +182,6 @@ def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
     )
 
 
-def _radiated(scene: Scene, force: Array, time_step: float) -> Array:
-    """Return the sound pressure [Pa] that a closed record of the force makes on the axis."""
-    lines = np.fft.rfft(force)
-    frequency = np.fft.rfftfreq(len(force), time_step)
-    lines[1:] *= radiators.axis_transfer(scene, frequency[1:])
-    lines[0] = 0.0
-    return np.asarray(np.fft.irfft(lines, len(force)))
-
-
 def _heard(signal: Array, samples: int) -> Array:
     """Return a closed record at the samples of the sound, within hearing."""
     return resampling.band_limit(
@@ -194,12 +191,12 @@ def _heard(signal: Array, samples: int) -> Array:
 
 def _powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
     """Return the sound power [W] of plate and sphere in third octaves."""
-    frequency, square = spectrum.line_spectrum(force, wav.SAMPLE_RATE_HZ)
-    heard = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-    frequency, square = frequency[heard], square[heard]
-    plate, ball = (
-        third_octave_mean_square(frequency, square * power)
-        for power in radiators.power_per_force(scene, frequency)
-    )
+    ground, rate = radiators.ground(scene), wav.SAMPLE_RATE_HZ
+    ball = band_power(force, rate, radiators.ball(scene))
+    plate = np.full(len(ball), np.nan)
+    if isinstance(ground, ThinPlate):
+        plate = band_power(force, rate, ground)
+        if not ground.loss_factor:  # which decides the power above coincidence
+            plate[EDGES_HZ[1:] > ground.critical_hz] = np.nan
     known = known_bands(highest)
     return np.where(known, plate, np.nan), np.where(known, ball, np.nan)
