@@ -39,7 +39,8 @@ GENERATOR = f"{program.NAME} {__version__}"
 MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 # pictures of single runs, even if several are compared
-OWN = (*TIMELINES, "surface", "contact", "recovery_events")
+VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
+OWN = (*TIMELINES, "surface", "contact", "recovery_events", *VIBRATION)
 
 
 @dataclass(frozen=True)
@@ -211,6 +212,7 @@ def page(
             map_scale=scale,
             curves=common,
             surfaces=_surfaces(views),
+            vibrations=_vibrations(views),
             css=own_text("report.css"),
             js=own_text("report.js"),
             **_script_data(runs, views, scale),
@@ -275,6 +277,27 @@ def _surfaces(views: Sequence[RunView]) -> list[Surface]:
         )
         for members in sharing.values()
     ]
+
+
+def _vibrations(views: Sequence[RunView]) -> list[tuple[RunView, list[Exhibit]]]:
+    """Return the runs that vibrate with their pictures; runs that share one show it once."""
+    shown, seen = [], set[tuple[str, str]]()
+    for view in views:
+        summary, result = view.run.summary, view.run.result
+        bodies = ("ball_mass_kg", "contact_stiffness_n_m", "plate_mobility_s_kg")
+        shared = {
+            "contact_filter": result.identity.text if result.identity else view.label,
+            "mobilities": " ".join(f"{summary.get(key)}" for key in bodies),
+        }
+        pictures = []
+        for name in VIBRATION:
+            key = name, shared.get(name, view.label)
+            if name in view.pictures and key not in seen:
+                pictures.append(view.pictures[name])
+                seen.add(key)
+        if pictures:
+            shown.append((view, pictures))
+    return shown
 
 
 def _one_line(text: str) -> str:
