@@ -296,7 +296,8 @@ def filtered(
         begin = min(_END, record.size - 1)
         record = _continued(record, begin)
     n = record.size
-    lines = np.fft.rfft(record) * response(np.fft.rfftfreq(n, 1 / sample_rate_hz))
+    lines = np.fft.rfft(record)
+    lines *= response(np.asarray(np.fft.rfftfreq(n, 1 / sample_rate_hz), dtype=np.float64))
     if n % 2 == 0:
         lines[-1] = 0
     return np.asarray(np.fft.irfft(lines, n)[begin : n - begin])

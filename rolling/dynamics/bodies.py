@@ -10,9 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from acoustics.radiation import ThinPlate
 from rolling.dynamics.force_law import ForceLaw
-
-SPEED_OF_SOUND_M_S = 343.2  # in air at 20 C
 
 
 def sphere_mass(radius_m: float, density_kg_m3: float) -> float:
@@ -62,13 +61,16 @@ class Plate:
     @property
     def mobility_s_kg(self) -> float:
         """Mobility at a point, Y = 1 / (8 sqrt(B m'')) [s/kg], real at all frequencies."""
-        return float(1 / (8 * np.sqrt(self.bending_stiffness_n_m * self.mass_per_area_kg_m2)))
+        return self.radiator().mobility_s_kg
 
     @property
     def critical_hz(self) -> float:
         """Critical frequency [Hz], at which bending waves are as fast as sound in air."""
-        ratio = self.mass_per_area_kg_m2 / self.bending_stiffness_n_m
-        return float(SPEED_OF_SOUND_M_S**2 / (2 * np.pi) * np.sqrt(ratio))
+        return self.radiator().critical_hz
+
+    def radiator(self, loss_factor: float = 0.0) -> ThinPlate:
+        """Return the plate as acoustics knows it, with the loss factor of its bending waves."""
+        return ThinPlate(self.mass_per_area_kg_m2, self.bending_stiffness_n_m, loss_factor)
 
     def bending_wavelength_m(self, frequency_hz: float) -> float:
         """Return the length of bending waves [m]; thin-plate theory needs six thicknesses."""

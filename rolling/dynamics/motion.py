@@ -290,16 +290,15 @@ class _Run:
         # The laps to come change by a geometric series of the last change.
         allowed = self.choices.settled * self.load * -np.expm1(-lap_s / self.decay_s)
         lap = self.advance(self.equilibrium(), places)
-        for laps in range(1, most + 1):
-            following = self.advance(lap.end_on_level, places)
-            difference = float(np.max(np.abs(following.record[:, 0] - lap.record[:, 0])))
-            if difference <= allowed:
-                break
-            lap = following
+        laps, difference = 0, np.inf
+        while laps < most and difference > allowed:
+            laps, before = laps + 1, lap
+            lap = self.advance(before.end_on_level, places)
+            difference = float(np.max(np.abs(lap.record[:, 0] - before.record[:, 0])))
         run_in = (laps, difference, difference <= allowed)
         if self.steps == self.lap_steps:
-            return self.motion(following, run_in)
-        return self.record(lap.end_on_level, run_in)
+            return self.motion(lap, run_in)
+        return self.record(before.end_on_level, run_in)
 
     def record(self, state: State, run_in: RunIn = NO_LAPS, transient: float = 0.0) -> Motion:
         """Return the motion of the record from a state."""

@@ -31,7 +31,7 @@ FLOORS = {
         ("_typing",),
         ("bands", "radiation", "weighting"),
         ("drawn_lines", "resampling", "spectrum", "time_weighting"),
-        ("level", "loudness", "plot_style", "spectrogram"),
+        ("level", "loudness", "plot_style", "sound_power", "spectrogram"),
         ("plots", "uncertainty", "wav"),
         ("conformance",),
     ),

@@ -13,6 +13,7 @@ LAWS = {
     "Capacity",
     "Dense method",
     "Energy ledger",
+    "Force law",
     "First yield",
     "Hertz",
     "Impact",
