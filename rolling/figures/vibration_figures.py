@@ -25,6 +25,7 @@ from rolling.surface.scene_surface import scene_surface
 
 SPEED = "rolling.speed_m_s"
 _COLUMNS = 1500  # of the force over time, in each of which minimum and maximum are drawn
+_FILTERED_DB = 40.0  # below the maximum of the surface's spectrum
 _STYLES = ("-", "--", "-.", ":")
 
 
@@ -138,7 +139,9 @@ def contact_filter(run: RunResult) -> Picture:
     """Draw surface and approach over wavelength, and their difference, the contact filter."""
     surface, approach = roughness(run)
     levels = np.interp(-np.log(approach.wavelength), -np.log(surface.wavelength), surface.level_db)
-    passed = approach.level_db - levels
+    # Where the surface has next to nothing, the approach is bent by the contact, not filtered.
+    rough = levels > np.nanmax(levels) - _FILTERED_DB
+    passed = np.where(rough, approach.level_db - levels, np.nan)
     wavelength = 1e6 * approach.wavelength
     radius = closed_forms.hertz_radius(run.scene.load, run.scene.radius, run.scene.contact_modulus)
     facts = [
@@ -157,6 +160,7 @@ def contact_filter(run: RunResult) -> Picture:
         ):
             ax.plot(x, level, _STYLES[number], color=COLOURS[number], linewidth=1.5, label=name)
         ax.axvline(1e6 * radius, color="0.4", linestyle=":", linewidth=1.0)
+        ax.set_ylim(bottom=np.nanmin(approach.level_db) - 10)
         _curves(ax, "wavelength [µm]", "level [dB]")
         ax.invert_xaxis()
 

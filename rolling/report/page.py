@@ -283,12 +283,10 @@ def _vibrations(views: Sequence[RunView]) -> list[tuple[RunView, list[Exhibit]]]
     """Return the runs that vibrate with their pictures; runs that share one show it once."""
     shown, seen = [], set[tuple[str, str]]()
     for view in views:
-        summary, result = view.run.summary, view.run.result
-        bodies = ("ball_mass_kg", "contact_stiffness_n_m", "plate_mobility_s_kg")
-        shared = {
-            "contact_filter": result.identity.text if result.identity else view.label,
-            "mobilities": " ".join(f"{summary.get(key)}" for key in bodies),
-        }
+        summary, identity = view.run.summary, view.run.result.identity
+        march = identity.text if identity else view.label
+        bodies = (f"{summary.get(key)}" for key in ("ball_mass_kg", "plate_mobility_s_kg"))
+        shared = {"contact_filter": march, "mobilities": " ".join([march, *bodies])}
         pictures = []
         for name in VIBRATION:
             key = name, shared.get(name, view.label)

@@ -20,6 +20,7 @@ from rolling.scene.scene import Scene
 from rolling.simulation import batch, force_law, result_file, solving, vibration
 from rolling.simulation import simulate as pieces
 from rolling.simulation.result import Result
+from rolling.simulation.run_result import hear
 from rolling.simulation.stored_runs import read_runs
 
 TEXT = """\
@@ -257,3 +258,32 @@ def test_a_half_space_says_where_its_sound_holds() -> None:
     scene = loads(TEXT, ["plate.thickness_mm=", "plate.loss_factor="])
     finding = {each.key: each for each in check_scene(scene, False).runs[0].findings}
     assert "10 kHz at 1 m" in str(finding["half_space_sound"].warning)
+
+
+@pytest.mark.law("Vibration: the plate alone makes a pressure of the force's wave form.")
+def test_the_plate_alone_repeats_the_force(swept: Path) -> None:
+    each = read_runs(swept)[3]
+    silent_ball = each.scene.with_({"sound.ball": False})
+    result = result_file.load(each.folder / "result.h5")
+    run = hear("plate", {}, each.folder, silent_ball, result)
+    assert run is not None and run.vibration is not None
+    per_newton = -1.204 / (2 * np.pi * 78.5)  # at 1 m, of 10 mm of steel
+    assert np.allclose(run.sound.pressure, per_newton * run.vibration.force, rtol=2e-3, atol=0)
+    whole = open_run(each.folder)
+    assert not np.allclose(whole.sound.pressure, run.sound.pressure, rtol=0.1)
+
+
+def test_power_above_coincidence_needs_the_loss_factor(swept: Path) -> None:
+    each = read_runs(swept)[3]
+    result = result_file.load(each.folder / "result.h5")
+    lossy, unknown = (
+        hear("run", {}, each.folder, each.scene.with_({"plate.loss_factor": loss}), result)
+        for loss in (0.1, None)
+    )
+    assert lossy is not None and unknown is not None
+    assert unknown.summary["plate_power_third_octave_db"]["16000"] is None
+    louder = open_run(each.folder).summary["plate_power_third_octave_db"]["16000"]
+    quieter = lossy.summary["plate_power_third_octave_db"]["16000"]
+    # Ten times the loss factor: ten decibels less, less where air takes some of the power.
+    assert 6 < louder - quieter < 10.5
+    assert np.array_equal(lossy.sound.pressure, unknown.sound.pressure)
