@@ -17,6 +17,8 @@ from rolling.dynamics.force_law import ForceLaw
 DECAYS = 14  # a transient falls to 1e-6 in as many decay times
 FADE_DECAYS = 7  # and to 1e-3 in as many
 MOST_LAPS = 400  # laps of a run-in that does not settle
+DETUNING = 0.1  # of the bandwidth; n steps per period detune by (2 pi / n)^2 / 12
+MOST_PER_PERIOD = 200
 
 State = tuple[float, float, float]  # approach [m], ball velocity [m/s], plate displacement [m]
 RunIn = tuple[int, float, bool]  # laps, change of the force in the last [N], settled
@@ -64,7 +66,8 @@ class Stepping:
     Parameters
     ----------
     per_period : int
-        Least number of steps in a period of the resonance. At 40 the scheme detunes it by 0.2 %.
+        Least number of steps in a period of the resonance. The scheme detunes it by 0.2 % at 40,
+        and takes more steps where that is above a tenth of the resonance's bandwidth.
     time_step_s : float or None, s
         Time step, instead of the step from resonance and track.
     start : tuple of float or None
@@ -156,8 +159,10 @@ def move(
 
     The time step is the shorter of a fraction of the resonance's period and the time from position
     to position. On a closed track at constant speed the ball runs in until two laps agree, and a
-    lap is a whole number of time steps. On a closed track at changing speed it runs in at its
-    first speed. On an open track it starts at rest in equilibrium.
+    lap is a whole number of time steps. Where a lap is shorter than the decay of the resonance, its
+    amplitude depends on the place of the resonance between the multiples of the lap's frequency.
+    On a closed track at changing speed the ball runs in at its first speed. On an open track it
+    starts at rest in equilibrium.
 
     Parameters
     ----------
@@ -184,7 +189,8 @@ def move(
         raise ValueError("a motion needs a positive mass, and no negative mobility or load")
     run = _Run(law, mass_kg, mobility_s_kg, load_n, speed, duration_s, choices)
     if choices.start is not None:
-        return run.record(choices.start)
+        approach, velocity, plate = choices.start
+        return run.record((float(approach), float(velocity), float(plate)))
     if law.period_m is None:
         return run.record(run.equilibrium(), transient=FADE_DECAYS * run.decay_s)
     if isinstance(speed, Travel):
@@ -228,7 +234,8 @@ class _Run:
         if load > 0:
             chain = Chain(mass, mobility, contact_stiffness(law, load))
             self.decay_s = chain.decay_s
-            longest = longest or 1 / (choices.per_period * chain.resonance_hz)
+            sharp = min(2 * np.pi * np.sqrt(chain.quality / 12 / DETUNING), MOST_PER_PERIOD)
+            longest = longest or 1 / (max(choices.per_period, sharp) * chain.resonance_hz)
         if longest is None:
             raise ValueError("a motion without a load needs a time step")
         if choices.time_step_s is None and fastest > 0:

@@ -120,7 +120,7 @@ def test_hertz_law_keeps_its_heights() -> None:
     assert law.approach(2.0, 20.0) == pytest.approx(hertz_approach(20.0, 5e-3, STEEL) - 2e-8)
 
 
-STEPS, TIME_STEP = 24, 1.5e-6
+STEPS, TIME_STEP = 16, 1.5e-6
 MASS = sphere_mass(5e-3, 7850)
 MOBILITY = Plate(206e9, 0.3, 7850, 10e-3).mobility_s_kg
 
@@ -154,9 +154,9 @@ def solved_inside(contact: RollingContact, start: float) -> np.ndarray:
 
 @pytest.mark.law("Force law: it moves the ball as contact does that is solved in each time step.")
 def test_law_stands_for_contact_solved_in_each_step(contact: RollingContact) -> None:
-    """Loads 14, 20 and 28 N at nodes 2 um apart, 12 and 28 N of force at times between them.
+    """Marches at 14, 20 and 28 N and every 2 um give a force of 19.2 to 21.5 N between them.
 
-    Measured 0.9 % rms of the fluctuation.
+    Measured 1.6 % of the fluctuation, rms.
     """
     loads = np.array([14.0, 20.0, 28.0])
     track = replace(contact, step=2e-6)
@@ -168,12 +168,5 @@ def test_law_stands_for_contact_solved_in_each_step(contact: RollingContact) -> 
     stepping = Stepping(time_step_s=TIME_STEP, start=(start, 0.0, 0.0))
     motion = move(law, MASS, MOBILITY, 20.0, 2e-6 / TIME_STEP, STEPS * TIME_STEP, stepping)
     expected = solved_inside(contact, start)
-    print(
-        motion.position_m[:3],
-        motion.force_n.round(2),
-        np.ptp(expected),
-        np.abs(motion.force_n - expected).max(),
-        np.std(motion.force_n - expected) / np.std(expected),
-    )
     assert np.ptp(expected) > 1
     assert np.std(motion.force_n - expected) < 0.02 * np.std(expected)
