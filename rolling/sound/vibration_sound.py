@@ -129,7 +129,7 @@ def vibrate(
         Laps of the track in the record. Default: 1.
     """
     motion = of_scene.motion(scene, law)
-    closed = whole_laps and motion.settled
+    closed = whole_laps and bool(motion.settled)
     duration = len(motion.force_n) * motion.time_step_s
     samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
     fluctuation = motion.force_n - scene.load
