@@ -20,6 +20,7 @@ from rolling.check import (
     size,
     smooth_contact,
     validity,
+    vibration,
 )
 from rolling.check.finding import Finding, clock, on_cores
 from rolling.check.report import Findings, RunFindings
@@ -58,7 +59,12 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
             for run, probe in zip(runs, solved, strict=True)
         )
     alone = _marched_alone([run.scene for run in runs])
-    seconds = sum(finding.seconds for k in alone for finding in by_run[k].findings)
+    seconds = sum(
+        finding.seconds
+        for k, run in enumerate(by_run)
+        for finding in run.findings
+        if k in alone or finding.key == vibration.OWN_MARCH
+    )
     time = _time_text(seconds, finishing.seconds([run.scene for run in runs], cost.cores()))
     if len(runs) == 1:
         return Findings((_with_time(by_run[0], time),))
@@ -76,13 +82,13 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     )
 
 
-def _marched_alone(scenes: Sequence[Scene]) -> list[int]:
+def _marched_alone(scenes: Sequence[Scene]) -> set[int]:
     """Return the numbers of the runs that are marched; other runs share one of their marches."""
     first: dict[str, int] = {}
     for number, scene in enumerate(scenes):
         shared = not scene.numerics.error_estimate
         first.setdefault(Identity.of(scene, None).text if shared else str(number), number)
-    return list(first.values())
+    return set(first.values())
 
 
 def _time_text(solving: float, after: float) -> str:

@@ -18,6 +18,8 @@ from rolling.scene.sections import Gaussian
 THICK = 0.1  # contact radius over thickness up to which the contact sees a half-space
 FAR = 3.0  # listener's distance over the distance from which the pressure on the axis holds
 HALF_SPACE_HZ_M = 10e3  # frequency times distance from which a half-space's pressure holds
+OWN_MARCH = "moving_release"  # key of the finding whose march no run shares
+LEAST_STEPS = 8  # in a period of the resonance, for the release under the moving load
 SPEED_OF_SOUND = 343.2  # [m/s] in air
 
 
@@ -25,7 +27,7 @@ def findings(scene: Scene) -> list[Finding]:
     """Judge the vibration of a scene; nothing without dynamics."""
     if scene.dynamics is None:
         return []
-    return [_force(scene), _fed(scene), *_plate(scene), _marches(scene)]
+    return [_force(scene), _fed(scene), *_plate(scene), _marches(scene), *_release(scene)]
 
 
 def resonance_of(scene: Scene) -> Finding:
@@ -132,3 +134,21 @@ def _marches(scene: Scene) -> Finding:
         " leaves them",
         seconds=seconds,
     )
+
+
+def _release(scene: Scene) -> list[Finding]:
+    """Judge the steps of a release under the moving load, and state its cost."""
+    assert scene.dynamics is not None
+    if not scene.dynamics.release:
+        return []
+    speed, frequency = scene.motion.slowest(scene.duration), resonance.frequency(scene)
+    steps, warning = speed / (frequency * scene.step), None
+    if steps < LEAST_STEPS:
+        warning = (
+            f"the track has {steps:.2g} steps in a period of the resonance, a release under the"
+            f" moving load needs {LEAST_STEPS}: choose a rolling.speed_m_s of at least"
+            f" {rounded_up(LEAST_STEPS * frequency * scene.step)} or a smaller step"
+        )
+    seconds = cost.expected_seconds(scene) / cost.cores()
+    value = f"one more march, about {clock(seconds)} on {on_cores()}, {steps:.2g} steps in a period"
+    return [Finding(OWN_MARCH, "release under the moving load", value, warning, seconds)]

@@ -90,11 +90,12 @@ def march(
     state: ContactState | None = None
     before: ContactState | None = None
     for k in range(first - (RUN_IN if contact.has_blended_edges else 0), last + 1):
+        here = contact.loaded_at(k)
         try:
             following = (
-                _start(contact, k, half_space)
+                _start(here, k, half_space)
                 if state is None
-                else _follow(contact, k, half_space, state, before)
+                else _follow(here, k, half_space, state, before)
             )
         except ContactError as error:
             place = f"step {k}" if k >= first else f"on the way to step {first}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -41,6 +42,8 @@ class RollingContact:
     blended : bool
         If true, nodes at the edge of yielding patches bear the share of their cell in contact.
         Default: false.
+    loads : (positions,) array, N, or None
+        Load at each position of a lap, instead of the same load at all. Default: None.
     """
 
     heights: Array
@@ -54,6 +57,7 @@ class RollingContact:
     tolerance: float
     single: bool = True
     blended: bool = False
+    loads: Array | None = None
 
     @cached_property
     def row_highest(self) -> Array:
@@ -78,6 +82,15 @@ class RollingContact:
     def mid_width(self) -> float:
         """Place of the sphere across the track [m]."""
         return float((self.heights.shape[1] - 1) / 2 * self.spacing)
+
+    def loaded_at(self, k: int) -> RollingContact:
+        """Return the contact with its load at position k."""
+        if self.loads is None:
+            return self
+        here = copy(self)  # which keeps the maxima of the heights
+        lap = len(self.loads) - 1  # the last position of a lap is its first
+        object.__setattr__(here, "load", float(self.loads[k if 0 <= k <= lap else k % lap]))
+        return here
 
     def position(self, k: int) -> float:
         """Return the distance [m] of the centre of the sphere along the track at position k."""

@@ -63,3 +63,9 @@ def motion(scene: Scene, law: ForceLaw) -> Motion:
         places = np.minimum(scene.motion.distance(times), scene.track.distance)
         speed = Travel(times, np.asarray(places, dtype=float))
     return move(law, scene.mass, linear.mobility_s_kg, scene.load, speed, duration)
+
+
+def extremes(scene: Scene, law: ForceLaw) -> tuple[float, float]:
+    """Return minimum and maximum of the contact force of a scene over a force law [N]."""
+    force = motion(scene, law).force_n
+    return float(force.min()), float(force.max())

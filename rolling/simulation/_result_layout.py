@@ -21,6 +21,7 @@ from rolling.check.error_cost import LEVELS
 from rolling.scene.identity import canonical
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
+from rolling.simulation.moving_load import moving_key
 from rolling.simulation.result import Result
 from rolling.simulation.whole_series import whole_series
 from rolling.sound.contact_sound import ContactSound
@@ -77,6 +78,7 @@ def image(
         _events(file, result)
         _stretches(file, result)
         _force_law(file, result, scene.load)
+        _moving_release(file, result, scene)
         if sound is not None:
             _sound(file, sound)
         if vibration is not None:
@@ -321,6 +323,26 @@ def _force_law(file: h5py.File, result: Result, own_load: float) -> None:
         group.coordinate("judging_load", np.array(between), "N", "load that judges the force law")
         group.dimension("judging_place", judging.shape[1])
         group.add("judging_approach", judging, ["judging_load", "judging_place"], "m")
+
+
+def _moving_release(file: h5py.File, result: Result, scene: Scene) -> None:
+    """Write the march under the moving load that belongs to the scene, if there is one."""
+    key = moving_key(scene)
+    if key not in result.moving:
+        return
+    moving, group = result.moving[key], _Group(file.create_group("moving_release"))
+    group.group.attrs["key"] = key
+    places = result.start + np.arange(result.solved_steps + 1) * result.step
+    group.coordinate("place", places, "m", "distance along the track")
+    group.dimension("place_step", result.solved_steps)
+    for name, values, units in (
+        ("force", moving.force, "N"),
+        ("approach", moving.approach, "m"),
+        ("motion_approach", moving.motion_approach, "m"),
+    ):
+        group.add(name, values, ["place"], units)
+    for name, values in moving.steps.items():
+        group.add(name, values, ["place_step"], "J")
 
 
 def _sound(file: h5py.File, sound: ContactSound) -> None:

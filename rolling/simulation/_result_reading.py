@@ -21,6 +21,7 @@ from rolling.check.error_cost import LEVELS
 from rolling.scene.identity import STEPS, Identity
 from rolling.simulation._result_layout import FORMAT
 from rolling.simulation.load_marches import LoadMarches
+from rolling.simulation.moving_load import MOVING_SERIES, MovingRelease
 from rolling.simulation.result import Result
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, PressureMap, Snapshot
 from rolling.simulation.stretches import ErrorStretches, March
@@ -58,6 +59,7 @@ def read(file: h5py.File) -> Result:
     _check_events(result, done)
     result.stretches = _stretches(file, result)
     result.load_marches = _load_marches(file, result)
+    result.moving = _moving_release(file, result)
     complete = _attribute(file, "complete")
     if not isinstance(complete, bool | np.bool_) or bool(complete) != result.complete:
         raise Damage(
@@ -478,3 +480,21 @@ def _load_marches(file: h5py.File, result: Result) -> LoadMarches | None:
             raise Damage("force_law/judging_approach: longer than the track")
         marches.judging = dict(zip(between.tolist(), judging, strict=True))
     return marches
+
+
+def _moving_release(file: h5py.File, result: Result) -> dict[str, MovingRelease]:
+    group = _group(file, "moving_release")
+    if group is None:
+        return {}
+    count = result.solved_steps
+    force, approach, of_motion = (
+        _array(group, name, "f", (count + 1,)).astype(np.float64)
+        for name in ("force", "approach", "motion_approach")
+    )
+    steps = {name: _array(group, name, "f", (count,)).astype(np.float64) for name in MOVING_SERIES}
+    _refuse("moving_release/force", ~(force > 0) | ~np.isfinite(force), "are not greater than 0")
+    _refuse("moving_release/motion_approach", ~np.isfinite(of_motion), "are not finite")
+    _refuse("moving_release/release_energy", steps["release_energy"] < 0, "are negative")
+    for name, values in steps.items():
+        _refuse(f"moving_release/{name}", np.isinf(values), "are infinite")
+    return {_text(group, "key"): MovingRelease(force, of_motion, approach, steps)}

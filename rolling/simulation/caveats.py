@@ -34,6 +34,7 @@ STANDING = (
     "not_loopable",
     "quasi_static",
     "constant_load_release",
+    "moving_load_release",
     "no_vibration",
 )
 
@@ -76,6 +77,7 @@ def caveats(
     complete: bool,
     errors: RunErrors | None = None,
     vibration: Vibration | None = None,
+    moving: bool = False,
 ) -> list[Caveat]:
     """List the caveats of a run: the standing caveats, then the warnings of check and solver.
 
@@ -87,6 +89,7 @@ def caveats(
     complete : bool. Whether all steps are solved.
     errors : RunErrors. Errors from grid and solver. Default: the scene does not ask for them.
     vibration : Vibration. Vibration of sphere and plate. Default: the run has none.
+    moving : bool. Whether the release was computed under the moving load. Default: false.
     """
     estimated = errors is not None and not errors.reason
     result = [*_of_levels(scene, sound, estimated), *_of_record(scene, sound)]
@@ -97,7 +100,7 @@ def caveats(
                 "Not all steps are solved: numbers and sound cover the solved beginning only.",
             )
         )
-    result.append(_of_load(scene, vibration))
+    result.append(_of_load(scene, vibration, moving))
     result += [
         Caveat(each.key, f"{each.quantity}: {each.warning}") for each in findings if each.warning
     ]
@@ -140,7 +143,7 @@ def gathered(runs: Sequence[tuple[str, Sequence[Caveat]]]) -> list[Remark]:
     return remarks
 
 
-def _of_load(scene: Scene, vibration: Vibration | None) -> Caveat:
+def _of_load(scene: Scene, vibration: Vibration | None, moving: bool) -> Caveat:
     """Return the caveat of the load under which the release was computed."""
     if scene.dynamics is None:
         return Caveat(
@@ -151,9 +154,16 @@ def _of_load(scene: Scene, vibration: Vibration | None) -> Caveat:
         return Caveat(
             "no_vibration", "The vibration is missing, because its force law is not complete."
         )
+    if moving:
+        return Caveat(
+            "moving_load_release",
+            "The release is computed under the moving load; the series along the track are of the"
+            " constant load.",
+        )
     return Caveat(
         "constant_load_release",
-        "The release is computed under the constant load; the vibration does not change it.",
+        "The release is computed under the constant load; dynamics.release: true computes it under"
+        " the moving load, where the motion repeats.",
     )
 
 

@@ -76,6 +76,7 @@ WORDS = {  # in the order in which labels name them
     "rolling.start_um": Word("start", "µm", minor=True),
     "dynamics.loads": Word("loads", minor=True),
     "dynamics.span": Word("span", minor=True),
+    "dynamics.release": Word("release under the moving load", minor=True),
     "numerics.precision": Word("precision", minor=True),
     "numerics.error_estimate": Word("error estimate", minor=True),
     "recovery.events": Word("recovery events", minor=True),

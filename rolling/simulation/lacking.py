@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rolling.scene.scene import Scene
-from rolling.simulation import error_stretches, force_law
+from rolling.simulation import error_stretches, force_law, moving_release
 from rolling.simulation.result import Result
 
 
@@ -13,4 +13,5 @@ def lacks_marches(scene: Scene, result: Result) -> bool:
         not result.complete
         or bool(error_stretches.missing(scene, result))
         or force_law.is_missing(scene, result)
+        or moving_release.is_missing(scene, result)
     )

@@ -16,6 +16,7 @@ from rolling.contact.recovery import join_events
 from rolling.scene.identity import Identity
 from rolling.scene.track import Track
 from rolling.simulation.load_marches import LoadMarches
+from rolling.simulation.moving_load import MovingRelease
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, Piece, PressureMap, Snapshot
 from rolling.simulation.stretches import ErrorStretches, March
 
@@ -36,6 +37,7 @@ class Result:
     identity : Identity. Scene and surface that were solved; None in files of version 0.1.0.
     stretches : ErrorStretches. Stretches that were marched for the error estimate. Default: None.
     load_marches : LoadMarches. Marches at other loads, for the force law. Default: None.
+    moving : dict. Marches under moving loads, by the vibration that moves them.
     """
 
     steps: int
@@ -49,6 +51,7 @@ class Result:
     identity: Identity | None = None
     stretches: ErrorStretches | None = None
     load_marches: LoadMarches | None = None
+    moving: dict[str, MovingRelease] = field(default_factory=dict)
 
     @classmethod
     def empty(cls, track: Track, start: float) -> Result:

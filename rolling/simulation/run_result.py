@@ -23,6 +23,7 @@ from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.simulation import _result_layout, labels
 from rolling.simulation import summary as numbers_of
+from rolling.simulation.moving_release import moving_numbers, moving_release
 from rolling.simulation.result import Result
 from rolling.simulation.run_errors import RunErrors, run_errors
 from rolling.simulation.vibration import numbers as vibration_numbers
@@ -239,7 +240,10 @@ def hear(
         return None
     began = time.perf_counter()
     closed = result.complete and steps % result.solved_steps == 0 and scene.track.closed
+    moving = moving_release(scene, result)
     energy = result.whole("release_energy")[:steps]
+    if moving is not None:
+        energy = moving.steps["release_energy"][np.arange(steps) % result.solved_steps]
     release = contact_sound(
         scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam
     )
@@ -252,7 +256,8 @@ def hear(
         return None
     errors = run_errors(scene, result, sound)
     summary = numbers_of.summarize(
-        scene, result, sound, time.perf_counter() - began, errors, vibration
+        scene, result, sound, time.perf_counter() - began, errors, vibration, moving is not None
     )
     summary |= vibration_numbers(scene, result, release, vibration)
+    summary |= moving_numbers(result, moving)
     return RunResult(label, values, folder, scene, result, sound, summary, errors, vibration)

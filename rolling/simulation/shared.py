@@ -22,6 +22,7 @@ def share(scenes: Sequence[Scene], results: list[Result]) -> None:
         if len(numbers) > 1:
             best = max((results[k] for k in numbers), key=_solved)
             for k in numbers:
+                best.moving = results[k].moving | best.moving
                 results[k] = best
 
 

@@ -6,13 +6,17 @@ from collections.abc import Callable, Sequence
 
 from rolling.check import cost
 from rolling.contact.solver import ContactError
+from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
-from rolling.simulation import error_stretches, force_law, pool, shared, simulate, vibration
+from rolling.simulation import error_stretches, force_law, moving_release, pool, shared, simulate
 from rolling.simulation.load_marches import LoadPiece
+from rolling.simulation.moving_load import MovingPiece
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.stretches import March
 from rolling.terminal import progress as terminal
+
+Done = simulate.Piece | March | LoadPiece | MovingPiece  # results of the tasks
 
 
 def _ignore(run: int) -> None:
@@ -63,7 +67,7 @@ def solve(
     )
     with terminal.bar(total, name, progress) as bar:
 
-        def finished(number: int, done: simulate.Piece | March | LoadPiece) -> list[pool.Task]:
+        def finished(number: int, done: Done) -> list[pool.Task]:
             following = work.add(number, done)
             added(number)
             bar.grow(sum(task.cost for task in following))
@@ -145,7 +149,7 @@ class _Work:
                 failures[number] = str(error)
         return tasks
 
-    def add(self, number: int, done: simulate.Piece | March | LoadPiece) -> list[pool.Task]:
+    def add(self, number: int, done: Done) -> list[pool.Task]:
         """Add a piece or a stretch to the result of a run, and return the tasks that follow."""
         result = self.results[number]
         if isinstance(done, March):
@@ -153,6 +157,8 @@ class _Work:
         elif isinstance(done, LoadPiece):
             assert result.load_marches is not None
             result.load_marches.add(done)
+        elif isinstance(done, MovingPiece):
+            result.moving[done.key].add(done)
         else:
             result.add(done)
         self.waiting[number] -= 1
@@ -168,7 +174,8 @@ class _Work:
         scenes = [self.scenes[k] for k in self.members[number]]
         tasks = [
             *error_stretches.tasks(scene, result, number, seconds),
-            *force_law.tasks(scenes, result, number, seconds, vibration.extremes),
+            *force_law.tasks(scenes, result, number, seconds, of_scene.extremes),
+            *moving_release.tasks(scenes, result, number, seconds),
         ]
         self.waiting[number] += len(tasks)
         return tasks

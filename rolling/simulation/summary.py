@@ -39,8 +39,12 @@ def summarize(
     sound_seconds: float,
     errors: RunErrors | None = None,
     vibration: Vibration | None = None,
+    moving: bool = False,
 ) -> dict[str, Any]:
-    """Collect the numbers of a run over the solved steps; levels of silence are None."""
+    """Collect the numbers of a run over the solved steps; levels of silence are None.
+
+    `moving` says whether the release of the sound was computed under the moving load.
+    """
     steps = result.done_steps
     made = scene_surface(scene)
     series = {name: result.whole(name)[:steps] for name in simulate.STEP_SERIES}
@@ -99,7 +103,7 @@ def summarize(
         "caveats": [
             asdict(each)
             for each in caveats.caveats(
-                scene, sound, findings.findings(scene), result.complete, errors, vibration
+                scene, sound, findings.findings(scene), result.complete, errors, vibration, moving
             )
         ],
         "surface": asdict(made.statistics),

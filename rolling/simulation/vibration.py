@@ -11,18 +11,11 @@ from acoustics.bands import BAND_NAMES
 from acoustics.level import level_db
 from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
-from rolling.dynamics.force_law import ForceLaw
 from rolling.scene.scene import Scene
 from rolling.simulation import force_law
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import P_REF_W, Vibration, vibrate
-
-
-def extremes(scene: Scene, law: ForceLaw) -> tuple[float, float]:
-    """Return minimum and maximum of the contact force of a scene over a force law [N]."""
-    force = of_scene.motion(scene, law).force_n
-    return float(force.min()), float(force.max())
 
 
 def vibration_of(scene: Scene, result: Result, release: ContactSound) -> Vibration | None:
@@ -42,7 +35,7 @@ def vibration_of(scene: Scene, result: Result, release: ContactSound) -> Vibrati
         return None
     whole_laps = scene.track.closed and result.steps % result.solved_steps == 0
     laps = result.steps / result.solved_steps
-    loads = force_law.loads_of(scene, result, extremes).marched
+    loads = force_law.loads_of(scene, result, of_scene.extremes).marched
     law = force_law.force_law(scene, result, loads)
     return vibrate(scene, law, release.highest, whole_laps and release.constant_speed, laps)
 

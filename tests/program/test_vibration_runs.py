@@ -13,12 +13,15 @@ import pytest
 from rolling.check.findings import check_scene
 from rolling.commands import resound, resume, run
 from rolling.commands.interface import open_run, simulate
+from rolling.contact.solver import ContactError
+from rolling.dynamics import of_scene
 from rolling.folders.files import FolderError
 from rolling.scene.file import loads, read_scene
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.simulation import batch, force_law, result_file, solving, vibration
+from rolling.simulation import batch, force_law, moving_release, result_file, solving
 from rolling.simulation import simulate as pieces
+from rolling.simulation.moving_load import moving_key
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import hear
 from rolling.simulation.stored_runs import read_runs
@@ -204,9 +207,9 @@ def test_a_run_without_marches_cannot_be_resounded_as_vibration(tmp_path: Path) 
 def test_loads_are_added_until_the_force_lies_inside() -> None:
     scene = loads(TEXT, ["dynamics.span=1.05", "rolling.speed_m_s=0.3"])
     result = solved(scene)
-    needed = force_law.loads_of(scene, result, vibration.extremes)
+    needed = force_law.loads_of(scene, result, of_scene.extremes)
     assert len(needed.marched) > 3 and not needed.lacking
-    least, most = vibration.extremes(scene, force_law.force_law(scene, result, needed.marched))
+    least, most = of_scene.extremes(scene, force_law.force_law(scene, result, needed.marched))
     assert needed.marched[0] <= least < most <= needed.marched[-1]
     error = force_law.law_error(scene, result, needed.marched)
     assert error is not None and 0 < error.newtons < 1e-2 and error.decibels < 1
@@ -287,3 +290,68 @@ def test_power_above_coincidence_needs_the_loss_factor(swept: Path) -> None:
     # Ten times the loss factor: ten decibels less, less where air takes some of the power.
     assert 6 < louder - quieter < 10.5
     assert np.array_equal(lossy.sound.pressure, unknown.sound.pressure)
+
+
+MOVING = [
+    "dynamics.release=true",
+    "rolling.speed_m_s=0.6",
+    "surface.roughness_ra_um=0.02",
+    "rolling.distance_mm=0.4",
+]
+
+
+@pytest.mark.law("Vibration: a march under the moving load has the approach of the motion.")
+def test_release_under_the_moving_load(tmp_path: Path) -> None:
+    (tmp_path / "s.yaml").write_text(TEXT)
+    out = tmp_path / "out"
+    run(tmp_path / "s.yaml", MOVING, out, workers=1, page=False, pictures=False)
+    stored = open_run(out)
+    moving = stored.result.moving[moving_key(stored.scene)]
+    # The load moves by a tenth and more, and the approach with it.
+    assert moving.force.min() < 0.9 < 1.1 < moving.force.max()
+    fluctuation = np.std(moving.approach)
+    assert fluctuation > 1.2 * np.std(stored.series["approach"])
+    assert stored.summary["force_law_error_m"] < 0.03 * fluctuation
+    assert stored.summary["moving_release_balance_error"] < 1e-12
+    # Over a lap the surface takes up what it gives back.
+    loading, release = (moving.steps[f"{kind}_energy"].sum() for kind in ("loading", "release"))
+    assert loading == pytest.approx(release, rel=1e-3)
+    keys = {caveat["key"] for caveat in stored.summary["caveats"]}
+    assert "moving_load_release" in keys and "constant_load_release" not in keys
+    # Another speed moves the load otherwise, and its release is of the constant load again.
+    other = tmp_path / "other"
+    resound(out, ["rolling.speed_m_s=0.3"], other, page=False, pictures=False)
+    numbers = json.loads((other / "summary.json").read_text())
+    assert "force_law_error_m" not in numbers
+    assert "constant_load_release" in {caveat["key"] for caveat in numbers["caveats"]}
+
+
+def test_a_killed_march_under_the_moving_load_goes_on() -> None:
+    scene = loads(TEXT, MOVING)
+    result = solved(scene)
+    moving = result.moving[moving_key(scene)]
+    whole = moving.steps["release_energy"].copy()
+    moving.steps["release_energy"][:] = np.nan
+    assert moving_release.is_missing(scene, result)
+    assert not solving.solve([scene], [result], 1, "again", progress=False).failures
+    assert np.array_equal(moving.steps["release_energy"], whole)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (["rolling.speed_m_s=[[0, 0.3], [1e-3, 0.6]]"], "does not repeat from lap to lap"),
+        (["rolling.speed_m_s=1", "surface.roughness_ra_um=0.2"], "loses contact"),
+    ],
+)
+def test_a_release_without_a_load_is_refused(changes: list[str], words: str) -> None:
+    scene = loads(TEXT, ["dynamics.release=true", "rolling.distance_mm=0.3", *changes])
+    with pytest.raises(ContactError, match=f"({words}|repeat from lap to lap)"):
+        simulate(scene, 1, False)
+
+
+def test_the_check_counts_the_steps_in_a_period() -> None:
+    slow = check_scene(loads(TEXT, [*MOVING, "rolling.speed_m_s=0.1"]), False).runs[0].findings
+    fast = check_scene(loads(TEXT, MOVING), False).runs[0].findings
+    warnings = [{each.key: each.warning for each in run}["moving_release"] for run in (slow, fast)]
+    assert "steps in a period of the resonance" in str(warnings[0]) and warnings[1] is None
