@@ -16,7 +16,7 @@ from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
 from rolling.simulation import pool, simulate
 from rolling.surface import contact_of_scene
-from rolling.surface.refined import refined
+from rolling.surface.refined import dies_out, refined, subcell_heights
 
 TOLERANCES = (1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6)
 FINE_TOLERANCES = (1e-3, 1e-4)  # tolerance on finer grids
@@ -213,24 +213,49 @@ def study_of(scene: Scene, duration: float, finest: int) -> Study:
 # ---- marching
 
 
-_kept: list[tuple[Array, int, Array]] = []  # the last refined surface is kept
+_kept: list[tuple[Array, int, bool, Array]] = []  # the last refined surface is kept
+
+
+def _refined(heights: Array, times: int) -> tuple[bool, Array]:
+    """Return whether a surface continues between its nodes, and its heights on a finer grid."""
+    if not _kept or _kept[0][0] is not heights or _kept[0][1] != times:
+        smooth = dies_out(heights)
+        fine = refined(heights, times) if smooth else subcell_heights(heights, times, smooth)
+        _kept[:] = [(heights, times, smooth, fine)]
+    return _kept[0][2:]
 
 
 def rolling_contact(scene: Scene, variant: Variant) -> RollingContact:
-    """Return the input of the march for a variant of a scene."""
-    coarse = contact_of_scene.rolling_contact(scene)
-    if not _kept or _kept[0][0] is not coarse.heights or _kept[0][1] != variant.times:
-        fine = refined(coarse.heights, variant.times) if variant.times > 1 else coarse.heights
-        _kept[:] = [(coarse.heights, variant.times, fine)]
-    return replace(
+    """Return the input of the march for a variant of a scene.
+
+    Where cells are flat, those of a node are as many as the grid is finer, and the node lies in
+    their middle.
+    """
+    plain = scene.numerics.model_copy(update={"edges": "sharp", "subcells": 1})
+    coarse = contact_of_scene.rolling_contact(scene.model_copy(update={"numerics": plain}))
+    smooth, fine = _refined(coarse.heights, variant.times)
+    spacing = coarse.spacing / variant.times
+    contact = replace(
         coarse,
-        heights=_kept[0][2],
-        spacing=coarse.spacing / variant.times,
+        heights=fine,
+        spacing=spacing,
         step=variant.step_nodes * coarse.spacing,
+        start=coarse.start + (0.0 if smooth else (variant.times - 1) / 2 * spacing),
         tolerance=variant.tolerance,
         single=variant.precision == "single",
         blended=variant.edges == "blended",
+        slopes=smooth,
     )
+    return contact_of_scene.on_subcells(contact, subcells_of(scene, contact), smooth)
+
+
+def subcells_of(scene: Scene, contact: RollingContact) -> int:
+    """Return the sub-cells of a variant from its scene.
+
+    `auto` chooses them on the variant's own grid.
+    """
+    chosen = scene.numerics.subcells
+    return contact_of_scene.auto_subcells(contact) if chosen == "auto" else chosen
 
 
 _warm: set[tuple[int, bool, bool]] = set()

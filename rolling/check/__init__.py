@@ -10,8 +10,8 @@ vibration, force_estimate
     findings of a scene with dynamics, and its contact force from the statistics of the surface
 probe
     solves a few positions
-cost, demand, machine
-    expected time and window; memory and disk; memory and disk of this machine
+cost, demand, between_nodes, machine
+    expected time and window; memory and disk; memory of sub-cells; memory and disk of this machine
 refusals
     scenes that cannot be run here
 finding, report

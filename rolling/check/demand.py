@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from rolling.check import cost, error_cost
+from rolling.check.between_nodes import BetweenNodes, between_nodes
 from rolling.scene.scene import Scene
 from rolling.scene.track import Track
 
@@ -30,9 +31,6 @@ PROGRAM, SOLVER, PICTURES, WORKER, TRACKER = 210e6, 100e6, 110e6, 230e6, 15e6
 MADE = {"gaussian": 44.0, "file": 50.0, "smooth": 0.0}
 KEPT = {"gaussian": 8.0, "file": 8.0, "smooth": 0.0}
 STATISTICS = {"gaussian": 26.0, "file": 46.0, "smooth": 17.0}
-# Bytes per node of the window: the contact, and transforms of all padded sizes that occur (310 to
-# 660 bytes).
-WINDOW = 720.0
 # Nodes of a window at half the spacing over nodes at the spacing, which is kept beside it.
 FINE_NODES = 5.0
 # Bytes per solved step, as long as it is kept, and per step, while result.h5 is written.
@@ -114,7 +112,9 @@ class Size:
     kind : str
         Kind of the surface.
     nodes, window : float
-        Nodes of the surface and of the window.
+        Nodes of the surface and of the window, which are cells.
+    between : Between
+        Heights between the nodes.
     steps, solved : int
         Steps, and the steps that are solved.
     samples, fine : int
@@ -133,6 +133,7 @@ class Size:
     kind: str
     nodes: int
     window: float
+    between: BetweenNodes
     steps: int
     solved: int
     samples: int
@@ -156,8 +157,18 @@ class Size:
     @property
     def solver(self) -> float:
         """Bytes of a process that solves, apart from the program."""
-        window = WINDOW * self.window * (FINE_NODES if self.estimated else 1.0)
+        window = self.between.window * self.window * (FINE_NODES if self.estimated else 1.0)
         return window + (8.0 * self.nodes if self.events else 0.0)
+
+    @property
+    def made(self) -> float:
+        """Bytes of the surface in a process that solves, while it is made."""
+        return max(MADE[self.kind], KEPT[self.kind] + self.between.made) * self.nodes
+
+    @property
+    def kept(self) -> float:
+        """Bytes of the surface in a process that solves, as long as it is kept."""
+        return (KEPT[self.kind] + self.between.kept) * self.nodes
 
 
 def size(scene: Scene, rq: float) -> Size:
@@ -181,6 +192,7 @@ def size(scene: Scene, rq: float) -> Size:
         kind=scene.surface.kind,
         nodes=track.n_along * track.n_across,
         window=side**2,
+        between=between_nodes(scene, rq),
         steps=track.steps,
         solved=track.solved_steps,
         samples=samples,
@@ -226,11 +238,12 @@ def of_variants(scene: Scene, rq: float, finest: int, workers: int) -> Demand:
 
     Its processes hold the surface on the finest grid and its window.
     """
-    track, fine = scene.track, finest**2
+    track, fine, cells = scene.track, finest**2, between_nodes(scene, rq)
+    surface = max(MADE["gaussian"], KEPT["gaussian"] + cells.made)
     worker = [
         ("program", WORKER + SOLVER),
-        ("surface", MADE["gaussian"] * track.n_along * track.n_across * fine),
-        ("window", WINDOW * cost.window_nodes(scene, rq) ** 2 * fine),
+        ("surface", surface * track.n_along * track.n_across * fine),
+        ("window", cells.window * cost.window_nodes(scene, rq) ** 2 * fine),
     ]
     process = _parts(worker)
     every = _parts(
@@ -254,11 +267,10 @@ def _parts(parts: Sequence[tuple[str, float]]) -> Amount:
 
 def _in_solver(each: Size) -> list[tuple[str, float]]:
     """List the parts of a process that solves, apart from the program."""
-    made, solving = MADE[each.kind] * each.nodes, KEPT[each.kind] * each.nodes
     window = each.solver
-    if made > solving + window:
-        return [(each.surface, made)]
-    return [(each.surface, solving), ("window", window)]
+    if each.made > each.kept + window:
+        return [(each.surface, each.made)]
+    return [(each.surface, each.kept), ("window", window)]
 
 
 def _keeping(each: Size) -> list[tuple[str, float]]:
@@ -290,7 +302,7 @@ def _finishing(
     before = [("program", PROGRAM + (SOLVER if workers == 1 else 0.0)), *results]
     before += [
         ("window", each.solver if workers == 1 else 0.0),
-        (each.surface, KEPT[each.kind] * each.nodes),
+        (each.surface, each.kept if workers == 1 else KEPT[each.kind] * each.nodes),
     ]
     others = len(sizes) - 1
     heard = [

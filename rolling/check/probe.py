@@ -25,6 +25,8 @@ from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
+from rolling.contact.subcells import half_space_of
+from rolling.contact.window import Window
 from rolling.scene.scene import Scene
 from rolling.scene.sections import HeightFile
 from rolling.surface import scene_surface
@@ -184,9 +186,9 @@ def probe(
     tell : callable
         Function that is called with 1 after each of POSITIONS positions.
     """
-    half_space = HalfSpace(contact.spacing, contact.contact_modulus)
+    half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
     places = np.arange(POSITIONS) * steps // POSITIONS
-    solved: dict[int, tuple[ContactState, float]] = {}
+    solved: dict[int, tuple[ContactState, Window, float]] = {}
     failures: dict[int, str] = {}
     with suppress(ContactError):  # the same position fails again below
         _position(contact, 0, half_space)
@@ -198,30 +200,33 @@ def probe(
         except ContactError as error:
             failures[k] = str(error)
         tell(1)
-    states = [state for state, _ in solved.values()]
+    states = [state for state, _, _ in solved.values()]
     return Probe(
         len(set(places.tolist())),
         np.array([state.contact_area for state in states]),
         np.array([state.plastic_area for state in states]),
         np.array([state.max_pressure for state in states]),
-        np.array([(state.window.rows, state.window.columns) for state in states], np.int64).reshape(
-            -1, 2
-        ),
-        np.array([ms for _, ms in solved.values()]),
+        np.array(
+            [(window.rows, window.columns) for _, window, _ in solved.values()], np.int64
+        ).reshape(-1, 2),
+        np.array([ms for _, _, ms in solved.values()]),
         tuple(failures.values()),
     )
 
 
-def _position_text(state: ContactState, ms: float) -> str:
+def _position_text(state: ContactState, window: Window, ms: float) -> str:
     """Write window, iterations and time of a solved position."""
-    window = f"window {state.window.rows} x {state.window.columns} nodes"
-    return f"position {state.position}: {window}, {state.iterations} iterations, {ms:.2f} ms a step"
+    size = f"window {window.rows} x {window.columns} nodes"
+    return f"position {state.position}: {size}, {state.iterations} iterations, {ms:.2f} ms a step"
 
 
-def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[ContactState, float]:
+def _position(
+    contact: RollingContact, k: int, half_space: HalfSpace
+) -> tuple[ContactState, Window, float]:
     """Solve position k from a cold start, then time the warm steps after it.
 
-    The time [ms] is the median over the warm steps with their release.
+    The window of a warm step counts cells. The time [ms] is the median over the warm steps with
+    their release.
     """
     states: list[ContactState] = []
     times: list[float] = []
@@ -231,7 +236,8 @@ def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[C
             step_energy(states[-1], state, half_space)
         times.append(time.perf_counter() - began)
         states.append(state)
-    return states[0], 1e3 * float(np.median([b - a for a, b in pairwise(times)]))
+    window = states[-1].window.cells(contact.subcells)
+    return states[0], window, 1e3 * float(np.median([b - a for a, b in pairwise(times)]))
 
 
 def _left_out(scenes: Sequence[Scene]) -> list[str]:

@@ -55,7 +55,7 @@ def _window(scene: Scene, rq: float) -> list[Finding]:
             f"the contact is about {si(across, 'm')} across, the surface has a {side} of"
             f" {si(period, 'm')}: choose a larger {key}, at least {across * 1e6:.0f} um of surface"
         )
-    step_ms = cost.expected_step_ms(nodes)
+    step_ms = cost.expected_step_ms(nodes, cost.subcells(scene))
     seconds = scene.track.steps * step_ms * 1e-3 / cost.cores()
     return [
         Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", warning),

@@ -3,6 +3,7 @@
 Public modules:
 
 - `half_space`: pressure to deflection, Love's coefficients and the FFT convolution (`HalfSpace`).
+- `subcells`: pressures on parts of cells, with transforms of whole cells (`SubcellSpace`).
 - `solver`: one contact under a load (`solve_contact`, `WarmStart`, `SolverOptions`,
   `ContactError`).
 - `window`, `state`: blocks of nodes (`Window`); the rolling contact and its state at a position
@@ -18,10 +19,11 @@ Private modules, mostly compiled:
 - `_descent`, `_system`: one descent, and the named tuples that compiled passes take.
 - `_compiled`: compilation by numba, with a cache wherever one can be kept.
 - `_solver_kernels`: conjugate gradients: line search, residual, preconditioner (`precondition`),
-  next direction.
+  next direction; edges within cells (`cell_ranges`, `move_edges`).
+- `_subcell_kernels`: passes between sub-cells and cells.
 - `_projection`: pressures put within the bounds, with the load restored (`project`,
   `restore_load`, `settle_load`).
-- `_march_kernels`: gap, overlap, contact area, edges within cells, trends.
+- `_march_kernels`: gap, overlap, contact area, trends.
 - `_recovery_kernels`: release of each node (`node_work`) and the events of the nodes.
 
 The tests check all of this against the dense solver `rolling.verification.dense`.

@@ -12,6 +12,7 @@ from rolling._typing import Array
 from rolling.contact import _projection, _solver_kernels
 from rolling.contact._system import (
     Direction,
+    Edges,
     Limits,
     Nodes,
     Stencil,
@@ -24,6 +25,11 @@ from rolling.contact._system import (
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace, love
 
 MAX_ITERATIONS = 1000
+# Edges move after each descent. The first descent, with predicted edges, goes to this share of the
+# maximum deflection, the next descents to this share of the violation that the moved edges left.
+FIRST_EDGES = 1e-3
+TO_GO = 0.1
+MAX_MOVES = 100  # of the edges in a solve, before they stay
 # The descent aims at this share of the tolerance. The rest allows for the difference between the
 # updated deflection and a recomputed deflection.
 AIM = 0.98
@@ -49,6 +55,7 @@ class Effort:
     plain_steps: int = 0
     stuck: int = 0
     rounds: int = 0
+    moves: int = 0
     snapping: bool = True
 
     @property
@@ -68,22 +75,70 @@ class Candidates:
     columns: int
 
     @classmethod
-    def below(cls, pressure: Array, gap: Array, deflection: Array, highest: float) -> Candidates:
-        """Find the nodes that are loaded or lie lower than `highest` [m].
+    def below(
+        cls,
+        pressure: Array,
+        gap: Array,
+        deflection: Array,
+        highest: float,
+        subcells: int = 1,
+        neighbours: bool = False,
+    ) -> Candidates:
+        """Find the nodes that are loaded or lie lower than `highest` [m], and their block.
 
-        Heights count before the approach is subtracted.
+        Heights count before the approach is subtracted. With `neighbours` the nodes around them are
+        candidates too. The block consists of whole cells.
         """
+        find = _solver_kernels.with_neighbours if neighbours else _solver_kernels.candidates
         listed = np.empty(pressure.size, dtype=np.int64)
-        count, first_row, last_row, first_column, last_column = _solver_kernels.candidates(
+        count, first_row, last_row, first_column, last_column = find(
             pressure, gap, deflection, highest, listed
         )
-        return cls(
-            listed[:count],
-            first_row,
-            first_column,
-            last_row - first_row + 1,
-            last_column - first_column + 1,
+        first_row, first_column = (k // subcells * subcells for k in (first_row, first_column))
+        rows, columns = (
+            -(-(last - first + 1) // subcells) * subcells
+            for first, last in ((first_row, last_row), (first_column, last_column))
         )
+        return cls(listed[:count], first_row, first_column, rows, columns)
+
+
+class BlendedEdges:
+    """Edges of patches within the cells of a window, which belong to a deflection.
+
+    Parameters
+    ----------
+    gap, shape : (m, n) arrays, m
+        Undeformed gap of the nodes, and the undeformed gap as it continues within cells.
+    levelled : float, m
+        Half range of gaps over a cell that elastic pressures level.
+
+    Attributes
+    ----------
+    edge : (m, n) array, m
+        Half the range of gaps over the cell of each node.
+    u_max : float, m
+        Maximum deflection.
+    """
+
+    def __init__(self, gap: Array, shape: Array, levelled: float) -> None:
+        self._gap, self._shape, self.levelled = gap, shape, levelled
+        self.edge = np.empty_like(gap)
+        self.u_max = 0.0
+
+    def find(self, deflection: Array, change: Array | None = None) -> None:
+        """Find the edges by a deflection and its expected change [m]."""
+        # The edges that a solution returned must not change.
+        self.edge = np.empty_like(self._gap)
+        self.u_max = float(deflection.max())
+        expected = deflection if change is None else deflection + change
+        _solver_kernels.cell_ranges(self._shape, expected, self.levelled, self.edge)
+
+    def between_nodes(self, node: NDArray[np.int64]) -> Array:
+        """Return the gap as it continues within cells less the gap of the nodes [m]."""
+        if self._shape is self._gap:
+            return np.zeros(node.size)
+        difference: Array = self._shape.ravel()[node] - self._gap.ravel()[node]
+        return difference
 
 
 class Descent:
@@ -97,8 +152,8 @@ class Descent:
         Nodes that may be in contact.
     pressure, gap : (m, n) arrays on the window, Pa and m
         Start, and its gaps before the approach is subtracted.
-    compliance : (m, n) array, m/Pa, or None
-        Closing of a node's gap by its own pressure in addition to the deflection.
+    edges : BlendedEdges or None
+        Edges within cells, which `gap` contains.
     limits : Limits
         Hardness and sum of pressures.
     allowed : float, m
@@ -122,7 +177,7 @@ class Descent:
         candidates: Candidates,
         pressure: Array,
         gap: Array,
-        compliance: Array | None,
+        edges: BlendedEdges | None,
         limits: Limits,
         allowed: float,
         single: bool,
@@ -137,11 +192,18 @@ class Descent:
         row_length = candidates.columns + 2
         in_image, in_grid = np.empty(node.size, np.uint32), np.empty(node.size, np.uint32)
         corner = candidates.first_row, candidates.first_column
+        self._listed = self.transforms.cells_of(node, gap.shape[1], corner)
         row_lengths = self.transforms.real.shape[1], row_length
         _solver_kernels.places(node, gap.shape[1], corner, row_lengths, in_image, in_grid)
         unit = 1.0 / half_space.unit
         stiffness = float(unit / OWN_COEFFICIENT)
-        soft = np.empty(0) if compliance is None else compliance.ravel()[node]
+        edge = np.empty(0) if edges is None else edges.edge.ravel()[node]
+        self.blended = edges is not None
+        # where no edge is expected, none may have to move
+        self.first_goal = (
+            max(self.goal, AIM * FIRST_EDGES * edges.u_max) if edge.any() and edges else self.goal
+        )
+        soft = edge * (2 / limits.hardness)
         trial, d, r, r_before = (np.zeros(node.size) for _ in range(4))
         grid = np.zeros((candidates.rows + 2) * row_length)
         self.system = System(
@@ -152,6 +214,12 @@ class Descent:
             Stencil(_inverse_stencil() * unit, grid, in_grid, row_length, stiffness),
             Work(trial, d, r, r_before, np.empty(node.size, np.uint32)),
             limits,
+            Edges(
+                edge,
+                edge if edges is None else edges.between_nodes(node),
+                np.empty(0) if edges is None else np.full(grid.size, np.nan),
+                0.0 if edges is None else edges.levelled,
+            ),
         )
         self.packed = pack(self.system)
         self.direction = Direction(0.0, 0.0, 0.0, 1.0)
@@ -178,12 +246,12 @@ class Descent:
         share = self.node.size
         if self.direction.slope < 0:  # the direction of `lead`
             self._convolve(effort)
+        goal = self.first_goal
         while True:
             last = effort.iterations >= MAX_ITERATIONS
-            step, direction = _solver_kernels.iterate(
-                self.packed, tuple(self.direction), snap / share, np.inf if last else self.goal
-            )
-            self.step, self.direction = Step(*step), Direction(*direction)
+            self._step(snap / share, np.inf if last else goal)
+            if not last and self.blended and not self.step.worst > goal:
+                goal = self._move_edges(effort)
             if last or not self.step.worst > self.goal:
                 break
             share = max(self.step.bound, 1)
@@ -194,6 +262,21 @@ class Descent:
                 break
             effort.stuck = 0
             self._convolve(effort)
+
+    def _step(self, snap: float, goal: float) -> None:
+        """Step along the direction, and find the next one unless the violation is within `goal`."""
+        step, direction = _solver_kernels.iterate(self.packed, tuple(self.direction), snap, goal)
+        self.step, self.direction = Step(*step), Direction(*direction)
+
+    def _move_edges(self, effort: Effort) -> float:
+        """Move the edges to the place that the present gaps give them; return the next goal [m]."""
+        effort.moves += 1
+        _solver_kernels.move_edges(self.packed)
+        self.direction = Direction(0.0, 0.0, 0.0, 1.0)
+        self._step(0.0, self.goal)
+        if effort.moves > MAX_MOVES:
+            return self.goal
+        return max(self.goal, TO_GO * self.step.worst)
 
     def settle(self, effort: Effort) -> None:
         """Make the pressures carry the load exactly.
@@ -218,6 +301,6 @@ class Descent:
         np.clip(p, 0.0, self.limits.hardness, out=p)
 
     def _convolve(self, effort: Effort) -> None:
-        self.transforms.apply(self.rows)
+        self.transforms.apply(self.rows, self._listed)
         self.half_space.count += 1
         effort.iterations += 1

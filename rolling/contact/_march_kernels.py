@@ -1,4 +1,4 @@
-"""Compiled passes of the march: gap, overlap, edges within cells, trends and measures.
+"""Compiled passes of the march: gap, overlap, trends and measures.
 
 Rows and columns count on the unrolled plate; heights repeat with their period.
 """
@@ -32,6 +32,18 @@ def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
                 out[i, j + k] = rise + dy * dy * curvature - z[node + k]
             j += stretch
             node = 0
+
+
+@njit(cache=True)
+def cell_tops(heights, out):
+    """Set `out` to the maximum height within the cell of each node, by the slope at the node."""
+    along, across = heights.shape
+    for i in range(along):
+        before, after = heights[i - 1], heights[(i + 1) % along]
+        for j in range(across):
+            rise = after[j] - before[j]
+            tilt = heights[i, (j + 1) % across] - heights[i, j - 1]
+            out[i, j] = heights[i, j] + 0.25 * np.sqrt(rise * rise + tilt * tilt)
 
 
 @njit(cache=True)
@@ -123,69 +135,15 @@ def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend
 
 
 @njit(cache=True)
-def cell_ranges(gap, u, u_trend, p, share, most, out):
-    """Set `out` to a share of half the range [m] of the deflected gap over cells.
-
-    The cells belong to loaded nodes and their neighbours.
-
-    `u_trend` is the expected change of the deflection, empty for none; no range exceeds `most` [m].
-    """
-    rows, columns = p.shape
-    for j in range(columns):
-        out[0, j] = out[rows - 1, j] = 0.0
-    for i in range(1, rows - 1):
-        out[i, 0] = out[i, columns - 1] = 0.0
-        for j in range(1, columns - 1):
-            out[i, j] = 0.0
-            if (
-                p[i, j] > 0.0
-                or p[i - 1, j] > 0.0
-                or p[i + 1, j] > 0.0
-                or p[i, j - 1] > 0.0
-                or p[i, j + 1] > 0.0
-            ):
-                along = gap[i + 1, j] + u[i + 1, j] - gap[i - 1, j] - u[i - 1, j]
-                across = gap[i, j + 1] + u[i, j + 1] - gap[i, j - 1] - u[i, j - 1]
-                if u_trend.size:
-                    along += u_trend[i + 1, j] - u_trend[i - 1, j]
-                    across += u_trend[i, j + 1] - u_trend[i, j - 1]
-                out[i, j] = min(0.25 * share * (abs(along) + abs(across)), most)
-
-
-@njit(cache=True)
-def beside_open(pressure, i, j):
-    """Tell whether a direct neighbour of a node is open; nodes outside the window are open."""
-    rows, columns = pressure.shape
-    if i == 0 or j == 0 or i == rows - 1 or j == columns - 1:
-        return True
-    return not (
-        pressure[i - 1, j] > 0
-        and pressure[i + 1, j] > 0
-        and pressure[i, j - 1] > 0
-        and pressure[i, j + 1] > 0
-    )
-
-
-@njit(cache=True)
-def beside_bound(pressure, i, j, hardness):
-    """Tell whether any of the eight nodes around a node is at the hardness."""
-    for a in range(max(0, i - 1), min(pressure.shape[0], i + 2)):
-        for b in range(max(0, j - 1), min(pressure.shape[1], j + 2)):
-            if pressure[a, b] >= hardness:
-                return True
-    return False
-
-
-@njit(cache=True)
-def loaded(pressure, deflection, hardness, blended):
+def loaded(pressure, deflection, hardness, edge, levelled):
     """Measure the loaded nodes of a window.
 
     Returns the numbers of nodes in contact and at the hardness, the maximum pressure, the sum of p
     u, and the block of the loaded nodes.
 
-    Where edges are blended, a node between open nodes and a node at the hardness is a partial cell:
-    it counts with the share of its cell that bears the hardness. An edge without a neighbour at the
-    hardness is elastic.
+    A cell that the edge of a patch crosses is in contact and at the hardness on its share of the
+    hardness. It counts so as far as its range of gaps counts (see `cell_ranges`), and as an elastic
+    node for the rest. An empty `edge` means sharp edges.
     """
     count = 0.0
     capped = 0.0
@@ -199,13 +157,10 @@ def loaded(pressure, deflection, hardness, blended):
                 if p >= hardness:
                     count += 1.0
                     capped += 1.0
-                elif (
-                    blended
-                    and beside_open(pressure, i, j)
-                    and beside_bound(pressure, i, j, hardness)
-                ):
-                    count += p / hardness
-                    capped += p / hardness
+                elif edge.size and edge[i, j] > 0.0:
+                    crossed = edge[i, j] / max(edge[i, j], 0.5 * edge[i, j] + levelled)
+                    count += 1.0 - crossed * (1.0 - p / hardness)
+                    capped += crossed * p / hardness
                 else:
                     count += 1.0
                 maximum = max(maximum, p)

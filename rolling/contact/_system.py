@@ -138,6 +138,24 @@ class Work(NamedTuple):
     active: Indices
 
 
+class Edges(NamedTuple):
+    """The edges within the cells of candidates; arrays are empty where edges are sharp.
+
+    Parameters
+    ----------
+    edge : half of the range of gaps over the cell, m.
+    between_nodes : undeformed gap as it runs within cells less the gap of the nodes, m.
+    field : flat array, m. Grid as that of the stencil, for the gap as it runs within cells; it is
+        not a number off the candidates.
+    levelled : float, m. Half range that elastic pressures level.
+    """
+
+    edge: Array
+    between_nodes: Array
+    field: Array
+    levelled: float
+
+
 class System(NamedTuple):
     """One descent: its candidates and all arrays that keep their place in memory."""
 
@@ -146,6 +164,7 @@ class System(NamedTuple):
     stencil: Stencil
     work: Work
     limits: Limits
+    edges: Edges
 
 
 def pack(system: System) -> tuple[tuple[Any, ...], ...]:
@@ -156,9 +175,14 @@ def pack(system: System) -> tuple[tuple[Any, ...], ...]:
 @njit(cache=True)
 def unpack(packed):
     """Rebuild the System from its plain tuples."""
-    nodes, transform, stencil, work, limits = packed
+    nodes, transform, stencil, work, limits, edges = packed
     return System(
-        Nodes(*nodes), Transform(*transform), Stencil(*stencil), Work(*work), Limits(*limits)
+        Nodes(*nodes),
+        Transform(*transform),
+        Stencil(*stencil),
+        Work(*work),
+        Limits(*limits),
+        Edges(*edges),
     )
 
 
@@ -174,7 +198,7 @@ class Direction(NamedTuple):
     zr : float, Pa m
         Product z.r, 0 where the next direction forgets this direction.
     length : float
-        Accumulated step length of the unprojected direction, for the next beta.
+        Share of the preconditioned residual in the direction, from the step lengths so far.
     """
 
     slope: float

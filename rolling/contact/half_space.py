@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 import pyfftw
+from numpy.typing import NDArray
 
 from rolling._typing import Array
 from rolling.contact._compiled import njit
@@ -140,6 +141,8 @@ class HalfSpace:
         Deflection per pressure and coefficient.
     count : int
         Number of convolutions so far, a cost that does not depend on the machine.
+    subcells : int
+        Nodes along the side of a cell of the transforms, 1 here.
 
     Examples
     --------
@@ -160,6 +163,7 @@ class HalfSpace:
         self.unit = spacing / (np.pi * contact_modulus)
         self._convolutions: dict[tuple[int, int, bool], Convolution] = {}
         self.count = 0
+        self.subcells = 1
 
     def deflection(self, pressure: Array) -> Array:
         """Compute the deflection of the nodes of a window by the pressure on them.
@@ -198,10 +202,18 @@ class HalfSpace:
 
         The caller that applies them adds to `count`.
         """
-        key = (padded_length(row_reach, single), padded_length(column_reach, single), single)
+        key = (self._length(row_reach, single), self._length(column_reach, single), single)
         if key not in self._convolutions:
-            self._convolutions[key] = Convolution(*key)
+            self._convolutions[key] = self._make(*key)
         return self._convolutions[key]
+
+    def _make(self, m: int, n: int, single: bool) -> Convolution:
+        """Make the transforms of a padded size."""
+        return Convolution(m, n, single, _love_spectrum(m, n))
+
+    def _length(self, reach: int, single: bool) -> int:
+        """Return the padded length for nodes up to `reach` spacings from one another."""
+        return padded_length(reach, single)
 
 
 @njit(cache=True)
@@ -247,6 +259,8 @@ class Convolution:
     single : bool
         If true, transforms are in single precision: their error is about 1e-7 of the maximum
         deflection, and they are up to twice as fast.
+    spectrum : (m, n // 2 + 1) array
+        Transform of the wrapped coefficients.
 
     Attributes
     ----------
@@ -255,18 +269,16 @@ class Convolution:
         spacing / (pi E*) afterwards.
     """
 
-    def __init__(self, m: int, n: int, single: bool) -> None:
+    def __init__(self, m: int, n: int, single: bool, spectrum: Array) -> None:
         real, both = ("float32", "complex64") if single else ("float64", "complex128")
         self.single = single
-        self.real = pyfftw.zeros_aligned((m, n), real)
+        self.real = self._image = pyfftw.zeros_aligned((m, n), real)
         self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
         self._as_pairs = self._lines.view(real)
         # Each coefficient stands twice, for the real and the imaginary part of its line. The
         # coefficients are even along the columns, so half of the rows suffices and leaves the cache
         # to the lines.
-        self._coefficients = np.repeat(
-            _love_spectrum(m, n)[: m // 2 + 1] / (m * n), 2, axis=1
-        ).astype(real)
+        self._coefficients = np.repeat(spectrum[: m // 2 + 1] / (m * n), 2, axis=1).astype(real)
         # FFTW_ESTIMATE is used because plans that are chosen by timing differ from run to run, and
         # the last digits with them.
         flags = ("FFTW_ESTIMATE",)
@@ -285,14 +297,24 @@ class Convolution:
         view: Array = self.real[: rows + 8]
         return view
 
-    def apply(self, rows: int) -> None:
+    def cells_of(
+        self, node: NDArray[np.int64], columns: int, corner: tuple[int, int]
+    ) -> NDArray[np.int64] | None:
+        """Return None, because each node is a cell."""
+        return None
+
+    def apply(self, rows: int, listed: NDArray[np.int64] | None = None) -> None:
         """Replace the pressure on the first `rows` rows by their deflection.
 
         The rows below are invalid afterwards.
         """
-        rows = min(-8 * (-rows // 8), self.real.shape[0])
+        self._transform(rows)
+
+    def _transform(self, rows: int) -> None:
+        """Convolve the first `rows` rows of the array of the transforms."""
+        rows = min(-8 * (-rows // 8), self._image.shape[0])
         if rows not in self._row_plans:
-            head, lines = self.real[:rows], self._lines[:rows]
+            head, lines = self._image[:rows], self._lines[:rows]
             backward = {
                 "direction": "FFTW_BACKWARD",
                 "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"),

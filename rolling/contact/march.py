@@ -24,17 +24,6 @@ LOOK_AHEAD = 4
 # This is the minimum useful weight of the sphere-fixed start. Below it the plate-fixed start
 # converges as fast and needs no mixing.
 LEAST_SHARE = 0.2
-# This share of half the range of gaps over a cell was chosen by trial on the quickstart at 5 N (Ra
-# 0.1 um, Gaussian law, 2.1 GPa): between spacings of 2 um and 0.5 um the difference was -20.1,
-# -20.9, -19.8 dB with shares of 0.5, 0.7, 0.9. Other scenes were not tried.
-EDGE_SHARE = 0.7
-# This share of the maximum deflection limits edges, so that cliffs do not make a contact soft. The
-# edges of ground surfaces do not reach it.
-MOST_EDGE = 0.2
-# In so many positions before the first, blended edges forget most of the cold start. The remainder
-# depends on the scene: over 100 steps it was -66, -53, -57 dB of the release signal in the
-# quickstart at 5, 20, 100 N, -97 dB at Ra 1 um, and -46 dB or more on pits.
-RUN_IN = 3
 # The tolerance of a cold start is multiplied by this factor, so that its error does not stand out
 # among warm starts.
 COLD_TIGHTENING = 0.1
@@ -45,9 +34,8 @@ def march(
 ) -> Iterator[ContactState]:
     """Solve the contact at the positions first, first + 1, ..., last.
 
-    The march begins with a cold start at the first position, or a few positions earlier where edges
-    are blended. The states depend on `first` but not on earlier marches, so pieces of a track may
-    be marched anywhere.
+    The march begins with a cold start at the first position. The states depend on `first` but not
+    on earlier marches, so pieces of a track may be marched anywhere.
 
     Parameters
     ----------
@@ -89,7 +77,7 @@ def march(
     _refuse_the_impossible(contact)
     state: ContactState | None = None
     before: ContactState | None = None
-    for k in range(first - (RUN_IN if contact.has_blended_edges else 0), last + 1):
+    for k in range(first, last + 1):
         here = contact.loaded_at(k)
         try:
             following = (
@@ -98,13 +86,11 @@ def march(
                 else _follow(here, k, half_space, state, before)
             )
         except ContactError as error:
-            place = f"step {k}" if k >= first else f"on the way to step {first}"
             raise ContactError(
-                f"{place} (sphere at {contact.position(k) * 1e3:.4f} mm): {error}"
+                f"step {k} (sphere at {contact.position(k) * 1e3:.4f} mm): {error}"
             ) from error
         state, before = following, state
-        if k >= first:
-            yield state
+        yield state
 
 
 @dataclass(frozen=True)
@@ -117,8 +103,6 @@ class _Problem:
         Undeformed gap.
     approach : float, m
         Approach up to which the window holds the overlap.
-    edge : (rows, columns) array, m, or None
-        Half of the range of gaps over cells (see `solve_contact`).
     """
 
     contact: RollingContact
@@ -127,14 +111,19 @@ class _Problem:
     window: Window
     gap: Array
     approach: float
-    edge: Array | None = None
 
     def solve(self, start: WarmStart, tolerance: float) -> Contact:
         """Solve the contact from a warm start to a tolerance."""
         contact = self.contact
         options = SolverOptions(tolerance, contact.single)
         return solver.solve_contact(
-            self.half_space, self.gap, contact.load, start, contact.hardness, self.edge, options
+            self.half_space,
+            self.gap,
+            contact.load,
+            start,
+            contact.hardness,
+            contact.shape(self.k, self.window, self.gap),
+            options,
         )
 
     def wider(self, approach: float) -> _Problem | None:
@@ -145,9 +134,8 @@ class _Problem:
         overlap = self.contact.overlap(self.k, approach) if approach > self.approach else None
         if overlap is None or self.window.covers(overlap):
             return None
-        window = _room([self.window, overlap])
-        edge = None if self.edge is None else self.window.moved(self.edge, window)
-        return replace(self, window=window, gap=self.contact.gap(self.k, window), edge=edge)
+        window = _room([self.window, overlap], self.contact.subcells)
+        return replace(self, window=window, gap=self.contact.gap(self.k, window))
 
 
 def _solve(problem: _Problem, start: WarmStart, tolerance: float) -> ContactState:
@@ -174,7 +162,11 @@ def _state(problem: _Problem, solved: Contact) -> ContactState:
     """Measure a solved contact: its loaded block, areas, maxima and energy."""
     contact, window = problem.contact, problem.window
     count, capped, maximum, work, *block = _march_kernels.loaded(
-        solved.pressure, solved.deflection, contact.hardness, problem.edge is not None
+        solved.pressure,
+        solved.deflection,
+        contact.hardness,
+        np.empty((0, 0)) if solved.edge is None else solved.edge,
+        solver.levelled_range(problem.half_space, contact.hardness),
     )
     cell = contact.spacing**2
     loaded = Window(
@@ -199,7 +191,7 @@ def _state(problem: _Problem, solved: Contact) -> ContactState:
         residual=solved.residual,
         iterations=solved.iterations,
         convolutions=0,
-        edge=problem.edge,
+        edge=solved.edge,
     )
 
 
@@ -217,37 +209,11 @@ def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactSta
         round(contact.mid_width / contact.spacing),
     )
     around = Window(centre - nodes, middle - nodes, 2 * nodes + 1, 2 * nodes + 1)
-    window = _room([around, *_overlaps(contact, k, hertz**2 / contact.radius)])
+    window = _room([around, *_overlaps(contact, k, hertz**2 / contact.radius)], contact.subcells)
     gap = contact.gap(k, window)
     pressure = solver.foundation(gap, contact.load, contact.spacing, stiffness, contact.hardness)
     problem = _Problem(contact, k, half_space, window, gap, -np.inf)
-    state = _solve(problem, WarmStart(pressure), COLD_TIGHTENING * contact.tolerance)
-    return _blend(contact, half_space, state) if contact.has_blended_edges else state
-
-
-def _blend(contact: RollingContact, half_space: HalfSpace, state: ContactState) -> ContactState:
-    """Solve the same position again with partial cells at the edges of patches.
-
-    Its own gaps determine where the patches end.
-    """
-    gap = contact.gap(state.position, state.window)
-    edge = _edges(gap, state.pressure, state.deflection)
-    problem = _Problem(contact, state.position, half_space, state.window, gap, state.approach, edge)
-    return _solve(
-        problem, WarmStart(state.pressure, close=True), COLD_TIGHTENING * contact.tolerance
-    )
-
-
-def _edges(gap: Array, pressure: Array, deflection: Array, trend: Trend | None = None) -> Array:
-    """Compute half the range of gaps [m] over cells that the edge of a patch may cross.
-
-    The patch is at the hardness.
-    """
-    out = np.empty_like(gap)
-    most = MOST_EDGE * float(deflection.max())
-    change = np.empty((0, 0)) if trend is None else trend.deflection
-    _march_kernels.cell_ranges(gap, deflection, change, pressure, EDGE_SHARE, most, out)
-    return out
+    return _solve(problem, WarmStart(pressure), COLD_TIGHTENING * contact.tolerance)
 
 
 def _follow(
@@ -271,7 +237,7 @@ def _follow(
     ahead = (
         _overlaps(contact, k + 1, approach) if contact.step <= LOOK_AHEAD * contact.spacing else []
     )
-    window = _room([needed, *ahead])
+    window = _room([needed, *ahead], contact.subcells)
     gap = contact.gap(k, window)
     pressure = state.window.moved(state.pressure, window)
     known = state.window.covers(needed)
@@ -283,11 +249,7 @@ def _follow(
     trend = None
     if before is not None and deflection is not None:
         trend = _trend(pressure, deflection, window, before)
-    edge = None
-    if contact.has_blended_edges:
-        deflection = half_space.deflection(pressure) if deflection is None else deflection
-        edge = _edges(gap, pressure, deflection, trend)
-    problem = _Problem(contact, k, half_space, window, gap, approach, edge)
+    problem = _Problem(contact, k, half_space, window, gap, approach)
     following = _solve(
         problem, WarmStart(pressure, deflection, trend, close=True), contact.tolerance
     )
@@ -337,13 +299,16 @@ def _overlaps(contact: RollingContact, k: int, approach: float) -> list[Window]:
     return [] if overlap is None else [overlap]
 
 
-def _room(windows: list[Window]) -> Window:
-    """Return the window of the solve, which covers the given windows and a border."""
-    window = Window.around(windows).bordered()
-    if max(window.rows, window.columns) > MOST_NODES:
+def _room(windows: list[Window], subcells: int) -> Window:
+    """Return the window of the solve: the given windows and a border, in whole cells."""
+    window = Window.around(windows).bordered().whole(subcells)
+    rows, columns = window.rows // subcells, window.columns // subcells
+    # The transforms of sub-cells need a border of one cell all around.
+    most = MOST_NODES if subcells == 1 else MOST_NODES - 4
+    if max(rows, columns) > most:
         raise ContactError(
-            f"the contact needs a window of {window.rows} by {window.columns} nodes, more than the"
-            f" {MOST_NODES} there is room for; take a larger spacing"
+            f"the contact needs a window of {rows} by {columns} nodes, more than the"
+            f" {most} there is room for; take a larger spacing"
         )
     return window
 

@@ -19,6 +19,7 @@ from rolling._typing import Array
 from rolling.contact import _recovery_kernels
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.state import ContactState
+from rolling.contact.subcells import cell_means
 from rolling.contact.window import Window
 
 
@@ -116,13 +117,19 @@ class EventTable:
     def __post_init__(self) -> None:
         self._open = np.full(self.shape, -1, dtype=np.int64)
 
-    def add(self, step: int, work: StepEnergy) -> None:
-        """Add the releases between positions `step` and `step` + 1."""
-        origin = work.window.row, work.window.column
+    def add(self, step: int, work: StepEnergy, subcells: int = 1) -> None:
+        """Add the releases between positions `step` and `step` + 1.
+
+        The release of a node is that of so many sub-cells along and across.
+        """
+        window, released = work.window.cells(subcells), work.node_work
+        if subcells > 1:
+            released = cell_means(np.maximum(released, 0.0), subcells) * subcells**2
+        origin = window.row, window.column
         while True:
             table = self.node, self.first, self.last, self.energy, self.peak
             count = _recovery_kernels.extend_events(
-                work.node_work, origin, step, self._open, table, self.count
+                released, origin, step, self._open, table, self.count
             )
             if count >= 0:
                 self.count = int(count)

@@ -42,6 +42,12 @@ class RollingContact:
     blended : bool
         If true, nodes at the edge of yielding patches bear the share of their cell in contact.
         Default: false.
+    subcells : int
+        Nodes along the side of a cell of the transforms; nodes are sub-cells where it is more than
+        1. Cells begin at node 0, and their centre is a place of the track. Default: 1.
+    slopes : bool
+        If true, the surface continues between the nodes; otherwise each cell is flat. Default:
+        true.
     loads : (positions,) array, N, or None
         Load at each position of a lap, instead of the same load at all. Default: None.
     """
@@ -57,12 +63,24 @@ class RollingContact:
     tolerance: float
     single: bool = True
     blended: bool = False
+    subcells: int = 1
+    slopes: bool = True
     loads: Array | None = None
+
+    @cached_property
+    def tops(self) -> Array:
+        """Maximum height within the cell of each node, an (along, across) array [m].
+
+        With blended edges a cell rises above its node by half its range.
+        """
+        if not (self.has_blended_edges and self.slopes and self.heights.any()):
+            return self.heights
+        return _tops(self.heights)
 
     @cached_property
     def row_highest(self) -> Array:
         """Maximum height of each row, an (along,) array [m]."""
-        highest: Array = self.heights.max(axis=1)
+        highest: Array = self.tops.max(axis=1)
         return highest
 
     @cached_property
@@ -96,37 +114,83 @@ class RollingContact:
         """Return the distance [m] of the centre of the sphere along the track at position k."""
         return self.start + k * self.step
 
+    @property
+    def cell_spacing(self) -> float:
+        """Side of a cell [m]."""
+        return self.spacing * self.subcells
+
+    @property
+    def cell_shape(self) -> tuple[int, int]:
+        """Numbers of cells of the surface along and across."""
+        along, across = self.heights.shape
+        return along // self.subcells, across // self.subcells
+
+    @property
+    def off_centre(self) -> float:
+        """Distance from the first node of a cell to the centre of the cell [m]."""
+        return (self.subcells - 1) / 2 * self.spacing
+
     def overlap(self, k: int, approach: float) -> Window | None:
         """Find the window where the undeformed gap is below the approach [m] at position k.
 
         Contact at this approach or a smaller approach lies inside. Return None without overlap.
+
+        With blended edges a node may bear part of its cell. The gap then is that of the top of each
+        cell, and a border of one node allows for the slope that the sphere adds.
         """
         block = _march_kernels.overlap_block(
-            self.heights,
+            self.tops,
             self.row_highest,
             self.highest,
             self.spacing,
             self.radius,
-            self.position(k),
+            self.position(k) + self.off_centre,
             self.mid_width,
             approach,
         )
-        return Window.spanning([block]) if block[1] >= block[0] else None
+        if block[1] < block[0]:
+            return None
+        window = Window.spanning([block])
+        return window.bordered() if self.has_blended_edges else window
 
     def gap(self, k: int, window: Window) -> Array:
         """Compute the undeformed gap on a window at position k, a (rows, columns) array [m]."""
+        return self._gap(k, window, self.heights)
+
+    def shape(self, k: int, window: Window, gap: Array) -> Array | None:
+        """Return the gap as it continues within cells, for blended edges; None for sharp edges.
+
+        Where cells are flat, it is the gap of the sphere alone.
+        """
+        if not self.has_blended_edges:
+            return None
+        return gap if self.slopes else self._gap(k, window, np.zeros((1, 1)))
+
+    def _gap(self, k: int, window: Window, heights: Array) -> Array:
         out = np.empty((window.rows, window.columns))
         _march_kernels.undeformed_gap(
-            self.heights,
+            heights,
             self.spacing,
             self.radius,
-            self.position(k),
+            self.position(k) + self.off_centre,
             self.mid_width,
             window.row,
             window.column,
             out,
         )
         return out
+
+
+_kept_tops: list[tuple[Array, Array]] = []  # heights and tops of the last surface
+
+
+def _tops(heights: Array) -> Array:
+    """Return the tops of cells; the last surface is kept for the further pieces of its track."""
+    if not _kept_tops or _kept_tops[0][0] is not heights:
+        tops = np.empty_like(heights)
+        _march_kernels.cell_tops(heights, tops)
+        _kept_tops[:] = [(heights, tops)]
+    return _kept_tops[0][1]
 
 
 @dataclass(frozen=True)
@@ -160,8 +224,7 @@ class ContactState:
     iterations, convolutions : int
         Cost of the solve.
     edge : (rows, columns) array, m, or None
-        Half the range of gaps over partial cells, in which a patch may end; None unless edges are
-        blended.
+        Half the range of gaps over the cells; None unless edges are blended.
     sphere_share : float
         Share of the initial pressures that moved with the sphere; the rest stayed with the plate.
     """

@@ -58,6 +58,22 @@ class Window:
         """Add a node on every side, open in any contact that this window cannot cut off."""
         return Window(self.row - 1, self.column - 1, self.rows + 2, self.columns + 2)
 
+    def whole(self, subcells: int) -> Window:
+        """Widen the window to whole cells of so many nodes along and across."""
+        row, column = self.row // subcells * subcells, self.column // subcells * subcells
+        rows = -(-(self.row + self.rows - row) // subcells) * subcells
+        columns = -(-(self.column + self.columns - column) // subcells) * subcells
+        return Window(row, column, rows, columns)
+
+    def cells(self, subcells: int) -> Window:
+        """Return the cells of a window of whole cells."""
+        return Window(
+            self.row // subcells,
+            self.column // subcells,
+            self.rows // subcells,
+            self.columns // subcells,
+        )
+
     def moved(self, values: Array, target: Window) -> Array:
         """Copy values (rows, columns) of this window into the target window.
 

@@ -477,6 +477,12 @@ class Numerics(Section):
         description="Nodes at the edge of yielding patches: sharp loads them in full or not at"
         " all, blended by the share of their cell in contact",
     )
+    subcells: Literal["auto", 1, 2, 4] = Field(
+        default="auto",
+        description="Sub-cells along the side of each node's cell, with heights, pressures and"
+        " bounds of their own; auto takes 2 on steep surfaces that yield with blended edges, else"
+        " 1",
+    )
     precision: Literal["single", "double"] = Field(
         default="single",
         description="Precision of the transforms in the iteration; a solution is accepted after a"

@@ -24,8 +24,8 @@ from rolling.simulation.result import Result
 from rolling.simulation.stretches import ErrorStretches, March
 from rolling.sound import error_estimate
 from rolling.sound.error_estimate import BandPowers, StretchReleases
-from rolling.surface import refined
 from rolling.surface.contact_of_scene import rolling_contact
+from rolling.surface.refined import cells_of_patch
 from rolling.surface.scene_surface import heights
 
 # ---- the stretches to march
@@ -147,33 +147,37 @@ def tasks(scene: Scene, result: Result, run: int, step_seconds: float) -> list[p
     return made
 
 
+# Side of a cell on each level, in cells of the run.
+SIDES = {"tight": 1.0, "fine": 0.5, "coarse": 2.0}
+
+
 def contact_of(scene: Scene, level: str, first: int, steps: int) -> RollingContact:
     """Return the contact of a stretch on a level, on the patch of surface around it.
 
-    Position 0 of the contact is the first position of the stretch.
+    Position 0 of the contact is the first position of the stretch. All levels have the run's number
+    of sub-cells per cell.
     """
     whole, surface = rolling_contact(scene), heights(scene)
     # Twice the radius of overlap holds the highest peaks, and a few nodes hold the run-in.
+    spacing, side = whole.cell_spacing, SIDES[level]
     margin = math.ceil(
-        (2 * cost.overlap_radius(scene, cost.roughness(scene)[0]) + 8 * whole.step) / whole.spacing
+        (2 * cost.overlap_radius(scene, cost.roughness(scene)[0]) + 8 * whole.step) / spacing
     )
     place = whole.position(first)
-    row = math.floor(place / whole.spacing) - margin
-    rows = math.ceil(steps * whole.step / whole.spacing) + 2 * margin
+    row = math.floor(place / spacing) - margin
+    rows = math.ceil(steps * whole.step / spacing) + 2 * margin
     if rows >= len(surface):
         row, rows = 0, len(surface)
     rows += rows % 2
-    begin = place - row * whole.spacing
-    if level == "tight":
-        tolerance, spacing = error_cost.tight_tolerance(scene), whole.spacing
-        over = refined.patch(surface, row, rows)
-    elif level == "fine":
-        tolerance, spacing = error_cost.tight_tolerance(scene), whole.spacing / 2
-        over = refined.refined_patch(surface, row, rows)
-    else:
-        tolerance, spacing = whole.tolerance, whole.spacing * 2
-        over = refined.coarsened_patch(surface, row, rows)
-    return replace(whole, heights=over, spacing=spacing, start=begin, tolerance=tolerance)
+    # Flat cells begin where the cells of the run begin, and places count from a centre.
+    off_centre = 0.0 if whole.slopes else (side - 1) / 2 * spacing
+    return replace(
+        whole,
+        heights=cells_of_patch(surface, row, rows, side, whole.subcells, whole.slopes),
+        spacing=whole.spacing * side,
+        start=place - row * spacing - off_centre,
+        tolerance=whole.tolerance if level == "coarse" else error_cost.tight_tolerance(scene),
+    )
 
 
 def march_stretch(

@@ -299,7 +299,7 @@ def march_load(
         raise ContactError(fault)
     began = time.perf_counter()
     contact = replace(rolling_contact(scene), load=load)
-    half_space = simulate.half_space(contact.spacing, contact.contact_modulus)
+    half_space = simulate.half_space(contact.spacing, contact.contact_modulus, contact.subcells)
     approach: list[float] = []
     try:
         for state in march(contact, first, last, half_space):

@@ -63,6 +63,7 @@ WORDS = {  # in the order in which labels name them
     "surface.spacing_um": Word("spacing", "µm"),
     "numerics.step_nodes": Word("step", "nodes"),
     "numerics.edges": Word("edges"),
+    "numerics.subcells": Word("sub-cells"),
     "recovery.rule": Word("release rule"),
     "sound.source": Word("source"),
     "sound.ball": Word("ball"),

@@ -137,7 +137,7 @@ def march_moving(
     if surface_sha256 and (fault := simulate.surface_fault(scene, surface_sha256)):
         raise ContactError(fault)
     contact = replace(rolling_contact(scene), loads=force)
-    elastic = simulate.half_space(contact.spacing, contact.contact_modulus)
+    elastic = simulate.half_space(contact.spacing, contact.contact_modulus, contact.subcells)
     left_end = scene.recovery.rule == "left_end"
     steps: dict[str, list[float]] = {name: [] for name in MOVING_SERIES}
     approach, old = list[float](), None

@@ -21,6 +21,7 @@ from rolling.contact.march import march
 from rolling.contact.recovery import EventTable, step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
+from rolling.contact.subcells import cell_means, half_space_of
 from rolling.scene.identity import Identity, other_surface
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -28,8 +29,7 @@ from rolling.simulation import pool
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import scene_surface
 
-# Steps of a piece. A cold start costs about three steps, or seven with blended edges and their
-# run-in: 1.5 or 3.5 % of a piece.
+# Steps of a piece. A cold start costs about three steps, which is 1.5 % of a piece.
 PIECE_STEPS = 200
 MAPS = 120  # maximum number of pressure maps of a run: the eye follows about as many in ten seconds
 MAP_CELLS = 96  # maximum number of cells along a side of a map
@@ -120,9 +120,9 @@ def surface_fault(scene: Scene, solved: str | None) -> str | None:
 
 
 @lru_cache(maxsize=4)
-def half_space(spacing: float, contact_modulus: float) -> HalfSpace:
-    """Return the half-space of a spacing [m] and a contact modulus [Pa], made once."""
-    return HalfSpace(spacing, contact_modulus)
+def half_space(spacing: float, contact_modulus: float, subcells: int) -> HalfSpace:
+    """Return the half-space of a spacing [m], a contact modulus [Pa] and sub-cells, made once."""
+    return half_space_of(spacing, contact_modulus, subcells)
 
 
 def pieces(steps: int) -> list[tuple[int, int]]:
@@ -138,24 +138,31 @@ def mapped_positions(steps: int) -> NDArray[np.int64]:
     return np.unique(np.arange(MAPS) * steps // MAPS)
 
 
-def pressure_map(state: ContactState, distance: float, spacing: float) -> PressureMap:
+def pressure_map(state: ContactState, contact: RollingContact) -> PressureMap:
     """Return the pressure map of a state, with enough nodes per cell to keep the map small."""
-    loaded, window = state.loaded, state.window
+    r = contact.subcells
+    spacing, window = contact.cell_spacing, state.window.cells(r)
+    loaded = state.loaded.whole(r).cells(r)
     across = max(loaded.rows, loaded.columns)
     nodes = -(-across // MAP_CELLS)
     # All cells are whole, so the last row and column reach over unloaded nodes.
     rows, columns = (-(-count // nodes) for count in (loaded.rows, loaded.columns))
     pressure = np.zeros((rows * nodes, columns * nodes))
-    pressure[: loaded.rows, : loaded.columns] = window.moved(state.pressure, loaded)
+    pressure[: loaded.rows, : loaded.columns] = window.moved(cell_means(state.pressure, r), loaded)
     means = pressure.reshape(rows, nodes, columns, nodes).mean(axis=(1, 3))
     corner = (loaded.row - 0.5) * spacing, (loaded.column - 0.5) * spacing
+    distance = contact.position(state.position)
     return PressureMap(state.position, distance, *corner, nodes * spacing, means.astype(np.float32))
 
 
 def _snapshot(state: ContactState, contact: RollingContact) -> Snapshot:
-    """Return pressure and deflection of a state with the corner of its window."""
-    row, column = state.window.row * contact.spacing, state.window.column * contact.spacing
-    return Snapshot(contact.position(state.position), row, column, state.pressure, state.deflection)
+    """Return cell means of pressure and deflection of a state with the corner of its window."""
+    window = state.window.cells(contact.subcells)
+    row, column = window.row * contact.cell_spacing, window.column * contact.cell_spacing
+    pressure, deflection = (
+        cell_means(values, contact.subcells) for values in (state.pressure, state.deflection)
+    )
+    return Snapshot(contact.position(state.position), row, column, pressure, deflection)
 
 
 def simulate_piece(
@@ -184,10 +191,10 @@ def simulate_piece(
     Interrupted : `stopped` returned true.
     """
     contact = contact or rolling_contact(scene)
-    elastic = half_space(contact.spacing, contact.contact_modulus)
+    elastic = half_space(contact.spacing, contact.contact_modulus, contact.subcells)
     left_end = scene.recovery is not None and scene.recovery.rule == "left_end"
     table = (
-        EventTable(contact.heights.shape)
+        EventTable(contact.cell_shape)
         if scene.recovery is not None and scene.recovery.events
         else None
     )
@@ -205,7 +212,7 @@ def simulate_piece(
         if old is not None:
             energy = step_energy(old, state, elastic, left_end)
             if table is not None:
-                table.add(k - 1, energy)
+                table.add(k - 1, energy, contact.subcells)
             now = time.perf_counter()
             values = (energy.release, energy.loading, energy.defect, now - began)
             for name, value in zip(STEP_SERIES, values, strict=True):
@@ -216,7 +223,7 @@ def simulate_piece(
             for name in STATE_SERIES:
                 states[name][k - first - (first > 0)] = getattr(state, name)
             if k in kept_positions:
-                maps.append(pressure_map(state, contact.position(k), contact.spacing))
+                maps.append(pressure_map(state, contact))
         if k == last and first == 0:
             snapshot = _snapshot(state, contact)
         old = state

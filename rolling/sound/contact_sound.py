@@ -294,8 +294,7 @@ def _at_constant_speed(power: Array, closed: bool, duration: float, samples: int
     Its mean is subtracted if the record does not close.
     """
     if not closed:
-        # The fade applies to the fluctuation only.
-        power = resampling.fade(power - power.mean(), fade_length(len(power), duration))
+        power = faded(power, duration)
     return resampling.resample_closed(resampling.undo_step_mean(power), samples)
 
 
@@ -306,9 +305,7 @@ def _at_changing_speed(
     duration = motion.duration(len(per_metre) * step)
     # The mean is subtracted along the distance, because multiplied by a changing speed it would
     # sound as loud as the roughness.
-    signal = per_metre - per_metre.mean()
-    if not closed:
-        signal = resampling.fade(signal, fade_length(len(signal), duration))
+    signal = per_metre - per_metre.mean() if closed else faded(per_metre, duration)
     signal = resampling.undo_step_mean(signal)
     fine_samples = samples * oversampling(motion, duration, step)
     fine = np.arange(fine_samples) * duration / fine_samples
@@ -317,6 +314,18 @@ def _at_changing_speed(
         in_time * np.asarray(motion.speed(fine)), fade_length(fine_samples, duration)
     )
     return resampling.resample_closed(in_time, samples)
+
+
+def faded(signal: Array, duration: float) -> Array:
+    """Return the faded fluctuation of a signal.
+
+    Its mean is zero after the fade, so that a band limit moves the ends little.
+    """
+    ends = fade_length(len(signal), duration)
+    share = resampling.fade(np.ones(len(signal)), ends)
+    # Of two samples nothing is left, whatever their mean.
+    mean = float(signal @ share) / (share.sum() or 1.0)
+    return resampling.fade(signal - mean, ends)
 
 
 def fade_length(samples: int, duration: float) -> int:

@@ -8,18 +8,12 @@ from __future__ import annotations
 
 import math
 
-from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
 
 # This is the rms error of the release over its mean, in tolerances. Smooth spheres that are solved
 # anew at every position had 0.2 to 17 (steps of 1/2, 1/3 and 1/4 node, tolerances 1e-3 to 1e-8),
 # rough surfaces of Ra 1e-12 to 1e-7 m had 2 to 12 (tolerances 1e-3 to 1e-8).
 SOLVER_ERROR = 20.0
-# This rms over the mean remains from the restart of every piece where blended edges have not
-# forgotten the cold start. It does not depend on the tolerance: it was up to 2.7e-6 on smooth
-# yielding spheres in steps of whole nodes, and 4e-4 in fractions of a node.
-RESTART_ERROR = 1e-5
-RESTART_ERROR_BELOW_A_NODE = 1e-3
 DOUBTFUL_DB = 10.0  # above the solver's error, where levels are off by up to 1.5 dB
 
 
@@ -30,21 +24,7 @@ def resolved_fluctuation(scene: Scene) -> float:
 
     The error is white along the track: a band holds its share of the mean square.
     """
-    return SOLVER_ERROR * scene.numerics.tolerance + _restart_error(scene)
-
-
-def _restart_error(scene: Scene) -> float:
-    """Return the part of the error that does not depend on the tolerance.
-
-    It is zero where the smooth contact stays elastic.
-    """
-    yields = (
-        closed_forms.hertz_pressure(scene.load, scene.radius, scene.contact_modulus)
-        > scene.hardness
-    )
-    if not yields or scene.numerics.edges != "blended":
-        return 0.0
-    return RESTART_ERROR if scene.numerics.step_nodes >= 1 else RESTART_ERROR_BELOW_A_NODE
+    return SOLVER_ERROR * scene.numerics.tolerance
 
 
 def doubt(scene: Scene, audible_rms: float, resolved_rms: float) -> str | None:

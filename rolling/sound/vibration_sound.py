@@ -22,7 +22,7 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import Motion
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
-from rolling.sound.contact_sound import ContactSound, fade_length
+from rolling.sound.contact_sound import ContactSound, faded
 
 P_REF_W = 1e-12  # reference sound power
 
@@ -134,8 +134,7 @@ def vibrate(
     samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
     fluctuation = motion.force_n - scene.load
     if not closed:
-        ends = fade_length(len(fluctuation), duration)
-        fluctuation = resampling.fade(fluctuation - fluctuation.mean(), ends)
+        fluctuation = faded(fluctuation, duration)
     if scene.surface.kind == "smooth":  # what remains is the solver's error
         fluctuation = np.zeros_like(fluctuation)
     force = _heard(fluctuation, samples)

@@ -7,7 +7,9 @@ height_file
 levelling
     finds tilt and seam of measured heights and removes the tilt
 refined
-    interpolates heights between their nodes, for finer and coarser grids
+    computes heights between the nodes, on finer and coarser grids and on sub-cells
+steepness
+    finds steep surfaces, on which sub-cells pay
 scene_surface
     gives the surface of a scene, with its statistics and its digest
 contact_of_scene

@@ -1,7 +1,9 @@
-"""Surfaces between their nodes: whole surfaces and patches on finer and coarser grids.
+"""Heights between the nodes of a surface: on finer and coarser grids and on sub-cells of cells.
 
-Heights are interpolated as band-limited periodic surfaces. Every grid keeps the line of the sphere
-in the middle of its width.
+A surface whose spectrum has died out before the end of its grid is known between its nodes: there
+it is its trigonometric interpolation. Any other surface (pits, scratches, exponential laws) is
+taken to be flat within the cell of each node. Every grid keeps the line of the sphere in the middle
+of its width.
 """
 
 from __future__ import annotations
@@ -10,7 +12,31 @@ import numpy as np
 
 from rolling._typing import Array
 
+# Share of the Nyquist frequency along either axis, above which a spectrum should have died out.
+OUTER = 0.75
+# Maximum height of the part above that share, over the rms height.
+MOST_OUTER = 0.01
 _COLUMNS = 64  # number of columns that are transformed together, to save memory
+
+
+def dies_out(heights: Array) -> bool:
+    """Return whether the spectrum of heights (along, across) [m] dies out before the grid's end.
+
+    The part of the heights above three quarters of the Nyquist frequency, along either axis, is
+    nowhere more than 1 % of the rms height. A single pit of a node exceeds that limit.
+    """
+    if heights.min() == heights.max():  # without a copy of a large smooth plate
+        return True
+    z = heights - heights.mean()
+    rms = float(np.sqrt(np.mean(z**2)))
+    lines = np.fft.rfft2(z)
+    along, across = (
+        2 * np.abs(np.fft.fftfreq(z.shape[0])),
+        2 * np.abs(np.fft.rfftfreq(z.shape[1])),
+    )
+    lines[np.ix_(along < OUTER, across < OUTER)] = 0.0
+    outer = np.fft.irfft2(lines, s=z.shape)
+    return float(np.abs(outer).max()) <= MOST_OUTER * rms
 
 
 def refined(heights: Array, times: int) -> Array:
@@ -23,42 +49,92 @@ def refined(heights: Array, times: int) -> Array:
     return np.ascontiguousarray(_padded_lines(along.T, times, (times - 1) / 2).T)
 
 
-def refined_patch(heights: Array, first: int, rows: int) -> Array:
-    """Interpolate some rows of a surface to half its spacing.
-
-    The result equals these rows of `refined(heights, 2)`, and takes less memory.
+def subcell_heights(heights: Array, subcells: int, smooth: bool) -> Array:
+    """Return heights at the centres of the sub-cells, (along r, across r) [m].
 
     Parameters
     ----------
-    heights : (along, across) array, m. The whole surface, periodic along and across.
-    first, rows : int. First row and number of rows; rows beyond the ends are those of the next
+    heights : (along, across) array, m
+        Heights at the centres of cells.
+    subcells : int
+        Sub-cells r along the side of a cell.
+    smooth : bool
+        If true, the surface continues between the nodes; otherwise each cell is flat.
+    """
+    if subcells == 1:
+        return heights
+    if not heights.any():  # the zeros of a smooth plate take no memory
+        return np.zeros((heights.shape[0] * subcells, heights.shape[1] * subcells))
+    if not smooth:
+        return _repeated(heights, subcells)
+    shift = (subcells - 1) / 2
+    along = _padded_lines(heights, subcells, shift)
+    return np.ascontiguousarray(_padded_lines(along.T, subcells, shift).T)
+
+
+def cells_of_patch(
+    heights: Array, first: int, rows: int, side: float, subcells: int, smooth: bool
+) -> Array:
+    """Return heights of some rows of a surface on finer or coarser cells with their sub-cells.
+
+    Parameters
+    ----------
+    heights : (along, across) array, m
+        The whole surface, periodic along and across.
+    first, rows : int
+        First row and number of rows, which is even; rows beyond the ends are those of the next
         period.
+    side : float
+        Side of the new cells in nodes of the surface: 1/2, 1 or 2.
+    subcells : int
+        Sub-cells r along the side of a new cell.
+    smooth : bool
+        If true, the surface continues between the nodes, and the centre of the first new cell lies
+        on the first row. Otherwise each cell is flat, and new cells begin where old cells do.
+
+    Returns
+    -------
+    (rows r / side, across r / side) array, m
+        Heights at the centres of the sub-cells.
     """
-    fine = np.empty((2 * rows, heights.shape[1]))
-    fine[::2] = patch(heights, first, rows)
-    for column in range(0, heights.shape[1], _COLUMNS):
+    if not smooth:
+        return _repeated(_flat_patch(heights, first, rows, side), subcells)
+    fine, across = side / subcells, heights.shape[1]
+    along, width = round(rows / fine), int(across / side) * subcells
+    lines = np.empty((along, across))
+    for column in range(0, across, _COLUMNS):
         block = slice(column, column + _COLUMNS)
-        between = _padded_lines(heights[:, block], 1, -0.5)
-        fine[1::2, block] = patch(between, first, rows)
-    return np.ascontiguousarray(_padded_lines(fine.T, 2, 0.5).T)
+        start = first - (subcells - 1) / 2 * fine
+        lines[:, block] = _lines_at(heights[:, block], start, fine, along)
+    start = (across - 1) / 2 - (width - 1) / 2 * fine
+    return np.ascontiguousarray(_lines_at(lines.T, start, fine, width).T)
 
 
-def coarsened_patch(heights: Array, first: int, rows: int) -> Array:
-    """Return every second node of some rows of a surface, along and across.
+def _flat_patch(heights: Array, first: int, rows: int, side: float) -> Array:
+    """Return flat cells of some rows on finer cells, or the means of two by two cells."""
+    patch = heights[(first + np.arange(rows)) % len(heights)]
+    if side <= 1:
+        return _repeated(patch, round(1 / side))
+    pairs = patch[:, : patch.shape[1] // 2 * 2].reshape(rows // 2, 2, -1, 2)
+    means: Array = pairs.mean(axis=(1, 3))
+    return means
 
-    The nodes across lie so that the line of the sphere stays in the middle.
+
+def _repeated(heights: Array, times: int) -> Array:
+    """Return each height `times` times along and across."""
+    return np.repeat(np.repeat(heights, times, axis=0), times, axis=1)
+
+
+def _lines_at(values: Array, start: float, step: float, count: int) -> Array:
+    """Interpolate periodic lines along the first axis at start + k step, in nodes.
+
+    The step is a whole number of nodes or one over a whole number.
     """
-    lines = patch(heights, first, rows)[::2]
-    across = heights.shape[1]
-    count = across // 2
-    # Middles lie (across - 1) / 2 and count - 1 nodes from the first node.
-    shift = (count - 1) - (across - 1) / 2
-    return np.ascontiguousarray(_padded_lines(lines.T, 1, shift).T[:, : 2 * count : 2])
-
-
-def patch(heights: Array, first: int, rows: int) -> Array:
-    """Return some rows of a surface that is periodic along the track."""
-    return heights[(first + np.arange(rows)) % len(heights)]
+    times, stride = max(1, round(1 / step)), max(1, round(step))
+    whole = round(start * times)
+    if times > 1 or whole != start:
+        values = _padded_lines(values, times, whole - start * times)
+    return values[(whole + stride * np.arange(count)) % len(values)]
 
 
 def _padded_lines(values: Array, times: int, shift: float) -> Array:

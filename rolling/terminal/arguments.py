@@ -166,8 +166,8 @@ def trial(sub: argparse.ArgumentParser) -> None:
         type=_count,
         metavar="N",
         help=f"with --hard: N random scenes (default {random:,}),"
-        f" and N/{part} odd and N/{part} blended ones"
-        f" ({random + 2 * (random // part):,} in all by default)",
+        f" and N/{part} odd ones, N/{part} blended ones and N/{part} on sub-cells"
+        f" ({random + 3 * (random // part):,} in all by default)",
     )
     sub.add_argument(
         "--long",

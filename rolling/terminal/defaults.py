@@ -8,7 +8,7 @@ ACCURACY_SECONDS = 0.045  # [s] of rolling: no third octave from 100 Hz is empty
 
 # `rolling accuracy --hard`
 RANDOM_SCENES = 2000
-OTHER_SCENES = 4  # of the odd and of the blended scenes there are a fourth of that each
+OTHER_SCENES = 4  # odd scenes, blended scenes and scenes on sub-cells: a fourth of that each
 LONG_STEPS = 100_000
 
 # `rolling reproduce --quick`

@@ -23,12 +23,13 @@ from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
+from rolling.contact.subcells import half_space_of
 from rolling.folders import files
 from rolling.simulation import lifeline, spawning
 from rolling.terminal import defaults, progress
 from rolling.verification import hard_cases, optimality
 from rolling.verification.hard_cases import CAPACITY, CASES, ROOM, SOLVED, WIDTH, HardCase
-from rolling.verification.random_cases import found_cases, random_case
+from rolling.verification.random_cases import GENERATORS, found_cases, random_case
 
 # Maximum time of solving a scene [s], a hundred times the slowest; the long march has more.
 TIME_LIMIT = 60.0
@@ -101,7 +102,7 @@ class _Trial:
 
     def march(self, track: RollingContact) -> None:
         """March the case and judge each state, each step and the laps."""
-        half_space = HalfSpace(track.spacing, track.contact_modulus)
+        half_space = half_space_of(track.spacing, track.contact_modulus, track.subcells)
         states = march(track, self.case.first, self.case.first + self.case.steps, half_space)
         limit = TIME_LIMIT + 0.1 * self.case.steps
         old: ContactState | None = None
@@ -297,15 +298,16 @@ def judge_all(
     random: int,
     odd: int,
     blended: int,
+    subcells: int = 0,
     workers: int = 1,
     progress: Callable[[int], object] = lambda scenes: None,
 ) -> Report:
-    """Judge the given cases, and random, odd and blended scenes.
+    """Judge the given cases, and scenes of each generator.
 
     Parameters
     ----------
     cases : sequence of HardCase. Cases that are always judged.
-    random, odd, blended : int. Numbers of scenes from each generator.
+    random, odd, blended, subcells : int. Numbers of scenes from each generator.
     workers : int. Number of processes. Default: 1.
     progress : function. It is called with 1 after each scene. Default: nothing happens.
     """
@@ -315,6 +317,7 @@ def judge_all(
         *(("odd", seed) for seed in range(odd)),
     ]
     tasks += [("blended", seed) for seed in range(blended)]
+    tasks += [("subcells", seed) for seed in range(subcells)]
     outcomes = []
     began = time.perf_counter()
     for outcome in _outcomes(tasks, workers):
@@ -336,7 +339,7 @@ def judge_all(
 
 def _order(group: str, feature: str, plate: str) -> tuple[int, str, str]:
     """Return the sorting key of a group in the table."""
-    return ("named", "found", "random", "odd", "blended").index(group), feature, plate
+    return ("named", "found", *GENERATORS).index(group), feature, plate
 
 
 def _outcomes(tasks: list[Task], workers: int) -> Iterable[Outcome]:
@@ -421,8 +424,8 @@ def main_report(out: Path, random: int, workers: int = 1, long: bool = False) ->
     Parameters
     ----------
     out : Path. Folder of the files.
-    random : int. Number of random scenes. The numbers of odd and of blended scenes are each a
-        quarter of it.
+    random : int. Number of random scenes. The numbers of odd scenes, of blended scenes and of
+        scenes on sub-cells are each a quarter of it.
     workers : int. Number of processes. Default: 1.
     long : bool. If true, add the march of 1e5 steps, which takes minutes. Default: False.
 
@@ -432,9 +435,9 @@ def main_report(out: Path, random: int, workers: int = 1, long: bool = False) ->
     """
     cases = [*CASES, *found_cases(), *([hard_cases.LONG] if long else [])]
     others = random // defaults.OTHER_SCENES
-    total = len(cases) + random + 2 * others
+    total = len(cases) + random + 3 * others
     with progress.bar(total, f"{total} scenes", unit="scene") as bar:
-        report = judge_all(cases, random, others, others, workers, bar.update)
+        report = judge_all(cases, random, others, others, others, workers, bar.update)
     text = table(report)
     if not progress.is_quiet():
         print(text)

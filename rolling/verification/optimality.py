@@ -9,17 +9,19 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 from scipy.signal import fftconvolve
 
 from rolling._typing import Array
+from rolling.contact import solver
 from rolling.contact.state import ContactState, RollingContact
+from rolling.verification import subcell_deflection
 
 Nodes = NDArray[np.signedinteger]
 
 # relative; the allowance covers another order of summation than the solver's
 LOAD_ERROR = 1.001e-12
 ENERGY_ERROR = 1e-11  # relative; the two convolutions round differently
+STEEPEST = 100.0  # half range of gaps over a cell, in ranges that pressures level
 AROUND = 8  # nodes past the window that the convolution checks
 BLOCK = 1_000_000  # nodes per block in the search outside the window
 
@@ -64,18 +66,64 @@ def gap_and_deflection(
     )
     p = np.pad(state.pressure, around)
     m, n = p.shape
-    u = fftconvolve(p, _kernel(m, n))[m - 1 : 2 * m - 1, n - 1 : 2 * n - 1]
+    if track.subcells > 1:
+        u = subcell_deflection.deflection(p, track.subcells, love_coefficients)
+    else:
+        u = fftconvolve(p, _kernel(m, n))[m - 1 : 2 * m - 1, n - 1 : 2 * n - 1]
     return _gap(track, state, rows, columns), u * track.spacing / (np.pi * track.contact_modulus), p
 
 
 def _gap(track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes) -> Array:
     """Compute the undeformed gap [m] at rows and columns."""
     along, across = track.heights.shape
-    x = rows * track.spacing - (track.start + state.position * track.step)
-    y = (columns - (across - 1) / 2) * track.spacing
     heights = track.heights[np.ix_(rows % along, columns % across)]
-    gap: Array = (x[:, None] ** 2 + y[None, :] ** 2) / (2 * track.radius) - heights
+    gap: Array = _sphere(track, state, rows, columns) - heights
     return gap
+
+
+def _sphere(track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes) -> Array:
+    """Compute the undeformed gap of a flat plate [m] at rows and columns."""
+    # position 0 is the centre of a cell
+    x = (rows - (track.subcells - 1) / 2) * track.spacing
+    x = x - (track.start + state.position * track.step)
+    y = (columns - (track.heights.shape[1] - 1) / 2) * track.spacing
+    rise: Array = (x[:, None] ** 2 + y[None, :] ** 2) / (2 * track.radius)
+    return rise
+
+
+def _levelled(track: RollingContact) -> float:
+    """Return half of the range of gaps over a cell [m] that elastic pressures level."""
+    own = 4 * np.log(1 + np.sqrt(2)) * track.spacing / (np.pi * track.contact_modulus)
+    return float(solver.LEVELLED * own * track.hardness)
+
+
+def edges(track: RollingContact, state: ContactState, gap: Array, u: Array, around: int) -> Array:
+    """Compute half the range of gaps [m] over the cells of the window of a state.
+
+    It is zero around the window.
+
+    Parameters
+    ----------
+    gap, u : arrays on the window grown by `around` nodes, m
+        Undeformed gap and deflection.
+    around : int
+        Nodes around the window.
+    """
+    shape = gap
+    if not track.slopes:
+        w = state.window
+        rows = np.arange(-around, w.rows + around) + w.row
+        columns = np.arange(-around, w.columns + around) + w.column
+        shape = _sphere(track, state, rows, columns)
+    slopes = np.gradient(shape + u)
+    half = np.hypot(*slopes) / 2
+    level = _levelled(track)
+    most = np.minimum(half, STEEPEST * level)
+    edge: Array = np.minimum(np.maximum(2 * (half - level), 0.0), most)
+    inside = np.zeros_like(edge)
+    inner = (slice(around + 1, -around - 1),) * 2
+    inside[inner] = edge[inner]
+    return inside
 
 
 def violations(
@@ -98,25 +146,20 @@ def violations(
     e, u, p = gap_and_deflection(track, state, around)
     gap = e + u - state.approach
     # a share s of a cell in contact bears s * hardness at a gap of edge * (1 - 2 s)
-    if state.edge is not None:
-        gap -= np.pad(state.edge, around) * (1 - 2 * p / track.hardness)
+    edge = np.zeros_like(p)
+    if track.has_blended_edges:
+        edge = edges(track, state, e, u, around)
+        gap -= edge * (1 - 2 * p / track.hardness)
     wrong = np.where(p <= 0, -gap, np.where(p >= track.hardness, gap, np.abs(gap)))
     inner = u[around : u.shape[0] - around, around : u.shape[1] - around]
     cell = track.spacing**2
 
-    def whole(nodes: NDArray[np.bool_]) -> float:
-        """Count nodes.
-
-        With blended edges a node between open nodes and a node at the hardness counts with its
-        share of the hardness.
-        """
-        if state.edge is None:
-            return float(np.count_nonzero(nodes))
-        beside_open = ndimage.binary_dilation(p <= 0, border_value=1)
-        beside_bound = ndimage.binary_dilation(p >= track.hardness, np.ones((3, 3)))
-        shared = beside_open & beside_bound & (p > 0) & (p < track.hardness)
-        return float(np.count_nonzero(nodes & ~shared) + (p[shared] / track.hardness).sum())
-
+    own = _levelled(track)
+    between = (p > 0) & (p < track.hardness) & (edge > 0)
+    c, s = edge[between], p[between] / track.hardness
+    crossed = np.minimum(1, 2 * c / (c + 2 * own))
+    touching = np.count_nonzero(p > 0) - float((crossed * (1 - s)).sum())
+    capped = np.count_nonzero(p >= track.hardness) + float((crossed * s).sum())
     stored = 0.5 * float(np.vdot(p, u)) * cell
     return {
         "conditions": float(max(wrong.max(), 0.0) / u.max()),
@@ -125,8 +168,8 @@ def violations(
         "load": abs(float(p.sum()) * cell / track.load - 1),
         "energy": abs(state.stored_energy / stored - 1),
         "deflection": float(np.abs(state.deflection - inner).max() / u.max()),
-        "contact area": abs(state.contact_area / (whole(p > 0) * cell) - 1),
-        "plastic area": abs(state.plastic_area / cell - whole(p >= track.hardness)),
+        "contact area": abs(state.contact_area / (touching * cell) - 1),
+        "plastic area": abs(state.plastic_area / cell - capped),
         "outside": contact_outside(track, state) / float(u.max()),
     }
 
@@ -182,6 +225,18 @@ def _deflection_at(
     return u * track.spacing / (np.pi * track.contact_modulus)
 
 
+def _area_error(track: RollingContact, state: ContactState, rounding: float) -> float:
+    """Return the relative error of the contact area that rounding leaves.
+
+    The area of a shared cell follows from slopes of the deflected gap over the range that pressures
+    level. `rounding` is that of the gap over the maximum deflection.
+    """
+    if not track.has_blended_edges:
+        return LOAD_ERROR
+    slopes = 10 * rounding * float(state.deflection.max()) / _levelled(track)
+    return max(ENERGY_ERROR, slopes)
+
+
 def broken(track: RollingContact, state: ContactState, allowance: float = 1.5) -> list[str]:
     """List the conditions that a state violates, as "name: amount"; empty for a solved contact.
 
@@ -205,7 +260,7 @@ def broken(track: RollingContact, state: ContactState, allowance: float = 1.5) -
         "load": LOAD_ERROR,
         "energy": ENERGY_ERROR,
         "deflection": ENERGY_ERROR,
-        "contact area": LOAD_ERROR,
+        "contact area": _area_error(track, state, rounding),
         "plastic area": 1e-6,
     }
     broken_conditions = [

@@ -50,7 +50,8 @@ def summary(folder: Path) -> dict:
 
 
 @pytest.mark.slow
-def test_same_numbers_whatever_the_workers(scene: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("subcells", ["1", "2"])
+def test_same_numbers_whatever_the_workers(scene: Path, tmp_path: Path, subcells: str) -> None:
     for workers in (1, 2):
         assert (
             cli.main(
@@ -61,6 +62,8 @@ def test_same_numbers_whatever_the_workers(scene: Path, tmp_path: Path) -> None:
                     str(tmp_path / str(workers)),
                     "--workers",
                     str(workers),
+                    "--set",
+                    f"numerics.subcells={subcells}",
                 ]
             )
             == 0
@@ -309,13 +312,15 @@ def test_resound_solves_nothing_and_speed_scales(
 
 
 @pytest.mark.slow
-def test_laps_of_a_file_are_solved_once(scene: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("subcells", ["auto", "4"])
+def test_laps_of_a_file_are_solved_once(scene: Path, tmp_path: Path, subcells: str) -> None:
     np.save(tmp_path / "z.npy", np.random.default_rng(1).standard_normal((40, 60)) * 2e-8)
     text = SCENE.replace(SCENE.splitlines()[3], "surface: {kind: file, path: z.npy, spacing_um: 2}")
     # 160 um: 2 laps
     scene.write_text(text.replace("load_n: 1", "load_n: 0.2").replace("0.009", "0.0016"))
     out = tmp_path / "out"
-    assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1"]) == 0
+    settings = ["--workers", "1", "--set", f"numerics.subcells={subcells}"]
+    assert cli.main(["run", str(scene), "--out", str(out), *settings]) == 0
     release, approach = series(out), series(out, "approach")
     assert len(release) == 80 and np.array_equal(release[:40], release[40:])
     assert len(approach) == 81 and summary(out)["loops"]

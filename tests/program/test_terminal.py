@@ -135,11 +135,11 @@ def test_help_gives_the_numbers_that_are_used(
     text = help_of("accuracy", capsys)
     counts: list[int] = []
     monkeypatch.setattr(
-        judge, "judge_all", lambda cases, *numbers: counts.extend(numbers[:3]) or 1 / 0
+        judge, "judge_all", lambda cases, *numbers: counts.extend(numbers[:4]) or 1 / 0
     )
     with pytest.raises(ZeroDivisionError):
         judge.main_report(tmp_path, defaults.RANDOM_SCENES)
-    assert sum(counts) == 3000 and f"{sum(counts):,} in all" in text
+    assert sum(counts) == 3500 and f"{sum(counts):,} in all" in text
     assert f"{hard_cases.LONG.steps // 1000},000 steps" in text
     made = study.run_study.__defaults__
     assert made is not None and {defaults.FINEST, defaults.ACCURACY_SECONDS} <= set(made)

@@ -11,6 +11,7 @@ from rolling import cli
 from rolling.check import cost, findings, probe
 from rolling.check.finding import Finding
 from rolling.contact import march
+from rolling.contact.subcells import half_space_of
 from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.simulation import simulate, summary
@@ -61,7 +62,12 @@ def test_numbers_are_those_of_a_march() -> None:
     (got,) = probe.probes([given])
     contact = contact_of_scene.rolling_contact(given)
     states = list(
-        march.march(contact, 0, 399, simulate._half_space(contact.spacing, contact.contact_modulus))
+        march.march(
+            contact,
+            0,
+            399,
+            half_space_of(contact.spacing, contact.contact_modulus, contact.subcells),
+        )
     )
     places = np.arange(8) * 400 // 8
     for name in ("contact_area", "plastic_area", "max_pressure"):

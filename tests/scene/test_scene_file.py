@@ -340,7 +340,9 @@ def accepts(node: dict[str, Any], value: Any, root: dict[str, Any]) -> bool:
                 low, high = leaf.get("minimum", -math.inf), leaf.get("maximum", math.inf)
                 if low <= value <= high and value > leaf.get("exclusiveMinimum", -math.inf):
                     return True
-        elif isinstance(value, {"string": str, "boolean": bool, "null": type(None)}[kind]):
+        elif (kind is None and "enum" in leaf) or isinstance(
+            value, {"string": str, "boolean": bool, "null": type(None)}[kind]
+        ):  # words and numbers
             return True
     return False
 

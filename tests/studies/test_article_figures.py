@@ -303,6 +303,7 @@ def test_missing_cases_leave_gaps(synthetic: Reading, solved: Reading) -> None:
 
 def test_maps_are_of_the_solved_contact(solved: Reading) -> None:
     pictures = drawn(solved)
+    fits: tuple[list[bool], list[bool]] = ([], [])
     for (ra, load), contact in solved.contacts.items():
         assert f"Ra {ra:g} µm" in words(pictures["fig5_contact_pressure"])
         assert f"{load:g} N: maximum {contact.pressure.max() * 1e-9:.2f} GPa" in words(
@@ -314,17 +315,21 @@ def test_maps_are_of_the_solved_contact(solved: Reading) -> None:
         # The load is the pressure over the nodes' area, met to 1e-12.
         assert contact.pressure.sum() * 2e-6**2 == pytest.approx(load, rel=1e-9)
         # Over the deflected plate the sphere, a parabola of 1 mm that stands at the end of the 200
-        # steps, is nowhere lower than where it presses. One node off would change that by the rms
-        # difference of neighbours; a tenth of it is for blended edges, which bear a share of their
-        # pressure before they touch.
-        heights = solved.patches[ra].heights
-        rows = np.rint((contact.along + 400e-6) / 2e-6).astype(int) % heights.shape[0]
-        columns = np.rint((contact.across + 199e-6) / 2e-6).astype(int) % heights.shape[1]
+        # steps, is nowhere lower than where it presses. A cell with a blended edge bears its share
+        # while half the range of gaps within it, about half the rms difference of neighbours,
+        # is still open, and all of it in steep cells. Heights of a node off break this on
+        # some surface.
+        rows = np.rint((contact.along + 400e-6) / 2e-6).astype(int)
+        columns = np.rint((contact.across + 199e-6) / 2e-6).astype(int)
         parabola = (contact.along[:, None] ** 2 + contact.across**2) / 2e-3
-        gap = parabola - heights[np.ix_(rows, columns)] + contact.deflection
         pressed = contact.pressure > 0
-        allowance = 0.1 * solved.slopes[ra, 10.0] / np.sqrt(2) * 2e-6
-        assert gap[pressed].max() < gap[~pressed].min() + allowance
+        allowance = solved.slopes[ra, 10.0] / np.sqrt(2) * 2e-6
+        for off in (0, 1):
+            heights = np.roll(solved.patches[ra].heights, off, axis=0)
+            below = heights[np.ix_(rows % heights.shape[0], columns % heights.shape[1])]
+            gap = parabola - below + contact.deflection
+            fits[off].append(bool(gap[pressed].max() < gap[~pressed].min() + allowance))
+    assert all(fits[0]) and not all(fits[1]), fits
 
 
 def test_correlation_lengths_have_a_figure_of_their_own() -> None:

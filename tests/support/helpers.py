@@ -9,6 +9,7 @@ import numpy as np
 from rolling.contact import recovery
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import ContactState, RollingContact, march
+from rolling.contact.subcells import half_space_of
 from rolling.verification import optimality
 from rolling.verification.hard_cases import STEEL, make_track, rough
 from rolling.verification.optimality import gap_and_deflection
@@ -27,7 +28,7 @@ __all__ = [
 
 
 def space_of(track: RollingContact) -> HalfSpace:
-    return HalfSpace(track.spacing, track.contact_modulus)
+    return half_space_of(track.spacing, track.contact_modulus, track.subcells)
 
 
 def roll(track: RollingContact, first: int, last: int) -> list[ContactState]:

@@ -1,0 +1,134 @@
+"""Compiled passes between sub-cells and cells.
+
+Arrays of cells have a border of one cell around those that hold sub-cells. A list of cells holds
+flat indices without that border.
+"""
+
+# mypy: disable-error-code="no-untyped-def"
+from __future__ import annotations
+
+import numpy as np
+
+from rolling.contact._compiled import njit
+
+
+@njit(cache=True)
+def cells_of(node, columns, corner, block_columns, subcells, seen, listed):
+    """List the cells that hold the given nodes of a window, within a block of whole cells.
+
+    `corner` is the first row and column of the block in the window of `columns` columns, and
+    `block_columns` the number of cells in a row of the block; `seen` is a scratch array of a zero
+    per cell. Returns the number of cells.
+    """
+    count = 0
+    for a in range(node.size):
+        i, j = divmod(node[a], columns)
+        cell = (i - corner[0]) // subcells * block_columns + (j - corner[1]) // subcells
+        if not seen[cell]:
+            seen[cell] = 1
+            listed[count] = cell
+            count += 1
+    return count
+
+
+@njit(cache=True)
+def loaded_cells(fine, subcells, listed):
+    """List the cells with a loaded sub-cell; return their number."""
+    rows, columns = fine.shape[0] // subcells, fine.shape[1] // subcells
+    count = 0
+    for i in range(rows):
+        before = count
+        for j in range(columns):
+            cell = i * columns + j
+            for a in range(subcells):
+                for b in range(subcells):
+                    if fine[i * subcells + a, j * subcells + b] != 0.0 and (
+                        count == before or listed[count - 1] != cell
+                    ):
+                        listed[count] = cell
+                        count += 1
+    return count
+
+
+@njit(cache=True)
+def spread(fine, listed, weights, cells, own):
+    """Set the pressures of cells from the sub-cells of listed cells.
+
+    The adjoint of the interpolation spreads them. `own` receives the pressures of the sub-cells, a
+    row for each listed cell.
+    """
+    r = weights.shape[0]
+    columns = fine.shape[1] // r
+    part = np.empty((3, r), fine.dtype)
+    share = fine.dtype.type(1.0 / (r * r))
+    cells[:] = 0.0
+    for c in range(listed.size):
+        i, j = divmod(listed[c], columns)
+        for k in range(3):
+            for b in range(r):
+                part[k, b] = 0.0
+        for a in range(r):
+            for b in range(r):
+                p = fine[i * r + a, j * r + b]
+                own[c, a * r + b] = p
+                for k in range(3):
+                    part[k, b] += weights[a, k] * p * share
+        for k in range(3):
+            for m in range(3):
+                total = cells[i + k, j + m]
+                for b in range(r):
+                    total += weights[b, m] * part[k, b]
+                cells[i + k, j + m] = total
+
+
+@njit(cache=True)
+def gather_all(cells, weights, fine):
+    """Interpolate the deflections of cells on all sub-cells."""
+    r = weights.shape[0]
+    rows, columns = fine.shape[0] // r, fine.shape[1] // r
+    line = np.empty(columns + 2, fine.dtype)
+    for i in range(rows):
+        for a in range(r):
+            w = weights[a]
+            for j in range(columns + 2):
+                line[j] = w[0] * cells[i, j] + w[1] * cells[i + 1, j] + w[2] * cells[i + 2, j]
+            out = fine[i * r + a]
+            for b in range(r):
+                w = weights[b]
+                for j in range(columns):
+                    out[j * r + b] = w[0] * line[j] + w[1] * line[j + 1] + w[2] * line[j + 2]
+
+
+@njit(cache=True)
+def gather(cells, listed, weights, fine):
+    """Interpolate the deflections of cells on the sub-cells of listed cells."""
+    r = weights.shape[0]
+    columns = fine.shape[1] // r
+    part = np.empty(3, fine.dtype)
+    for c in range(listed.size):
+        i, j = divmod(listed[c], columns)
+        for a in range(r):
+            for m in range(3):
+                part[m] = (
+                    weights[a, 0] * cells[i, j + m]
+                    + weights[a, 1] * cells[i + 1, j + m]
+                    + weights[a, 2] * cells[i + 2, j + m]
+                )
+            for b in range(r):
+                fine[i * r + a, j * r + b] = (
+                    weights[b, 0] * part[0] + weights[b, 1] * part[1] + weights[b, 2] * part[2]
+                )
+
+
+@njit(cache=True)
+def add_own(own, listed, block, subcells, fine):
+    """Add the deflections of the sub-cells of listed cells by pressures within the same cell."""
+    r = subcells
+    columns = fine.shape[1] // r
+    for c in range(listed.size):
+        i, j = divmod(listed[c], columns)
+        for s in range(r * r):
+            total = fine[i * r + s // r, j * r + s % r]
+            for t in range(r * r):
+                total += block[s, t] * own[c, t]
+            fine[i * r + s // r, j * r + s % r] = total

@@ -1,0 +1,198 @@
+"""Sub-cells: pressures, heights and bounds on r x r parts of cells, with transforms of whole cells.
+
+The far field is smooth, so transforms act on cells only. The adjoint of an interpolation spreads
+the pressures of sub-cells over the cells around, the interpolation brings the deflection of the
+cells back, and the exact coefficients among the sub-cells of a cell correct the difference
+(multi-level multi-integration, Brandt & Lubrecht, J. Comput. Phys. 90 (1990)). The operator stays
+symmetric and positive.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling._typing import Array
+from rolling.contact import _subcell_kernels
+from rolling.contact.half_space import Convolution, HalfSpace, love, padded_length
+
+
+def interpolation(subcells: int) -> Array:
+    """Return the weights (r, 3) of a cell and its neighbours in the deflection of its sub-cells.
+
+    The interpolation is quadratic and keeps the mean over the cell.
+    """
+    x = (np.arange(subcells) - (subcells - 1) / 2) / subcells
+    bend = (x**2 - np.mean(x**2)) / 2
+    return np.ascontiguousarray(np.stack([bend - x / 2, 1 - 2 * bend, bend + x / 2], axis=1))
+
+
+def mean_coefficients(rows: Array, columns: Array, subcells: int) -> Array:
+    """Compute the mean deflection of a cell by unit pressure on another cell.
+
+    Parameters
+    ----------
+    rows, columns : (m,) and (n,) arrays
+        Distances of the cells, whole numbers of cells.
+    subcells : int
+        Sub-cells along the side of a cell.
+
+    Returns
+    -------
+    (m, n) array
+        Coefficients for the spacing of sub-cells.
+    """
+    shifts = range(1 - subcells, subcells)
+    total = np.zeros((len(rows), len(columns)))
+    for a in shifts:
+        for b in shifts:
+            pairs = (subcells - abs(a)) * (subcells - abs(b)) / subcells**2
+            total += pairs * love(np.abs(rows * subcells + a), np.abs(columns * subcells + b))
+    return total
+
+
+@lru_cache(maxsize=4)
+def own_block(subcells: int) -> Array:
+    """Return the corrections (r r, r r) of the coefficients among the sub-cells of a cell.
+
+    A correction is the exact coefficient less the coefficient by way of the cells.
+    """
+    r = subcells
+    weights = interpolation(r)
+    both = np.einsum("ak,bl->abkl", weights, weights).reshape(r * r, 9)
+    place = np.arange(r)
+    distance = np.abs(place[:, None] - place[None, :])
+    near = np.arange(float(r))
+    exact = love(near, near)[distance[:, None, :, None], distance[None, :, None, :]].reshape(
+        r * r, r * r
+    )
+    cell = np.arange(3)
+    apart = np.abs(cell[:, None] - cell[None, :])
+    around = np.arange(3.0)
+    between = mean_coefficients(around, around, r)[
+        apart[:, None, :, None], apart[None, :, None, :]
+    ].reshape(9, 9)
+    return np.ascontiguousarray(exact - both @ between @ both.T / r**2)
+
+
+@lru_cache(maxsize=32)
+def _mean_spectrum(m: int, n: int, subcells: int) -> Array:
+    """Compute the transform (m, n // 2 + 1) of the wrapped coefficients between cells."""
+    rows, columns = (np.minimum(np.arange(k), k - np.arange(k)).astype(float) for k in (m, n))
+    return np.ascontiguousarray(np.fft.rfft2(mean_coefficients(rows, columns, subcells)).real)
+
+
+class SubcellSpace(HalfSpace):
+    """A half-space under pressures on sub-cells, with transforms of whole cells.
+
+    Windows begin and end with whole cells.
+
+    Parameters
+    ----------
+    spacing : float, m
+        Side of a sub-cell.
+    contact_modulus : float, Pa
+        Contact modulus E* of both bodies.
+    subcells : int
+        Sub-cells along the side of a cell.
+    """
+
+    def __init__(self, spacing: float, contact_modulus: float, subcells: int) -> None:
+        super().__init__(spacing, contact_modulus)
+        self.subcells = subcells
+
+    def _make(self, m: int, n: int, single: bool) -> SubcellConvolution:
+        return SubcellConvolution(m, n, single, self.subcells)
+
+    def _length(self, reach: int, single: bool) -> int:
+        # The interpolation spreads pressure into a border of one cell on both sides.
+        return padded_length(-(-reach // self.subcells) + 2, single)
+
+
+class SubcellConvolution(Convolution):
+    """The transforms of one padded size of cells, behind arrays of sub-cells.
+
+    Parameters
+    ----------
+    m, n : int
+        Padded numbers of cells along and across.
+    single : bool
+        If true, transforms are in single precision.
+    subcells : int
+        Sub-cells along the side of a cell.
+
+    Attributes
+    ----------
+    real : array of sub-cells
+        Pressure before, deflection in units of spacing / (pi E*) after.
+    """
+
+    def __init__(self, m: int, n: int, single: bool, subcells: int) -> None:
+        super().__init__(m, n, single, _mean_spectrum(m, n, subcells))
+        self._cells, self._subcells = self.real, subcells
+        self.real = np.zeros(((m - 2) * subcells, (n - 2) * subcells), self._cells.dtype)
+        self._weights = interpolation(subcells).astype(self.real.dtype)
+        self._block = own_block(subcells).astype(self.real.dtype)
+        self._own = np.empty((0, subcells**2), self.real.dtype)
+
+    def head(self, rows: int) -> Array:
+        """Return a view of the first `rows` rows of sub-cells."""
+        view: Array = self.real[:rows]
+        return view
+
+    def apply(self, rows: int, listed: NDArray[np.int64] | None = None) -> None:
+        """Replace the pressure on the first `rows` rows of sub-cells by their deflection.
+
+        Where cells are listed, only they are loaded, and only their deflection is valid.
+        """
+        r = self._subcells
+        fine, count = self.real[:rows], rows // r + 2
+        cells = self._cells[: -8 * (-count // 8)]
+        loaded = listed
+        if loaded is None:
+            loaded = np.empty(fine.size // r**2, np.int64)
+            loaded = loaded[: _subcell_kernels.loaded_cells(fine, r, loaded)]
+        if len(self._own) < loaded.size:
+            self._own = np.empty((2 * loaded.size, r * r), fine.dtype)
+        _subcell_kernels.spread(fine, loaded, self._weights, cells, self._own)
+        self._transform(count)
+        if listed is None:
+            _subcell_kernels.gather_all(cells, self._weights, fine)
+        else:
+            _subcell_kernels.gather(cells, listed, self._weights, fine)
+        _subcell_kernels.add_own(self._own, loaded, self._block, r, fine)
+
+    def cells_of(
+        self, node: NDArray[np.int64], columns: int, corner: tuple[int, int]
+    ) -> NDArray[np.int64]:
+        """List the cells that hold nodes of a window, for `apply` on a block of it.
+
+        The window has `columns` columns, and the block begins at its node `corner`.
+        """
+        cells = np.empty(node.size, np.int64)
+        row = self.real.shape[1] // self._subcells
+        seen = np.zeros(self.real.size // self._subcells**2, np.uint8)
+        return cells[
+            : _subcell_kernels.cells_of(node, columns, corner, row, self._subcells, seen, cells)
+        ]
+
+
+def half_space_of(spacing: float, contact_modulus: float, subcells: int = 1) -> HalfSpace:
+    """Return the half-space for nodes of this spacing [m].
+
+    Nodes are sub-cells where a cell has several along its side.
+    """
+    if subcells == 1:
+        return HalfSpace(spacing, contact_modulus)
+    return SubcellSpace(spacing, contact_modulus, subcells)
+
+
+def cell_means(values: Array, subcells: int) -> Array:
+    """Return the means over whole cells of values (rows, columns) on sub-cells."""
+    if subcells == 1:
+        return values
+    rows, columns = (n // subcells for n in values.shape)
+    means: Array = values.reshape(rows, subcells, columns, subcells).mean(axis=(1, 3))
+    return means
