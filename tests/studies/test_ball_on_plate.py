@@ -1,4 +1,4 @@
-"""The scene of a ball on two plates, shortened: force and speed slopes of an independent program."""
+"""A ball on two plates, shortened: force and speed slopes of an independent program."""
 
 from __future__ import annotations
 
