@@ -212,6 +212,12 @@ class _Lap(NamedTuple):
         return self.end[0], self.end[1], 0.0
 
 
+def steps_per_period(chain: Chain, least: int = Stepping.per_period) -> float:
+    """Return the number of time steps in a period of the resonance, more where it is sharp."""
+    sharp = min(2 * np.pi * np.sqrt(chain.quality / 12 / DETUNING), MOST_PER_PERIOD)
+    return float(max(least, sharp))
+
+
 class _Run:
     """A motion with its time step, its positions and its run-in."""
 
@@ -234,8 +240,8 @@ class _Run:
         if load > 0:
             chain = Chain(mass, mobility, contact_stiffness(law, load))
             self.decay_s = chain.decay_s
-            sharp = min(2 * np.pi * np.sqrt(chain.quality / 12 / DETUNING), MOST_PER_PERIOD)
-            longest = longest or 1 / (max(choices.per_period, sharp) * chain.resonance_hz)
+            rate = steps_per_period(chain, choices.per_period) * chain.resonance_hz
+            longest = longest or 1 / rate
         if longest is None:
             raise ValueError("a motion without a load needs a time step")
         if choices.time_step_s is None and fastest > 0:

@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 import pytest
 
+from rolling.check import demand
 from rolling.check.findings import check_scene
 from rolling.commands import resound, resume, run
 from rolling.commands.interface import open_run, simulate
@@ -355,3 +356,17 @@ def test_the_check_counts_the_steps_in_a_period() -> None:
     fast = check_scene(loads(TEXT, MOVING), False).runs[0].findings
     warnings = [{each.key: each.warning for each in run}["moving_release"] for run in (slow, fast)]
     assert "steps in a period of the resonance" in str(warnings[0]) and warnings[1] is None
+
+
+def test_memory_counts_the_time_steps() -> None:
+    """Twenty seconds have millions of time steps, for which there is no room everywhere."""
+    long = ["rolling.distance_mm=20", "rolling.speed_m_s=0.001"]
+    plain = [*long, "dynamics=", "sound=", "plate.thickness_mm=", "plate.loss_factor="]
+    sizes = [demand.size(loads(TEXT, keys), 6e-8) for keys in (long, plain)]
+    assert [size.times > 5e6 for size in sizes] == [True, False]
+    alone, still = (demand.demand([size], 1).memory.total for size in sizes)
+    assert alone - still > 150 * sizes[0].times
+    run = simulate(loads(TEXT), 1, False)
+    assert run.vibration is not None
+    steps = len(run.vibration.motion.force_n)
+    assert demand.size(loads(TEXT), 6e-8).times == pytest.approx(steps, rel=0.1)
