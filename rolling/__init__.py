@@ -7,7 +7,7 @@ instant.
 
 Scenes
     read_scene, Scene and its sections Sphere, Plate, Gaussian, Smooth, HeightFile, Rolling,
-    Numerics, Recovery, Sound; check (module), SceneError
+    Numerics, Recovery, Dynamics, Sound; check (module), SceneError
 Runs
     simulate, simulate_sweep, open_run, save_run, plot (module), ContactError, SweepError,
     FolderError
@@ -37,6 +37,7 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling.scene.messages import SceneError
     from rolling.scene.scene import Scene
     from rolling.scene.sections import (
+        Dynamics,
         Gaussian,
         HeightFile,
         Numerics,
@@ -60,6 +61,7 @@ _PLACES = {  # module and name in it; None stands for the module itself
     "Rolling": (_SECTIONS, "Rolling"),
     "Numerics": (_SECTIONS, "Numerics"),
     "Recovery": (_SECTIONS, "Recovery"),
+    "Dynamics": (_SECTIONS, "Dynamics"),
     "Sound": (_SECTIONS, "Sound"),
     "SceneError": ("rolling.scene.messages", "SceneError"),
     "check": ("rolling.check", None),
@@ -79,6 +81,7 @@ _PLACES = {  # module and name in it; None stands for the module itself
 
 __all__ = [
     "ContactError",
+    "Dynamics",
     "FolderError",
     "Gaussian",
     "HalfSpace",

@@ -6,6 +6,8 @@ size, smooth_contact, sampling, height_files, validity
     findings by subject
 long_steps, resonance
     limits behind the findings: step against contact, ball on its contact
+vibration, force_estimate
+    findings of a scene with dynamics, and its contact force from the statistics of the surface
 probe
     solves a few positions
 cost, demand, between_nodes, machine

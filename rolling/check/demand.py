@@ -12,8 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from rolling.check import cost, error_cost
+from rolling.check import cost, error_cost, force_estimate
 from rolling.check.between_nodes import BetweenNodes, between_nodes
+from rolling.dynamics.motion import steps_per_period
 from rolling.scene.scene import Scene
 from rolling.scene.track import Track
 
@@ -42,6 +43,8 @@ SAMPLE_SOUND, FINE_SOUND = 262.0, 64.0
 AWKWARD = 150.0  # per value of a transform whose length has a large prime factor
 # Bytes per step and per sample of each run, kept to compare runs, and bytes of its page.
 STEP_HEARD, SAMPLE_HEARD, RUN_HEARD = 60.0, 16.0, 4e6
+# Bytes per time step of a motion of sphere and plate, while it sounds and as long as it is kept.
+TIME_SOUND, TIME_HEARD = 240.0, 66.0
 PAGE_COPIES, LAP_MAP = 5.0, 60.0  # copies of the page while it is composed; per map and lap
 EVENTS_PER_NODE = 0.6  # approximate recovery events of a node that the contact passes over
 EVENT = 260.0  # per recovery event, while events are joined
@@ -68,6 +71,7 @@ ADVICE = {
     "sound samples": "shorten rolling.duration_s",
     "oversampling of the varying speed": "lower the maximum of rolling.speed_m_s,"
     " or shorten rolling.duration_s",
+    "time steps of the motion": "shorten rolling.duration_s or rolling.distance_mm",
     "recovery events": "set recovery.events to false, or shorten rolling.duration_s",
     "pressure maps": "shorten rolling.duration_s",
     "runs of the sweep": "give sweep fewer values",
@@ -126,6 +130,8 @@ class Size:
         Cells of all pressure maps, and maps counted in every lap.
     events : float
         Expected number of recovery events.
+    times : int
+        Time steps of the motion of sphere and plate; 0 without dynamics.
     estimated : bool
         If true, the run estimates its errors on windows at half the spacing. Default: false.
     """
@@ -142,6 +148,7 @@ class Size:
     map_cells: float
     lap_maps: int
     events: float
+    times: int
     estimated: bool = False
 
     @property
@@ -201,8 +208,18 @@ def size(scene: Scene, rq: float) -> Size:
         map_cells=float(maps * cells),
         lap_maps=math.ceil(track.steps / track.solved_steps) * maps,
         events=events,
+        times=_time_steps(scene),
         estimated=error_cost.cost_share(scene) > 0,
     )
+
+
+def _time_steps(scene: Scene) -> int:
+    """Estimate the number of time steps of the motion; 0 without dynamics."""
+    if scene.dynamics is None:
+        return 0
+    chain, speed = force_estimate.smooth_chain(scene), scene.motion.fastest(scene.duration)
+    rate = max(steps_per_period(chain) * chain.resonance_hz, speed / scene.step)
+    return math.ceil(scene.duration * rate)
 
 
 def demand(sizes: Sequence[Size], workers: int) -> Demand:
@@ -308,10 +325,17 @@ def _finishing(
     heard = [
         (
             "runs of the sweep",
-            others * (STEP_HEARD * each.steps + SAMPLE_HEARD * each.samples + RUN_HEARD),
+            others
+            * (
+                STEP_HEARD * each.steps
+                + SAMPLE_HEARD * each.samples
+                + TIME_HEARD * each.times
+                + RUN_HEARD
+            ),
         ),
         ("steps", STEP_HEARD * each.steps),
         ("sound samples", SAMPLE_HEARD * each.samples),
+        ("time steps of the motion", TIME_HEARD * each.times),
     ]
     statistics = [
         *before,
@@ -343,6 +367,7 @@ def _sounding(each: Size) -> list[tuple[str, float]]:
     """List the parts in memory while the sound of a run is made."""
     parts = [("sound samples", SAMPLE_SOUND * each.samples + _transform(each.samples))]
     parts.append(("steps", STEP_SOUND * each.steps + _transform(each.steps)))
+    parts.append(("time steps of the motion", TIME_SOUND * each.times + _transform(each.times)))
     if not each.fine:
         return parts
     dense = [

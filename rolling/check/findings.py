@@ -20,9 +20,11 @@ from rolling.check import (
     size,
     smooth_contact,
     validity,
+    vibration,
 )
 from rolling.check.finding import Finding, clock, on_cores
 from rolling.check.report import Findings, RunFindings
+from rolling.scene.identity import Identity
 from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
 from rolling.terminal import progress
@@ -56,7 +58,13 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
             RunFindings(run_name(run.values) or scene.name, findings(run.scene, probe))
             for run, probe in zip(runs, solved, strict=True)
         )
-    seconds = sum(finding.seconds for run in by_run for finding in run.findings)
+    alone = _marched_alone([run.scene for run in runs])
+    seconds = sum(
+        finding.seconds
+        for k, run in enumerate(by_run)
+        for finding in run.findings
+        if k in alone or finding.key == vibration.OWN_MARCH
+    )
     time = _time_text(seconds, finishing.seconds([run.scene for run in runs], cost.cores()))
     if len(runs) == 1:
         return Findings((_with_time(by_run[0], time),))
@@ -72,6 +80,15 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
         ),
         tuple(f"{key} of all: {fault}" for key, fault in excess.items()),
     )
+
+
+def _marched_alone(scenes: Sequence[Scene]) -> set[int]:
+    """Return the numbers of the runs that are marched; other runs share one of their marches."""
+    first: dict[str, int] = {}
+    for number, scene in enumerate(scenes):
+        shared = not scene.numerics.error_estimate
+        first.setdefault(Identity.of(scene, None).text if shared else str(number), number)
+    return set(first.values())
 
 
 def _time_text(solving: float, after: float) -> str:

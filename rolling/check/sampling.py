@@ -128,11 +128,15 @@ def record(scene: Scene) -> Finding:
     warning = None
     if not certain.all():
         short = [name for name, sure in zip(bands.BAND_NAMES, certain, strict=True) if not sure]
+        seconds = bands.LEAST_BT / float(bands.BANDWIDTH_HZ[0])
+        longer = f"rolling.duration_s of at least {rounded_up(seconds)}"
+        if scene.rolling.distance_mm is not None:
+            rolled = seconds * scene.track.distance / scene.duration
+            longer = f"rolling.distance_mm of at least {rounded_up(1e3 * rolled)}"
         warning = (
             f"{len(short)} of {len(certain)} third octaves, up to {short[-1]} Hz, have a bandwidth"
             f" times duration below {bands.LEAST_BT:g} and are uncertain by 2 dB or more: for all"
-            " of them choose a rolling.duration_s of at least"
-            f" {rounded_up(bands.LEAST_BT / float(bands.BANDWIDTH_HZ[0]))}"
+            f" of them choose a {longer}"
         )
     return Finding(
         "third_octaves", "certain third octaves", f"{certain.sum()} of {len(certain)}", warning

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rolling.check import long_steps, resonance
+from rolling.check import long_steps, resonance, vibration
 from rolling.check.finding import Finding, si
 from rolling.check.sampling import HEARING
 from rolling.scene.scene import Scene
@@ -20,7 +20,7 @@ def findings(scene: Scene, slope: float) -> list[Finding]:
     slope : float
         Rms slope of the surface.
     """
-    return [*_half_space(scene, slope), _resonance(scene)]
+    return [*_half_space(scene, slope), _resonance(scene), *vibration.findings(scene)]
 
 
 def _half_space(scene: Scene, slope: float) -> list[Finding]:
@@ -51,6 +51,8 @@ def _resonance(scene: Scene) -> Finding:
 
     The maximum speed decides, where the record holds the frequency.
     """
+    if scene.dynamics is not None:
+        return vibration.resonance_of(scene)
     frequency = resonance.frequency(scene)
     speed = scene.motion.fastest(scene.duration)
     highest = min(HEARING[1], speed / (2 * scene.track.step))
@@ -76,6 +78,7 @@ def _resonance(scene: Scene) -> Finding:
         f"a free ball {ball} would bounce on its contact at {si(frequency, 'Hz')}, inside hearing"
         f" and the simulated band, and the load is held constant here; at {speed:.3g} m/s waves of"
         f" {si(speed / frequency, 'm')} feed it, {wave:.2g} of contact radius and correlation"
-        f" length: {part}"
+        f" length: {part}; the section dynamics (`dynamics: {{}}`, with both densities) lets the"
+        " sphere bounce"
     )
     return Finding("resonance", "contact resonance", si(frequency, "Hz"), warning)

@@ -32,7 +32,7 @@ from rolling.folders.run_record import Kind
 from rolling.scene import file, library
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.simulation import batch, labels
+from rolling.simulation import batch, force_law, labels
 from rolling.simulation import cluster as clusters
 from rolling.simulation.batch import Run
 from rolling.simulation.cluster import Cluster
@@ -241,6 +241,11 @@ def resound(
         raise FolderError(
             f"{folder}: nothing is solved in some of its runs; `rolling resume` goes on with it"
         )
+    for (_, single), result in zip(plan.singles, results, strict=True):
+        if force_law.is_missing(single, result):
+            raise FolderError(
+                f"{folder}: the marches of its force law are missing; `rolling resume` goes on"
+            )
     target = new_folder.aim(
         Path("outputs") / scene.name, out, force, KINDS, [folder, *plan.height_files]
     )

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from rolling.folders import claim, run_record
-from rolling.simulation import batch, error_stretches, labels
+from rolling.simulation import batch, labels
 from rolling.simulation.batch import Run
+from rolling.simulation.lacking import lacks_marches
 from rolling.simulation.result import Result
 from rolling.simulation.stored_runs import is_begun
 from rolling.terminal import progress
@@ -23,9 +24,9 @@ def numbers_of_finished(runs: Sequence[Run]) -> list[dict[str, Any]] | None:
     """Read the summaries of runs, None when a step or a summary is missing."""
     for run in runs:
         result = batch.stored(run)
-        if result is None or not result.complete or not (run.folder / SUMMARY).is_file():
+        if result is None or not (run.folder / SUMMARY).is_file():
             return None
-        if error_stretches.missing(run.scene, result):  # the estimate was asked for afterwards
+        if lacks_marches(run.scene, result):  # estimate or dynamics may be asked for afterwards
             return None
     return [json.loads((run.folder / SUMMARY).read_text(encoding="utf-8")) for run in runs]
 

@@ -67,7 +67,8 @@ def write_run(finished: RunResult, result: Result, whole: bool) -> None:
         summary.json, and signal.wav is the only sound file.
     """
     folder, scene = finished.folder, finished.scene
-    batch.keep(Run(finished.values, scene, folder), result, finished.sound)
+    run = Run(finished.values, scene, folder)
+    batch.keep(run, result, finished.sound, finished.vibration)
     if not whole:
         sound_files.write_signal(folder, scene, finished.label, finished.sound)
         numbers = finished.summary | {"provenance": summary.provenance(scene)}

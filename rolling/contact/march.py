@@ -78,11 +78,12 @@ def march(
     state: ContactState | None = None
     before: ContactState | None = None
     for k in range(first, last + 1):
+        here = contact.loaded_at(k)
         try:
             following = (
-                _start(contact, k, half_space)
+                _start(here, k, half_space)
                 if state is None
-                else _follow(contact, k, half_space, state, before)
+                else _follow(here, k, half_space, state, before)
             )
         except ContactError as error:
             raise ContactError(

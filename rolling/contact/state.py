@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -47,6 +48,8 @@ class RollingContact:
     slopes : bool
         If true, the surface continues between the nodes; otherwise each cell is flat. Default:
         true.
+    loads : (positions,) array, N, or None
+        Load at each position of a lap, instead of the same load at all. Default: None.
     """
 
     heights: Array
@@ -62,6 +65,7 @@ class RollingContact:
     blended: bool = False
     subcells: int = 1
     slopes: bool = True
+    loads: Array | None = None
 
     @cached_property
     def tops(self) -> Array:
@@ -96,6 +100,15 @@ class RollingContact:
     def mid_width(self) -> float:
         """Place of the sphere across the track [m]."""
         return float((self.heights.shape[1] - 1) / 2 * self.spacing)
+
+    def loaded_at(self, k: int) -> RollingContact:
+        """Return the contact with its load at position k."""
+        if self.loads is None:
+            return self
+        here = copy(self)  # which keeps the maxima of the heights
+        lap = len(self.loads) - 1  # the last position of a lap is its first
+        object.__setattr__(here, "load", float(self.loads[k if 0 <= k <= lap else k % lap]))
+        return here
 
     def position(self, k: int) -> float:
         """Return the distance [m] of the centre of the sphere along the track at position k."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from rolling.figures import contact_figures, seed_figures, sound_figures
+from rolling.figures import contact_figures, seed_figures, sound_figures, vibration_figures
 from rolling.figures.contact_figures import ContactScales
 from rolling.figures.picture import Picture
 from rolling.figures.sound_figures import CurveScales, TimeScales
@@ -81,6 +81,7 @@ def _of_contact(run: RunResult, scales: Scales) -> Iterator[Picture]:
     ):
         if picture is not None:
             yield picture
+    yield from vibration_figures.pictures(run)
 
 
 # The pictures of a run in parts of about equal cost, each of which a process can draw.
@@ -90,7 +91,7 @@ SHEETS: tuple[Callable[[RunResult, Scales], Iterator[Picture]], ...] = (
     _over_time,
     _of_contact,
 )
-SHEET_PICTURES = (3, 2, 2, 2)  # of each sheet, apart from recovery events
+SHEET_PICTURES = (3, 2, 2, 2)  # of each sheet, apart from recovery events and vibration
 
 
 def of_runs(runs: Sequence[RunResult]) -> Iterator[Picture]:
@@ -106,3 +107,6 @@ def of_runs(runs: Sequence[RunResult]) -> Iterator[Picture]:
     key = sound_figures.swept_key(runs)
     if key is not None:
         yield sound_figures.levels(key, runs)
+    slopes = vibration_figures.speed_slopes(runs)
+    if slopes is not None:
+        yield slopes

@@ -30,6 +30,11 @@ _PICTURES = [
     "surface",
     "contact",
     "recovery_events",
+    "sources",
+    "contact_force",
+    "contact_filter",
+    "mobilities",
+    "speed_slopes",
 ]
 _INPUTS = [run_record.FILE, "scene.yaml", "resolved.yaml"]
 _OF_ALL = [

@@ -272,7 +272,7 @@ def _same(resolved: Path, scene: Scene) -> bool:
 
 def solve_all(
     runs: Sequence[Run],
-    results: Sequence[Result],
+    results: list[Result],
     workers: int,
     name: str,
     begun: Callable[[Run], object] = lambda run: None,

@@ -45,6 +45,7 @@ SECTIONS = {  # by their places on the page
     "compare": "Two runs compared",
     "spectrograms": "Spectrograms",
     "levels": "Levels",
+    "vibration": "Vibration",
     "surface": "Surface",
     "events": "Recovery events",
     "assumed": "Assumed and warned",
@@ -52,7 +53,8 @@ SECTIONS = {  # by their places on the page
 }
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 # pictures of single runs, even if several are compared
-OWN = (*TIMELINES, "surface", "contact", "recovery_events")
+VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
+OWN = (*TIMELINES, "surface", "contact", "recovery_events", *VIBRATION)
 
 
 @dataclass(frozen=True)
@@ -253,6 +255,7 @@ def page(
             filmed=any(films),
             curves=common,
             surfaces=_surfaces(views),
+            vibrations=_vibrations(views),
             css=templates.own_text("report.css"),
             js=templates.scripts(),
             lengths_of_extended=_lengths_of_extended(runs),
@@ -287,6 +290,7 @@ def _contents(runs: Sequence[RunResult], views: Sequence[RunView]) -> list[tuple
     shown = {
         "compare": len(runs) > 1,
         "events": any("recovery_events" in view.pictures for view in views),
+        "vibration": any(run.vibration is not None for run in runs),
     }
     return [(place, name) for place, name in SECTIONS.items() if shown.get(place, True)]
 
@@ -374,6 +378,25 @@ def _surfaces(views: Sequence[RunView]) -> list[Surface]:
         )
         for members in sharing.values()
     ]
+
+
+def _vibrations(views: Sequence[RunView]) -> list[tuple[RunView, list[Exhibit]]]:
+    """Return the runs that vibrate with their pictures; runs that share one show it once."""
+    shown, seen = [], set[tuple[str, str]]()
+    for view in views:
+        summary, identity = view.run.summary, view.run.result.identity
+        march = identity.text if identity else view.label
+        bodies = (f"{summary.get(key)}" for key in ("ball_mass_kg", "plate_mobility_s_kg"))
+        shared = {"contact_filter": march, "mobilities": " ".join([march, *bodies])}
+        pictures = []
+        for name in VIBRATION:
+            key = name, shared.get(name, view.label)
+            if name in view.pictures and key not in seen:
+                pictures.append(view.pictures[name])
+                seen.add(key)
+        if pictures:
+            shown.append((view, pictures))
+    return shown
 
 
 def _one_line(text: str) -> str:

@@ -59,6 +59,14 @@ COLUMNS = (
     Column("las_max_db", "las_max", "LASmax", "dB"),
     Column("lz_peak_db", "lz_peak", "LZpeak", "dB"),
     Column("steady_level_db", "steady", "steady level", "dB re 1 pW/m²"),
+    Column("vibration_laeq_db", None, "LAeq of the vibration", "dB"),
+    Column("release_laeq_db", None, "LAeq of the release", "dB"),
+    Column("equivalent_q", None, "q that equals them", "", 1.0, ".2g"),
+    Column("plate_power_level_db", None, "sound power of the plate", "dB re 1 pW"),
+    Column("ball_power_level_db", None, "sound power of the sphere", "dB re 1 pW"),
+    Column("force_rms_n", None, "contact force, rms", "N", 1.0, ".3g"),
+    Column("force_max_ratio", None, "maximum of F/W", "", 1.0, ".3f"),
+    Column("force_min_ratio", None, "minimum of F/W", "", 1.0, ".3f"),
     Column("loudness_sone", None, "loudness", "sone", 1.0, ".3g"),
     Column("sharpness_acum", None, "sharpness", "acum", 1.0, ".3g"),
     Column("plastic_ratio", None, "plastic ratio", "", 1.0, ".3f"),
@@ -68,6 +76,14 @@ COLUMNS = (
     Column("release_power_rms_w", None, "release, rms", "µW", 1e6, ""),
 )
 ASKED_FOR = (
+    "vibration_laeq_db",
+    "release_laeq_db",
+    "equivalent_q",
+    "plate_power_level_db",
+    "ball_power_level_db",
+    "force_rms_n",
+    "force_max_ratio",
+    "force_min_ratio",
     "loudness_sone",
     "sharpness_acum",
     "laeq_grid_error_db",
@@ -120,7 +136,8 @@ def sentence(runs: Sequence[RunResult]) -> str:
     """State the result in one sentence."""
     sounding = [(level, run) for run in runs if (level := run.sound.levels.laeq_db) is not None]
     if not sounding:
-        return "No sound: the release does not fluctuate within hearing."
+        sources = " or ".join(dict.fromkeys(run.sound.source for run in runs))
+        return f"No sound: the {sources} does not fluctuate within hearing."
     distances = {f"{run.scene.sound.distance_m:g} m" for run in runs}
     at = f" at {distances.pop()}" if len(distances) == 1 else ""
     silent = len(runs) - len(sounding)
@@ -151,7 +168,8 @@ def levels(runs: Sequence[RunResult]) -> Table:
         value = run.summary[column.key]
         if value is None:
             level = column.key.endswith("_db") and column.key not in ASKED_FOR
-            return "silent" if level else NOTHING
+            silent = level and not (column.key == "steady_level_db" and run.vibration)
+            return "silent" if silent else NOTHING
         if column.uncertainty:
             return uncertain(value, _uncertainty(run, column))
         return (
@@ -255,31 +273,76 @@ def error_lines(runs: Sequence[RunResult]) -> list[str]:
 
 def assumptions(runs: Sequence[RunResult]) -> list[Fact]:
     """List the assumptions behind the numbers, each once if all runs share it."""
-    facts = [_assumed_sound(run) | _assumed_contact(run) for run in runs]
+    facts = [_assumed_sound(run) | _assumed_bodies(run) | _assumed_contact(run) for run in runs]
+    names = dict.fromkeys(name for fact in facts for name in fact)
     return [
-        _grouped(name, [(run.label, fact[name]) for run, fact in zip(runs, facts, strict=True)])
-        for name in facts[0]
+        _grouped(
+            name,
+            [(run.label, fact.get(name, NOTHING)) for run, fact in zip(runs, facts, strict=True)],
+        )
+        for name in names
     ]
 
 
 def _assumed_sound(run: RunResult) -> dict[str, str]:
     """Return the assumptions between release and listener, by quantity."""
-    scene, sound = run.scene, run.sound
+    sound = run.sound
+    return _assumed_source(run) | {
+        "record": f"{sound.duration:.4g} s"
+        + f", {'closes on itself' if sound.loops else sound.ends}",
+        "resolved up to": f"{min(sound.highest, sound.sample_rate / 2) / 1e3:.4g} kHz"
+        + ("" if sound.constant_speed else " at the maximum speed, less while it is slower"),
+    }
+
+
+def _assumed_source(run: RunResult) -> dict[str, str]:
+    """Return the assumptions about the source of the sound and its conversion, by quantity."""
+    scene, factor = run.scene, run.sound.factor
+    if run.sound.source == "vibration":
+        ball = "plate and sphere" if scene.sound.ball else "plate"
+        return {
+            "source": f"vibration of {ball}, the pressure on the axis through the contact",
+            "distance": f"{scene.sound.distance_m:g} m",
+        }
     fixed = scene.sound.gain_pa_per_w_m2 is not None
     return {
         "radiated share q": f"{scene.sound.q:g}",
         "distance": f"{scene.sound.distance_m:g} m, spherical spreading",
         "impedance of air": f"{RHO_C:g} Pa s/m (20 °C)",
-        "sound pressure per intensity": f"{significant(sound.factor)} Pa per W/m²"
-        if sound.factor
+        "sound pressure per intensity": f"{significant(factor)} Pa per W/m²"
+        if factor
         else "none: silent",
         "rule of that factor": "fixed by the scene"
         if fixed
         else "mean p² over the impedance is the rms of the intensity's fluctuation",
-        "record": f"{sound.duration:.4g} s"
-        + f", {'closes on itself' if sound.loops else sound.ends}",
-        "resolved up to": f"{min(sound.highest, sound.sample_rate / 2) / 1e3:.4g} kHz"
-        + ("" if sound.constant_speed else " at the maximum speed, less while it is slower"),
+    }
+
+
+def _assumed_bodies(run: RunResult) -> dict[str, str]:
+    """Return the assumptions about the vibration, by quantity; none without dynamics."""
+    if run.vibration is None:
+        return {}
+    scene, plate, summary = run.scene, run.scene.plate, run.summary
+    bending = (
+        "half-space"
+        if plate.thickness_mm is None
+        else f"infinite plate {plate.thickness_mm:g} mm thick, coincidence at"
+        f" {significant(summary['critical_hz'])} Hz"
+    )
+    quality = summary["resonance_q"]
+    damping = "undamped" if quality is None else f"Q {quality:.3g}"
+    error = summary["force_law_error_n"]
+    judged = "" if error is None else f", off by {error:.2g} N rms between them"
+    return {
+        "vibrating bodies": f"sphere of {1e3 * summary['ball_mass_kg']:.3g} g"
+        f" ({scene.sphere.density_kg_m3:g} kg/m³), {bending}, {plate.density_kg_m3:g} kg/m³",
+        "resonance of the sphere on its contact": f"{significant(summary['resonance_hz'])} Hz,"
+        f" {damping}",
+        "force law": f"{summary['force_law_loads']} loads from {summary['force_law_min_n']:.3g} to"
+        f" {summary['force_law_max_n']:.3g} N{judged}",
+        "loss factor of bending waves": NOTHING
+        if plate.loss_factor is None
+        else f"{plate.loss_factor:g}",
     }
 
 

@@ -193,11 +193,18 @@ def _split(name: str) -> tuple[str, ...]:
 # ---- new sound from a stored run
 
 
-RESOUND_KEYS = ("rolling.speed_m_s", *(f"sound.{name}" for name in Sound.model_fields))
+RESOUND_KEYS = (
+    "rolling.speed_m_s",
+    "sphere.density_kg_m3",
+    "plate.density_kg_m3",
+    "plate.thickness_mm",
+    "plate.loss_factor",
+    *(f"sound.{name}" for name in Sound.model_fields),
+)
 
 
 def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
-    """Give the scene of a stored run another speed or sound.
+    """Give the scene of a stored run another speed, mass, thickness or sound.
 
     Track and contact stay as they are.
 

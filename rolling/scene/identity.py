@@ -22,8 +22,9 @@ from rolling.scene.messages import plain_number, shown
 from rolling.scene.scene import Scene
 
 # The march does not depend on these keys. `resound` changes speed and duration, and the number of
-# steps stands for both. The path may change with the folder, and the digest of the heights stands
-# for it. The density only shifts a resonance. The error estimate follows the march.
+# steps stands for both, and for a distance. The path may change with the folder, and the digest of
+# the heights stands for it. Densities, thickness and loss factor belong to the vibration, whose
+# marches at other loads stand beside the march. The error estimate follows the march.
 NOT_PHYSICS = {
     "name",
     "title",
@@ -32,8 +33,13 @@ NOT_PHYSICS = {
     "sweep",
     "rolling.speed_m_s",
     "rolling.duration_s",
+    "rolling.distance_mm",
     "surface.path",
     "sphere.density_kg_m3",
+    "plate.density_kg_m3",
+    "plate.thickness_mm",
+    "plate.loss_factor",
+    "dynamics",
     "numerics.error_estimate",
 }
 STEPS, KIND = "track.steps", "surface.kind"

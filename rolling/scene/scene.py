@@ -43,6 +43,7 @@ from rolling.scene.motion import Motion
 from rolling.scene.sections import (
     MAX_FAULTS,
     UNTRIED_TOLERANCE,
+    Dynamics,
     HeightFile,
     MadeSurface,
     Numerics,
@@ -56,7 +57,7 @@ from rolling.scene.sections import (
     plain,
     required_in_files,
 )
-from rolling.scene.track import Track, file_track, height_nodes, made_track
+from rolling.scene.track import Rolled, Track, file_track, height_nodes, made_track
 
 STEEL_DENSITY = 7850.0  # [kg/m3]
 DEFAULT_NAME = "scene"  # name of a scene that is built in Python
@@ -115,6 +116,11 @@ class Scene(Section):
     rolling: Rolling
     numerics: Numerics = Field(default_factory=Numerics, validate_default=True)
     recovery: Recovery = Field(default_factory=Recovery)
+    dynamics: Dynamics | None = Field(
+        default=None,
+        validate_default=True,
+        description="Vibration of sphere and plate; absent: the load is held constant",
+    )
     sound: Sound = Field(default_factory=Sound)
     sweep: Annotated[
         dict[str, Any],
@@ -137,9 +143,12 @@ class Scene(Section):
     @classmethod
     def _has_duration(cls, rolling: Rolling, info: ValidationInfo) -> Rolling:
         surface = info.data.get("surface")
-        if rolling.duration_s is None and surface is not None and surface.kind != "file":
+        lengths = rolling.duration_s, rolling.distance_mm
+        if lengths == (None, None) and surface is not None and surface.kind != "file":
             words = allowed(Rolling.model_fields["duration_s"])
-            raise fault(f"missing, allowed: {words}", "rolling", "duration_s")
+            raise fault(
+                f"missing, allowed: {words}, or a rolling.distance_mm", "rolling", "duration_s"
+            )
         return rolling
 
     @field_validator("numerics")
@@ -149,6 +158,46 @@ class Scene(Section):
         if isinstance(surface, MadeSurface) and rolling is not None:
             _made_track(surface, rolling, numerics)
         return numerics
+
+    @field_validator("dynamics")
+    @classmethod
+    def _has_masses(cls, dynamics: Dynamics | None, info: ValidationInfo) -> Dynamics | None:
+        sphere, plate = info.data.get("sphere"), info.data.get("plate")
+        if dynamics is not None:
+            for name, body in (("sphere", sphere), ("plate", plate)):
+                if body is not None and body.density_kg_m3 is None:
+                    raise fault(
+                        f"missing, dynamics needs the mass of the {name}; allowed: a number > 0",
+                        name,
+                        "density_kg_m3",
+                    )
+        elif plate is not None and plate.thickness_mm is not None:
+            raise fault(
+                "only goes with dynamics: without that section the plate does not bend",
+                "plate",
+                "thickness_mm",
+            )
+        return dynamics
+
+    @field_validator("sound")
+    @classmethod
+    def _has_source(cls, sound: Sound, info: ValidationInfo) -> Sound:
+        if sound.source == "vibration" and "dynamics" in info.data:
+            if info.data["dynamics"] is None:
+                raise fault(
+                    'got "vibration", which needs the section dynamics; `dynamics: {}` takes'
+                    " its defaults",
+                    "sound",
+                    "source",
+                )
+            numerics = info.data.get("numerics")
+            if numerics is not None and numerics.error_estimate:
+                raise fault(
+                    "only goes with sound.source: release, whose errors it estimates",
+                    "numerics",
+                    "error_estimate",
+                )
+        return sound
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scene) and self.model_dump() == other.model_dump()
@@ -226,6 +275,8 @@ class Scene(Section):
         data = self.model_dump(exclude_none=True)
         if not self.sweep:
             del data["sweep"]
+        if self.sound.source == "vibration":
+            del data["sound"]["q"]  # which such a scene may not give
         listed: dict[str, Any] = _listed(data)
         return listed
 
@@ -328,9 +379,8 @@ class Scene(Section):
         path, said = self.folder / self.surface.path, self.surface.path
         try:
             nodes = height_nodes(path, said, self.surface.n_across)
-            return file_track(
-                nodes, self.spacing, self.numerics.step_nodes, self.motion, self.rolling.duration_s
-            )
+            rolled = _rolled(self.rolling, self.motion)
+            return file_track(nodes, self.spacing, self.numerics.step_nodes, self.motion, rolled)
         except PydanticCustomError as error:
             context = error.context or {}
             raise SceneError([f"{dotted(context['at'])}: {context['message']}"]) from error
@@ -400,9 +450,17 @@ class Scene(Section):
 
 
 def _made_track(surface: MadeSurface, rolling: Rolling, numerics: Numerics) -> Track:
-    assert rolling.duration_s is not None  # refused before
     spacing, motion = surface.spacing_um * 1e-6, Motion.of(rolling.speed_m_s)
-    return made_track(surface.n_across, spacing, numerics.step_nodes, motion, rolling.duration_s)
+    rolled = _rolled(rolling, motion)
+    assert rolled is not None  # refused before
+    return made_track(surface.n_across, spacing, numerics.step_nodes, motion, rolled)
+
+
+def _rolled(rolling: Rolling, motion: Motion) -> Rolled | None:
+    """Return the distance that the scene asks for, or None where it gives none."""
+    if rolling.distance_mm is not None:
+        return Rolled.over(rolling.distance_mm, motion)
+    return None if rolling.duration_s is None else Rolled.during(rolling.duration_s, motion)
 
 
 def _full_key(name: str) -> str:

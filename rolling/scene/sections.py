@@ -163,8 +163,8 @@ class Sphere(Section):
     density_kg_m3: float | None = Field(
         default=None,
         gt=0,
-        description="Density [kg/m3], for the mass in the check of the contact resonance; absent:"
-        " 7850, as if steel",
+        description="Density [kg/m3], for the mass; dynamics needs it. Absent: the check of the"
+        " contact resonance takes 7850, as if steel",
     )
     youngs_modulus_gpa: float | None = Field(
         default=None, gt=0, description="Young's modulus [GPa]; absent: a rigid sphere"
@@ -201,6 +201,32 @@ class Plate(Section):
         description="Hardness [GPa], the maximum pressure that the plate bears; absent: purely"
         " elastic",
     )
+    density_kg_m3: float | None = Field(
+        default=None, gt=0, description="Density [kg/m3]; dynamics needs it"
+    )
+    thickness_mm: float | None = Field(
+        default=None,
+        gt=0,
+        description="Thickness [mm] of an infinite plate that bends, for dynamics; absent: a"
+        " half-space",
+    )
+    loss_factor: float | None = Field(
+        default=None,
+        gt=0,
+        le=1,
+        description="Loss factor of bending waves [-], for the sound power above coincidence;"
+        " absent: no sound power there",
+    )
+
+    @model_validator(mode="after")
+    def _loss_of_bending(self) -> Plate:
+        if self.loss_factor is not None and self.thickness_mm is None:
+            raise fault(
+                "only goes with thickness_mm: a half-space has no bending waves",
+                "plate",
+                "loss_factor",
+            )
+        return self
 
 
 # ---- surfaces
@@ -411,10 +437,22 @@ class Rolling(Section):
     duration_s: float | None = Field(
         default=None,
         gt=0,
-        description="Time rolled [s]; only with a height file it may be absent: once round the"
-        " file",
+        description="Time rolled [s]; absent with distance_mm, and with a height file: once round"
+        " the file",
+    )
+    distance_mm: float | None = Field(
+        default=None,
+        gt=0,
+        description="Distance rolled [mm] instead of a duration, so that every speed meets the"
+        " same surface",
     )
     start_um: float = Field(default=0.0, description="Start position along the track [um]")
+
+    @model_validator(mode="after")
+    def _one_length(self) -> Rolling:
+        if self.duration_s is not None and self.distance_mm is not None:
+            raise fault("given beside duration_s, allowed: one of them", "rolling", "distance_mm")
+        return self
 
 
 TOLERANCES = 1e-12, 1e-1  # allowed numbers
@@ -499,10 +537,51 @@ class Recovery(Section):
     )
 
 
+def _odd(value: int) -> int:
+    """Refuse an even number of loads."""
+    if value % 2 == 0:
+        raise fault(f"got {value}, allowed: {LOADS.allowed}")
+    return value
+
+
+LOADS = Words("an odd whole number from 3 to 15")
+
+
+class Dynamics(Section):
+    """Vibration of the sphere on its contact and on the plate, which makes the force fluctuate."""
+
+    SECTION: ClassVar[str] = "dynamics"
+
+    loads: Annotated[int, LOADS, AfterValidator(_odd)] = Field(
+        default=3,
+        ge=3,
+        le=15,
+        description="Minimum number of loads at which the track is marched [-], odd: the scene's"
+        " in the middle",
+    )
+    span: float = Field(
+        default=1.4, gt=1, le=4, description="Ratio of a marched load to the next lower one [-]"
+    )
+    release: bool = Field(
+        default=False,
+        description="Whether the release is computed under the moving load, by one more march of"
+        " each run; otherwise under the constant load",
+    )
+
+
 class Sound(Section):
-    """Listener, and conversion of release power to sound pressure."""
+    """Source, listener, and conversion of release power to sound pressure."""
 
     SECTION: ClassVar[str] = "sound"
+
+    source: Literal["release", "vibration"] = Field(
+        default="release",
+        description="Origin of the sound pressure: release of elastic energy, or vibration of"
+        " sphere and plate, which needs dynamics and takes neither q nor gain",
+    )
+    ball: bool = Field(
+        default=True, description="Whether the vibration of the sphere is heard beside the plate's"
+    )
 
     distance_m: float = Field(default=1.0, gt=0, description="Distance of the listener [m]")
     q: float = Field(
@@ -519,3 +598,19 @@ class Sound(Section):
         description="Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package"
         " mosqito",
     )
+
+    @model_validator(mode="after")
+    def _of_release_only(self) -> Sound:
+        if self.source == "vibration":
+            for key, given in (
+                ("q", self.q != 1),
+                ("gain_pa_per_w_m2", self.gain_pa_per_w_m2 is not None),
+            ):
+                if given:
+                    raise fault(
+                        f"got {plain_number(getattr(self, key))}, which only goes with source:"
+                        " release; the pressure of the vibration has no free factor",
+                        "sound",
+                        key,
+                    )
+        return self

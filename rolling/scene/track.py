@@ -15,7 +15,47 @@ from rolling.scene.motion import ROUNDING, Motion
 MIN_NODES = 8  # minimum number of nodes along and across
 MAX_NODES = 10**9  # maximum of nodes and steps along the track; more is an error of the unit
 _DURATION, _SPEED, _PATH = ("rolling", "duration_s"), ("rolling", "speed_m_s"), ("surface", "path")
-_WIDTH = ("surface", "width_um")
+_WIDTH, _DISTANCE = ("surface", "width_um"), ("rolling", "distance_mm")
+
+
+@dataclass(frozen=True)
+class Rolled:
+    """Distance that a scene asks for, as a duration or as a distance.
+
+    Attributes
+    ----------
+    distance : float, m
+        Distance.
+    got : str
+        Value in the scene.
+    key : tuple of str
+        Key of the value.
+    """
+
+    distance: float
+    got: str
+    key: tuple[str, str]
+
+    @classmethod
+    def during(cls, duration: float, motion: Motion) -> Rolled:
+        """Return the distance of a duration [s]."""
+        return cls(float(motion.distance(duration)), plain_number(duration), _DURATION)
+
+    @classmethod
+    def over(cls, distance_mm: float, motion: Motion) -> Rolled:
+        """Return a distance [mm]; raise a fault where the sphere comes to rest before its end."""
+        if distance_mm * 1e-3 > motion.final_distance * (1 + ROUNDING):
+            raise fault(
+                f"the sphere comes to rest after {motion.final_distance * 1e3:.6g} mm,"
+                f" rolling.distance_mm is {plain_number(distance_mm)}: give it more speed",
+                *_SPEED,
+            )
+        return cls(distance_mm * 1e-3, plain_number(distance_mm), _DISTANCE)
+
+    def least(self, needed: float, motion: Motion) -> str:
+        """Write the value of the key for a distance [m]."""
+        value = needed * 1e3 if self.key == _DISTANCE else motion.duration(needed)
+        return f"{value:.4g}"
 
 
 @dataclass(frozen=True)
@@ -56,21 +96,20 @@ class Track:
 
 
 def made_track(
-    n_across: int, spacing: float, step_nodes: float, motion: Motion, duration: float
+    n_across: int, spacing: float, step_nodes: float, motion: Motion, rolled: Rolled
 ) -> Track:
     """Make the track over a generated surface, rounded so that it closes on itself.
 
-    The track is as long as the sphere rolls. A duration [s] that is too short or too long raises a
+    The track is as long as the sphere rolls. A distance that is too short or too long raises a
     fault.
     """
     step_fraction = _fraction(step_nodes)
     # The track is counted in the larger of step and node; the smaller then fits in whole numbers.
     unit_nodes = max(1, math.ceil(step_fraction))
     unit = unit_nodes * spacing
-    distance = float(motion.distance(duration))
-    got = plain_number(duration)
+    distance, got = rolled.distance, rolled.got
     if not distance / min(unit, spacing * float(step_fraction)) < MAX_NODES:
-        raise fault(f"got {got}, which is more than {MAX_NODES:g} nodes or steps", *_DURATION)
+        raise fault(f"got {got}, which is more than {MAX_NODES:g} nodes or steps", *rolled.key)
     units = _within_reach(round(distance / unit), unit, motion)
     least = math.ceil(MIN_NODES / unit_nodes)
     if units < least:
@@ -84,8 +123,8 @@ def made_track(
         raise fault(
             f"got {got}, in which the sphere rolls {distance * 1e6:.4g} um; the shortest track is"
             f" {least * unit_nodes} nodes, {needed * 1e6:.4g} um: at least"
-            f" {motion.duration(needed):.4g}",
-            *_DURATION,
+            f" {rolled.least(needed, motion)}",
+            *rolled.key,
         )
     n_along = units * unit_nodes
     steps = int(n_along / step_fraction)
@@ -97,7 +136,7 @@ def file_track(
     spacing: float,
     step_nodes: float,
     motion: Motion,
-    duration: float | None,
+    rolled: Rolled | None,
 ) -> Track:
     """Make the track over the heights of a file, by default once round it.
 
@@ -106,15 +145,15 @@ def file_track(
     n_along, n_across = nodes
     step_fraction, step = _fraction(step_nodes), spacing * step_nodes
     lap = n_along * spacing
-    if duration is None and motion.final_distance * (1 + ROUNDING) < lap:
+    if rolled is None and motion.final_distance * (1 + ROUNDING) < lap:
         raise fault(
             f"the sphere comes to rest after {motion.final_distance:.4g} m, once round the height"
             f" file is {lap:.4g} m: give it more speed or set rolling.duration_s",
             *_SPEED,
         )
-    distance = lap if duration is None else float(motion.distance(duration))
+    distance, key = (lap, _DURATION) if rolled is None else (rolled.distance, rolled.key)
     if not distance / step < MAX_NODES:
-        raise fault(f"the sphere rolls {distance:.4g} m, more than {MAX_NODES:g} steps", *_DURATION)
+        raise fault(f"the sphere rolls {distance:.4g} m, more than {MAX_NODES:g} steps", *key)
     steps = max(1, _within_reach(round(distance / step), step, motion))
     nodes_round = n_along * step_fraction.denominator
     lap_steps = nodes_round // math.gcd(step_fraction.numerator, nodes_round)

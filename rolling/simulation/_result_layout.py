@@ -1,7 +1,8 @@
 """The layout of result.h5, format 2: a netCDF-4 tree with named dimensions and units.
 
 The root holds the series along the track. The groups are snapshot, pressure_maps, events
-(event_pieces while steps are missing), error_estimate, slow_motion and sound.
+(event_pieces while steps are missing), error_estimate, slow_motion, force_law, contact_force and
+sound.
 """
 
 from __future__ import annotations
@@ -14,14 +15,18 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from acoustics import wav
+from acoustics.bands import MID_HZ
 from rolling import __version__
 from rolling.check.error_cost import LEVELS
 from rolling.scene.identity import canonical
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Gaussian
+from rolling.simulation.moving_load import moving_key
 from rolling.simulation.result import Result
 from rolling.simulation.whole_series import whole_series
 from rolling.sound.contact_sound import ContactSound
+from rolling.sound.vibration_sound import Vibration
 
 FORMAT = 2
 CHUNK_BYTES = 1 << 19
@@ -56,7 +61,13 @@ EVENT_UNITS = {
 _BARE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
 
 
-def image(result: Result, scene: Scene, scene_text: str, sound: ContactSound | None) -> bytes:
+def image(
+    result: Result,
+    scene: Scene,
+    scene_text: str,
+    sound: ContactSound | None,
+    vibration: Vibration | None = None,
+) -> bytes:
     """Build the file in memory, so that the HDF5 library never meets a full disk."""
     with h5py.File(
         "result.h5", "w", driver="core", backing_store=False, block_size=1 << 20
@@ -68,8 +79,12 @@ def image(result: Result, scene: Scene, scene_text: str, sound: ContactSound | N
         _events(file, result)
         _stretches(file, result)
         _slow_motion(file, result)
+        _force_law(file, result, scene.load)
+        _moving_release(file, result, scene)
         if sound is not None:
             _sound(file, sound)
+        if vibration is not None:
+            _contact_force(file, vibration)
         file.flush()
         return bytes(file.id.get_file_image())
 
@@ -305,11 +320,88 @@ def _slow_motion(file: h5py.File, result: Result) -> None:
     group.add("release", film.release, axes, "J", True, scale_factor=film.release_unit)
 
 
+def _force_law(file: h5py.File, result: Result, own_load: float) -> None:
+    """Write the approach at each load, with NaN where it is not marched yet, the scene's included.
+
+    The loads in between, which judge the law, have a short stretch only.
+    """
+    marches = result.load_marches
+    if marches is None:
+        return
+    group = _Group(file.create_group("force_law"))
+    group.group.attrs.update(
+        complete=marches.complete, seconds=marches.seconds, fault=marches.fault
+    )
+    by_load = marches.approach | {own_load: result.series["approach"]}
+    loads = sorted(by_load)
+    places = result.start + np.arange(result.solved_steps + 1) * result.step
+    group.coordinate("load", np.array(loads), "N", "load of a march")
+    group.coordinate("place", places, "m", "distance along the track")
+    approach = np.array([by_load[load] for load in loads])
+    group.add("approach", approach, ["load", "place"], "m", coordinates="load place")
+    if marches.judging:
+        between = sorted(marches.judging)
+        judging = np.array([marches.judging[load] for load in between])
+        group.coordinate("judging_load", np.array(between), "N", "load that judges the force law")
+        group.dimension("judging_place", judging.shape[1])
+        group.add("judging_approach", judging, ["judging_load", "judging_place"], "m")
+
+
+def _moving_release(file: h5py.File, result: Result, scene: Scene) -> None:
+    """Write the march under the moving load that belongs to the scene, if there is one."""
+    key = moving_key(scene)
+    if key not in result.moving:
+        return
+    moving, group = result.moving[key], _Group(file.create_group("moving_release"))
+    group.group.attrs["key"] = key
+    places = result.start + np.arange(result.solved_steps + 1) * result.step
+    group.coordinate("place", places, "m", "distance along the track")
+    group.dimension("place_step", result.solved_steps)
+    for name, values, units in (
+        ("force", moving.force, "N"),
+        ("approach", moving.approach, "m"),
+        ("motion_approach", moving.motion_approach, "m"),
+    ):
+        group.add(name, values, ["place"], units)
+    for name, values in moving.steps.items():
+        group.add(name, values, ["place_step"], "J")
+
+
 def _sound(file: h5py.File, sound: ContactSound) -> None:
     group = _Group(file.create_group("sound"))
-    group.group.attrs.update(
-        sample_rate_hz=sound.sample_rate, factor_pa_per_w_m2=sound.factor, closed=sound.closed
-    )
+    group.group.attrs.update(sample_rate_hz=sound.sample_rate, closed=sound.closed)
+    if sound.factor is not None:
+        group.group.attrs["factor_pa_per_w_m2"] = sound.factor
     samples = np.arange(len(sound.pressure)) / sound.sample_rate
     group.coordinate("sound_time", samples, "s", "time of each sample")
     group.add("pressure", sound.pressure, ["sound_time"], "Pa", long_name="sound pressure")
+
+
+def _contact_force(file: h5py.File, vibration: Vibration) -> None:
+    """Write the contact force at the samples of the sound, within hearing, and its bands."""
+    group, motion = _Group(file.create_group("contact_force")), vibration.motion
+    group.group.attrs.update(
+        sample_rate_hz=wav.SAMPLE_RATE_HZ,
+        closed=vibration.closed,
+        load_n=vibration.load,
+        minimum_n=float(motion.force_n.min()),
+        maximum_n=float(motion.force_n.max()),
+        time_step_s=motion.time_step_s,
+    )
+    samples = np.arange(len(vibration.force)) / wav.SAMPLE_RATE_HZ
+    group.coordinate("force_time", samples, "s", "time of each sample")
+    group.add(
+        "force",
+        vibration.load + vibration.force,
+        ["force_time"],
+        "N",
+        long_name="contact force, its fluctuation limited to 20 Hz to 20 kHz",
+    )
+    group.coordinate("band", np.array(MID_HZ), "Hz", "mid frequency of a third octave")
+    group.add(
+        "band_rms",
+        vibration.force_bands,
+        ["band"],
+        "N",
+        long_name="rms of the contact force in the third octave",
+    )

@@ -21,6 +21,8 @@ from rolling._typing import Array
 from rolling.check.error_cost import LEVELS
 from rolling.scene.identity import STEPS, Identity
 from rolling.simulation._result_layout import FORMAT
+from rolling.simulation.load_marches import LoadMarches
+from rolling.simulation.moving_load import MOVING_SERIES, MovingRelease
 from rolling.simulation.result import Result
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, PressureMap, Snapshot
 from rolling.simulation.slow_motion import SlowMotion
@@ -60,6 +62,8 @@ def read(file: h5py.File) -> Result:
     result.stretches = _stretches(file, result)
     result.trial = _trial(file)
     result.slow_motion = _slow_motion(file, result)
+    result.load_marches = _load_marches(file, result)
+    result.moving = _moving_release(file, result)
     complete = _attribute(file, "complete")
     if not isinstance(complete, bool | np.bool_) or bool(complete) != result.complete:
         raise Damage(
@@ -505,3 +509,58 @@ def _unit(data: h5py.Dataset) -> float:
     if not isinstance(unit, float | np.floating) or not math.isfinite(unit) or unit <= 0:
         raise Damage(f"{data.name.lstrip('/')}: scale_factor {_shown(unit)}, allowed is above 0")
     return float(unit)
+
+
+# ---- marches at other loads
+
+
+def _load_marches(file: h5py.File, result: Result) -> LoadMarches | None:
+    group = _group(file, "force_law")
+    if group is None:
+        return None
+    loads = _array(group, "load", "f", (None,)).astype(np.float64)
+    shape = len(loads), result.solved_steps + 1
+    approach = _array(group, "approach", "f", shape).astype(np.float64)
+    _refuse("force_law/load", ~(loads > 0) | ~np.isfinite(loads), "are not greater than 0")
+    _refuse("force_law/load", np.diff(loads, prepend=0.0) <= 0, "do not increase")
+    _refuse("force_law/approach", np.isinf(approach), "are infinite")
+    complete = _attribute(group, "complete")
+    if not isinstance(complete, bool | np.bool_):
+        raise Damage(f"force_law/complete: got {_shown(complete)}, allowed is true or false")
+    if complete and np.isnan(approach).any():
+        raise Damage("force_law/approach: NaN in marches that are complete")
+    seconds = _real(group, "seconds")
+    marches = LoadMarches(result.solved_steps, seconds=seconds, complete=bool(complete))
+    marches.fault = _text(group, "fault")
+    own = result.identity.physics.get("rolling.load_n") if result.identity else None
+    if own not in loads.tolist():
+        raise Damage(f"force_law/load: the load of the run, {_shown(own)} N, is missing")
+    marches.approach = {
+        load: values for load, values in zip(loads.tolist(), approach, strict=True) if load != own
+    }
+    if "judging_load" in group:
+        between = _array(group, "judging_load", "f", (None,)).astype(np.float64)
+        judging = _array(group, "judging_approach", "f", (len(between), None)).astype(np.float64)
+        _refuse("force_law/judging_approach", ~np.isfinite(judging), "are not finite")
+        if judging.shape[1] > result.solved_steps + 1:
+            raise Damage("force_law/judging_approach: longer than the track")
+        marches.judging = dict(zip(between.tolist(), judging, strict=True))
+    return marches
+
+
+def _moving_release(file: h5py.File, result: Result) -> dict[str, MovingRelease]:
+    group = _group(file, "moving_release")
+    if group is None:
+        return {}
+    count = result.solved_steps
+    force, approach, of_motion = (
+        _array(group, name, "f", (count + 1,)).astype(np.float64)
+        for name in ("force", "approach", "motion_approach")
+    )
+    steps = {name: _array(group, name, "f", (count,)).astype(np.float64) for name in MOVING_SERIES}
+    _refuse("moving_release/force", ~(force > 0) | ~np.isfinite(force), "are not greater than 0")
+    _refuse("moving_release/motion_approach", ~np.isfinite(of_motion), "are not finite")
+    _refuse("moving_release/release_energy", steps["release_energy"] < 0, "are negative")
+    for name, values in steps.items():
+        _refuse(f"moving_release/{name}", np.isinf(values), "are infinite")
+    return {_text(group, "key"): MovingRelease(force, of_motion, approach, steps)}

@@ -15,17 +15,19 @@ from rolling.scene.identity import Identity, changes, differences, said
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 from rolling.simulation import (
-    error_stretches,
     labels,
     result_file,
+    shared,
     simulate,
     slow_march,
     solving,
     tolerance_trial,
 )
+from rolling.simulation.lacking import lacks_marches
 from rolling.simulation.pool import Outcome, Workers
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound
+from rolling.sound.vibration_sound import Vibration
 
 __all__ = [
     "RESULT",
@@ -115,7 +117,7 @@ def _keep_choice(run: Run, result: Result) -> None:
 
 def solve(
     runs: Sequence[Run],
-    results: Sequence[Result],
+    results: list[Result],
     workers: Workers,
     name: str,
     mapped: bool = True,
@@ -128,7 +130,8 @@ def solve(
     Parameters
     ----------
     runs : sequence of Run.
-    results : sequence of Result. Their solved steps are not solved again.
+    results : list of Result. Their solved steps are not solved again. Runs with the same march
+        share a result afterwards, which the folder of the first of them holds as it grows.
     workers : int or Cluster. Number of processes; 0: one per core.
     name : str. Name of the progress bar.
     mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
@@ -138,43 +141,62 @@ def solve(
         result. Default: the result is written without its sound.
     filmed : bool. Whether complete runs get a slow motion. Default: false.
     """
+    for run, result in zip(runs, results, strict=True):
+        identify(run, result)
+    scenes = [run.scene for run in runs]
+    shared.share(scenes, results)
+    members = shared.members(results)
+
+    def lacking(number: int, result: Result) -> bool:
+        if lacks_marches(scenes[number], result):
+            return True
+        # The event of a slow motion depends on the speed, so runs that share a result have none.
+        alone = len(members.get(number, ())) == 1
+        return filmed and alone and slow_march.missing(scenes[number], result)
+
     unsolved = [
-        k
-        for k, (run, result) in enumerate(zip(runs, results, strict=True))
-        if _lacks_marches(run, result, filmed)
+        leader
+        for leader, numbers in members.items()
+        if any(lacking(k, results[leader]) for k in numbers)
     ]
     keepers = {k: Keeper() for k in unsolved}
     unkept: set[int] = set()
 
-    def added(number: int) -> None:
-        run, result = runs[number], results[number]
-        unkept.add(number)
-        last = not _lacks_marches(run, result, filmed)
+    def completed(number: int, at_once: bool) -> None:
+        """Complete a run, or keep its result where nobody completes it or that fails."""
+        if complete is None:
+            keep(runs[number], results[number])
+            return
+        try:
+            complete(number)
+        except BaseException:
+            if at_once:
+                keep(runs[number], results[number])
+            raise
+
+    def added(leader: int) -> None:
+        run, result = runs[leader], results[leader]
+        unkept.add(leader)
+        last = not any(lacking(k, result) for k in members[leader])
         # A result of one piece is written once, with its sound.
         at_once = complete is not None and last and result.solved_steps <= simulate.PIECE_STEPS
-        if not at_once and (keepers[number].due() or last):
+        if not at_once and (keepers[leader].due() or last):
             start = time.monotonic()
             keep(run, result)
-            keepers[number].wrote(time.monotonic() - start)
-            unkept.discard(number)
-        if complete is not None and last:
-            try:
-                complete(number)
-            except BaseException:
-                if at_once:
-                    keep(run, result)
-                raise
-            unkept.discard(number)
+            keepers[leader].wrote(time.monotonic() - start)
+            unkept.discard(leader)
+        if last:
+            for number in members[leader] if complete else members[leader][1:]:
+                completed(number, at_once or number != leader)
+            unkept.discard(leader)
 
-    for k in unsolved:
-        identify(runs[k], results[k])
     outcome = solving.solve(
-        [run.scene for run in runs],
+        scenes,
         results,
         workers,
         name,
         mapped,
-        begun=lambda number: begun(runs[number]),
+        begun=lambda leader: [begun(runs[number]) for number in members[leader]],
         added=added,
         filmed=filmed,
     )
@@ -182,23 +204,22 @@ def solve(
         if k in unkept:
             keep(runs[k], results[k])
         # Statistics and figures of the surface read the heights once more.
-        if fault := other_surface(runs[k], results[k]):
-            outcome.failures.setdefault(k, fault)
+        for number in members[k]:
+            if fault := other_surface(runs[number], results[number]):
+                outcome.failures.setdefault(number, fault)
     return outcome
 
 
-def _lacks_marches(run: Run, result: Result, filmed: bool) -> bool:
-    """Return whether pieces, stretches of the error estimate or the slow motion are missing."""
-    if not result.complete or error_stretches.missing(run.scene, result):
-        return True
-    return filmed and slow_march.missing(run.scene, result)
-
-
-def keep(run: Run, result: Result, sound: ContactSound | None = None) -> None:
-    """Write the result of a run into its folder, together with its sound if it has one."""
+def keep(
+    run: Run,
+    result: Result,
+    sound: ContactSound | None = None,
+    vibration: Vibration | None = None,
+) -> None:
+    """Write the result of a run into its folder, together with sound and vibration if it has."""
     identify(run, result)
     text = file.dump(seen_from(run.folder, run.scene))
-    result_file.save(run.folder / RESULT, result, run.scene, text, sound)
+    result_file.save(run.folder / RESULT, result, run.scene, text, sound, vibration)
 
 
 def identify(run: Run, result: Result) -> None:

@@ -14,13 +14,31 @@ from rolling.scene.scene import Scene
 from rolling.simulation.run_errors import RunErrors
 from rolling.sound import error_estimate, solver_error
 from rolling.sound.contact_sound import ContactSound
+from rolling.sound.vibration_sound import Vibration
 
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 # these stand beside every level
-HEADLINE = ("upper_bound", "assumed_q", "fixed_gain", "unvalidated", "uncertainty")
+HEADLINE = (
+    "upper_bound",
+    "assumed_q",
+    "fixed_gain",
+    "on_axis",
+    "infinite_plate",
+    "unvalidated",
+    "uncertainty",
+)
 REPEATS = ("short_loop", "short_track")  # these stand beside every player
 # all other caveats are warnings of the check
-STANDING = (*HEADLINE, *REPEATS, "partial", "not_loopable", "quasi_static")
+STANDING = (
+    *HEADLINE,
+    *REPEATS,
+    "partial",
+    "not_loopable",
+    "quasi_static",
+    "constant_load_release",
+    "moving_load_release",
+    "no_vibration",
+)
 
 
 @dataclass(frozen=True)
@@ -60,6 +78,8 @@ def caveats(
     findings: Iterable[Finding],
     complete: bool,
     errors: RunErrors | None = None,
+    vibration: Vibration | None = None,
+    moving: bool = False,
 ) -> list[Caveat]:
     """List the caveats of a run: the standing caveats, then the warnings of check and solver.
 
@@ -70,6 +90,8 @@ def caveats(
     findings : iterable of Finding. Findings of the scene.
     complete : bool. Whether all steps are solved.
     errors : RunErrors. Errors from grid and solver. Default: the scene does not ask for them.
+    vibration : Vibration. Vibration of sphere and plate. Default: the run has none.
+    moving : bool. Whether the release was computed under the moving load. Default: false.
     """
     estimated = errors is not None and not errors.reason
     result = [*_of_levels(scene, sound, estimated), *_of_record(scene, sound)]
@@ -80,12 +102,7 @@ def caveats(
                 "Not all steps are solved: numbers and sound cover the solved beginning only.",
             )
         )
-    result.append(
-        Caveat(
-            "quasi_static",
-            "The load is held constant: the sphere neither bounces nor rings on its contact.",
-        )
-    )
+    result.append(_of_load(scene, vibration, moving))
     result += [
         Caveat(each.key, f"{each.quantity}: {each.warning}")
         for each in findings
@@ -93,6 +110,10 @@ def caveats(
         if each.warning and (each.key != resolution.KEY or not _knows_grid(errors))
     ]
     result += _of_errors(scene, errors)
+    if vibration is not None:
+        result += _of_vibration(scene, vibration)
+    if sound.source == "vibration":
+        return result
     hidden = solver_error.doubt(scene, sound.audible_rms, sound.resolved_rms)
     return [*result, Caveat("solver", f"solver: {hidden}")] if hidden else result
 
@@ -125,6 +146,54 @@ def gathered(runs: Sequence[tuple[str, Sequence[Caveat]]]) -> list[Remark]:
             text += f" (in the numbers of {first})"
         remarks.append(Remark(key, text, () if len(texts) == len(runs) else tuple(texts)))
     return remarks
+
+
+def _of_load(scene: Scene, vibration: Vibration | None, moving: bool) -> Caveat:
+    """Return the caveat of the load under which the release was computed."""
+    if scene.dynamics is None:
+        return Caveat(
+            "quasi_static",
+            "The load is held constant: the sphere neither bounces nor rings on its contact.",
+        )
+    if vibration is None:
+        return Caveat(
+            "no_vibration", "The vibration is missing, because its force law is not complete."
+        )
+    if moving:
+        return Caveat(
+            "moving_load_release",
+            "The release is computed under the moving load; the series along the track are of the"
+            " constant load.",
+        )
+    return Caveat(
+        "constant_load_release",
+        "The release is computed under the constant load; dynamics.release: true computes it under"
+        " the moving load, where the motion repeats.",
+    )
+
+
+def _of_vibration(scene: Scene, vibration: Vibration) -> list[Caveat]:
+    """List the warnings of a vibration: forces beyond the law, flight, and a motion that drifts."""
+    motion, result = vibration.motion, list[Caveat]()
+    if motion.outside_share > 0:
+        text = (
+            f"force law: the contact force leaves the marched loads of"
+            f" {vibration.law.load_n[0]:.3g} to {vibration.law.load_n[-1]:.3g} N for"
+            f" {100 * motion.outside_share:.2g} % of the time, and is extrapolated there"
+        )
+        result.append(Caveat("force_outside", text))
+    if motion.impacts:
+        text = (
+            f"contact: lost for {100 * motion.flight_share:.2g} % of the time, with"
+            f" {motion.impacts} impacts"
+        )
+        result.append(Caveat("impacts", text))
+    if scene.track.closed and not motion.settled and vibration.levels.level_db is not None:
+        text = "motion: it does not repeat from lap to lap, so its record does not loop" + (
+            "; impacts need not repeat" if motion.impacts else ""
+        )
+        result.append(Caveat("not_settled", text))
+    return result
 
 
 def _knows_grid(errors: RunErrors | None) -> bool:
@@ -164,6 +233,8 @@ def _of_levels(scene: Scene, sound: ContactSound, estimated: bool) -> list[Cavea
     """List the caveats of the levels; a silent run has none."""
     if sound.steady_level is None and sound.levels.level_db is None:
         return []
+    if sound.source == "vibration":
+        return _of_vibration_levels(scene)
     result, s = [], scene.sound
     fixed = s.gain_pa_per_w_m2 is not None
     if s.q == 1:
@@ -183,7 +254,7 @@ def _of_levels(scene: Scene, sound: ContactSound, estimated: bool) -> list[Cavea
             "steady one."
         )
         result.append(Caveat("fixed_gain", text))
-    result.append(Caveat("unvalidated", "No level has been validated against a microphone."))
+    result.append(_unvalidated())
     if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
         text = "± covers the record's length alone, taken as stationary Gaussian noise; it holds "
         text += (
@@ -194,6 +265,38 @@ def _of_levels(scene: Scene, sound: ContactSound, estimated: bool) -> list[Cavea
         )
         result.append(Caveat("uncertainty", text))
     return result
+
+
+def _unvalidated() -> Caveat:
+    return Caveat("unvalidated", "No level has been validated against a microphone.")
+
+
+def _of_vibration_levels(scene: Scene) -> list[Caveat]:
+    """List the caveats of levels that belong to the vibration."""
+    sources = "plate and sphere" if scene.sound.ball else "plate"
+    body = (
+        "a half-space"
+        if scene.plate.thickness_mm is None
+        else "an infinite plate without modes, edges or supports"
+    )
+    return [
+        Caveat(
+            "on_axis",
+            f"Levels are the pressure of {sources} on the axis through the contact, at one listener"
+            f" at {scene.sound.distance_m:g} m without a room.",
+        ),
+        Caveat(
+            "infinite_plate",
+            f"The sphere rolls on {body}, pressed by a constant force without mass; friction,"
+            " rocking and rotation are left out.",
+        ),
+        _unvalidated(),
+        Caveat(
+            "uncertainty",
+            "± covers the record's length alone, taken as stationary Gaussian noise; it holds no"
+            " error of model, grid or solver.",
+        ),
+    ]
 
 
 def _of_record(scene: Scene, sound: ContactSound) -> list[Caveat]:

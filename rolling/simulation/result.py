@@ -15,6 +15,8 @@ from rolling._typing import Array
 from rolling.contact.recovery import join_events
 from rolling.scene.identity import Identity
 from rolling.scene.track import Track
+from rolling.simulation.load_marches import LoadMarches
+from rolling.simulation.moving_load import MovingRelease
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, Piece, PressureMap, Snapshot
 from rolling.simulation.slow_motion import SlowMotion
 from rolling.simulation.stretches import ErrorStretches, March, Trial
@@ -37,6 +39,8 @@ class Result:
     stretches : ErrorStretches. Stretches that were marched for the error estimate. Default: None.
     trial : Trial. Choice of the tolerance; None if the scene gave a number. Default: None.
     slow_motion : SlowMotion. Contiguous maps around the loudest event, for the page. Default: None.
+    load_marches : LoadMarches. Marches at other loads, for the force law. Default: None.
+    moving : dict. Marches under moving loads, by the vibration that moves them.
     """
 
     steps: int
@@ -51,6 +55,8 @@ class Result:
     stretches: ErrorStretches | None = None
     trial: Trial | None = None
     slow_motion: SlowMotion | None = None
+    load_marches: LoadMarches | None = None
+    moving: dict[str, MovingRelease] = field(default_factory=dict)
 
     @classmethod
     def empty(cls, track: Track, start: float) -> Result:

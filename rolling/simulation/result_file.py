@@ -21,6 +21,7 @@ from rolling.simulation import _hdf5_probe, _result_layout, _result_reading
 from rolling.simulation._result_layout import UNITS
 from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound
+from rolling.sound.vibration_sound import Vibration
 
 __all__ = ["UNITS", "Result", "load", "save", "scene_text"]
 
@@ -32,7 +33,12 @@ _DAMAGED = (
 
 
 def save(
-    path: Path, result: Result, scene: Scene, scene_text: str, sound: ContactSound | None = None
+    path: Path,
+    result: Result,
+    scene: Scene,
+    scene_text: str,
+    sound: ContactSound | None = None,
+    vibration: Vibration | None = None,
 ) -> None:
     """Write result.h5.
 
@@ -43,13 +49,14 @@ def save(
     scene : Scene. The scene of the run, for time and speed along the track.
     scene_text : str. The scene as YAML, with paths relative to the run folder.
     sound : ContactSound. Default: none yet.
+    vibration : Vibration. Default: none.
 
     Raises
     ------
     OSError : the disk is full, or the file cannot be written for another reason. An earlier file is
         kept.
     """
-    content = _result_layout.image(result, scene, scene_text, sound)
+    content = _result_layout.image(result, scene, scene_text, sound, vibration)
     try:
         write_bytes(path, content + _seal(content))
     except OSError as error:

@@ -24,10 +24,14 @@ from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 from rolling.simulation import _result_layout, labels
 from rolling.simulation import summary as numbers_of
+from rolling.simulation.moving_release import moving_numbers, moving_release
 from rolling.simulation.result import Result
 from rolling.simulation.run_errors import RunErrors, run_errors
+from rolling.simulation.vibration import numbers as vibration_numbers
+from rolling.simulation.vibration import vibration_of
 from rolling.simulation.whole_series import WholeSeries, whole_series
 from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.sound.vibration_sound import Vibration, heard
 from rolling.surface.scene_surface import scene_surface
 
 if TYPE_CHECKING:
@@ -54,6 +58,7 @@ class RunResult:
     sound : ContactSound. Sound pressure, levels and their uncertainty.
     summary : dict. The numbers of summary.json.
     errors : RunErrors. Errors from grid and solver; None unless the scene asks for an estimate.
+    vibration : Vibration. Vibration of sphere and plate; None unless the scene has dynamics.
     writer : callable. The function behind `save`. It draws figures and writes the page, which stand
         above this module.
     """
@@ -66,6 +71,7 @@ class RunResult:
     sound: ContactSound
     summary: dict[str, Any]
     errors: RunErrors | None = None
+    vibration: Vibration | None = None
     writer: Writer | None = None
 
     @property
@@ -193,7 +199,8 @@ class RunResult:
         """
         import xarray
 
-        content = _result_layout.image(self.result, self.scene, file.dump(self.scene), self.sound)
+        text = file.dump(self.scene)
+        content = _result_layout.image(self.result, self.scene, text, self.sound, self.vibration)
         return xarray.open_datatree(io.BytesIO(content), engine="h5netcdf").load()
 
     def __repr__(self) -> str:
@@ -218,6 +225,8 @@ class RunResult:
 
     def _level(self, key: str, uncertainty: str) -> str:
         level = self.summary[key]
+        if key == "steady_level_db" and self.sound.source == "vibration":
+            return "-"
         return (
             "silent"
             if level is None
@@ -228,16 +237,33 @@ class RunResult:
 def hear(
     label: str, values: Mapping[str, Value], folder: Path, scene: Scene, result: Result
 ) -> RunResult | None:
-    """Make the sound of the solved steps of a run, or return None below two solved steps."""
+    """Make the sound of the solved steps of a run.
+
+    Return None below two solved steps, and for a vibration whose force law is not complete.
+    """
     steps = result.done_steps
     if steps < 2:
         return None
     began = time.perf_counter()
     closed = result.complete and steps % result.solved_steps == 0 and scene.track.closed
+    moving = moving_release(scene, result)
     energy = result.whole("release_energy")[:steps]
-    sound = contact_sound(
+    if moving is not None:
+        energy = moving.steps["release_energy"][np.arange(steps) % result.solved_steps]
+    release = contact_sound(
         scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam
     )
+    vibration = vibration_of(scene, result, release)
+    if scene.sound.source == "release":
+        sound = release
+    elif vibration is not None:
+        sound = heard(release, vibration)
+    else:
+        return None
     errors = run_errors(scene, result, sound)
-    summary = numbers_of.summarize(scene, result, sound, time.perf_counter() - began, errors)
-    return RunResult(label, values, folder, scene, result, sound, summary, errors)
+    summary = numbers_of.summarize(
+        scene, result, sound, time.perf_counter() - began, errors, vibration, moving is not None
+    )
+    summary |= vibration_numbers(scene, result, release, vibration)
+    summary |= moving_numbers(result, moving)
+    return RunResult(label, values, folder, scene, result, sound, summary, errors, vibration)

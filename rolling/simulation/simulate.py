@@ -120,7 +120,8 @@ def surface_fault(scene: Scene, solved: str | None) -> str | None:
 
 
 @lru_cache(maxsize=4)
-def _half_space(spacing: float, contact_modulus: float, subcells: int) -> HalfSpace:
+def half_space(spacing: float, contact_modulus: float, subcells: int) -> HalfSpace:
+    """Return the half-space of a spacing [m], a contact modulus [Pa] and sub-cells, made once."""
     return half_space_of(spacing, contact_modulus, subcells)
 
 
@@ -190,7 +191,7 @@ def simulate_piece(
     Interrupted : `stopped` returned true.
     """
     contact = contact or rolling_contact(scene)
-    half_space = _half_space(contact.spacing, contact.contact_modulus, contact.subcells)
+    elastic = half_space(contact.spacing, contact.contact_modulus, contact.subcells)
     left_end = scene.recovery is not None and scene.recovery.rule == "left_end"
     table = (
         EventTable(contact.cell_shape)
@@ -204,12 +205,12 @@ def simulate_piece(
     maps: list[PressureMap] = []
     old: ContactState | None = None
     began = time.perf_counter()
-    for state in march(contact, first, last, half_space):
+    for state in march(contact, first, last, elastic):
         if stopped():
             raise pool.Interrupted
         k = state.position
         if old is not None:
-            energy = step_energy(old, state, half_space, left_end)
+            energy = step_energy(old, state, elastic, left_end)
             if table is not None:
                 table.add(k - 1, energy, contact.subcells)
             now = time.perf_counter()

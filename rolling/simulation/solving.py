@@ -6,13 +6,27 @@ from collections import deque
 from collections.abc import Callable, Sequence
 
 from rolling.check import cost
+from rolling.contact.solver import ContactError
+from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
-from rolling.simulation import error_stretches, pool, simulate, slow_march
+from rolling.simulation import (
+    error_stretches,
+    force_law,
+    moving_release,
+    pool,
+    shared,
+    simulate,
+    slow_march,
+)
+from rolling.simulation.load_marches import LoadPiece
+from rolling.simulation.moving_load import MovingPiece
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.slow_motion import SlowMotion
 from rolling.simulation.stretches import March
 from rolling.terminal import progress as terminal
+
+Done = simulate.Piece | March | LoadPiece | MovingPiece | SlowMotion  # results of the tasks
 
 
 def _ignore(run: int) -> None:
@@ -21,7 +35,7 @@ def _ignore(run: int) -> None:
 
 def solve(
     scenes: Sequence[Scene],
-    results: Sequence[Result],
+    results: list[Result],
     workers: pool.Workers,
     name: str,
     mapped: bool = True,
@@ -32,10 +46,13 @@ def solve(
 ) -> Outcome:
     """Solve the missing steps of runs and add them to their results.
 
+    Runs whose marches are equal share a result afterwards. The first of them is marched.
+
     Parameters
     ----------
     scenes : sequence of Scene. Scenes without a sweep, one per run.
-    results : sequence of Result. Their solved steps are not solved again.
+    results : list of Result. Their solved steps are not solved again. Results of equal marches are
+        replaced by one of them.
     workers : int or Cluster. Number of processes; 0: one per core.
     name : str. Name of the progress bar.
     mapped : bool. Whether pressure maps along the tracks are kept, some megabytes per run.
@@ -44,10 +61,14 @@ def solve(
     progress : bool. Whether a progress bar is shown. Default: on a terminal and in a notebook.
     begun : callable. It receives the number of a run when one of its pieces is handed to a process.
     added : callable. It receives the number of a run after each piece is added to its result.
+
+    Both are called with the first of the runs that share a result.
     """
+    shared.share(scenes, results)
     work = _Work(scenes, results, filmed)
     todo = work.pieces()
-    others = [task for k in work.longest_first if not work.waiting[k] for task in work.following(k)]
+    failures: dict[int, str] = {}
+    others = work.first_others(failures)
     total = sum((last - first) * work.step_seconds[k] for k, first, last in todo)
     total += sum(task.cost for task in others)
 
@@ -58,7 +79,7 @@ def solve(
     )
     with terminal.bar(total, name, progress) as bar:
 
-        def finished(number: int, done: simulate.Piece | March | SlowMotion) -> list[pool.Task]:
+        def finished(number: int, done: Done) -> list[pool.Task]:
             following = work.add(number, done)
             added(number)
             bar.grow(sum(task.cost for task in following))
@@ -66,9 +87,14 @@ def solve(
                 terminal.detail(f"run {number + 1} of {len(scenes)}, {_piece_text(done)}")
             return following
 
-        return simulate.march_pieces(
+        outcome = simulate.march_pieces(
             scenes, todo, workers, finished, bar.update, work.orders(mapped), begun, others
         )
+    outcome.failures |= failures
+    for leader, members in work.members.items():
+        if leader in outcome.failures:
+            outcome.failures |= dict.fromkeys(members, outcome.failures[leader])
+    return outcome
 
 
 def solve_here(
@@ -92,7 +118,7 @@ def solve_here(
     """
     work = _Work([scene], [result])
     waiting = deque(simulate.piece_tasks([scene], work.pieces(), work.orders(True)))
-    waiting.extend([] if waiting else work.following(0))
+    waiting.extend([] if waiting else work.others(0))
     while waiting:
         task = waiting.popleft()
         waiting.extend(work.add(0, task.function(*task.arguments, stopped, progress)))
@@ -116,9 +142,12 @@ def _piece_text(piece: simulate.Piece) -> str:
 
 
 class _Work:
-    """Work on runs: their pieces, then the stretches for their error estimates, then slow motions.
+    """Work on runs: their missing pieces, and then the marches for error estimate and force law.
+
+    Slow motions come last.
 
     scenes, results : sequences. The runs.
+    members : dict. Numbers of the runs that share a result, by the first of them.
     filmed : bool. Whether complete runs get a slow motion.
     step_seconds : list of float. Expected time of a step of each run [s].
     waiting : list of int. Number of tasks of each run that are not done.
@@ -128,6 +157,7 @@ class _Work:
         self, scenes: Sequence[Scene], results: Sequence[Result], filmed: bool = False
     ) -> None:
         self.scenes, self.results, self.filmed = scenes, results, filmed
+        self.members = shared.members(results)
         self.step_seconds = [
             cost.expected_seconds(scene) / result.solved_steps
             for scene, result in zip(scenes, results, strict=True)
@@ -137,7 +167,7 @@ class _Work:
     @property
     def longest_first(self) -> list[int]:
         """The numbers of the runs; no core then works alone on a long run at the end."""
-        return sorted(range(len(self.scenes)), key=lambda k: -self.step_seconds[k])
+        return sorted(self.members, key=lambda k: -self.step_seconds[k])
 
     def pieces(self) -> list[tuple[int, int, int]]:
         """Return run, first and last position of each missing piece."""
@@ -161,25 +191,49 @@ class _Work:
             for seconds, result in zip(self.step_seconds, self.results, strict=True)
         ]
 
-    def add(self, number: int, done: simulate.Piece | March | SlowMotion) -> list[pool.Task]:
+    def first_others(self, failures: dict[int, str]) -> list[pool.Task]:
+        """Return the first marches beside the pieces, and note runs that cannot have them."""
+        tasks = []
+        for number in self.longest_first:
+            try:
+                tasks += self.others(number)
+            except ContactError as error:
+                failures[number] = str(error)
+        return tasks
+
+    def add(self, number: int, done: Done) -> list[pool.Task]:
         """Add a piece, a stretch or a slow motion to its run, and return the tasks that follow."""
         result = self.results[number]
         if isinstance(done, March):
             result.add_march(done)
         elif isinstance(done, SlowMotion):
             result.slow_motion = done
+        elif isinstance(done, LoadPiece):
+            assert result.load_marches is not None
+            result.load_marches.add(done)
+        elif isinstance(done, MovingPiece):
+            result.moving[done.key].add(done)
         else:
             result.add(done)
         self.waiting[number] -= 1
-        return [] if self.waiting[number] else self.following(number)
+        return [] if self.waiting[number] else self.others(number)
 
-    def following(self, number: int) -> list[pool.Task]:
-        """Return the marches of stretches that a run needs next, or that of its slow motion."""
-        scene, result = self.scenes[number], self.results[number]
-        step_seconds = self.step_seconds[number]
-        tasks = error_stretches.tasks(scene, result, number, step_seconds)
-        if self.filmed and not tasks:
-            film = slow_march.task(scene, result, number, step_seconds)
+    def others(self, number: int) -> list[pool.Task]:
+        """Return the marches beside its own that a run needs next, or that of its slow motion."""
+        scene, result, seconds = (
+            self.scenes[number],
+            self.results[number],
+            self.step_seconds[number],
+        )
+        scenes = [self.scenes[k] for k in self.members[number]]
+        tasks = [
+            *error_stretches.tasks(scene, result, number, seconds),
+            *force_law.tasks(scenes, result, number, seconds, of_scene.extremes),
+            *moving_release.tasks(scenes, result, number, seconds),
+        ]
+        # The event of a slow motion depends on the speed, so runs that share a result have none.
+        if self.filmed and not tasks and len(scenes) == 1:
+            film = slow_march.task(scene, result, number, seconds)
             tasks = [film] if film else []
         self.waiting[number] += len(tasks)
         return tasks

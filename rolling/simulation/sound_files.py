@@ -135,10 +135,10 @@ def _signal(scene: Scene, label: str, sound: ContactSound) -> bytes:
 def _facts(scene: Scene, label: str, sound: ContactSound) -> str:
     """Write the facts that the comment of a sound file holds."""
     s = scene.sound
-    return (
-        f"{scene.name}, {label}; distance {s.distance_m:g} m, q {s.q:g},"
-        f" {sound.factor:.6g} Pa per W/m2 of fluctuation; {sound.ends}"
-    )
+    source = f"vibration of {'plate and sphere' if s.ball else 'plate'} on the axis"
+    if sound.factor is not None:
+        source = f"q {s.q:g}, {sound.factor:.6g} Pa per W/m2 of fluctuation"
+    return f"{scene.name}, {label}; distance {s.distance_m:g} m, {source}; {sound.ends}"
 
 
 def _rule_of_gain(sound: ContactSound, gain: float) -> tuple[str, str]:
@@ -170,11 +170,17 @@ def _sidecar(
         "pascal_per_full_scale": 1.0 / gain,
         "gain_full_scale_per_pa": gain,
         "gain_db_re_1_per_pa": 20.0 * math.log10(gain),
-        "factor_pa_per_w_m2": sound.factor,
-        "distance_m": scene.sound.distance_m,
-        "q": scene.sound.q,
+        **_source(scene, sound),
         "duration_s": len(sound.pressure) / sound.sample_rate,
         "loops": sound.loops,
         "laeq_db": sound.levels.laeq_db,
         "lz_peak_db": sound.levels.lz_peak_db,
     }
+
+
+def _source(scene: Scene, sound: ContactSound) -> dict[str, Any]:
+    """Return the numbers between the source and the sound pressure."""
+    s = scene.sound
+    if sound.source == "vibration":
+        return {"source": "vibration", "ball": s.ball, "distance_m": s.distance_m}
+    return {"factor_pa_per_w_m2": sound.factor, "distance_m": s.distance_m, "q": s.q}

@@ -24,6 +24,7 @@ from rolling.simulation.labels import printable
 from rolling.simulation.result import Result
 from rolling.simulation.run_errors import RunErrors
 from rolling.sound.contact_sound import ContactSound
+from rolling.sound.vibration_sound import Vibration
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import scene_surface
 
@@ -37,8 +38,13 @@ def summarize(
     sound: ContactSound,
     sound_seconds: float,
     errors: RunErrors | None = None,
+    vibration: Vibration | None = None,
+    moving: bool = False,
 ) -> dict[str, Any]:
-    """Collect the numbers of a run over the solved steps; levels of silence are None."""
+    """Collect the numbers of a run over the solved steps; levels of silence are None.
+
+    `moving` says whether the release of the sound was computed under the moving load.
+    """
     steps = result.done_steps
     made = scene_surface(scene)
     series = {name: result.whole(name)[:steps] for name in simulate.STEP_SERIES}
@@ -98,7 +104,7 @@ def summarize(
         "caveats": [
             asdict(each)
             for each in caveats.caveats(
-                scene, sound, findings.findings(scene), result.complete, errors
+                scene, sound, findings.findings(scene), result.complete, errors, vibration, moving
             )
         ],
         "surface": asdict(made.statistics),
@@ -244,7 +250,10 @@ def table(runs: Sequence[tuple[str, str, dict[str, Any] | None]]) -> str:
             continue
 
         def db(name: str, summary: dict[str, Any] = summary) -> str:
-            return "silent" if summary[name] is None else f"{summary[name]:.1f}"
+            if summary[name] is None:
+                no_level = name == "steady_level_db" and summary.get("source") == "vibration"
+                return "-" if no_level else "silent"
+            return f"{summary[name]:.1f}"
 
         laeq = "silent"
         if summary["laeq_db"] is not None:

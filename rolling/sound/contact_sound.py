@@ -28,8 +28,9 @@ class ContactSound:
     ----------
     pressure : (samples,) array, Pa
         Sound pressure at `sample_rate`, the record that is shown, measured and heard.
-    factor : float, Pa per W/m2
-        Factor from the fluctuation of the intensity to the sound pressure.
+    factor : float or None, Pa per W/m2
+        Factor from the fluctuation of the intensity to the sound pressure; None for a vibration,
+        whose pressure has no such factor.
     closed : bool
         If true, levels and bands take the record as closed, because the track closes and the speed
         is constant. Otherwise the record is faded.
@@ -62,10 +63,12 @@ class ContactSound:
     has_seam : bool
         If true, the end of the surface does not lead to its beginning, so a closed record clicks
         where it repeats.
+    source : str
+        Source of the pressure, release or vibration. Power and its rms belong to the release.
     """
 
     pressure: Array
-    factor: float
+    factor: float | None
     closed: bool
     constant_speed: bool
     duration: float
@@ -81,6 +84,7 @@ class ContactSound:
     audible_rms: float
     resolved_rms: float
     has_seam: bool = False
+    source: str = "release"
 
     @property
     def loops(self) -> bool:
@@ -297,7 +301,7 @@ def _at_constant_speed(power: Array, closed: bool, duration: float, samples: int
     Its mean is subtracted if the record does not close.
     """
     if not closed:
-        power = _faded(power, duration)
+        power = faded(power, duration)
     return resampling.resample_closed(resampling.undo_step_mean(power), samples)
 
 
@@ -308,29 +312,29 @@ def _at_changing_speed(
     duration = motion.duration(len(per_metre) * step)
     # The mean is subtracted along the distance, because multiplied by a changing speed it would
     # sound as loud as the roughness.
-    signal = per_metre - per_metre.mean() if closed else _faded(per_metre, duration)
+    signal = per_metre - per_metre.mean() if closed else faded(per_metre, duration)
     signal = resampling.undo_step_mean(signal)
     fine_samples = samples * oversampling(motion, duration, step)
     fine = np.arange(fine_samples) * duration / fine_samples
     in_time = resampling.interpolate_closed(signal, np.asarray(motion.distance(fine)) / step)
     in_time = resampling.fade(
-        in_time * np.asarray(motion.speed(fine)), _fade_length(fine_samples, duration)
+        in_time * np.asarray(motion.speed(fine)), fade_length(fine_samples, duration)
     )
     return resampling.resample_closed(in_time, samples)
 
 
-def _faded(signal: Array, duration: float) -> Array:
+def faded(signal: Array, duration: float) -> Array:
     """Return the faded fluctuation of a signal.
 
     Its mean is zero after the fade, so that a band limit moves the ends little.
     """
-    fade_length = _fade_length(len(signal), duration)
-    share = resampling.fade(np.ones(len(signal)), fade_length)
+    ends = fade_length(len(signal), duration)
+    share = resampling.fade(np.ones(len(signal)), ends)
     # Of two samples nothing is left, whatever their mean.
     mean = float(signal @ share) / (share.sum() or 1.0)
-    return resampling.fade(signal - mean, fade_length)
+    return resampling.fade(signal - mean, ends)
 
 
-def _fade_length(samples: int, duration: float) -> int:
+def fade_length(samples: int, duration: float) -> int:
     """Return the number of samples of the fade at either end of a record."""
     return max(1, int(samples * min(FADE_S / duration, 0.1)))

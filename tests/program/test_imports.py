@@ -19,7 +19,7 @@ FLOORS = {
     "rolling": (
         ("_own_acoustics", "_typing", "tables", "terminal"),
         ("contact", "scene"),
-        ("folders", "surface"),
+        ("dynamics", "folders", "surface"),
         ("check", "sound"),
         ("simulation",),
         ("accuracy", "figures", "verification"),
@@ -31,7 +31,7 @@ FLOORS = {
         ("_typing",),
         ("bands", "radiation", "weighting"),
         ("drawn_lines", "resampling", "spectrum", "time_weighting"),
-        ("extension", "level", "loudness", "plot_style", "spectrogram"),
+        ("extension", "level", "loudness", "plot_style", "sound_power", "spectrogram"),
         ("plots", "uncertainty", "wav"),
         ("conformance",),
     ),

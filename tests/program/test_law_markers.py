@@ -9,11 +9,14 @@ from pathlib import Path
 TESTS = Path(__file__).parents[1]
 LAWS = {
     "A-weighting",
+    "Ball on plate",
     "Capacity",
     "Dense method",
     "Energy ledger",
+    "Force law",
     "First yield",
     "Hertz",
+    "Impact",
     "Left-end rule",
     "Mean rule",
     "Optimality",

@@ -28,8 +28,10 @@ def shortened(path: Path) -> list[str]:
     scene = scene_file.read_scene(path)
     if isinstance(scene.surface, HeightFile):
         return []
-    duration = float(scene.motion.time(TRACK_M))
-    return ["--set", f"rolling.duration_s={duration:.9f}", "--set", "rolling.load_n=0.5"]
+    length = f"rolling.duration_s={float(scene.motion.time(TRACK_M)):.9f}"
+    if scene.rolling.distance_mm is not None:
+        length = f"rolling.distance_mm={1e3 * TRACK_M}"
+    return ["--set", length, "--set", "rolling.load_n=0.5"]
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)

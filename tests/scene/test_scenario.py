@@ -25,7 +25,9 @@ NAME = (
     "1 to 64 letters, digits, dots, dashes or underscores, "
     "a letter or digit first (numbers in quotes)"
 )
-SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recovery, sound, sweep"
+SECTIONS = (
+    "name, description, sphere, plate, surface, rolling, numerics, recovery, dynamics, sound, sweep"
+)
 
 
 # ---- Messages
@@ -117,14 +119,14 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
             "hardnes_gpa",
             "s.yaml:6: plate.hardnes_gpa: unknown key, nearest: hardness_gpa, allowed: "
             "youngs_modulus_gpa,"
-            " poissons_ratio, hardness_gpa",
+            " poissons_ratio, hardness_gpa, density_kg_m3, thickness_mm, loss_factor",
         ),
         (
             "hardness_gpa",
             "load_n",
             "s.yaml:6: plate.load_n: unknown key, nearest: rolling.load_n, allowed: "
             "youngs_modulus_gpa, poissons_ratio,"
-            " hardness_gpa",
+            " hardness_gpa, density_kg_m3, thickness_mm, loss_factor",
         ),
         (
             "hardness_gpa: 2.1",
@@ -204,7 +206,7 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
             "load_n: 20",
             "load: 20\n  load_n: 20",
             "s.yaml:15: rolling.load: unknown key, nearest: load_n, allowed: load_n, speed_m_s, "
-            "duration_s, start_um",
+            "duration_s, distance_mm, start_um",
         ),
         (
             "speed_m_s: 0.1",
@@ -260,7 +262,8 @@ SECTIONS = "name, description, sphere, plate, surface, rolling, numerics, recove
         (
             "  duration_s: 0.01\n",
             "",
-            "s.yaml:14: rolling.duration_s: missing, allowed: a number > 0",
+            "s.yaml:14: rolling.duration_s: missing, allowed: a number > 0, or a"
+            " rolling.distance_mm",
         ),
         (
             "duration_s: 0.01",

@@ -201,13 +201,13 @@ def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
         (
             "rolling.lod_n=5",
             "--set: rolling.lod_n: unknown key, nearest: rolling.load_n, allowed: load_n, "
-            "speed_m_s, duration_s,"
+            "speed_m_s, duration_s, distance_mm,"
             " start_um",
         ),
         (
             "rolling.speed=5",
             "--set: rolling.speed: unknown key, nearest: rolling.speed_m_s, allowed: load_n, "
-            "speed_m_s, duration_s,"
+            "speed_m_s, duration_s, distance_mm,"
             " start_um",
         ),
         ("load_n=5", "--set: load_n: unknown key, nearest: rolling.load_n"),
@@ -242,7 +242,7 @@ def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
             "sweep.rolling.lod_n=[5]",
             "--set: sweep.rolling.lod_n: unknown key, nearest: sweep.rolling.load_n, allowed: "
             "load_n, speed_m_s,"
-            " duration_s, start_um",
+            " duration_s, distance_mm, start_um",
         ),
         (
             "sphere.poissons_ratio=0.3",
@@ -275,13 +275,18 @@ def test_resound_slower_than_the_shortest_track_would_take() -> None:
 
 
 def test_resound_refusals() -> None:
-    allowed = "rolling.speed_m_s, sound.distance_m, sound.q, sound.gain_pa_per_w_m2, sound.loudness"
+    allowed = (
+        "rolling.speed_m_s, sphere.density_kg_m3, plate.density_kg_m3, plate.thickness_mm,"
+        " plate.loss_factor, sound.source, sound.ball, sound.distance_m, sound.q,"
+        " sound.gain_pa_per_w_m2, sound.loudness"
+    )
     assert ", ".join(RESOUND_KEYS) == allowed
     with pytest.raises(SceneError) as error:
         resound(loads(PLAIN), ["rolling.load_n=5", "sound.q=0", "sound.z=1"])
     assert error.value.faults == [
         f"--set: rolling.load_n: needs a new run; without solving again allowed: {allowed}",
-        "--set: sound.z: unknown key, allowed: distance_m, q, gain_pa_per_w_m2, loudness",
+        "--set: sound.z: unknown key, allowed: source, ball, distance_m, q, gain_pa_per_w_m2,"
+        " loudness",
         "--set: sound.q: got 0, allowed: a number > 0 and <= 1",
     ]
     with pytest.raises(

@@ -71,7 +71,7 @@ def test_values_of_numpy_and_paths_are_taken() -> None:
         (
             lambda: Rolling(load=1, load_n=1, speed_m_s=1),  # type: ignore[call-arg]
             "scene: rolling.load: unknown key, nearest: load_n, allowed: load_n, speed_m_s, "
-            "duration_s, start_um",
+            "duration_s, distance_mm, start_um",
         ),
         (
             lambda: Smooth(spacing_um=1, width_um=8.5),
@@ -90,7 +90,7 @@ def test_values_of_numpy_and_paths_are_taken() -> None:
         ),
         (
             lambda: built(rolling=Rolling(load_n=1, speed_m_s=1)),
-            "scene: rolling.duration_s: missing, allowed: a number > 0",
+            "scene: rolling.duration_s: missing, allowed: a number > 0, or a rolling.distance_mm",
         ),
         (
             lambda: built(sweep={"rolling.load_n": [5, -1]}),
@@ -153,7 +153,7 @@ def test_sections_and_the_folder_are_kept() -> None:
         (
             {"rolling.lod_n": 3},
             "scene: rolling.lod_n: unknown key, nearest: rolling.load_n, allowed: load_n, "
-            "speed_m_s, duration_s, start_um",
+            "speed_m_s, duration_s, distance_mm, start_um",
         ),
         ({"load_n": 3, "rolling.load_n": 4}, "scene: rolling.load_n: given twice"),
         ({"load_n": -3}, "scene: rolling.load_n: got -3, allowed: a number > 0"),

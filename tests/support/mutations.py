@@ -31,6 +31,7 @@ from rolling.scene.scene import Scene
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 PLATE = "plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}\n"
+BENDING_PLATE = PLATE.replace("}", ", density_kg_m3: 7850, thickness_mm: 3, loss_factor: 0.01}")
 HEIGHTS = f"""\
 name: measured
 sphere: {{radius_mm: 5}}
@@ -43,7 +44,8 @@ rolling: {{load_n: 0.2, speed_m_s: 0.1}}
 SWEPT = f"""\
 name: trial
 sphere: {{radius_mm: 5, density_kg_m3: 7850, youngs_modulus_gpa: 210, poissons_ratio: 0.3}}
-{PLATE}surface:
+{BENDING_PLATE}dynamics: {{loads: 5, span: 1.3}}
+surface:
   kind: gaussian
   roughness_ra_um: 0.1
   correlation_length_um: 10

@@ -1,0 +1,196 @@
+"""Ball, contact and plate as a linear chain: mass, mobilities, resonance and its damping."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from acoustics.radiation import ThinPlate
+from rolling.dynamics.force_law import ForceLaw
+
+
+def sphere_mass(radius_m: float, density_kg_m3: float) -> float:
+    """Return the mass [kg] of a solid sphere, 4/3 pi R^3 rho.
+
+    Examples
+    --------
+    >>> f"{sphere_mass(5e-3, 7850) * 1e3:.3f} g"
+    '4.110 g'
+    """
+    return float(4 / 3 * np.pi * radius_m**3 * density_kg_m3)
+
+
+@dataclass(frozen=True)
+class Plate:
+    """Infinite thin plate of uniform thickness.
+
+    Parameters
+    ----------
+    young_pa, poisson : float, Pa, 1
+        Young's modulus E and Poisson's ratio nu.
+    density_kg_m3, thickness_m : float, kg/m^3, m
+        Density rho_s and thickness h.
+
+    Examples
+    --------
+    >>> steel = Plate(210e9, 0.3, 7850, 10e-3)
+    >>> f"{steel.mobility_s_kg:.3e} s/kg, {steel.critical_hz:.0f} Hz"
+    '1.017e-04 s/kg, 1198 Hz'
+    """
+
+    young_pa: float
+    poisson: float
+    density_kg_m3: float
+    thickness_m: float
+
+    @property
+    def bending_stiffness_n_m(self) -> float:
+        """Bending stiffness per width B = E h^3 / (12 (1 - nu^2)) [N m]."""
+        return self.young_pa * self.thickness_m**3 / (12 * (1 - self.poisson**2))
+
+    @property
+    def mass_per_area_kg_m2(self) -> float:
+        """Mass per area m'' = rho_s h [kg/m^2]."""
+        return self.density_kg_m3 * self.thickness_m
+
+    @property
+    def mobility_s_kg(self) -> float:
+        """Mobility at a point, Y = 1 / (8 sqrt(B m'')) [s/kg], real at all frequencies."""
+        return self.radiator().mobility_s_kg
+
+    @property
+    def critical_hz(self) -> float:
+        """Critical frequency [Hz], at which bending waves are as fast as sound in air."""
+        return self.radiator().critical_hz
+
+    def radiator(self, loss_factor: float = 0.0) -> ThinPlate:
+        """Return the plate as acoustics knows it, with the loss factor of its bending waves."""
+        return ThinPlate(self.mass_per_area_kg_m2, self.bending_stiffness_n_m, loss_factor)
+
+    def bending_wavelength_m(self, frequency_hz: float) -> float:
+        """Return the length of bending waves [m]; thin-plate theory needs six thicknesses."""
+        ratio = self.bending_stiffness_n_m / self.mass_per_area_kg_m2
+        return float(2 * np.pi * ratio**0.25 / np.sqrt(2 * np.pi * frequency_hz))
+
+
+def half_space_mobility(
+    frequency_hz: float, young_pa: float, poisson: float, density_kg_m3: float
+) -> float:
+    """Return the real part of the mobility [s/kg] of an elastic half-space under a point force.
+
+    It is the damping of the ball by waves, C w^2 / (rho_s c_T^3), with C = 0.137 at nu = 0.3. It
+    grows with the square of the frequency, so a motion takes its value at the resonance.
+
+    References
+    ----------
+    G. F. Miller, H. Pursey, Proc. R. Soc. Lond. A 223 (1954) 521.
+
+    Examples
+    --------
+    >>> f"{half_space_mobility(14e3, 210e9, 0.3, 7850):.2e} s/kg"
+    '4.10e-06 s/kg'
+    """
+    c_shear = np.sqrt(young_pa / (2 * (1 + poisson)) / density_kg_m3)
+    w = 2 * np.pi * frequency_hz
+    return float(_half_space_coefficient(poisson) * w**2 / (density_kg_m3 * c_shear**3))
+
+
+@cache
+def _half_space_coefficient(poisson: float) -> float:
+    """Return C: compression and shear waves as an integral, the Rayleigh wave as a residue."""
+    q2 = (1 - 2 * poisson) / (2 - 2 * poisson)  # squared ratio of the wave speeds
+
+    def body(k: float) -> float:
+        a, b = np.sqrt(complex(k * k - q2)), np.sqrt(complex(k * k - 1))
+        return float((k * a / ((2 * k * k - 1) ** 2 - 4 * k * k * a * b)).imag)
+
+    def rayleigh(k: float) -> float:
+        return float((2 * k * k - 1) ** 2 - 4 * k * k * np.sqrt((k * k - q2) * (k * k - 1)))
+
+    waves = quad(body, 0, np.sqrt(q2))[0] + quad(body, np.sqrt(q2), 1)[0]
+    k = brentq(rayleigh, 1 + 1e-9, 2, xtol=1e-14)
+    slope = (rayleigh(k + 1e-6) - rayleigh(k - 1e-6)) / 2e-6
+    surface = np.pi * k * np.sqrt(k * k - q2) / abs(slope)
+    return float((abs(waves) + surface) / (2 * np.pi))
+
+
+def contact_stiffness(law: ForceLaw, load_n: float) -> float:
+    """Return the contact stiffness [N/m] at a load: the inverse of the mean compliance."""
+    x = np.asarray(law.position_m, dtype=float)
+    return float(1 / np.mean(1 / law.stiffness(x, law.approach(x, load_n))))
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Ball, contact and plate in a row, for small fluctuations about the load.
+
+    Parameters
+    ----------
+    mass_kg : float, kg
+        Mass M of the ball.
+    mobility_s_kg : float, s/kg
+        Mobility Y of the plate; 0 stands for a rigid plate.
+    stiffness_n_m : float, N/m
+        Contact stiffness k at the load.
+
+    Examples
+    --------
+    >>> chain = Chain(4.11e-3, 1.018e-4, 3.17e7)
+    >>> f"{chain.resonance_hz:.0f} Hz, Q = {chain.quality:.1f}"
+    '13977 Hz, Q = 27.2'
+    """
+
+    mass_kg: float
+    mobility_s_kg: float
+    stiffness_n_m: float
+
+    @property
+    def resonance_hz(self) -> float:
+        """Frequency f0 of the ball on its contact [Hz]."""
+        return float(np.sqrt(self.stiffness_n_m / self.mass_kg) / (2 * np.pi))
+
+    @property
+    def quality(self) -> float:
+        """Quality factor Q = 1 / (M w0 Y), infinite for a rigid plate."""
+        loss = self.mass_kg * 2 * np.pi * self.resonance_hz * self.mobility_s_kg
+        return 1 / loss if loss > 0 else np.inf
+
+    @property
+    def decay_s(self) -> float:
+        """Time in which a transient falls by the factor e [s], infinite for a rigid plate."""
+        if self.mobility_s_kg == 0:
+            return np.inf
+        half = self.mobility_s_kg * self.stiffness_n_m / 2
+        beyond = max(half**2 - self.stiffness_n_m / self.mass_kg, 0.0)  # of an overdamped chain
+        # This form of half - sqrt(beyond) does not cancel.
+        if beyond > 0:
+            return float((half + np.sqrt(beyond)) * self.mass_kg / self.stiffness_n_m)
+        return 1 / half
+
+    def mobilities(self, frequency_hz: ArrayLike) -> dict[str, NDArray[np.complex128]]:
+        """Return the mobilities [s/kg] of ball, contact and plate at frequencies [Hz] above 0."""
+        iw = 2j * np.pi * np.asarray(frequency_hz, dtype=float)
+        return {
+            "ball": 1 / (iw * self.mass_kg),
+            "contact": iw / self.stiffness_n_m,
+            "plate": np.full_like(iw, self.mobility_s_kg),
+        }
+
+    def force(self, frequency_hz: ArrayLike, roughness_m: ArrayLike) -> NDArray[np.complex128]:
+        """Return the fluctuation of the contact force [N], phasors of exp(i w t).
+
+        Parameters
+        ----------
+        frequency_hz : array (n,), Hz
+            Frequencies above 0.
+        roughness_m : array (n,) of complex, m
+            Effective roughness: minus the fluctuation of the approach under the constant load.
+        """
+        iw = 2j * np.pi * np.asarray(frequency_hz, dtype=float)
+        receptance = sum(self.mobilities(frequency_hz).values()) / iw
+        return np.asarray(roughness_m, dtype=complex) / receptance

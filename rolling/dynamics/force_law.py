@@ -1,0 +1,188 @@
+"""Contact force of place and approach, from marches of the track at several loads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+
+from rolling._typing import Array
+from rolling.dynamics import _law_kernels
+from rolling.dynamics._law_kernels import LawTable
+
+EQUAL = 1e-6  # relative; positions that differ less from equal distances count as equally spaced
+SOFTEST = 0.5  # least slope da/ds at lift-off over the slope at the lowest load: F stays convex
+
+
+@dataclass(frozen=True)
+class ForceLaw:
+    """Contact force as a function of position and approach.
+
+    At each position the approach is interpolated over s = F^(2/3), in which a Hertz contact is a
+    straight line: by a quadratic spline through all loads, one quadratic for three loads. Above the
+    highest load the approach goes on straight, as Hertz would. Below the lowest it goes on as the
+    quadratic, with its slope limited so that the force stays convex down to a finite lift-off.
+    Along the track, lift-off and slopes are cubic splines, so the energy is smooth in both.
+
+    Parameters
+    ----------
+    position_m : array (n,), m
+        Equally spaced positions, ascending.
+    load_n : array (k,), N
+        Loads of the marches, positive and ascending, at least two.
+    approach_m : array (k, n), m
+        Approach under each load at each position.
+    period_m : float or None, m
+        Length of a closed track, n times the spacing. None: the track is open.
+
+    Raises
+    ------
+    ValueError
+        The arrays violate these conditions, or the approach does not rise with the load.
+    """
+
+    position_m: Array
+    load_n: Array
+    approach_m: Array
+    period_m: float | None = None
+
+    def __post_init__(self) -> None:
+        position, load, approach = (
+            np.asarray(values, dtype=float)
+            for values in (self.position_m, self.load_n, self.approach_m)
+        )
+        if load.ndim != 1 or load.size < 2 or load[0] <= 0 or not np.all(np.diff(load) > 0):
+            raise ValueError("a force law needs two loads or more, positive and ascending")
+        if position.ndim != 1 or position.size < 4 or approach.shape != (load.size, position.size):
+            raise ValueError(
+                "a force law needs one approach per load and position, at four positions or more;"
+                f" got {load.size} loads, {position.size} positions, approaches {approach.shape}"
+            )
+        if not (np.all(np.isfinite(approach)) and np.all(np.isfinite(load))):
+            raise ValueError("the loads and approaches of a force law must be finite")
+        if not np.all(np.diff(approach, axis=0) > 0):
+            raise ValueError("the approach of a force law must rise with the load at each position")
+        spacing = (position[-1] - position[0]) / (position.size - 1)
+        if spacing <= 0 or np.any(np.abs(np.diff(position) - spacing) > EQUAL * spacing):
+            raise ValueError("the positions of a force law must ascend at equal distances")
+        period = position.size * spacing
+        if self.period_m is not None and abs(self.period_m - period) > EQUAL * spacing:
+            raise ValueError(
+                f"the period of a force law must be positions times spacing, {period:.9g} m,"
+                f" got {self.period_m:.9g}"
+            )
+        if not np.all(self.table.values[:, 1:] > 0):
+            raise ValueError("the loads of the force law are too far apart: its force would jump")
+
+    @property
+    def spacing_m(self) -> float:
+        """Distance of the positions [m]."""
+        return float((self.position_m[-1] - self.position_m[0]) / (len(self.position_m) - 1))
+
+    @cached_property
+    def table(self) -> LawTable:
+        """Numbers that the kernels read: lift-off and slopes at each position."""
+        s = np.asarray(self.load_n, dtype=float) ** (2 / 3)
+        breaks, values = _broken_line(s, np.asarray(self.approach_m, dtype=float))
+        position, closed = np.asarray(self.position_m, dtype=float), self.period_m is not None
+        spacing = self.spacing_m
+        if closed:
+            values = np.concatenate((values, values[:1]))
+        knots = position[0] + spacing * np.arange(len(values))
+        spline = CubicSpline(knots, values, bc_type="periodic" if closed else "not-a-knot")
+        slopes = np.ascontiguousarray(spline(knots, 1))
+        return LawTable(
+            float(position[0]), spacing, closed, breaks, np.sqrt(breaks), values, slopes
+        )
+
+    def force(self, position_m: ArrayLike, approach_m: ArrayLike) -> Array:
+        """Return the contact force [N] at positions [m] and approaches [m], broadcast together."""
+        return self._evaluated(position_m, approach_m)[..., 0]
+
+    def stiffness(self, position_m: ArrayLike, approach_m: ArrayLike) -> Array:
+        """Return the contact stiffness dF/dd [N/m], zero where the surfaces are apart."""
+        return self._evaluated(position_m, approach_m)[..., 1]
+
+    def energy(self, position_m: ArrayLike, approach_m: ArrayLike) -> Array:
+        """Return the energy U [J], the integral of the force over the approach from lift-off."""
+        return self._evaluated(position_m, approach_m)[..., 2]
+
+    def energy_slope(self, position_m: ArrayLike, approach_m: ArrayLike) -> Array:
+        """Return dU/dx [N], the change of the energy along the track at a fixed approach."""
+        return self._evaluated(position_m, approach_m)[..., 3]
+
+    def approach(self, position_m: ArrayLike, load_n: float) -> Array:
+        """Return the approach [m] under a constant load [N] >= 0 at positions [m]."""
+        x = np.asarray(position_m, dtype=float)
+        laws = np.empty((x.size, self.table.values.shape[1]))
+        _law_kernels.laws_at(x.ravel(), self.table, laws)
+        weights = _integrals(self.table.breaks, float(load_n) ** (2 / 3))
+        return np.asarray(laws[:, 0] + laws[:, 1:] @ weights).reshape(x.shape)
+
+    def outside(self, force_n: ArrayLike) -> float:
+        """Return the share of forces that lie outside the marched loads."""
+        force = np.asarray(force_n, dtype=float)
+        return float(np.mean((force < self.load_n[0]) | (force > self.load_n[-1])))
+
+    def _evaluated(self, position_m: ArrayLike, approach_m: ArrayLike) -> Array:
+        """Return force, stiffness, energy and its slope along the track as a last axis."""
+        x, d = np.broadcast_arrays(
+            np.asarray(position_m, dtype=float), np.asarray(approach_m, dtype=float)
+        )
+        values = np.empty((x.size, 4))
+        _law_kernels.evaluate(x.ravel(), d.ravel(), self.table, values)
+        return values.reshape((*x.shape, 4))
+
+
+def hertz_law(
+    load_n: float, radius_m: float, contact_modulus_pa: float, track_m: ArrayLike = (0, 0, 0, 0)
+) -> ForceLaw:
+    """Return the law of a smooth sphere on a track of given heights, spaced 1 m apart.
+
+    Parameters
+    ----------
+    load_n : float, N
+        Load about which the law holds.
+    radius_m, contact_modulus_pa : float, m, Pa
+        Radius R and contact modulus E*, F = 4/3 E* sqrt(R) d^(3/2).
+    track_m : array (n,), m
+        Heights of the track, which lower the approach that a force needs. Default: flat.
+    """
+    height = np.asarray(track_m, dtype=float)
+    loads = load_n * np.array([0.5, 1.0, 2.0])
+    depth = (loads / (4 / 3 * contact_modulus_pa * np.sqrt(radius_m))) ** (2 / 3)
+    return ForceLaw(np.arange(height.size, dtype=float), loads, depth[:, None] - height)
+
+
+def _broken_line(s: Array, approach: Array) -> tuple[Array, Array]:
+    """Return the breaks (m,) in s, and lift-off and slopes (n, 1 + m) of the quadratic spline.
+
+    Its inner breaks lie halfway between inner loads, so there are as many conditions as unknowns.
+    """
+    breaks = np.concatenate(([0.0], s[:1], (s[1:-2] + s[2:-1]) / 2, s[-1:]))
+    if s.size == 2:
+        slope = (approach[1] - approach[0]) / (s[1] - s[0])
+        g = np.stack([slope] * 3)
+    else:
+        weights = np.array([_integrals(breaks, end) for end in s])
+        inner = np.linalg.solve((weights[1:] - weights[0])[:, 1:], approach[1:] - approach[0])
+        bend = (inner[1] - inner[0]) / (breaks[2] - breaks[1])
+        first = np.maximum(inner[0] - bend * s[0], SOFTEST * inner[0])
+        g = np.concatenate((first[None], inner))
+    lift_off = approach[0] - s[0] * (g[0] + g[1]) / 2
+    return breaks, np.ascontiguousarray(np.concatenate((lift_off[None], g)).T)
+
+
+def _integrals(breaks: Array, end: float) -> Array:
+    """Return the weights of the slopes at the breaks in their integral from 0 to `end`."""
+    lengths = np.diff(breaks)
+    t = np.clip(end - breaks[:-1], 0.0, lengths)
+    rising = t**2 / (2 * lengths)
+    weights = np.zeros(breaks.size)
+    weights[:-1] += t - rising
+    weights[1:] += rising
+    weights[-1] += max(end - breaks[-1], 0.0)
+    return weights

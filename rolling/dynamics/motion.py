@@ -1,0 +1,353 @@
+"""Motion of ball and plate in time over a force law, with the energy balance of the record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from rolling._typing import Array
+from rolling.dynamics import _motion_kernels
+from rolling.dynamics.bodies import Chain, contact_stiffness
+from rolling.dynamics.force_law import ForceLaw
+
+DECAYS = 14  # a transient falls to 1e-6 in as many decay times
+FADE_DECAYS = 7  # and to 1e-3 in as many
+MOST_LAPS = 400  # laps of a run-in that does not settle
+DETUNING = 0.1  # of the bandwidth; n steps per period detune by (2 pi / n)^2 / 12
+MOST_PER_PERIOD = 200
+
+State = tuple[float, float, float]  # approach [m], ball velocity [m/s], plate displacement [m]
+RunIn = tuple[int, float, bool]  # laps, change of the force in the last [N], settled
+NO_LAPS: RunIn = (0, np.nan, False)
+
+
+@dataclass(frozen=True)
+class Travel:
+    """Position of the ball along the track as a function of time.
+
+    Parameters
+    ----------
+    time_s : array (m,), s
+        Times, ascending from 0, at least two.
+    position_m : array (m,), m
+        Positions at these times, not descending; monotone cubics join them.
+    """
+
+    time_s: Array
+    position_m: Array
+
+    def __post_init__(self) -> None:
+        time, position = np.asarray(self.time_s), np.asarray(self.position_m)
+        if time.ndim != 1 or time.size < 2 or position.shape != time.shape:
+            raise ValueError("a travel needs as many positions as times, at least two")
+        if time[0] != 0 or np.any(np.diff(time) <= 0) or np.any(np.diff(position) < 0):
+            raise ValueError(
+                "a travel needs times that ascend from 0, and positions that do not descend"
+            )
+
+    def at(self, time_s: Array) -> Array:
+        """Return the positions [m] at times [s]."""
+        return np.asarray(PchipInterpolator(self.time_s, self.position_m)(time_s), dtype=float)
+
+    @property
+    def speeds_m_s(self) -> Array:
+        """Mean speeds [m/s] between the times."""
+        return np.asarray(np.diff(self.position_m) / np.diff(self.time_s))
+
+
+@dataclass(frozen=True)
+class Stepping:
+    """Choices of the time steps and of the run-in.
+
+    Parameters
+    ----------
+    per_period : int
+        Least number of steps in a period of the resonance. The scheme detunes it by 0.2 % at 40,
+        and takes more steps where that is above a tenth of the resonance's bandwidth.
+    time_step_s : float or None, s
+        Time step, instead of the step from resonance and track.
+    start : tuple of float or None
+        Approach [m], ball velocity [m/s] and plate displacement [m] at the start; there is then
+        no run-in. Default: the static equilibrium.
+    settled : float
+        Change of the force in all laps to come, over the load, at which a motion has settled.
+    """
+
+    per_period: int = 40
+    time_step_s: float | None = None
+    start: State | None = None
+    settled: float = 1e-7
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motion of ball and plate on a uniform grid of time.
+
+    Attributes
+    ----------
+    time_s, position_m : array (n,), s, m
+        Middles of the time steps, and positions along the track at them.
+    force_n : array (n,), N
+        Mean contact force of each step.
+    displacement_m, velocity_m_s : array (n,), m, m/s
+        Displacement z of the ball towards the plate, and its velocity.
+    plate_m : array (n,), m
+        Displacement w of the plate at the contact; the approach is z - w.
+    time_step_s : float, s
+        Distance of the times; the record lasts n of them.
+    energy_error : float
+        Error of the energy balance over the energy that moves: the loss to the plate plus the
+        range of the contact's energy U.
+    flight_share : float
+        Share of time without contact.
+    impacts : int
+        Number of returns to contact.
+    outside_share : float
+        Share of time in which the force is outside the marched loads.
+    laps : int
+        Laps of the run-in.
+    lap_difference_n : float, N
+        Largest change of the force from the last lap of the run-in to the record; NaN without one.
+    settled : bool
+        If true, the motion repeats from lap to lap; whole laps of it loop.
+    transient_s : float, s
+        Time from the start in which what the start has set ringing falls to 1e-3; zero after a
+        run-in.
+    """
+
+    time_s: Array
+    position_m: Array
+    force_n: Array
+    displacement_m: Array
+    velocity_m_s: Array
+    plate_m: Array
+    time_step_s: float
+    energy_error: float
+    flight_share: float
+    impacts: int
+    outside_share: float
+    laps: int
+    lap_difference_n: float
+    settled: bool
+    transient_s: float
+
+    @property
+    def approach_m(self) -> Array:
+        """Approach z - w [m]."""
+        return self.displacement_m - self.plate_m
+
+    @property
+    def sample_rate_hz(self) -> float:
+        """Rate of the times [Hz]."""
+        return 1 / self.time_step_s
+
+
+def move(
+    law: ForceLaw,
+    mass_kg: float,
+    mobility_s_kg: float,
+    load_n: float,
+    speed: float | Travel,
+    duration_s: float | None = None,
+    stepping: Stepping | None = None,
+) -> Motion:
+    """Move a ball over a force law: M z.. = W - F(x, z - w), w. = Y (F - W).
+
+    The time step is the shorter of a fraction of the resonance's period and the time from position
+    to position. On a closed track at constant speed the ball runs in until two laps agree, and a
+    lap is a whole number of time steps. Where a lap is shorter than the decay of the resonance, its
+    amplitude depends on the place of the resonance between the multiples of the lap's frequency.
+    On a closed track at changing speed the ball runs in at its first speed. On an open track it
+    starts at rest in equilibrium.
+
+    Parameters
+    ----------
+    law : ForceLaw
+        Contact force over position and approach.
+    mass_kg, mobility_s_kg : float, kg, s/kg
+        Mass M of the ball and mobility Y of the plate, 0 for a rigid plate.
+    load_n : float, N
+        Load W that presses the ball.
+    speed : float or Travel, m/s
+        Constant speed, from the first position; or positions over time.
+    duration_s : float or None, s
+        Duration of the record. Default: a lap, the length of the open track, or the travel.
+    stepping : Stepping or None
+        Choices of the time steps and of the run-in.
+
+    Raises
+    ------
+    ValueError
+        The mass or load is not positive, or the travel leaves an open track.
+    """
+    choices = stepping or Stepping()
+    if not mass_kg > 0 or not mobility_s_kg >= 0 or not load_n >= 0:
+        raise ValueError("a motion needs a positive mass, and no negative mobility or load")
+    run = _Run(law, mass_kg, mobility_s_kg, load_n, speed, duration_s, choices)
+    if choices.start is not None:
+        approach, velocity, plate = choices.start
+        return run.record((float(approach), float(velocity), float(plate)))
+    if law.period_m is None:
+        return run.record(run.equilibrium(), transient=FADE_DECAYS * run.decay_s)
+    if isinstance(speed, Travel):
+        return run.record(run.entered(speed))
+    return run.settled_record()
+
+
+class _Lap(NamedTuple):
+    """Steps taken: their positions, the rows of the kernel, the last state, and energies."""
+
+    places: Array
+    record: Array
+    end: State
+    energies: tuple[float, ...]
+
+    @property
+    def end_on_level(self) -> State:
+        """The last state with the plate's displacement counted from there."""
+        return self.end[0], self.end[1], 0.0
+
+
+def steps_per_period(chain: Chain, least: int = Stepping.per_period) -> float:
+    """Return the number of time steps in a period of the resonance, more where it is sharp."""
+    sharp = min(2 * np.pi * np.sqrt(chain.quality / 12 / DETUNING), MOST_PER_PERIOD)
+    return float(max(least, sharp))
+
+
+class _Run:
+    """A motion with its time step, its positions and its run-in."""
+
+    def __init__(
+        self,
+        law: ForceLaw,
+        mass: float,
+        mobility: float,
+        load: float,
+        speed: float | Travel,
+        duration: float | None,
+        choices: Stepping,
+    ) -> None:
+        self.law, self.mass, self.mobility, self.load = law, mass, mobility, load
+        self.speed, self.choices = speed, choices
+        self.first = float(law.position_m[0])
+        fastest = float(np.max(speed.speeds_m_s)) if isinstance(speed, Travel) else speed
+        longest = choices.time_step_s
+        self.decay_s = np.inf
+        if load > 0:
+            chain = Chain(mass, mobility, contact_stiffness(law, load))
+            self.decay_s = chain.decay_s
+            rate = steps_per_period(chain, choices.per_period) * chain.resonance_hz
+            longest = longest or 1 / rate
+        if longest is None:
+            raise ValueError("a motion without a load needs a time step")
+        if choices.time_step_s is None and fastest > 0:
+            longest = min(longest, law.spacing_m / fastest)
+        self.lap_s = law.period_m / fastest if law.period_m and fastest > 0 else None
+        duration = duration or self._whole_duration()
+        # A lap at constant speed is a whole number of steps, so that laps can be compared.
+        period = self.lap_s if self.lap_s and not isinstance(speed, Travel) else duration
+        self.lap_steps = ceil(period / longest * (1 - 1e-12))
+        self.step = period / self.lap_steps
+        self.steps = max(1, round(duration / self.step))
+
+    def _whole_duration(self) -> float:
+        """Return the duration [s] of a lap, of the open track or of the travel."""
+        if isinstance(self.speed, Travel):
+            return float(self.speed.time_s[-1])
+        if not self.speed > 0:
+            raise ValueError("a motion at rest needs a duration")
+        return self.lap_s or float(self.law.position_m[-1] - self.first) / self.speed
+
+    def places(self, steps: int) -> Array:
+        """Return the positions [m] at the middles of the steps from the start."""
+        middle = np.asarray((np.arange(steps) + 0.5) * self.step)
+        if isinstance(self.speed, Travel):
+            return self.speed.at(np.minimum(middle, self.speed.time_s[-1]))
+        return np.asarray(self.first + self.speed * middle)
+
+    def advance(self, state: State, places: Array) -> _Lap:
+        """Return what the kernel says of one step at each of these positions."""
+        record = np.empty((len(places), 4))
+        end, energies = _motion_kernels.advance(
+            state, self.step, self.load, self.mass, self.mobility, places, self.law.table, record
+        )
+        return _Lap(places, record, end, energies)
+
+    def equilibrium(self, position: float | None = None) -> State:
+        """Return the static equilibrium at a position [m], by default the first."""
+        place = self.places(1)[0] if position is None else position
+        return float(self.law.approach(place, self.load)), 0.0, 0.0
+
+    def entered(self, travel: Travel) -> State:
+        """Return the state at the start of a travel after a run-in at its first speed."""
+        lap = float(self.law.period_m or 0.0)
+        begin, after = travel.at(np.array([0.0, min(self.step, travel.time_s[-1])]))
+        speed = (after - begin) / self.step
+        if speed <= 0:
+            return self.equilibrium()
+        steps = ceil(min(DECAYS * self.decay_s, lap / speed) / self.step)
+        places = begin - speed * self.step * (np.arange(steps, 0, -1) - 0.5)
+        approach, velocity, _ = self.advance(self.equilibrium(places[0]), places).end
+        return approach, velocity, 0.0
+
+    def settled_record(self) -> Motion:
+        """Run in lap by lap until the force repeats, and return the record that then follows."""
+        places = self.places(self.lap_steps)
+        lap_s = self.lap_steps * self.step
+        rings = 2 * DECAYS * self.decay_s / lap_s
+        most = ceil(min(2 + rings, MOST_LAPS)) if np.isfinite(rings) else 1
+        # The laps to come change by a geometric series of the last change.
+        allowed = self.choices.settled * self.load * -np.expm1(-lap_s / self.decay_s)
+        lap = self.advance(self.equilibrium(), places)
+        laps, difference = 0, np.inf
+        while laps < most and difference > allowed:
+            laps, before = laps + 1, lap
+            lap = self.advance(before.end_on_level, places)
+            difference = float(np.max(np.abs(lap.record[:, 0] - before.record[:, 0])))
+        run_in = (laps, difference, difference <= allowed)
+        if self.steps == self.lap_steps:
+            return self.motion(lap, run_in)
+        return self.record(before.end_on_level, run_in)
+
+    def record(self, state: State, run_in: RunIn = NO_LAPS, transient: float = 0.0) -> Motion:
+        """Return the motion of the record from a state."""
+        places = self.places(self.steps)
+        if self.law.period_m is None:
+            self._refuse_beyond(places)
+        return self.motion(self.advance(state, places), run_in, transient)
+
+    def motion(self, lap: _Lap, run_in: RunIn, transient: float = 0.0) -> Motion:
+        """Return the motion of steps taken."""
+        force, approach, velocity, plate = np.ascontiguousarray(lap.record.T)
+        change, work, track, loss, moved = lap.energies
+        apart = force == 0
+        return Motion(
+            time_s=np.asarray((np.arange(len(force)) + 0.5) * self.step),
+            position_m=lap.places,
+            force_n=force,
+            displacement_m=approach + plate,
+            velocity_m_s=velocity,
+            plate_m=plate,
+            time_step_s=self.step,
+            energy_error=abs(change - work - track + loss) / (loss + moved) if moved else 0.0,
+            flight_share=float(np.mean(apart)),
+            impacts=int(np.sum(apart[:-1] & ~apart[1:])),
+            outside_share=self.law.outside(force),
+            laps=run_in[0],
+            lap_difference_n=run_in[1],
+            settled=run_in[2],
+            transient_s=transient,
+        )
+
+    def _refuse_beyond(self, places: Array) -> None:
+        """Raise a ValueError where positions leave an open track."""
+        begin, end = self.first, float(self.law.position_m[-1])
+        excess = max(begin - float(places.min()), float(places.max()) - end)
+        if excess > 1e-6 * self.law.spacing_m:
+            raise ValueError(
+                f"the ball leaves the track from {begin:.6g} to {end:.6g} m by {excess:.3g} m"
+            )

@@ -1,0 +1,71 @@
+"""Sphere and plate of a scene as vibrating bodies, and their motion over a force law."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rolling.dynamics import bodies
+from rolling.dynamics.bodies import Chain, Plate
+from rolling.dynamics.force_law import ForceLaw
+from rolling.dynamics.motion import Motion, Travel, move
+from rolling.scene.scene import Scene
+
+LEAST_THICKNESSES = 6.0  # in a bending wave; shorter waves are beyond thin-plate theory
+_MOST_TIMES = 1_000_000  # maximum number of times that describe a changing speed
+
+
+def plate(scene: Scene) -> Plate | None:
+    """Return the plate that bends, or None for a half-space."""
+    p = scene.plate
+    if p.thickness_mm is None or p.density_kg_m3 is None:
+        return None
+    return Plate(
+        p.youngs_modulus_gpa * 1e9, p.poissons_ratio, p.density_kg_m3, p.thickness_mm * 1e-3
+    )
+
+
+def bending_limit_hz(bending: Plate) -> float:
+    """Return the frequency [Hz] up to which bending waves are six thicknesses long or longer."""
+    longest = bending.bending_wavelength_m(1.0)  # it falls with the root of the frequency
+    return (longest / (LEAST_THICKNESSES * bending.thickness_m)) ** 2
+
+
+def chain(scene: Scene, stiffness_n_m: float) -> Chain:
+    """Return sphere, contact and plate for small fluctuations, at a contact stiffness.
+
+    The mobility of a half-space grows with the frequency, so it is taken at the resonance.
+    """
+    bending = plate(scene)
+    if bending is not None:
+        return Chain(scene.mass, bending.mobility_s_kg, stiffness_n_m)
+    density = scene.plate.density_kg_m3
+    assert density is not None  # dynamics needs it
+    resonance = Chain(scene.mass, 0.0, stiffness_n_m).resonance_hz
+    mobility = bodies.half_space_mobility(
+        resonance, scene.plate.youngs_modulus_gpa * 1e9, scene.plate.poissons_ratio, density
+    )
+    return Chain(scene.mass, mobility, stiffness_n_m)
+
+
+def chain_over(scene: Scene, law: ForceLaw) -> Chain:
+    """Return sphere, contact and plate with the mean stiffness of a force law."""
+    return chain(scene, bodies.contact_stiffness(law, scene.load))
+
+
+def motion(scene: Scene, law: ForceLaw) -> Motion:
+    """Move the sphere of a scene over a force law for the duration of the scene."""
+    linear = chain_over(scene, law)
+    duration = scene.duration
+    speed: float | Travel = scene.motion.fastest(duration)
+    if not scene.motion.is_constant(duration):
+        count = min(4 * scene.track.steps, _MOST_TIMES)
+        times = np.linspace(0.0, duration, count + 1)
+        places = np.minimum(scene.motion.distance(times), scene.track.distance)
+        speed = Travel(times, np.asarray(places, dtype=float))
+    return move(law, scene.mass, linear.mobility_s_kg, scene.load, speed, duration)
+
+
+def extremes(scene: Scene, law: ForceLaw) -> tuple[float, float]:
+    """Return minimum and maximum of the contact force of a scene over a force law [N]."""
+    force = motion(scene, law).force_n
+    return float(force.min()), float(force.max())

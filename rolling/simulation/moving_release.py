@@ -1,0 +1,157 @@
+"""Release under the moving load: one more march, with the contact force at each position.
+
+The motion gives the force at each position of a lap. The march under it gives the release, and an
+approach that must agree with that of the motion. It belongs to speed, masses and thickness, so runs
+that share their other marches do not share it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from rolling._typing import Array
+from rolling.contact.march import march
+from rolling.contact.recovery import step_energy
+from rolling.contact.solver import ContactError
+from rolling.dynamics import of_scene
+from rolling.scene.scene import Scene
+from rolling.simulation import force_law, pool, simulate
+from rolling.simulation.moving_load import MOVING_SERIES, MovingPiece, MovingRelease, moving_key
+from rolling.simulation.result import Result
+from rolling.surface.contact_of_scene import rolling_contact
+
+
+def moving_release(scene: Scene, result: Result) -> MovingRelease | None:
+    """Return the release under the moving load of a run; None where it is not complete."""
+    if scene.dynamics is None or not scene.dynamics.release:
+        return None
+    moving = result.moving.get(moving_key(scene))
+    return moving if moving is not None and moving.complete else None
+
+
+def moving_numbers(result: Result, moving: MovingRelease | None) -> dict[str, Any]:
+    """Return the numbers of a release under the moving load for summary.json."""
+    if moving is None:
+        return {}
+    stored = result.series["stored_energy"].max()
+    return {
+        "force_law_error_m": moving.law_error,
+        "moving_release_balance_error": float(np.abs(moving.steps["energy_defect"]).max() / stored),
+    }
+
+
+def is_missing(scene: Scene, result: Result) -> bool:
+    """Return whether a run asks for a release under the moving load that is not complete."""
+    if scene.dynamics is None or not scene.dynamics.release:
+        return False
+    moving = result.moving.get(moving_key(scene))
+    return moving is None or not moving.complete
+
+
+def load_along(scene: Scene, result: Result) -> MovingRelease:
+    """Return force and approach of the motion at each position of a lap.
+
+    Raises
+    ------
+    ContactError : the motion does not repeat from lap to lap, or contact is lost.
+    """
+    loads = force_law.loads_of(scene, result, of_scene.extremes).marched
+    motion = of_scene.motion(scene, force_law.force_law(scene, result, loads))
+    closed = scene.track.closed and scene.motion.is_constant(scene.duration)
+    if not (closed and motion.settled):
+        raise ContactError(
+            "the motion does not repeat from lap to lap, and the release under the moving load"
+            " needs a closed track at constant speed; set dynamics.release to false"
+        )
+    if motion.flight_share > 0:
+        raise ContactError(
+            "the sphere loses contact, and a release under no load does not exist; set"
+            " dynamics.release to false"
+        )
+    lap = result.solved_steps * result.step
+    count = round(len(motion.force_n) * result.solved_steps / result.steps)
+    places = np.append(motion.position_m[:count], motion.position_m[0] + lap)
+    positions = np.arange(result.solved_steps + 1) * result.step
+    force, approach = (
+        np.asarray(CubicSpline(places, [*values[:count], values[0]], bc_type="periodic")(positions))
+        for values in (motion.force_n, motion.approach_m)
+    )
+    return MovingRelease(force, approach)
+
+
+def tasks(
+    scenes: Sequence[Scene], result: Result, run: int, step_seconds: float
+) -> list[pool.Task]:
+    """Return the marches under moving loads that the runs of a shared result need next.
+
+    Raises
+    ------
+    ContactError : as in `load_along`.
+    """
+    made = []
+    for scene in scenes:
+        if not is_missing(scene, result) or force_law.is_missing(scene, result):
+            continue
+        key = moving_key(scene)
+        moving = result.moving.setdefault(key, load_along(scene, result))
+        heights_sha256 = result.identity.heights_sha256 if result.identity else None
+        for first, last in simulate.missing(result.solved_steps, moving.steps["release_energy"]):
+            arguments = (scene, key, first, last, moving.force, step_seconds, heights_sha256)
+            made.append(pool.Task(run, march_moving, arguments, (last - first) * step_seconds))
+    return made
+
+
+def march_moving(
+    scene: Scene,
+    key: str,
+    first: int,
+    last: int,
+    force: Array,
+    step_cost: float,
+    surface_sha256: str | None,
+    stopped: Callable[[], bool],
+    progress: Callable[[float], object],
+) -> MovingPiece:
+    """March a piece of the track under the load at each position.
+
+    Parameters
+    ----------
+    scene : Scene. A scene without a sweep.
+    key : str. The vibration that moves the load.
+    first, last : int. Positions between which the piece lies.
+    force : (steps + 1,) array, N. Load at each position of a lap.
+    step_cost : float. Progress of a step.
+    surface_sha256 : str. Digest of the height file; None for a generated surface.
+    stopped, progress : callable. As in `simulate.simulate_piece`.
+
+    Raises
+    ------
+    ContactError : the heights were replaced or removed, or the contact cannot be solved.
+    Interrupted : `stopped` returned true.
+    """
+    if surface_sha256 and (fault := simulate.surface_fault(scene, surface_sha256)):
+        raise ContactError(fault)
+    contact = replace(rolling_contact(scene), loads=force)
+    elastic = simulate.half_space(contact.spacing, contact.contact_modulus, contact.subcells)
+    left_end = scene.recovery.rule == "left_end"
+    steps: dict[str, list[float]] = {name: [] for name in MOVING_SERIES}
+    approach, old = list[float](), None
+    for state in march(contact, first, last, elastic):
+        if stopped():
+            raise pool.Interrupted
+        if old is not None:
+            energy = step_energy(old, state, elastic, left_end)
+            values = (energy.release, energy.loading, energy.defect)
+            for name, value in zip(MOVING_SERIES, values, strict=True):
+                steps[name].append(value)
+            progress(step_cost)
+        if state.position > first or first == 0:
+            approach.append(state.approach)
+        old = state
+    arrays = {name: np.array(values) for name, values in steps.items()}
+    return MovingPiece(key, first, last, arrays, np.array(approach))

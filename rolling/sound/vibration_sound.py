@@ -1,0 +1,201 @@
+"""Sound of a vibration: from the contact force in time to the sound pressure at the listener.
+
+The contact force drives sphere and plate. Their pressures on the axis through the contact add up,
+with no factor left to choose. The levels belong to this pressure, sound power stands beside it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from acoustics import level, resampling, spectrum, uncertainty, wav
+from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
+from acoustics.radiation import ThinPlate, pressure_on_axis
+from acoustics.sound_power import band_power
+from rolling._typing import Array
+from rolling.dynamics import of_scene
+from rolling.dynamics.bodies import Chain
+from rolling.dynamics.force_law import ForceLaw
+from rolling.dynamics.motion import Motion
+from rolling.scene.scene import Scene
+from rolling.sound import radiators
+from rolling.sound.contact_sound import ContactSound, faded
+
+P_REF_W = 1e-12  # reference sound power
+
+
+@dataclass(frozen=True, eq=False)
+class Vibration:
+    """Vibration of a run and its sound.
+
+    Attributes
+    ----------
+    motion : Motion
+        Motion of sphere and plate on a fine grid of time.
+    law : ForceLaw
+        Force law that it follows.
+    chain : Chain
+        Sphere, contact and plate as a linear chain.
+    load : float, N
+        Constant load that presses the sphere.
+    closed : bool
+        If true, the record repeats without a click; otherwise it is faded.
+    highest : float, Hz
+        Nyquist frequency of the steps at the maximum speed.
+    force : (samples,) array, N
+        Fluctuation of the contact force at the samples of the sound.
+    pressure : (samples,) array, Pa
+        Sound pressure of sphere and plate on the axis.
+    levels : SoundLevels, dB
+        Levels of the pressure.
+    uncertainty : LevelUncertainty, dB
+        Uncertainty of the levels from the length of the record.
+    plate_power, ball_power : (31,) array, W
+        Sound power in third octaves, NaN where it is unknown: above the coincidence of a plate
+        without a loss factor, of a half-space, and in bands that the steps do not resolve.
+    """
+
+    motion: Motion
+    law: ForceLaw
+    chain: Chain
+    load: float
+    closed: bool
+    highest: float
+    force: Array
+    pressure: Array
+    levels: level.SoundLevels
+    uncertainty: uncertainty.LevelUncertainty
+    plate_power: Array
+    ball_power: Array
+
+    @cached_property
+    def force_ratio(self) -> Array:
+        """Contact force over the load, at the times of the motion."""
+        return self.motion.force_n / self.load
+
+    @property
+    def rms_ratio(self) -> float:
+        """Rms of the fluctuation of the contact force over the load."""
+        return float(np.sqrt(np.mean(np.square(self.force_ratio - 1.0))))
+
+    @cached_property
+    def force_bands(self) -> Array:
+        """Rms [N] of the contact force in third octaves, NaN above the steps' resolution."""
+        frequency, square = spectrum.line_spectrum(self.force, wav.SAMPLE_RATE_HZ)
+        rms: Array = np.sqrt(third_octave_mean_square(frequency, square))
+        return np.where(known_bands(self.highest), rms, np.nan)
+
+    def power_levels(self) -> dict[str, float | None]:
+        """Return the sound power levels of the plate by band [dB re 1 pW], None where unknown."""
+        return by_band(self.plate_power)
+
+    def ball_power_levels(self) -> dict[str, float | None]:
+        """Return the sound power levels of the sphere by band [dB re 1 pW]."""
+        return by_band(self.ball_power)
+
+
+def by_band(power: Array) -> dict[str, float | None]:
+    """Return levels [dB re 1 pW] by nominal frequency, None for silence or an unknown power."""
+    return {
+        name: level.level_db(value, P_REF_W) if np.isfinite(value) else None
+        for name, value in zip(BAND_NAMES, power.tolist(), strict=True)
+    }
+
+
+def known_bands(highest: float) -> Array:
+    """Return which bands lie below a highest frequency [Hz], a (31,) array of bool."""
+    return np.asarray(EDGES_HZ[1:] <= min(highest, wav.SAMPLE_RATE_HZ / 2))
+
+
+def vibrate(
+    scene: Scene, law: ForceLaw, highest: float, whole_laps: bool, laps: float = 1.0
+) -> Vibration:
+    """Move sphere and plate over a force law, and let them radiate.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene with dynamics.
+    law : ForceLaw
+        Force law of its track.
+    highest : float, Hz
+        Nyquist frequency of the steps at the maximum speed.
+    whole_laps : bool
+        If true, the record holds whole laps of a closed track.
+    laps : float
+        Laps of the track in the record. Default: 1.
+    """
+    motion = of_scene.motion(scene, law)
+    closed = whole_laps and bool(motion.settled)
+    duration = len(motion.force_n) * motion.time_step_s
+    samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
+    fluctuation = motion.force_n - scene.load
+    if not closed:
+        fluctuation = faded(fluctuation, duration)
+    if scene.surface.kind == "smooth":  # what remains is the solver's error
+        fluctuation = np.zeros_like(fluctuation)
+    force = _heard(fluctuation, samples)
+    sources = [radiators.ground(scene), *([radiators.ball(scene)] if scene.sound.ball else [])]
+    radiated = pressure_on_axis(
+        fluctuation, motion.sample_rate_hz, sources, scene.sound.distance_m, closed=True
+    )
+    pressure = _heard(radiated, samples)
+    levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
+    plate, ball = _powers(scene, force, highest)
+    return Vibration(
+        motion=motion,
+        law=law,
+        chain=of_scene.chain_over(scene, law),
+        load=scene.load,
+        closed=closed,
+        highest=highest,
+        force=force,
+        pressure=pressure,
+        levels=levels,
+        uncertainty=uncertainty.level_uncertainty(
+            pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps
+        ),
+        plate_power=plate,
+        ball_power=ball,
+    )
+
+
+def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
+    """Return the sound of a run whose source is the vibration.
+
+    The power along the track stays the release's. There is no steady level, and no factor.
+    """
+    return replace(
+        release,
+        source="vibration",
+        pressure=vibrating.pressure,
+        factor=None,
+        closed=vibrating.closed,
+        levels=vibrating.levels,
+        uncertainty=vibrating.uncertainty,
+        steady_level=None,
+        steady_uncertainty=None,
+    )
+
+
+def _heard(signal: Array, samples: int) -> Array:
+    """Return a closed record at the samples of the sound, within hearing."""
+    return resampling.band_limit(
+        resampling.resample_closed(signal, samples), wav.SAMPLE_RATE_HZ, *AUDIBLE_HZ
+    )
+
+
+def _powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
+    """Return the sound power [W] of plate and sphere in third octaves."""
+    ground, rate = radiators.ground(scene), wav.SAMPLE_RATE_HZ
+    ball = band_power(force, rate, radiators.ball(scene))
+    plate = np.full(len(ball), np.nan)
+    if isinstance(ground, ThinPlate):
+        plate = band_power(force, rate, ground)
+        if not ground.loss_factor:  # which decides the power above coincidence
+            plate[EDGES_HZ[1:] > ground.critical_hz] = np.nan
+    known = known_bands(highest)
+    return np.where(known, plate, np.nan), np.where(known, ball, np.nan)

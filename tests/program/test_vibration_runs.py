@@ -1,0 +1,372 @@
+"""Runs with dynamics: shared marches, storage, resume, new sound, levels and caveats."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from rolling.check import demand
+from rolling.check.findings import check_scene
+from rolling.commands import resound, resume, run
+from rolling.commands.interface import open_run, simulate
+from rolling.contact.solver import ContactError
+from rolling.dynamics import of_scene
+from rolling.folders.files import FolderError
+from rolling.scene.file import loads, read_scene
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+from rolling.simulation import batch, force_law, moving_release, result_file, solving
+from rolling.simulation import simulate as pieces
+from rolling.simulation.moving_load import moving_key
+from rolling.simulation.result import Result
+from rolling.simulation.run_result import hear
+from rolling.simulation.stored_runs import read_runs
+
+TEXT = """\
+name: vibrating
+sphere: {radius_mm: 5, density_kg_m3: 7850}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, density_kg_m3: 7850, thickness_mm: 10,
+  loss_factor: 0.01}
+surface: {kind: gaussian, roughness_ra_um: 0.05, correlation_length_um: 10, spacing_um: 2,
+  width_um: 160, seed: 3}
+rolling: {load_n: 1, speed_m_s: 0.3, distance_mm: 0.48}
+dynamics: {}
+sound: {source: vibration}
+"""
+SWEPT = TEXT + "sweep: {rolling.speed_m_s: [0.3, 1], plate.thickness_mm: [1, 10]}\n"
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("vibrating")
+    (folder / "scene.yaml").write_text(SWEPT)
+    out = folder / "out"
+    run(folder / "scene.yaml", out=out, workers=1, page=False, pictures=False)
+    return out
+
+
+def summaries(folder: Path) -> list[dict]:
+    return [json.loads((each.folder / "summary.json").read_text()) for each in read_runs(folder)]
+
+
+def solved(scene: Scene) -> Result:
+    results = [Result.empty(scene.track, scene.start)]
+    results[0].identity = pieces.identity_of(scene)
+    assert not solving.solve([scene], results, 1, "alone", progress=False).failures
+    return results[0]
+
+
+def test_a_sweep_over_speed_and_thickness_marches_once(
+    monkeypatch: pytest.MonkeyPatch, swept: Path
+) -> None:
+    scenes = [single for _, single in loads(SWEPT).runs()]
+    results = [Result.empty(scene.track, scene.start) for scene in scenes]
+    counts: dict[str, int] = {"own": 0, "other": 0}
+    own, other = pieces.simulate_piece, force_law.march_load
+    monkeypatch.setattr(
+        pieces,
+        "simulate_piece",
+        lambda *a, **k: counts.update(own=counts["own"] + 1) or own(*a, **k),
+    )
+    monkeypatch.setattr(
+        force_law, "march_load", lambda *a: counts.update(other=counts["other"] + 1) or other(*a)
+    )
+    assert not solving.solve(scenes, results, 1, "sweep", progress=False).failures
+    assert len({id(result) for result in results}) == 1
+    marches = results[0].load_marches
+    assert marches is not None and not marches.fault
+    # Two pieces of the track per load, and a stretch between each two loads.
+    assert counts == {"own": 2, "other": 2 * len(marches.approach) + len(marches.judging)}
+    assert len(marches.judging) == len(marches.approach)
+
+
+def test_two_speeds_of_one_march_equal_two_runs(swept: Path) -> None:
+    for each in read_runs(swept)[::3]:
+        alone, stored = simulate(each.scene, 1, False), open_run(each.folder)
+        assert np.array_equal(alone.sound.pressure, stored.sound.pressure)
+        assert alone.vibration is not None and stored.vibration is not None
+        assert np.array_equal(alone.vibration.motion.force_n, stored.vibration.motion.force_n)
+
+
+def test_each_folder_has_law_and_force(swept: Path) -> None:
+    for each in read_runs(swept):
+        with h5py.File(each.folder / "result.h5") as file:
+            law, force = file["force_law"], file["contact_force"]
+            assert law.attrs["complete"]
+            load = law["load"][()]
+            assert 1.0 in load and np.all(np.diff(load) > 0)
+            own = law["approach"][load.tolist().index(1.0)]
+            assert np.array_equal(own, file["approach"][()])
+            assert np.all(np.diff(law["approach"][()], axis=0) > 0)
+            assert force["force"][()].mean() == pytest.approx(1.0, rel=1e-9)
+            low, high = force.attrs["minimum_n"], force.attrs["maximum_n"]
+            assert load[0] <= low < 1 < high <= load[-1]
+            assert force["band_rms"].shape == (31,)
+            assert "factor_pa_per_w_m2" not in file["sound"].attrs
+
+
+def test_a_stored_law_is_read_again(swept: Path) -> None:
+    result = result_file.load(read_runs(swept)[0].folder / "result.h5")
+    assert result.load_marches is not None and result.load_marches.complete
+    again = solved(read_runs(swept)[0].scene)
+    assert again.load_marches is not None
+    assert result.load_marches.approach.keys() >= again.load_marches.approach.keys()
+    for load, approach in again.load_marches.approach.items():
+        assert np.array_equal(result.load_marches.approach[load], approach)
+
+
+def test_a_killed_run_goes_on(swept: Path, tmp_path: Path) -> None:
+    """A folder without one piece of one load marches that piece, and ends with the same bytes."""
+    (tmp_path / "scene.yaml").write_text(TEXT)
+    out = tmp_path / "out"
+    run(tmp_path / "scene.yaml", out=out, workers=1, page=False, pictures=False)
+    (each,) = read_runs(out)
+    whole = result_file.load(out / "result.h5")
+    assert whole.load_marches is not None
+    marches = replace(
+        whole.load_marches, complete=False, approach=dict(whole.load_marches.approach)
+    )
+    load = min(marches.approach)
+    marches.approach[load] = np.where(np.arange(241) > 200, np.nan, marches.approach[load])
+    batch.keep(each, replace(whole, load_marches=marches))
+    (out / "summary.json").unlink()
+    report = resume(out, workers=1, page=False, pictures=False)
+    assert report.exit_code == 0
+    after = result_file.load(out / "result.h5").load_marches
+    assert after is not None and after.complete
+    assert np.array_equal(after.approach[load], whole.load_marches.approach[load])
+
+
+def test_levels_rise_with_speed_and_have_no_steady_level(swept: Path) -> None:
+    numbers = summaries(swept)
+    by_run = {
+        (each.values["rolling.speed_m_s"], each.values["plate.thickness_mm"]): summary
+        for each, summary in zip(read_runs(swept), numbers, strict=True)
+    }
+    for thickness in (1, 10):
+        slow, fast = by_run[0.3, thickness], by_run[1, thickness]
+        assert 2 < fast["vibration_laeq_db"] - slow["vibration_laeq_db"] < 25
+        assert fast["laeq_db"] == fast["vibration_laeq_db"]
+        assert fast["release_over_vibration_db"] == pytest.approx(
+            -10 * np.log10(fast["equivalent_q"])
+        )
+    for summary in numbers:
+        assert summary["steady_level_db"] is None
+        assert summary["factor_pa_per_w_m2"] is None
+        assert summary["motion_balance_error"] < 1e-6
+        assert summary["force_min_ratio"] < 1 < summary["force_max_ratio"]
+        keys = {caveat["key"] for caveat in summary["caveats"]}
+        assert {"on_axis", "infinite_plate", "unvalidated", "constant_load_release"} <= keys
+        assert not {"upper_bound", "quasi_static", "resonance"} & keys
+
+
+def test_resound_changes_the_bodies_without_solving(swept: Path, tmp_path: Path) -> None:
+    one = read_runs(swept)[0].folder
+    heavy = tmp_path / "heavy"
+    keys = ["sphere.density_kg_m3=15000", "plate.thickness_mm=3", "rolling.speed_m_s=0.7"]
+    resound(one, keys, out=heavy, page=False, pictures=False)
+    before, after = open_run(one), open_run(heavy)
+    assert after.vibration is not None and before.vibration is not None
+    assert after.vibration.chain.mass_kg > 1.9 * before.vibration.chain.mass_kg
+    assert np.array_equal(before.series["release_energy"], after.series["release_energy"])
+    alone = simulate(read_scene(heavy / "resolved.yaml"), 1, False)
+    assert np.array_equal(after.sound.pressure, alone.sound.pressure)
+    release = tmp_path / "release"
+    resound(one, ["sound.source=release", "sound.q=0.1"], out=release, page=False, pictures=False)
+    numbers = json.loads((release / "summary.json").read_text())
+    assert numbers["laeq_db"] == numbers["release_laeq_db"]
+    assert numbers["steady_level_db"] is not None
+
+
+def test_a_run_without_marches_cannot_be_resounded_as_vibration(tmp_path: Path) -> None:
+    plain = TEXT.replace("dynamics: {}\n", "").replace(
+        ", thickness_mm: 10,\n  loss_factor: 0.01", ""
+    )
+    (tmp_path / "s.yaml").write_text(plain.replace("sound: {source: vibration}\n", ""))
+    out = tmp_path / "out"
+    run(tmp_path / "s.yaml", ["rolling.distance_mm=0.1"], out, workers=1, pictures=False)
+    with h5py.File(out / "result.h5") as file:
+        assert not {"force_law", "contact_force"} & set(file)
+    assert not any(
+        key.startswith("force") for key in json.loads((out / "summary.json").read_text())
+    )
+    with pytest.raises(SceneError, match="needs the section dynamics"):
+        resound(out, ["sound.source=vibration"], tmp_path / "no")
+    # A folder whose scene was changed by hand lacks the marches as well.
+    text = (out / "resolved.yaml").read_text()
+    (out / "resolved.yaml").write_text(text + "dynamics: {loads: 3, span: 1.4}\n")
+    with pytest.raises(FolderError, match="the marches of its force law are missing"):
+        resound(out, ["sound.source=vibration"], tmp_path / "no")
+    assert not (tmp_path / "no").exists()
+
+
+def test_loads_are_added_until_the_force_lies_inside() -> None:
+    scene = loads(TEXT, ["dynamics.span=1.05", "rolling.speed_m_s=0.3"])
+    result = solved(scene)
+    needed = force_law.loads_of(scene, result, of_scene.extremes)
+    assert len(needed.marched) > 3 and not needed.lacking
+    least, most = of_scene.extremes(scene, force_law.force_law(scene, result, needed.marched))
+    assert needed.marched[0] <= least < most <= needed.marched[-1]
+    error = force_law.law_error(scene, result, needed.marched)
+    assert error is not None and 0 < error.newtons < 1e-2 and error.decibels < 1
+
+
+def test_a_smooth_plate_is_silent() -> None:
+    scene = loads(
+        TEXT.replace(
+            "{kind: gaussian, roughness_ra_um: 0.05, correlation_length_um: 10, spacing_um: 2,\n"
+            "  width_um: 160, seed: 3}",
+            "{kind: smooth, spacing_um: 2, width_um: 160}",
+        ),
+        ["rolling.distance_mm=0.1"],
+    )
+    run = simulate(scene, 1, False)
+    assert run.summary["laeq_db"] is None
+    assert run.vibration is not None and not run.vibration.pressure.any()
+    assert run.vibration.rms_ratio < 1e-3
+
+
+def test_the_check_names_the_key_and_falls_silent() -> None:
+    vibrating = {each.key: each for each in check_scene(loads(TEXT), False).runs[0].findings}
+    assert vibrating["resonance"].warning is None and "Q " in vibrating["resonance"].value
+    assert "0." in vibrating["force_ratio"].value
+    plain = loads(TEXT, ["dynamics=", "sound=", "plate.thickness_mm=", "plate.loss_factor="])
+    still = {each.key: each for each in check_scene(plain, False).runs[0].findings}
+    assert "`dynamics: {}`" in str(still["resonance"].warning)
+    assert "force_ratio" not in still
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "words"),
+    [
+        ("plate.thickness_mm=30", "bending", "shorter than 6 thicknesses"),
+        ("plate.thickness_mm=0.1", "contact_thickness", "of the thickness"),
+        ("sound.distance_m=0.2", "coincidence", "pressure on the axis holds from"),
+        ("rolling.speed_m_s=0.05", "resonance_wave", "the grid decides"),
+        ("surface.roughness_ra_um=2", "force_ratio", "loses contact"),
+    ],
+)
+def test_validity_has_numbers(change: str, key: str, words: str) -> None:
+    plain = {each.key: each for each in check_scene(loads(TEXT), False).runs[0].findings}
+    changed = check_scene(loads(TEXT, [change]), False).runs[0].findings
+    assert plain[key].warning is None
+    assert words in str({each.key: each for each in changed}[key].warning)
+
+
+def test_a_half_space_says_where_its_sound_holds() -> None:
+    scene = loads(TEXT, ["plate.thickness_mm=", "plate.loss_factor="])
+    finding = {each.key: each for each in check_scene(scene, False).runs[0].findings}
+    assert "10 kHz at 1 m" in str(finding["half_space_sound"].warning)
+
+
+@pytest.mark.law("Vibration: the plate alone makes a pressure of the force's wave form.")
+def test_the_plate_alone_repeats_the_force(swept: Path) -> None:
+    each = read_runs(swept)[3]
+    silent_ball = each.scene.with_({"sound.ball": False})
+    result = result_file.load(each.folder / "result.h5")
+    run = hear("plate", {}, each.folder, silent_ball, result)
+    assert run is not None and run.vibration is not None
+    per_newton = -1.204 / (2 * np.pi * 78.5)  # at 1 m, of 10 mm of steel
+    assert np.allclose(run.sound.pressure, per_newton * run.vibration.force, rtol=2e-3, atol=0)
+    whole = open_run(each.folder)
+    assert not np.allclose(whole.sound.pressure, run.sound.pressure, rtol=0.1)
+
+
+def test_power_above_coincidence_needs_the_loss_factor(swept: Path) -> None:
+    each = read_runs(swept)[3]
+    result = result_file.load(each.folder / "result.h5")
+    lossy, unknown = (
+        hear("run", {}, each.folder, each.scene.with_({"plate.loss_factor": loss}), result)
+        for loss in (0.1, None)
+    )
+    assert lossy is not None and unknown is not None
+    assert unknown.summary["plate_power_third_octave_db"]["16000"] is None
+    louder = open_run(each.folder).summary["plate_power_third_octave_db"]["16000"]
+    quieter = lossy.summary["plate_power_third_octave_db"]["16000"]
+    # Ten times the loss factor: ten decibels less, less where air takes some of the power.
+    assert 6 < louder - quieter < 10.5
+    assert np.array_equal(lossy.sound.pressure, unknown.sound.pressure)
+
+
+MOVING = [
+    "dynamics.release=true",
+    "rolling.speed_m_s=0.6",
+    "surface.roughness_ra_um=0.02",
+    "rolling.distance_mm=0.4",
+]
+
+
+@pytest.mark.law("Vibration: a march under the moving load has the approach of the motion.")
+def test_release_under_the_moving_load(tmp_path: Path) -> None:
+    (tmp_path / "s.yaml").write_text(TEXT)
+    out = tmp_path / "out"
+    run(tmp_path / "s.yaml", MOVING, out, workers=1, page=False, pictures=False)
+    stored = open_run(out)
+    moving = stored.result.moving[moving_key(stored.scene)]
+    # The load moves by a tenth and more, and the approach with it.
+    assert moving.force.min() < 0.9 < 1.1 < moving.force.max()
+    fluctuation = np.std(moving.approach)
+    assert fluctuation > 1.2 * np.std(stored.series["approach"])
+    assert stored.summary["force_law_error_m"] < 0.03 * fluctuation
+    assert stored.summary["moving_release_balance_error"] < 1e-12
+    # Over a lap the surface takes up what it gives back.
+    loading, release = (moving.steps[f"{kind}_energy"].sum() for kind in ("loading", "release"))
+    assert loading == pytest.approx(release, rel=1e-3)
+    keys = {caveat["key"] for caveat in stored.summary["caveats"]}
+    assert "moving_load_release" in keys and "constant_load_release" not in keys
+    # Another speed moves the load otherwise, and its release is of the constant load again.
+    other = tmp_path / "other"
+    resound(out, ["rolling.speed_m_s=0.3"], other, page=False, pictures=False)
+    numbers = json.loads((other / "summary.json").read_text())
+    assert "force_law_error_m" not in numbers
+    assert "constant_load_release" in {caveat["key"] for caveat in numbers["caveats"]}
+
+
+def test_a_killed_march_under_the_moving_load_goes_on() -> None:
+    scene = loads(TEXT, MOVING)
+    result = solved(scene)
+    moving = result.moving[moving_key(scene)]
+    whole = moving.steps["release_energy"].copy()
+    moving.steps["release_energy"][:] = np.nan
+    assert moving_release.is_missing(scene, result)
+    assert not solving.solve([scene], [result], 1, "again", progress=False).failures
+    assert np.array_equal(moving.steps["release_energy"], whole)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (["rolling.speed_m_s=[[0, 0.3], [1e-3, 0.6]]"], "does not repeat from lap to lap"),
+        (["rolling.speed_m_s=1", "surface.roughness_ra_um=0.2"], "loses contact"),
+    ],
+)
+def test_a_release_without_a_load_is_refused(changes: list[str], words: str) -> None:
+    scene = loads(TEXT, ["dynamics.release=true", "rolling.distance_mm=0.3", *changes])
+    with pytest.raises(ContactError, match=f"({words}|repeat from lap to lap)"):
+        simulate(scene, 1, False)
+
+
+def test_the_check_counts_the_steps_in_a_period() -> None:
+    slow = check_scene(loads(TEXT, [*MOVING, "rolling.speed_m_s=0.1"]), False).runs[0].findings
+    fast = check_scene(loads(TEXT, MOVING), False).runs[0].findings
+    warnings = [{each.key: each.warning for each in run}["moving_release"] for run in (slow, fast)]
+    assert "steps in a period of the resonance" in str(warnings[0]) and warnings[1] is None
+
+
+def test_memory_counts_the_time_steps() -> None:
+    """Twenty seconds have millions of time steps, for which there is no room everywhere."""
+    long = ["rolling.distance_mm=20", "rolling.speed_m_s=0.001"]
+    plain = [*long, "dynamics=", "sound=", "plate.thickness_mm=", "plate.loss_factor="]
+    sizes = [demand.size(loads(TEXT, keys), 6e-8) for keys in (long, plain)]
+    assert [size.times > 5e6 for size in sizes] == [True, False]
+    alone, still = (demand.demand([size], 1).memory.total for size in sizes)
+    assert alone - still > 150 * sizes[0].times
+    run = simulate(loads(TEXT), 1, False)
+    assert run.vibration is not None
+    steps = len(run.vibration.motion.force_n)
+    assert demand.size(loads(TEXT), 6e-8).times == pytest.approx(steps, rel=0.1)
