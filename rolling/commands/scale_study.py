@@ -16,7 +16,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -73,8 +73,9 @@ class Forecast:
     limit: str
 
 
-def nothing(stopped: Callable[[], bool], progress: Callable[[float], object]) -> None:
+def nothing(stopped: Callable[[], bool], progress: Callable[[float], object]) -> bool:
     """Do nothing, as the task of which the overhead is measured."""
+    return True
 
 
 def forecast(
@@ -131,20 +132,21 @@ def measure(folder: Path, repeats: int = 3) -> Overheads:
 
 
 def _per_task(workers: pool.Workers, repeats: int) -> float:
-    """Return the time per empty task, without the time that one task takes."""
+    """Return the time per empty task, from the end of the first task to the end of the last."""
     from rolling.commands import scale_study  # a process does not know the main module
 
-    seconds = []
-    for count in (1, TASKS):
-        best = np.inf
-        for _ in range(repeats):
-            # Two tasks at least, because a single one is done without a process.
-            tasks = [Task(k, scale_study.nothing, (), 1.0) for k in range(count + 1)]
-            began = time.perf_counter()
-            pool.work(tasks, workers, lambda run, result: None)
-            best = min(best, time.perf_counter() - began)
-        seconds.append(best)
-    return (seconds[1] - seconds[0]) / (TASKS - 1)
+    best = np.inf
+    for _ in range(repeats):
+        tasks = [Task(k, scale_study.nothing, (), 1.0) for k in range(TASKS)]
+        ends: list[float] = []
+        pool.work(tasks, workers, _noting(ends))
+        best = min(best, (ends[-1] - ends[0]) / (len(ends) - 1))
+    return best
+
+
+def _noting(ends: list[float]) -> Callable[[int, object], None]:
+    """Return the function that notes the times at which tasks end."""
+    return lambda run, result: ends.append(time.perf_counter())
 
 
 def _on_cluster(repeats: int) -> float:
@@ -234,9 +236,10 @@ def _start_seconds() -> float:
 
 
 def _piece_bytes(run: batch.Run) -> float:
-    """Return the size of the result of a piece, as it is sent."""
+    """Return the size of the result of a piece in a long track, nearly all of which have no map."""
     last = min(simulate.PIECE_STEPS, run.scene.track.solved_steps)
-    return float(len(pickle.dumps(simulate.simulate_piece(run.scene, 0, last))))
+    piece = simulate.simulate_piece(run.scene, 0, last, mapped=False)
+    return float(len(pickle.dumps(replace(piece, snapshot=None))))
 
 
 def _never() -> bool:
