@@ -26,7 +26,7 @@ LEAST_STEP = 1e-3
 # Share of the preconditioned residual that a direction takes. It follows the step lengths, across
 # restarts too: where compliances differ by orders of magnitude, or many nodes go to a bound, whole
 # directions overshoot again and again (0.1 % of random scenes with blended edges).
-SHORTEST, LONGEST = 1e-3, 1.0
+SHORTEST, LONGEST = 0.1, 1.0
 
 
 @njit(cache=True)
