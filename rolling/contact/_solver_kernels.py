@@ -256,7 +256,7 @@ def precondition(stencil, softening, work, free):
     active, z = work.active, work.trial
     for a in range(free):
         k = active[a]
-        at = place[k]
+        at = np.int64(place[k])  # unsigned numbers refuse the minus of the row before
         total = 0.0
         for x in range(3):
             row = at + (x - 1) * row_length
