@@ -1,4 +1,4 @@
-"""A run is found and opened again: the link to the newest folder, `--open`, and the page's title."""
+"""The link to the newest folder, `--open`, and the title of the page."""
 
 from __future__ import annotations
 
@@ -15,7 +15,12 @@ name: tiny
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}
 surface:
-  {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 64}
+  kind: gaussian
+  roughness_ra_um: 0.1
+  correlation_length_um: 10
+  spacing_um: 2
+  width_um: 64
+  seed: 1
 rolling: {load_n: 0.1, speed_m_s: 0.1, duration_s: 0.002}
 title: "Ball & plate <b>: 5 N"
 """
