@@ -19,7 +19,7 @@ surface:
   roughness_ra_um: 0.1
   correlation_length_um: 10
   spacing_um: 2
-  width_um: 64
+  width_um: 128
   seed: 1
 rolling: {load_n: 0.1, speed_m_s: 0.1, duration_s: 0.002}
 title: "Ball & plate <b>: 5 N"
