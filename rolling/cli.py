@@ -100,21 +100,33 @@ def _run(given: argparse.Namespace) -> int:
         from rolling import commands
         from rolling.commands.parts import Part
         from rolling.simulation.cluster import Cluster
-    return _reported(
-        commands.run(
-            given.scene,
-            given.set,
-            given.out,
-            given.force,
-            given.workers,
-            not given.no_report,
-            given.pictures,
-            _print_folder,
-            Part(*given.part) if given.part else None,
-            given.take_over,
-            Cluster(given.cluster) if given.cluster else None,
-        )
+    report = commands.run(
+        given.scene,
+        given.set,
+        given.out,
+        given.force,
+        given.workers,
+        not given.no_report,
+        given.pictures,
+        _print_folder,
+        Part(*given.part) if given.part else None,
+        given.take_over,
+        Cluster(given.cluster) if given.cluster else None,
     )
+    code = _reported(report)
+    if given.open:
+        _open(report)
+    return code
+
+
+def _open(report: Report) -> None:
+    """Open the page of a report in a browser, or say why not."""
+    import webbrowser
+
+    if report.page is None:
+        _say("--open: there is no report page to open")
+    elif not webbrowser.open(report.page.resolve().as_uri()):
+        _say(f"--open: no browser was found; open {report.page} in one")
 
 
 def _resume(given: argparse.Namespace) -> int:
@@ -450,6 +462,7 @@ _COMMANDS = (
             arguments.workers,
             arguments.cluster,
             arguments.drawn,
+            arguments.opened,
             arguments.take_over,
         ),
     ),

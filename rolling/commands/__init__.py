@@ -101,6 +101,8 @@ def run(
         Path("outputs") / scene.name, out, force, KINDS, [scene_path, *plan.height_files]
     )
     with new_folder.make(target, plan.record(), plan.write) as held:
+        if out is None:
+            new_folder.link_latest(held.folder)
         return solve(work_on(held, plan.runs(held.folder), wanted, None))
 
 

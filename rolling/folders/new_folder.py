@@ -23,6 +23,7 @@ from rolling.folders.files import FolderError
 from rolling.folders.run_record import Kind, RunRecord
 
 PREVIOUS = ".previous"
+LATEST = "latest"  # link to the newest of the folders named after the time
 MOMENT = 60.0  # [s]; a folder that lacks run.json for longer is no longer being made
 Fill = Callable[[Path], object]  # function that writes the inputs of a run into its folder
 
@@ -186,6 +187,20 @@ def stamped(base: Path) -> Path:
             _mkdir(folder)
             return folder
     raise FolderError(f"{base}: no free folder name")
+
+
+def link_latest(folder: Path) -> None:
+    """Point the link `latest` beside a folder named after the time to that folder.
+
+    Nothing is done where another file has this name, or where the file system has no links.
+    """
+    link = folder.with_name(LATEST)
+    if link.exists() and not link.is_symlink():
+        return
+    temporary = _temporary(link)
+    with suppress(OSError, NotImplementedError):  # Windows asks for a privilege
+        temporary.symlink_to(folder.name, target_is_directory=True)
+        temporary.replace(link)
 
 
 def previous(folder: Path) -> Path:

@@ -236,7 +236,7 @@ def page(
         .get_template("report.html")
         .render(
             generator=GENERATOR,
-            title=", ".join(dict.fromkeys(run.scene.name for run in runs)),
+            title=report_text.titles(runs),
             descriptions=list(
                 dict.fromkeys(
                     _one_line(run.scene.description) for run in runs if run.scene.description

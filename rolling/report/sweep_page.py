@@ -32,7 +32,7 @@ def page(
         .get_template("sweep.html")
         .render(
             generator=GENERATOR,
-            title=", ".join(dict.fromkeys(run.scene.name for run in runs)),
+            title=report_text.titles(runs),
             descriptions=[],
             text=report_text,
             hearing=hearing,

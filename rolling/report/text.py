@@ -132,6 +132,11 @@ class Recipe:
     command: str
 
 
+def titles(runs: Sequence[RunResult]) -> str:
+    """Join the titles of the scenes, or their names where they have none."""
+    return ", ".join(dict.fromkeys(run.scene.title or run.scene.name for run in runs))
+
+
 def sentence(runs: Sequence[RunResult]) -> str:
     """State the result in one sentence."""
     sounding = [(level, run) for run in runs if (level := run.sound.levels.laeq_db) is not None]

@@ -109,6 +109,7 @@ class Scene(Section):
         pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$",
         description="Name, used for the folder of the results",
     )
+    title: str | None = Field(default=None, description="Title of the page, any text")
     description: str | None = Field(default=None, description="Subject of the scene")
     sphere: Sphere
     plate: Plate

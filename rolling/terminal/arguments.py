@@ -100,6 +100,11 @@ def drawn(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def opened(sub: argparse.ArgumentParser) -> None:
+    """Add the wish to see the page."""
+    sub.add_argument("--open", action="store_true", help="open the report page in a browser")
+
+
 def reported_folders(sub: argparse.ArgumentParser) -> None:
     """Add run folders and the file of their page."""
     sub.add_argument(
