@@ -36,28 +36,19 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling.scene.file import read_scene
     from rolling.scene.messages import SceneError
     from rolling.scene.scene import Scene
-    from rolling.scene.sections import (
-        Dynamics,
-        Gaussian,
-        HeightFile,
-        Numerics,
-        Plate,
-        Recovery,
-        Rolling,
-        Smooth,
-        Sound,
-        Sphere,
-    )
+    from rolling.scene.sections import Dynamics, Numerics, Plate, Recovery, Rolling, Sound, Sphere
+    from rolling.scene.surfaces import Gaussian, HeightFile, Smooth
 
-_SECTIONS, _RUNS = "rolling.scene.sections", "rolling.commands.interface"
+_SECTIONS, _SURFACES = "rolling.scene.sections", "rolling.scene.surfaces"
+_RUNS = "rolling.commands.interface"
 _PLACES = {  # module and name in it; None stands for the module itself
     "read_scene": ("rolling.scene.file", "read_scene"),
     "Scene": ("rolling.scene.scene", "Scene"),
     "Sphere": (_SECTIONS, "Sphere"),
     "Plate": (_SECTIONS, "Plate"),
-    "Gaussian": (_SECTIONS, "Gaussian"),
-    "Smooth": (_SECTIONS, "Smooth"),
-    "HeightFile": (_SECTIONS, "HeightFile"),
+    "Gaussian": (_SURFACES, "Gaussian"),
+    "Smooth": (_SURFACES, "Smooth"),
+    "HeightFile": (_SURFACES, "HeightFile"),
     "Rolling": (_SECTIONS, "Rolling"),
     "Numerics": (_SECTIONS, "Numerics"),
     "Recovery": (_SECTIONS, "Recovery"),

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from rolling.check import cost
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 
 # Bytes per node of the surface while the end of its spectrum is examined.
 EXAMINED = 32.0

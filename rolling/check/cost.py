@@ -7,7 +7,7 @@ import os
 
 from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 from rolling.surface import heights, steepness
 from rolling.surface.scene_surface import scene_surface
 

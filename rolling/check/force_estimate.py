@@ -17,7 +17,7 @@ from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 from rolling.surface import heights
 
 PEAKS = 4.0  # standard deviations of Gaussian noise that some 10^4 periods exceed once

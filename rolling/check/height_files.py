@@ -8,7 +8,7 @@ from rolling.check import long_steps
 from rolling.check.finding import Finding, rounded_down, si
 from rolling.check.sampling import MIN_CORRELATION_NODES
 from rolling.scene.scene import Scene
-from rolling.scene.sections import HeightFile
+from rolling.scene.surfaces import HeightFile
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 

@@ -28,7 +28,7 @@ from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.contact.window import Window
 from rolling.scene.scene import Scene
-from rolling.scene.sections import HeightFile
+from rolling.scene.surfaces import HeightFile
 from rolling.surface import scene_surface
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.terminal import progress

@@ -13,7 +13,7 @@ from rolling.check import cost
 from rolling.check.finding import Finding
 from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian, MadeSurface
+from rolling.scene.surfaces import Gaussian, MadeSurface
 from rolling.surface import steepness
 
 KEY = "resolution"

@@ -10,7 +10,7 @@ import math
 
 from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 
 # These are limits of the length v / f0 of the waves that feed the resonance, divided by the sum of
 # contact radius and correlation length: the contact averages shorter waves out, and the surface has

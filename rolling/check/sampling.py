@@ -6,7 +6,7 @@ from acoustics import bands
 from rolling.check import cost, long_steps, resolution
 from rolling.check.finding import Finding, rounded_down, rounded_up, si
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
 MIN_SHARE = 0.01  # share of a record; shorter stretches that are too slow for hearing are ignored

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rolling.check import cost, demand, error_cost, refusals, tolerance
 from rolling.check.finding import Finding, clock, on_cores, si
 from rolling.scene.scene import Scene
-from rolling.scene.sections import HeightFile
+from rolling.scene.surfaces import HeightFile
 
 
 def findings(scene: Scene, rq: float) -> list[Finding]:

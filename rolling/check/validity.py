@@ -6,7 +6,7 @@ from rolling.check import long_steps, resonance, vibration
 from rolling.check.finding import Finding, si
 from rolling.check.sampling import HEARING
 from rolling.scene.scene import Scene
-from rolling.scene.sections import HeightFile
+from rolling.scene.surfaces import HeightFile
 
 MAX_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
 MAX_CONTACT = 0.2  # contact radius over sphere radius

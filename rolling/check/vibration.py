@@ -13,7 +13,7 @@ from rolling.check.sampling import HEARING
 from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 
 THICK = 0.1  # contact radius over thickness up to which the contact sees a half-space
 FAR = 3.0  # listener's distance over the distance from which the pressure on the axis holds

@@ -267,18 +267,12 @@ def solve_contact(
     u = half_space.deflection(p) if start.deflection is None else start.deflection
     edges = None
     if shape is not None:
-        ahead = None if start.trend is None else start.trend.deflection
         edges = BlendedEdges(gap, shape, levelled_range(half_space, hardness))
-        edges.find(u, ahead)
+        edges.find(u, None if start.trend is None else start.trend.deflection)
     near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
     effort = Effort()
     while True:
-        # A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives 2
-        # edge / H by itself.
-        e, v = gap, u
-        if edges is not None:
-            e = gap - edges.edge
-            v = u + edges.edge * (p * (2 / hardness))
+        e, v = (gap, u) if edges is None else _shared(gap, u, p, edges.edge, hardness)
         approach, u_max, worst = _state(p, e, u, v, limits, fresh)
         if (
             fresh
@@ -317,6 +311,15 @@ def solve_contact(
         near, seen = NEAR, candidates.node.size
         if edges is not None:
             edges.find(u)
+
+
+def _shared(gap: Array, u: Array, p: Array, edge: Array, hardness: float) -> tuple[Array, Array]:
+    """Return gap and deflection [m] in which shared cells are nodes with a compliance.
+
+    A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives
+    2 edge / H by itself.
+    """
+    return gap - edge, u + edge * (p * (2 / hardness))
 
 
 def _state(

@@ -11,7 +11,7 @@ from acoustics import plots as sound_plots
 from rolling._typing import Array
 from rolling.lee2025.study import Case
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 from rolling.simulation import simulate
 from rolling.simulation.batch import Run
 from rolling.simulation.result_file import Result

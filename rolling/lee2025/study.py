@@ -28,7 +28,7 @@ from rolling.scene import file as scene_file
 from rolling.scene.messages import SceneError
 from rolling.scene.run_names import run_names
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 from rolling.simulation import batch
 from rolling.simulation.batch import Run
 from rolling.simulation.pool import Outcome

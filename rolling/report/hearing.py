@@ -14,7 +14,7 @@ from acoustics.weighting import a_weighting_db
 from rolling._typing import Array
 from rolling.contact import closed_forms
 from rolling.report.text import surface_words
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 from rolling.simulation.run_result import RunResult
 
 MOST = 0.8  # share of the A-weighted power that counts as most of it

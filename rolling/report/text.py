@@ -16,7 +16,7 @@ from rolling.check import findings, height_files, validity
 from rolling.figures.picture import comment, quoted
 from rolling.scene import file
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian, HeightFile
+from rolling.scene.surfaces import Gaussian, HeightFile
 from rolling.simulation import batch, caveats
 from rolling.simulation.caveats import Remark
 from rolling.simulation.labels import printable

@@ -1,8 +1,10 @@
 """Scene: its sections, its quantities in SI, its file, and its messages.
 
-sections
-    sphere, plate, surface, rolling, numerics, recovery and sound, with units in the names of their
-    keys
+section
+    a strict model whose faults are words, in a file and in Python
+sections, surfaces
+    sphere, plate, rolling, numerics, recovery, dynamics and sound, and the kinds of surface, with
+    units in the names of their keys
 scene
     `Scene`: the sections together, the runs of its sweep, the track
 sweep, run_names

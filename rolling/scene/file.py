@@ -26,7 +26,8 @@ from rolling.scene.messages import (
 )
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
-from rolling.scene.sections import HeightFile, Rolling, Sound
+from rolling.scene.sections import Rolling, Sound
+from rolling.scene.surfaces import HeightFile
 from rolling.scene.yaml_text import TextError
 
 _LONG_TEXT = 100_000  # letters; the resolved form of a shorter text keeps the limits

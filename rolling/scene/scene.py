@@ -40,23 +40,18 @@ from rolling.scene.messages import (
     place,
 )
 from rolling.scene.motion import Motion
+from rolling.scene.section import MAX_FAULTS, Section, plain, required_in_files
 from rolling.scene.sections import (
-    MAX_FAULTS,
     UNTRIED_TOLERANCE,
     Dynamics,
-    HeightFile,
-    MadeSurface,
     Numerics,
     Plate,
     Recovery,
     Rolling,
-    Section,
     Sound,
     Sphere,
-    Surface,
-    plain,
-    required_in_files,
 )
+from rolling.scene.surfaces import HeightFile, MadeSurface, Surface
 from rolling.scene.track import Rolled, Track, file_track, height_nodes, made_track
 
 STEEL_DENSITY = 7850.0  # [kg/m3]
@@ -89,7 +84,8 @@ class Scene(Section):
 
     Examples
     --------
-    >>> from rolling.scene.sections import Gaussian, Plate, Rolling, Sphere
+    >>> from rolling.scene.sections import Plate, Rolling, Sphere
+    >>> from rolling.scene.surfaces import Gaussian
     >>> scene = Scene(
     ...     sphere=Sphere(radius_mm=5),
     ...     plate=Plate(youngs_modulus_gpa=210, poissons_ratio=0.3),

@@ -8,147 +8,26 @@ message as in a scene file.
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, dataclass_transform
+from typing import Annotated, Any, ClassVar, Literal
 
-import numpy as np
 from pydantic import (
     AfterValidator,
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
-    ValidationError,
     WithJsonSchema,
-    field_validator,
     model_validator,
 )
 
 from rolling.scene.messages import (
-    SceneError,
     Words,
-    cut,
-    dotted,
-    explained,
     fault,
     is_number,
     plain_number,
     shown,
 )
-from rolling.scene.track import MAX_NODES, MIN_NODES
+from rolling.scene.section import Section
 
-if TYPE_CHECKING:
-    from pydantic._internal._model_construction import ModelMetaclass
-else:
-    ModelMetaclass = type(BaseModel)
-
-# Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
-# maximum.
-SMALLEST = 1e-15
-MAX_FAULTS = 100  # maximum number of faults that are named
-_MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show much longer ones
-_MAX_DEPTH = 16  # maximum nesting of values typed in Python
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
-
-
-# ---- construction from Python
-
-
-def plain(value: Any, depth: int = 0) -> Any:
-    """Turn a value typed in Python into the plain value of a scene file.
-
-    Keys without a value are dropped.
-
-    Parameters
-    ----------
-    value : any
-        The value.
-    depth : int
-        Number of mappings and lists around it. Default: 0.
-
-    Raises
-    ------
-    SceneError
-        The value is nested too deeply, for example in itself.
-    """
-    if depth > _MAX_DEPTH:
-        raise SceneError([f"scene: values are nested more than {_MAX_DEPTH} times"])
-    if isinstance(value, BaseModel):
-        value = value.model_dump()
-    if isinstance(value, Mapping):
-        return {name: plain(item, depth + 1) for name, item in value.items() if item is not None}
-    if isinstance(value, list | tuple):
-        return [plain(item, depth + 1) for item in value]
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
-    if isinstance(value, int) and value.bit_length() > _MAX_BITS:
-        return math.inf if value > 0 else -math.inf
-    return os.fspath(value) if isinstance(value, os.PathLike) else value
-
-
-def required_in_files(key: str) -> Any:
-    """Change the JSON Schema of a model so that scene files must give a key.
-
-    In Python the key has a default.
-    """
-
-    def change(schema: dict[str, Any]) -> None:
-        schema["properties"][key].pop("default", None)
-        schema["required"] = [key, *schema.get("required", [])]
-
-    return change
-
-
-@dataclass_transform(kw_only_default=True, field_specifiers=(Field,))
-class _SceneErrors(ModelMetaclass):
-    """Metaclass of models that raise SceneError instead of the errors of pydantic."""
-
-    def __call__(cls, *positional: Any, **values: Any) -> Any:
-        if positional:
-            raise TypeError(
-                f"{cls.__name__} takes keys by name only, as in {cls.__name__}(key=value)"
-            )
-        return cls.from_values(plain(values))  # type: ignore[attr-defined]
-
-
-class Section(BaseModel, metaclass=_SceneErrors):
-    """Section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-    SECTION: ClassVar[str] = ""  # its name in a scene
-
-    @classmethod
-    def from_values(cls, values: Mapping[str, Any]) -> Self:
-        """Validate plain values.
-
-        Raises
-        ------
-        SceneError
-            Some values are missing, unknown or not allowed; each fault names its key within a
-            scene.
-        """
-        try:
-            return cls.model_validate(values)
-        except ValidationError as error:
-            faults = []
-            for listed in error.errors(include_url=False)[:MAX_FAULTS]:
-                key, message = explained(listed, values, cls)
-                key = key if key[:1] == (cls.SECTION,) else (cls.SECTION, *key)
-                faults.append(f"scene: {cut(dotted(key))}: {message}")
-            raise SceneError(faults) from error
-
-    @field_validator("*")
-    @classmethod
-    def _within_reason(cls, value: Any) -> Any:
-        """Refuse sizes whose powers and quotients overflow or underflow."""
-        for number in np.ravel(value) if isinstance(value, float | tuple) else ():
-            if number and not SMALLEST <= abs(number) <= 1 / SMALLEST:
-                raise fault(
-                    f"got {shown(float(number))}, allowed: a size from {SMALLEST:g} to"
-                    f" {1 / SMALLEST:g}"
-                )
-        return value
 
 
 # ---- sphere and plate
@@ -227,133 +106,6 @@ class Plate(Section):
                 "loss_factor",
             )
         return self
-
-
-# ---- surfaces
-
-
-class MadeSurface(Section):
-    """Surface of a given width that the program generates."""
-
-    SECTION: ClassVar[str] = "surface"
-
-    kind: str
-    spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
-    width_um: float = Field(
-        gt=0, description="Width across the track [um], a whole number of nodes, at least 8"
-    )
-
-    @model_validator(mode="after")
-    def _whole_width(self) -> MadeSurface:
-        _refuse_width(self.width_um, self.spacing_um)
-        return self
-
-    @property
-    def n_across(self) -> int:
-        """Nodes across the track."""
-        return round(self.width_um / self.spacing_um)
-
-
-def _refuse_width(width_um: float, spacing_um: float) -> None:
-    """Raise a fault for a width that is no whole number of nodes, too small or too large."""
-    nodes = width_um / spacing_um
-    if not nodes < MAX_NODES:
-        raise fault(
-            f"got {plain_number(width_um)}, allowed: less than {MAX_NODES:g} nodes",
-            "surface",
-            "width_um",
-        )
-    if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
-        fitting = max(MIN_NODES, round(nodes)) * spacing_um
-        raise fault(
-            f"got {plain_number(width_um)}, allowed: a whole number of nodes of {spacing_um:g} um,"
-            f" at least {MIN_NODES}; nearest: {fitting:.10g}",
-            "surface",
-            "width_um",
-        )
-
-
-class Gaussian(MadeSurface):
-    """Random periodic surface with Gaussian heights."""
-
-    model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
-
-    kind: Literal["gaussian"] = Field(
-        default="gaussian", description="A random surface with Gaussian heights"
-    )
-    autocorrelation: Literal["gaussian", "gaussian_10pct", "exponential", "exponential_10pct"] = (
-        Field(
-            default="gaussian",
-            description="Law in the distance r and the correlation length L: gaussian"
-            " exp(-(r/L)^2), gaussian_10pct exp(-2.3 (r/L)^2), exponential exp(-r/L),"
-            " exponential_10pct exp(-2.3 r/L)",
-        )
-    )
-    roughness_ra_um: float = Field(gt=0, le=1000, description="Arithmetic mean roughness Ra [um]")
-    correlation_length_um: float = Field(
-        gt=0, description="Correlation length [um], along the track"
-    )
-    correlation_length_across_um: float | None = Field(
-        default=None,
-        gt=0,
-        description="Correlation length across the track [um]; absent: the same as along",
-    )
-    seed: int = Field(ge=0, description="Seed of the random heights")
-
-
-class Smooth(MadeSurface):
-    """Perfectly flat surface."""
-
-    model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
-
-    kind: Literal["smooth"] = Field(default="smooth", description="A perfectly flat surface")
-
-
-class HeightFile(Section):
-    """Surface read from a file, which holds one period of it."""
-
-    model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
-    SECTION: ClassVar[str] = "surface"
-
-    kind: Literal["file"] = Field(
-        default="file", description="Heights from a file; the track is the file"
-    )
-    path: str = Field(
-        min_length=1,
-        description="File of heights, .npy, .npz, .csv or .txt, shape (along track, across),"
-        " relative to the scene file",
-    )
-    height_unit: Literal["m", "mm", "um", "nm"] = Field(
-        default="m", description="Unit of the heights in the file"
-    )
-    spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
-    level: Literal["auto", "plane", "none"] = Field(
-        default="auto",
-        description="Tilt: auto takes the least-squares plane off where the step from the last"
-        " row to the first stands out and the plane lowers it, plane always, none"
-        " never",
-    )
-    width_um: float | None = Field(
-        default=None,
-        gt=0,
-        description="Width across the track [um] of a profile of one line, whose heights are the"
-        " same all across: a whole number of nodes, at least 8; absent: the file holds lines side"
-        " by side",
-    )
-
-    @model_validator(mode="after")
-    def _whole_width(self) -> HeightFile:
-        if self.width_um is not None:
-            _refuse_width(self.width_um, self.spacing_um)
-        return self
-
-    @property
-    def n_across(self) -> int | None:
-        """Nodes across the track that a profile is laid over; None: those of the file."""
-        return None if self.width_um is None else round(self.width_um / self.spacing_um)
-
-
-Surface = Annotated[Gaussian | Smooth | HeightFile, Field(discriminator="kind")]
 
 
 # ---- rolling, numerics, recovery, sound

@@ -28,7 +28,7 @@ from rolling.scene.messages import (
     text_keys,
 )
 from rolling.scene.run_names import run_name
-from rolling.scene.sections import MAX_FAULTS
+from rolling.scene.section import MAX_FAULTS
 
 MAX_RUNS = 10_000  # maximum number of runs of a sweep
 ZIP = "zip"  # key of the values that go together, beside the product of the others

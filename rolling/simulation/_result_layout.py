@@ -21,7 +21,7 @@ from rolling import __version__
 from rolling.check.error_cost import LEVELS
 from rolling.scene.identity import canonical
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 from rolling.simulation.moving_load import moving_key
 from rolling.simulation.result import Result
 from rolling.simulation.whole_series import whole_series

@@ -141,73 +141,98 @@ def solve(
         result. Default: the result is written without its sound.
     filmed : bool. Whether complete runs get a slow motion. Default: false.
     """
-    for run, result in zip(runs, results, strict=True):
-        identify(run, result)
-    scenes = [run.scene for run in runs]
-    shared.share(scenes, results)
-    members = shared.members(results)
-
-    def lacking(number: int, result: Result) -> bool:
-        if lacks_marches(scenes[number], result):
-            return True
-        # The event of a slow motion depends on the speed, so runs that share a result have none.
-        alone = len(members.get(number, ())) == 1
-        return filmed and alone and slow_march.missing(scenes[number], result)
-
-    unsolved = [
-        leader
-        for leader, numbers in members.items()
-        if any(lacking(k, results[leader]) for k in numbers)
-    ]
-    keepers = {k: Keeper() for k in unsolved}
-    unkept: set[int] = set()
-
-    def completed(number: int, at_once: bool) -> None:
-        """Complete a run, or keep its result where nobody completes it or that fails."""
-        if complete is None:
-            keep(runs[number], results[number])
-            return
-        try:
-            complete(number)
-        except BaseException:
-            if at_once:
-                keep(runs[number], results[number])
-            raise
-
-    def added(leader: int) -> None:
-        run, result = runs[leader], results[leader]
-        unkept.add(leader)
-        last = not any(lacking(k, result) for k in members[leader])
-        # A result of one piece is written once, with its sound.
-        at_once = complete is not None and last and result.solved_steps <= simulate.PIECE_STEPS
-        if not at_once and (keepers[leader].due() or last):
-            start = time.monotonic()
-            keep(run, result)
-            keepers[leader].wrote(time.monotonic() - start)
-            unkept.discard(leader)
-        if last:
-            for number in members[leader] if complete else members[leader][1:]:
-                completed(number, at_once or number != leader)
-            unkept.discard(leader)
-
+    work = _Work(runs, results, filmed, complete)
     outcome = solving.solve(
-        scenes,
+        work.scenes,
         results,
         workers,
         name,
         mapped,
-        begun=lambda leader: [begun(runs[number]) for number in members[leader]],
-        added=added,
+        begun=lambda leader: [begun(runs[number]) for number in work.members[leader]],
+        added=work.added,
         filmed=filmed,
     )
-    for k in unsolved:
-        if k in unkept:
-            keep(runs[k], results[k])
-        # Statistics and figures of the surface read the heights once more.
-        for number in members[k]:
-            if fault := other_surface(runs[number], results[number]):
-                outcome.failures.setdefault(number, fault)
+    work.end(outcome)
     return outcome
+
+
+class _Work:
+    """Runs that are solved, and what of them is written.
+
+    Runs with the same march share a result, which belongs to the first of them, the leader.
+
+    Attributes
+    ----------
+    scenes : list of Scene. One per run.
+    members : dict. Numbers of the runs that share a result, by their leader.
+    keepers : dict. The time of writing of each result that is not complete, by its leader.
+    unkept : set. Leaders of results that have steps which are not written.
+    """
+
+    def __init__(
+        self,
+        runs: Sequence[Run],
+        results: list[Result],
+        filmed: bool,
+        complete: Callable[[int], object] | None,
+    ) -> None:
+        """Share the results of runs with the same march; `filmed` and `complete` as in `solve`."""
+        for run, result in zip(runs, results, strict=True):
+            identify(run, result)
+        self.runs, self.results, self.filmed, self.complete = runs, results, filmed, complete
+        self.scenes = [run.scene for run in runs]
+        shared.share(self.scenes, results)
+        self.members = shared.members(results)
+        self.keepers = {leader: Keeper() for leader in self.members if self.lacks(leader)}
+        self.unkept: set[int] = set()
+
+    def lacks(self, leader: int) -> bool:
+        """Return whether a result lacks a march of one of its runs, or its slow motion."""
+        result, numbers = self.results[leader], self.members[leader]
+        if any(lacks_marches(self.scenes[number], result) for number in numbers):
+            return True
+        # The event of a slow motion depends on the speed, so runs that share a result have none.
+        alone = self.filmed and len(numbers) == 1
+        return alone and slow_march.missing(self.scenes[leader], result)
+
+    def added(self, leader: int) -> None:
+        """Write a result that has grown, if it is due, and complete its runs after the last."""
+        result = self.results[leader]
+        self.unkept.add(leader)
+        last = not self.lacks(leader)
+        # A result of one piece is written once, with its sound.
+        at_once = self.complete is not None and last and result.solved_steps <= simulate.PIECE_STEPS
+        if not at_once and (self.keepers[leader].due() or last):
+            start = time.monotonic()
+            keep(self.runs[leader], result)
+            self.keepers[leader].wrote(time.monotonic() - start)
+            self.unkept.discard(leader)
+        if last:
+            for number in self.members[leader]:
+                self._end_run(number, number == leader and not at_once)
+            self.unkept.discard(leader)
+
+    def _end_run(self, number: int, kept: bool) -> None:
+        """Complete a run, or keep its result where nobody completes it or that fails."""
+        if self.complete is not None:
+            try:
+                self.complete(number)
+            except BaseException:
+                if not kept:
+                    keep(self.runs[number], self.results[number])
+                raise
+        elif not kept:
+            keep(self.runs[number], self.results[number])
+
+    def end(self, outcome: Outcome) -> None:
+        """Write what is not written, and note the runs whose surface was replaced meanwhile."""
+        for leader in self.keepers:
+            if leader in self.unkept:
+                keep(self.runs[leader], self.results[leader])
+            # Statistics and figures of the surface read the heights once more.
+            for number in self.members[leader]:
+                if fault := other_surface(self.runs[number], self.results[number]):
+                    outcome.failures.setdefault(number, fault)
 
 
 def keep(

@@ -231,8 +231,7 @@ def march_grid(
     ContactError : the heights were replaced or removed.
     Interrupted : `stopped` returned true.
     """
-    if surface_sha256 and (fault := simulate.surface_fault(scene, surface_sha256)):
-        raise ContactError(fault)
+    simulate.refuse_other_surface(scene, surface_sha256)
     try:
         piece = simulate.simulate_piece(
             _without_events(scene),

@@ -295,8 +295,7 @@ def march_load(
     ContactError : the heights were replaced or removed, or the contact cannot be solved.
     Interrupted : `stopped` returned true.
     """
-    if surface_sha256 and (fault := simulate.surface_fault(scene, surface_sha256)):
-        raise ContactError(fault)
+    simulate.refuse_other_surface(scene, surface_sha256)
     began = time.perf_counter()
     contact = replace(rolling_contact(scene), load=load)
     half_space = simulate.half_space(contact.spacing, contact.contact_modulus, contact.subcells)

@@ -134,8 +134,7 @@ def march_moving(
     ContactError : the heights were replaced or removed, or the contact cannot be solved.
     Interrupted : `stopped` returned true.
     """
-    if surface_sha256 and (fault := simulate.surface_fault(scene, surface_sha256)):
-        raise ContactError(fault)
+    simulate.refuse_other_surface(scene, surface_sha256)
     contact = replace(rolling_contact(scene), loads=force)
     elastic = simulate.half_space(contact.spacing, contact.contact_modulus, contact.subcells)
     left_end = scene.recovery.rule == "left_end"

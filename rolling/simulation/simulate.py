@@ -119,6 +119,17 @@ def surface_fault(scene: Scene, solved: str | None) -> str | None:
         return f"the surface that was solved is gone: {error}"
 
 
+def refuse_other_surface(scene: Scene, solved: str | None) -> None:
+    """Refuse a scene whose surface lacks the digest `solved`; None: it is not compared.
+
+    Raises
+    ------
+    ContactError : the heights were replaced or removed.
+    """
+    if solved and (fault := surface_fault(scene, solved)):
+        raise ContactError(fault)
+
+
 @lru_cache(maxsize=4)
 def half_space(spacing: float, contact_modulus: float, subcells: int) -> HalfSpace:
     """Return the half-space of a spacing [m], a contact modulus [Pa] and sub-cells, made once."""

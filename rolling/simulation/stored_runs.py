@@ -18,7 +18,7 @@ from rolling.folders.run_record import RunRecord
 from rolling.scene import file
 from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
-from rolling.scene.sections import HeightFile
+from rolling.scene.surfaces import HeightFile
 from rolling.simulation import batch, result_file
 from rolling.simulation.batch import Run
 from rolling.simulation.result import Result

@@ -14,7 +14,7 @@ from rolling._typing import Array
 from rolling.scene.identity import heights_digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian, HeightFile
+from rolling.scene.surfaces import Gaussian, HeightFile
 from rolling.surface import height_file, levelling
 from rolling.surface import heights as surface
 from rolling.surface.heights import Correlation, Statistics

@@ -6,7 +6,7 @@ import numpy as np
 
 from rolling._typing import Array
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 from rolling.surface import heights as surface
 
 

@@ -14,7 +14,7 @@ from report_runs import run_results
 
 from acoustics.extension import extend, kurtosis
 from rolling.report import page as report_page
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 
 
 @pytest.fixture

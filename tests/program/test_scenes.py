@@ -15,7 +15,7 @@ from acoustics import level, wav
 from rolling import cli
 from rolling.folders import own_files, run_record
 from rolling.scene import file as scene_file
-from rolling.scene.sections import HeightFile
+from rolling.scene.surfaces import HeightFile
 
 pytestmark = pytest.mark.slow
 

@@ -18,7 +18,8 @@ from rolling.scene.file import dump, loads, read_scene, resound
 from rolling.scene.messages import SceneError
 from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
-from rolling.scene.sections import STEP_NODES, Gaussian
+from rolling.scene.sections import STEP_NODES
+from rolling.scene.surfaces import Gaussian
 from rolling.surface import heights as surface
 
 NAME = (

@@ -14,7 +14,8 @@ from rolling import Scene
 from rolling.check.findings import check_scene
 from rolling.scene.file import dump, loads
 from rolling.scene.messages import SceneError
-from rolling.scene.sections import Gaussian, HeightFile, Numerics, Plate, Rolling, Smooth, Sphere
+from rolling.scene.sections import Numerics, Plate, Rolling, Sphere
+from rolling.scene.surfaces import Gaussian, HeightFile, Smooth
 
 
 def built(**keys: Any) -> Scene:

@@ -24,7 +24,7 @@ from rolling.contact.march import march
 from rolling.contact.window import Window
 from rolling.lee2025 import half_spacing, reproduce, study
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Gaussian
+from rolling.scene.surfaces import Gaussian
 from rolling.simulation import result_file, simulate
 from rolling.sound.contact_sound import contact_sound
 from rolling.surface import contact_of_scene
