@@ -18,7 +18,7 @@ from rolling.terminal import arguments, defaults, progress, streams, usage
 from rolling.terminal.progress import Level
 
 if TYPE_CHECKING:
-    from rolling.commands import Report
+    from rolling.commands import Report, Wanted
 
 LOADING = "loading the program"  # with the solver in it, which takes seconds
 OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -93,30 +93,35 @@ def _is_bad_input(error: Exception) -> bool:
 
 def _run(given: argparse.Namespace) -> int:
     from rolling.check import early
+    from rolling.folders import files
 
     out = None if given.part else given.out  # parts share a folder
     early.refuse_scene(given.scene, given.set, out, given.force, ("run", "sweep"))
+    if given.part and (given.out is None or given.force):
+        raise files.FolderError(
+            "a part needs the folder of all parts, --out FOLDER without --force"
+        )
     with progress.step(LOADING):
         from rolling import commands
-        from rolling.commands.parts import Part
-        from rolling.simulation.cluster import Cluster
-    report = commands.run(
-        given.scene,
-        given.set,
-        given.out,
-        given.force,
-        given.workers,
-        not given.no_report,
-        given.pictures,
-        _print_folder,
-        Part(*given.part) if given.part else None,
-        given.take_over,
-        Cluster(given.cluster) if given.cluster else None,
-    )
+    wanted = _wanted(given, given.workers, given.cluster)
+    if given.part:
+        part = commands.Part(*given.part)
+        report = commands.run_part(given.scene, given.set, given.out, part, wanted, given.take_over)
+    else:
+        report = commands.run(given.scene, given.set, given.out, given.force, wanted)
     code = _reported(report)
     if given.open:
         _open(report)
     return code
+
+
+def _wanted(given: argparse.Namespace, workers: int = 0, scheduler: str | None = None) -> Wanted:
+    """Return the files that a command is asked for, and who makes them."""
+    from rolling import commands
+    from rolling.simulation.cluster import Cluster
+
+    cluster = Cluster(scheduler) if scheduler else None
+    return commands.Wanted(not given.no_report, given.pictures, workers, _print_folder, cluster)
 
 
 def _open(report: Report) -> None:
@@ -135,18 +140,8 @@ def _resume(given: argparse.Namespace) -> int:
     early.refuse_folders([given.folder])
     with progress.step(LOADING):
         from rolling import commands
-        from rolling.simulation.cluster import Cluster
-    return _reported(
-        commands.resume(
-            given.folder,
-            given.workers,
-            not given.no_report,
-            given.take_over,
-            given.pictures,
-            _print_folder,
-            Cluster(given.cluster) if given.cluster else None,
-        )
-    )
+    wanted = _wanted(given, given.workers, given.cluster)
+    return _reported(commands.resume(given.folder, wanted, given.take_over))
 
 
 def _resound(given: argparse.Namespace) -> int:
@@ -156,15 +151,7 @@ def _resound(given: argparse.Namespace) -> int:
     with progress.step(LOADING):
         from rolling import commands
     return _reported(
-        commands.resound(
-            given.folder,
-            given.set,
-            given.out,
-            given.force,
-            not given.no_report,
-            given.pictures,
-            _print_folder,
-        )
+        commands.resound(given.folder, given.set, given.out, given.force, _wanted(given))
     )
 
 

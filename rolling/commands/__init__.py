@@ -7,14 +7,14 @@ them, tables and the page. Each run of a large sweep writes four files only.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from rolling.check import refusals
 from rolling.commands import details
-from rolling.commands.parts import Part, run_part
-from rolling.commands.run_files import Wanted, ignore, page_of, write_run
+from rolling.commands.parts import Part, do_part
+from rolling.commands.run_files import ALL_FILES, Wanted, ignore, page_of, write_run
 from rolling.commands.run_tasks import Ends
 from rolling.commands.work import (
     PAGE,
@@ -33,9 +33,7 @@ from rolling.scene import file, library
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.simulation import batch, force_law, labels
-from rolling.simulation import cluster as clusters
 from rolling.simulation.batch import Run
-from rolling.simulation.cluster import Cluster
 from rolling.simulation.plan import Plan, refuse
 from rolling.simulation.pool import Outcome
 from rolling.simulation.run_result import RunResult, hear
@@ -46,7 +44,19 @@ from rolling.simulation.stored_runs import (
 )
 from rolling.terminal import progress
 
-__all__ = ["KINDS", "PAGE", "Report", "report", "resound", "resume", "run", "save_run"]
+__all__ = [
+    "KINDS",
+    "PAGE",
+    "Part",
+    "Report",
+    "Wanted",
+    "report",
+    "resound",
+    "resume",
+    "run",
+    "run_part",
+    "save_run",
+]
 
 KINDS: tuple[Kind, ...] = ("run", "sweep")  # kinds of the folders that these commands make
 
@@ -56,13 +66,7 @@ def run(
     overrides: Sequence[str] = (),
     out: Path | None = None,
     force: bool = False,
-    workers: int = 0,
-    page: bool = True,
-    pictures: bool | None = None,
-    begun: Callable[[Path], object] = ignore,
-    part: Part | None = None,
-    take_over: bool = False,
-    cluster: Cluster | None = None,
+    wanted: Wanted = ALL_FILES,
 ) -> Report:
     """Run a scene file: every combination of its sweep, each into a run folder.
 
@@ -72,29 +76,14 @@ def run(
     overrides : sequence of str. Assignments such as "rolling.load_n=50". Default: none.
     out : Path. Run folder to make. Default: a folder named after scene and time.
     force : bool. Replace an earlier run at `out`. Default: false.
-    workers : int. Number of processes; 0: one per core. Default: 0.
-    page : bool. Write the report page as well. Default: true.
-    pictures : bool. Write pictures of each run; false: no pictures and no page. Default: of up to
-        24 runs.
-    begun : callable. It receives the run folder before anything is solved. Default: none.
-    part : Part. A share of the runs of the sweep, in a folder that other commands share. Default:
-        all runs.
-    take_over : bool. As in `resume`, for a part. Default: false.
-    cluster : Cluster. A Dask scheduler whose workers solve. Default: local processes.
+    wanted : Wanted. The files that are requested, and the processes that make them. Default: all
+        files, on all cores.
 
     Raises
     ------
     SceneError, FolderError : before anything is computed or written.
     """
-    scene = file.read_scene(scene_path, overrides)
-    refuse(scene, workers, out or refusals.OUTPUTS)
-    wanted = _on_cluster(Wanted(page, pictures, workers, begun), cluster)
-    if cluster is not None:  # whose workers have other working folders
-        scene = Scene.from_dict(scene.to_dict(), scene.folder.resolve())
-    if part is not None:
-        _refuse_part(scene, out, force)
-        assert out is not None
-        return run_part(scene, scene_path, out, part, wanted, take_over)
+    scene, wanted = _read(scene_path, overrides, out, wanted)
     scene_path = library.find(scene_path)
     plan = Plan(scene, scene_path.read_bytes(), wanted.whole_folders(len(scene.runs())))
     target = new_folder.aim(
@@ -106,42 +95,56 @@ def run(
         return solve(work_on(held, plan.runs(held.folder), wanted, None))
 
 
-def _on_cluster(wanted: Wanted, cluster: Cluster | None) -> Wanted:
-    """Return what is wanted from a cluster, after a look at its workers."""
-    if cluster is None:
-        return wanted
-    return replace(wanted, cluster=cluster, cluster_workers=clusters.workers(cluster))
+def run_part(
+    scene_path: Path,
+    overrides: Sequence[str],
+    out: Path,
+    part: Part,
+    wanted: Wanted = ALL_FILES,
+    take_over: bool = False,
+) -> Report:
+    """Run a share of the sweep of a scene file, in a folder that other commands share.
 
+    Parameters
+    ----------
+    scene_path, overrides, wanted : as in `run`.
+    out : Path. Run folder of all parts, which the first command makes.
+    part : Part. The share.
+    take_over : bool. As in `resume`. Default: false.
 
-def _refuse_part(scene: Scene, out: Path | None, force: bool) -> None:
-    """Raise an error where a part of a scene cannot be run."""
+    Raises
+    ------
+    SceneError : the scene has no sweep, or cannot be run here.
+    FolderError : the folder holds another scene, or another process works on these runs.
+    """
+    scene, wanted = _read(scene_path, overrides, out, wanted)
     if not scene.sweep:
         raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
-    if out is None or force:
-        raise FolderError("a part needs the folder of all parts, --out FOLDER without --force")
+    return do_part(scene, scene_path, out, part, wanted, take_over)
 
 
-def resume(
-    folder: Path,
-    workers: int = 0,
-    page: bool = True,
-    take_over: bool = False,
-    pictures: bool | None = None,
-    begun: Callable[[Path], object] = ignore,
-    cluster: Cluster | None = None,
-) -> Report:
+def _read(
+    scene_path: Path, overrides: Sequence[str], out: Path | None, wanted: Wanted
+) -> tuple[Scene, Wanted]:
+    """Read a scene that can be run here, and count the workers of the cluster that runs it."""
+    scene = file.read_scene(scene_path, overrides)
+    refuse(scene, wanted.workers, out or refusals.OUTPUTS)
+    if wanted.cluster is not None:  # whose workers have other working folders
+        scene = Scene.from_dict(scene.to_dict(), scene.folder.resolve())
+    return scene, wanted.counted()
+
+
+def resume(folder: Path, wanted: Wanted = ALL_FILES, take_over: bool = False) -> Report:
     """Continue a run folder that was interrupted or killed; solved steps are not solved again.
 
-    A finished folder stays as it is, unless `pictures` asks for pictures that it may lack.
+    A finished folder stays as it is, unless pictures are wanted that it may lack.
 
     Parameters
     ----------
     folder : Path. The run folder.
-    workers : int. Number of processes; 0: one per core. Default: 0.
-    page : bool. Write the report page as well. Default: true.
+    wanted : Wanted. As in `run`.
     take_over : bool. Continue even if the process that works on the folder is not visible from this
         machine. Default: false.
-    pictures, begun, cluster : as in `run`.
 
     Raises
     ------
@@ -149,7 +152,7 @@ def resume(
         surface.
     SceneError : the scene cannot be run here.
     """
-    folder = folder if cluster is None else folder.resolve()  # as its workers see it
+    folder = folder if wanted.cluster is None else folder.resolve()  # as its workers see it
     runs = read_runs(folder)
     for each in runs:
         if not each.folder.is_dir():
@@ -159,10 +162,10 @@ def resume(
             )
         refusals.refuse_unavailable(each.scene)
     # Pictures that are asked for by name are drawn for a finished run, too.
-    if not pictures and (done := _finished(folder, runs)):
+    if not wanted.pictures and (done := _finished(folder, runs)):
         return done
-    refusals.refuse_what_cannot_fit(resolved_scene(folder), workers, folder)
-    wanted = _on_cluster(Wanted(page, pictures, workers, begun), cluster)
+    refusals.refuse_what_cannot_fit(resolved_scene(folder), wanted.workers, folder)
+    wanted = wanted.counted()
     report = _resumed(folder, runs, wanted, take_over)
     if sweep := details.sweep_to_finish(folder):
         _finish_sweep(sweep, replace(wanted, begun=ignore), take_over)
@@ -206,9 +209,7 @@ def resound(
     overrides: Sequence[str],
     out: Path | None = None,
     force: bool = False,
-    page: bool = True,
-    pictures: bool | None = None,
-    begun: Callable[[Path], object] = ignore,
+    wanted: Wanted = ALL_FILES,
 ) -> Report:
     """Make new sound from stored runs without solving: other speed, distance, q or gain.
 
@@ -216,7 +217,7 @@ def resound(
     ----------
     folder : Path. The run folder.
     overrides : sequence of str. Assignments such as "sound.distance_m=2".
-    out, force, page, pictures, begun : as in `run`.
+    out, force, wanted : as in `run`. The sound is made in this process.
 
     Raises
     ------
@@ -229,7 +230,6 @@ def resound(
     refusals.refuse_unavailable(scene)
     refusals.refuse_what_cannot_fit(scene, 1, out or refusals.OUTPUTS)
     given = folder / "scene.yaml"
-    wanted = Wanted(page, pictures, 0, begun)
     text = given.read_bytes() if given.is_file() else None
     plan = Plan(scene, text, wanted.whole_folders(len(stored)))
     if [values for values, _ in plan.singles] != [each.values for each in stored]:

@@ -50,7 +50,7 @@ class Part:
         return range(self.number - 1, runs, self.count)
 
 
-def run_part(
+def do_part(
     scene: Scene, scene_path: Path, out: Path, part: Part, wanted: Wanted, take_over: bool
 ) -> Report:
     """Do the share of a sweep in a folder that other commands share.

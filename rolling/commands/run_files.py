@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rolling.check import cost, demand
 from rolling.folders import files
-from rolling.simulation import batch, runs_table, sound_files, summary
+from rolling.simulation import batch, cluster, runs_table, sound_files, summary
 from rolling.simulation.batch import Run
 from rolling.simulation.cluster import Cluster
 from rolling.simulation.pool import Workers
@@ -26,15 +26,15 @@ def ignore(folder: Path) -> None:
 
 @dataclass(frozen=True)
 class Wanted:
-    """The files that a command is asked for besides results and sound.
+    """The files that a command is asked for besides results and sound, and who makes them.
 
-    page : whether the report page is wanted.
-    pictures : whether pictures are wanted of each run; None: of each of up to 24 runs. Pictures of
-        all runs together and the page need more than false.
-    workers : processes that draw; 0: one per core.
-    begun : gets the folder before anything is solved in it.
-    cluster : solves the runs; None: local processes do.
-    cluster_workers : number of its workers at the start.
+    page : bool. Whether the report page is wanted. Default: true.
+    pictures : bool. Whether pictures are wanted of each run; None: of each of up to 24 runs.
+        Pictures of all runs together and the page need more than false. Default: None.
+    workers : int. Number of processes; 0: one per core. Default: 0.
+    begun : callable. It receives the run folder before anything is solved in it. Default: none.
+    cluster : Cluster. A Dask scheduler whose workers solve. Default: local processes.
+    cluster_workers : int. Number of its workers at the start. Default: 1.
     """
 
     page: bool = True
@@ -49,6 +49,12 @@ class Wanted:
         """The cluster or the number of processes that solve."""
         return self.cluster or self.workers or cost.cores()
 
+    def counted(self) -> Wanted:
+        """Return the same with the present number of workers of the cluster, if there is one."""
+        if self.cluster is None:
+            return self
+        return replace(self, cluster_workers=cluster.workers(self.cluster))
+
     def whole_folders(self, runs: int) -> bool:
         """Return whether each of so many runs has all files in its folder, not four only."""
         return self.pictures is True or runs <= demand.PAGE_RUNS
@@ -56,6 +62,9 @@ class Wanted:
     def shows_each(self, runs: int) -> bool:
         """Return whether each of so many runs is heard and seen on the page."""
         return self.page and self.pictures is not False and runs <= demand.PAGE_RUNS
+
+
+ALL_FILES = Wanted()  # on all cores
 
 
 def write_run(finished: RunResult, result: Result, whole: bool) -> None:

@@ -15,7 +15,7 @@ from acoustics.bands import BAND_NAMES
 from rolling.check import error_cost
 from rolling.check.error_cost import LEVELS
 from rolling.check.findings import findings
-from rolling.commands import report, resound, resume, run
+from rolling.commands import Wanted, report, resound, resume, run
 from rolling.commands.interface import simulate as simulate_in_memory
 from rolling.contact.solver import ContactError
 from rolling.scene.file import loads, read_scene
@@ -86,7 +86,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
         patch.setattr(error_cost, "SHARE", 8.0)
         patch.setattr(error_cost, "STRETCH_STEPS", (32, 64))
         patch.setattr("rolling.sound.error_estimate.WANTED_DB", 1.0)
-        run(folder / "scene.yaml", out=folder / "run", workers=1, page=False)
+        run(folder / "scene.yaml", out=folder / "run", wanted=Wanted(workers=1, page=False))
     return folder / "run"
 
 
@@ -121,7 +121,7 @@ def test_a_run_knows_its_errors(finished: Path) -> None:
 
 def test_two_processes_compute_the_same_numbers(scene_path: Path, finished: Path) -> None:
     folder = scene_path.parent / "two"
-    run(scene_path, out=folder, workers=2, page=False)
+    run(scene_path, out=folder, wanted=Wanted(workers=2, page=False))
     assert numbers(folder) == numbers(finished)
     one, two = (result_file.load(each / "result.h5").stretches for each in (finished, folder))
     assert one and two and one.marches.keys() == two.marches.keys()
@@ -132,7 +132,12 @@ def test_two_processes_compute_the_same_numbers(scene_path: Path, finished: Path
 
 def test_a_run_without_the_key_has_no_such_numbers(scene_path: Path, finished: Path) -> None:
     folder = scene_path.parent / "plain"
-    run(scene_path, ["numerics.error_estimate=false"], out=folder, workers=1, page=False)
+    run(
+        scene_path,
+        ["numerics.error_estimate=false"],
+        out=folder,
+        wanted=Wanted(workers=1, page=False),
+    )
     plain = json.loads((folder / "summary.json").read_text())
     with_estimate = json.loads((finished / "summary.json").read_text())
     added = {*NUMBERS, "error_estimate", "laeq_uncertainty_parts_db"}
@@ -144,12 +149,17 @@ def test_a_run_without_the_key_has_no_such_numbers(scene_path: Path, finished: P
 def test_the_estimate_is_added_to_a_finished_run(scene_path: Path, finished: Path) -> None:
     """The key is no physics, so a finished run may be given it and resumed."""
     folder = scene_path.parent / "later"
-    run(scene_path, ["numerics.error_estimate=false"], out=folder, workers=1, page=False)
+    run(
+        scene_path,
+        ["numerics.error_estimate=false"],
+        out=folder,
+        wanted=Wanted(workers=1, page=False),
+    )
     resolved = folder / "resolved.yaml"
     resolved.write_text(
         resolved.read_text().replace("error_estimate: false", "error_estimate: true")
     )
-    resume(folder, workers=1, page=False)
+    resume(folder, wanted=Wanted(workers=1, page=False))
     assert numbers(folder) == numbers(finished)
 
 
@@ -157,7 +167,7 @@ def test_resume_takes_up_the_marches_that_are_done(
     scene_path: Path, finished: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = scene_path.parent / "killed"
-    run(scene_path, out=folder, workers=1, page=False)
+    run(scene_path, out=folder, wanted=Wanted(workers=1, page=False))
     _drop(folder, scene_of(), keep=5)
     marched = []
     inner = error_stretches.contact_on
@@ -167,11 +177,11 @@ def test_resume_takes_up_the_marches_that_are_done(
         return inner(scene, grid, first, steps)
 
     monkeypatch.setattr(error_stretches, "contact_on", counted)
-    resume(folder, workers=1, page=False)
+    resume(folder, wanted=Wanted(workers=1, page=False))
     kept = result_file.load(folder / "result.h5").stretches
     assert kept and len(marched) == len(kept.marches) - 5
     assert numbers(folder) == numbers(finished)
-    resume(folder, workers=1, page=False)
+    resume(folder, wanted=Wanted(workers=1, page=False))
     assert len(marched) == len(kept.marches) - 5
 
 
@@ -188,12 +198,12 @@ def test_new_sound_makes_the_numbers_again_without_marching(
 ) -> None:
     monkeypatch.setattr(simulate, "simulate_piece", None)
     folder = scene_path.parent / "same"
-    resound(finished, ["sound.distance_m=2"], out=folder, page=False)
+    resound(finished, ["sound.distance_m=2"], out=folder, wanted=Wanted(page=False))
     for name, value in numbers(finished).items():
         if name != "error_estimate":  # levels at another distance are rounded anew
             assert numbers(folder)[name] == pytest.approx(value, abs=1e-9)
     slower = scene_path.parent / "slower"
-    resound(finished, ["rolling.speed_m_s=0.05"], out=slower, page=False)
+    resound(finished, ["rolling.speed_m_s=0.05"], out=slower, wanted=Wanted(page=False))
     before, after = numbers(finished)["grid_error_db"], numbers(slower)["grid_error_db"]
     # The same lines stand an octave lower.
     assert after["8000"] == pytest.approx(before["16000"], abs=0.5)
@@ -237,7 +247,7 @@ def test_a_stretch_that_cannot_be_solved_costs_only_the_estimate(
 
     monkeypatch.setattr(error_stretches, "contact_on", failing)
     folder = scene_path.parent / "failed"
-    done = run(scene_path, out=folder, workers=1, page=False)
+    done = run(scene_path, out=folder, wanted=Wanted(workers=1, page=False))
     assert done.exit_code == 0
     summary = json.loads((folder / "summary.json").read_text())
     reason = summary["error_estimate"]["reason"]
@@ -260,7 +270,7 @@ def test_scenes_without_an_estimate_say_why(
     monkeypatch.setattr(error_cost, "SHARE", 0.25)
     scene = tmp_path / "scene.yaml"
     scene.write_text(loads_text(overrides))
-    run(scene, out=tmp_path / "out", workers=1, page=False)
+    run(scene, out=tmp_path / "out", wanted=Wanted(workers=1, page=False))
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert reason in summary["error_estimate"]["reason"]
     assert summary["grid_error_db"]["1000"] is None
@@ -285,7 +295,7 @@ def loads_text(overrides: list[str]) -> str:
 def test_an_elastic_plate_has_an_estimate_without_plastic_ratio(tmp_path: Path) -> None:
     scene = tmp_path / "scene.yaml"
     scene.write_text(TEXT.replace(", hardness_gpa: 2.1", ""))
-    run(scene, out=tmp_path / "out", workers=1, page=False)
+    run(scene, out=tmp_path / "out", wanted=Wanted(workers=1, page=False))
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["plastic_ratio_grid_error"] is None
     assert summary["laeq_grid_error_db"] is not None
@@ -427,13 +437,13 @@ def test_a_stopped_estimate_is_taken_up(
         return inner(scene, grid, first, steps)
 
     monkeypatch.setattr(error_stretches, "contact_on", stopping)
-    done = run(scene_path, out=folder, workers=1, page=False)
+    done = run(scene_path, out=folder, wanted=Wanted(workers=1, page=False))
     assert done.interrupted and done.exit_code == 130
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["complete"]
     assert summary["error_estimate"]["reason"] == "its stretches are not solved yet"
     monkeypatch.setattr(error_stretches, "contact_on", inner)
-    assert resume(folder, workers=1, page=False).exit_code == 0
+    assert resume(folder, wanted=Wanted(workers=1, page=False)).exit_code == 0
     assert numbers(folder) == numbers(finished)
 
 

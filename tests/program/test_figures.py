@@ -52,7 +52,7 @@ def _no_warnings() -> Iterator[None]:
 def heard(text: str, folder: Path) -> list[RunResult]:
     """Return the runs of a scene, solved and read again from their folder."""
     (folder / "s.yaml").write_text(text)
-    commands.run(folder / "s.yaml", [], folder / "out", workers=1)
+    commands.run(folder / "s.yaml", [], folder / "out", wanted=commands.Wanted(workers=1))
     return read(folder / "out")
 
 

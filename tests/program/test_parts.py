@@ -134,6 +134,7 @@ def test_a_failed_run_stops_no_part_and_is_named_in_the_end(scene: Path, tmp_pat
     [
         (["--part", "4/3", "--out", "out"], "K/N"),
         (["--part", "1/2"], "--out FOLDER"),
+        (["--part", "1/2", "--out", "out", "--force"], "without --force"),
         (["--part", "1/2", "--out", "out", "--set", "surface.seed=1"], "the scene has none"),
         (["--part", "1/2", "--out", "taken"], "another scene, which differs in rolling"),
     ],

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from report_runs import HOSTILE, Runs, run_results
+from report_runs import HOSTILE, NO_PAGE, Runs, run_results
 from ruamel.yaml import YAML
 
 from rolling import cli, commands
@@ -157,10 +157,8 @@ def test_three_records_of_ten_seconds_stay_below_15_mb(runs, tmp_path) -> None:
     slow = tmp_path / "slow"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(work, "write_pictures", lambda *_: [])
-        assert (
-            commands.resound(runs.three(), ["rolling.speed_m_s=0.009"], slow, page=False).exit_code
-            == 0
-        )
+        speed = ["rolling.speed_m_s=0.009"]
+        assert commands.resound(runs.three(), speed, slow, wanted=NO_PAGE).exit_code == 0
     assert commands.report([slow], tmp_path / "page.html").stat().st_size < 15e6
 
 

@@ -390,7 +390,9 @@ def test_workers_pin_their_threads_and_leave_the_environment(
     scene: Path, tmp_path: Path, monkeypatch
 ) -> None:
     monkeypatch.setenv("OMP_NUM_THREADS", "7")
-    report = commands.run(scene, ["rolling.duration_s=0.01"], tmp_path / "out", workers=2)
+    report = commands.run(
+        scene, ["rolling.duration_s=0.01"], tmp_path / "out", wanted=commands.Wanted(workers=2)
+    )
     assert report.exit_code == 0
     assert os.environ["OMP_NUM_THREADS"] == "7"
 

@@ -14,7 +14,7 @@ import pytest
 from rolling import cli
 from rolling.check import error_cost, tolerance
 from rolling.check.findings import findings
-from rolling.commands import resound, resume, run
+from rolling.commands import Wanted, resound, resume, run
 from rolling.commands.interface import open_run, simulate, simulate_sweep
 from rolling.contact.solver import ContactError
 from rolling.report import text
@@ -224,7 +224,7 @@ def test_the_number_stands_in_the_folder_and_is_never_tried_again(
     tmp_path: Path, few_steps: None, marches: list[tuple[str, int]]
 ) -> None:
     path = written(tmp_path, TEXT.replace("0.04}", "0.004}"))
-    run(path, out=tmp_path / "out", workers=1, pictures=False)
+    run(path, out=tmp_path / "out", wanted=Wanted(workers=1, pictures=False))
     tried = len(marches)
     numbers = summary(tmp_path / "out")
     resolved = read_scene(tmp_path / "out" / "resolved.yaml")
@@ -237,11 +237,16 @@ def test_the_number_stands_in_the_folder_and_is_never_tried_again(
     assert f"tolerance {resolved.tolerance:g} (chosen by a trial of 2 stretches" in told
     # All later commands take the number.
     assert open_run(tmp_path / "out").summary["tolerance_trial"] == trial
-    resume(tmp_path / "out", workers=1, pictures=False)
-    resound(tmp_path / "out", ["sound.distance_m=2"], out=tmp_path / "far", pictures=False)
+    resume(tmp_path / "out", wanted=Wanted(workers=1, pictures=False))
+    resound(
+        tmp_path / "out",
+        ["sound.distance_m=2"],
+        out=tmp_path / "far",
+        wanted=Wanted(pictures=False),
+    )
     assert summary(tmp_path / "far")["tolerance_trial"] == trial
     (tmp_path / "out" / "result.h5").unlink()
-    resume(tmp_path / "out", workers=1, pictures=False)
+    resume(tmp_path / "out", wanted=Wanted(workers=1, pictures=False))
     assert len(marches) == tried
     assert summary(tmp_path / "out")["tolerance"] == resolved.tolerance
 
@@ -258,10 +263,10 @@ def test_an_interrupted_trial_is_gone_on_with(
 
     with monkeypatch.context() as patch:
         patch.setattr(error_stretches, "march_grid", stopping)
-        assert run(path, out=out, workers=1, pictures=False).exit_code == 130
+        assert run(path, out=out, wanted=Wanted(workers=1, pictures=False)).exit_code == 130
     assert read_scene(out / "resolved.yaml").numerics.tolerance == "auto"
     assert not (out / "result.h5").exists()
-    assert resume(out, workers=1, pictures=False).exit_code == 0
+    assert resume(out, wanted=Wanted(workers=1, pictures=False)).exit_code == 0
     assert summary(out)["tolerance_chosen"]
 
 
@@ -276,7 +281,7 @@ def test_each_run_of_a_sweep_has_its_own(
     if brief:
         monkeypatch.setattr("rolling.check.demand.PAGE_RUNS", 1)
     path, out = written(tmp_path, SWEEP.replace("0.04}", "0.004}")), tmp_path / "out"
-    run(path, out=out, workers=1, pictures=False)
+    run(path, out=out, wanted=Wanted(workers=1, pictures=False))
     tried = len(marches)
     folders = sorted(child for child in out.iterdir() if child.is_dir())
     numbers = [summary(folder) for folder in folders]
@@ -285,9 +290,9 @@ def test_each_run_of_a_sweep_has_its_own(
     assert (folders[0] / "resolved.yaml").exists() != brief
     for folder, each in zip(folders, numbers, strict=True):
         assert open_run(folder).scene.numerics.tolerance == each["tolerance"]
-    resume(out, workers=1, pictures=False)
-    resume(folders[1], workers=1, pictures=False)
-    resound(out, ["sound.distance_m=2"], out=tmp_path / "far", pictures=False)
+    resume(out, wanted=Wanted(workers=1, pictures=False))
+    resume(folders[1], wanted=Wanted(workers=1, pictures=False))
+    resound(out, ["sound.distance_m=2"], out=tmp_path / "far", wanted=Wanted(pictures=False))
     again = [summary(tmp_path / "far" / folder.name) for folder in folders]
     assert [each["tolerance_trial"] for each in again] == [
         each["tolerance_trial"] for each in numbers
@@ -297,7 +302,7 @@ def test_each_run_of_a_sweep_has_its_own(
     (folders[0] / "run.json").write_text(
         (folders[0] / "run.json").read_text().replace('"done"', '"waiting"')
     )
-    resume(out, workers=1, pictures=False)
+    resume(out, wanted=Wanted(workers=1, pictures=False))
     assert len(marches) == tried + (8 if brief else 0)
     assert summary(folders[0])["tolerance"] == numbers[0]["tolerance"]
 

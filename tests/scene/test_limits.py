@@ -253,7 +253,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     commands.run(
         scene_of(folder, MADE, "{load_n: 1, speed_m_s: 0.1, duration_s: 0.002}"),
         out=folder / "run",
-        workers=1,
+        wanted=commands.Wanted(workers=1),
     )
     return folder / "run"
 

@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 
 from rolling import commands
-from rolling.commands import work
+from rolling.commands import Wanted, work
 from rolling.folders import run_record
 from rolling.simulation import batch, result_file, simulate, slow_march
 from rolling.simulation.run_result import RunResult
 from rolling.surface import heights
 
+NO_PAGE = Wanted(workers=1, page=False)
 STEPS = 300  # once round: 0.6 mm, 6 ms
 HOSTILE = "quoted \"one\" 'two' & </script><img src=x onerror=alert(1)><!-- <script>"
 
@@ -55,7 +56,7 @@ class Runs:
             with pytest.MonkeyPatch.context() as patch:
                 # files beside the page, not in it
                 patch.setattr(work, "write_pictures", lambda *_: [])
-                assert commands.run(scene, settings, out, workers=1, page=False).exit_code == 0
+                assert commands.run(scene, settings, out, wanted=NO_PAGE).exit_code == 0
         return out
 
     def _copied(self, source: Path, name: str) -> tuple[Path, bool]:
@@ -89,7 +90,7 @@ class Runs:
                 patch.setattr(work, "write_pictures", lambda *_: [])
                 scene = self.folder / "filmed.yaml"
                 scene.write_text(SCENE.replace("PATH", f"'{self.heights}'").replace("0.9", "0.006"))
-                assert commands.run(scene, [], out, workers=1).exit_code == 0
+                assert commands.run(scene, [], out, wanted=Wanted(workers=1)).exit_code == 0
         return out
 
     def partial(self) -> Path:
@@ -131,7 +132,7 @@ class Runs:
         if not out.exists():
             with pytest.MonkeyPatch.context() as patch:
                 patch.setattr(work, "write_pictures", lambda *_: [])
-                assert commands.resound(self.one(), [setting], out, page=False).exit_code == 0
+                assert commands.resound(self.one(), [setting], out, wanted=NO_PAGE).exit_code == 0
         return out
 
 
