@@ -37,7 +37,7 @@ DAMAGE = (
     EOFError,
     LookupError,
     MemoryError,
-    NotImplementedError,
+    NotImplementedError,  # zipfile: an unknown compression or a newer version of the format
     OSError,
     RuntimeError,
     SyntaxError,

@@ -137,12 +137,12 @@ def tasks(scene: Scene, result: Result, run: int, step_seconds: float) -> list[p
     step_seconds : float, s. Expected time of a step of the run.
     """
     layout = layout_of(scene, result.stretches)
-    heights_sha256 = result.identity.heights_sha256 if result.identity else None
     made = []
     for first, level in missing(scene, result) if layout else ():
         assert layout is not None
         step_cost = step_seconds * error_cost.level_cost(scene, level)
-        arguments = (scene, grid_of(scene, level), first, layout.steps, step_cost, heights_sha256)
+        order = simulate.Order.of(result.identity, step_cost)
+        arguments = (scene, grid_of(scene, level), first, layout.steps, order)
         made.append(pool.Task(run, march_grid, arguments, layout.steps * step_cost))
     return made
 
@@ -210,8 +210,7 @@ def march_grid(
     grid: Grid,
     first: int,
     steps: int,
-    step_cost: float,
-    surface_sha256: str | None,
+    order: simulate.Order,
     stopped: Callable[[], bool],
     progress: Callable[[float], object],
 ) -> March:
@@ -222,8 +221,7 @@ def march_grid(
     scene : Scene. A scene without a sweep.
     grid : Grid. Grid and tolerance.
     first, steps : int. First position and number of steps.
-    step_cost : float. Progress of a step.
-    surface_sha256 : str. Digest of the height file; None for a surface that is not compared.
+    order : Order. Progress of a step, and the surface.
     stopped, progress : callable. As in `simulate.simulate_piece`.
 
     Raises
@@ -231,14 +229,14 @@ def march_grid(
     ContactError : the heights were replaced or removed.
     Interrupted : `stopped` returned true.
     """
-    simulate.refuse_other_surface(scene, surface_sha256)
+    simulate.refuse_other_surface(scene, order.surface_sha256)
     try:
         piece = simulate.simulate_piece(
             _without_events(scene),
             0,
             steps,
             stopped,
-            lambda count: progress(count * step_cost),
+            lambda count: progress(count * order.step_cost),
             contact_on(scene, grid, first, steps),
             mapped=False,
         )

@@ -229,13 +229,11 @@ def tasks(
     if result.load_marches is None:
         result.load_marches = LoadMarches(result.solved_steps)
     marches = result.load_marches
-    heights_sha256 = result.identity.heights_sha256 if result.identity else None
+    order = simulate.Order.of(result.identity, step_seconds)
 
     def task(load: float, first: int, last: int, judging: bool, may_fail: bool) -> pool.Task:
         cost = (last - first) * step_seconds
-        arguments = (
-            vibrating[0], load, first, last, step_seconds, heights_sha256, judging, may_fail,
-        )  # fmt: skip
+        arguments = (vibrating[0], load, first, last, order, judging, may_fail)
         return pool.Task(run, march_load, arguments, cost)
 
     own = vibrating[0].load
@@ -270,8 +268,7 @@ def march_load(
     load: float,
     first: int,
     last: int,
-    step_cost: float,
-    surface_sha256: str | None,
+    order: simulate.Order,
     judging: bool,
     may_fail: bool,
     stopped: Callable[[], bool],
@@ -284,8 +281,7 @@ def march_load(
     scene : Scene. A scene without a sweep.
     load : float, N. The load.
     first, last : int. Positions between which the piece lies.
-    step_cost : float. Progress of a step.
-    surface_sha256 : str. Digest of the height file; None for a generated surface.
+    order : Order. Progress of a step, and the surface.
     judging : bool. Whether the march judges the force law.
     may_fail : bool. Whether a contact that cannot be solved is a fault of the march alone.
     stopped, progress : callable. As in `simulate.simulate_piece`.
@@ -295,7 +291,7 @@ def march_load(
     ContactError : the heights were replaced or removed, or the contact cannot be solved.
     Interrupted : `stopped` returned true.
     """
-    simulate.refuse_other_surface(scene, surface_sha256)
+    simulate.refuse_other_surface(scene, order.surface_sha256)
     began = time.perf_counter()
     contact = replace(rolling_contact(scene), load=load)
     half_space = simulate.half_space(contact.spacing, contact.contact_modulus, contact.subcells)
@@ -305,7 +301,7 @@ def march_load(
             if stopped():
                 raise pool.Interrupted
             if state.position > first:
-                progress(step_cost)
+                progress(order.step_cost)
             if state.position > first or first == 0:
                 approach.append(state.approach)
     except ContactError as error:

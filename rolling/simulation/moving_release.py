@@ -99,9 +99,9 @@ def tasks(
             continue
         key = moving_key(scene)
         moving = result.moving.setdefault(key, load_along(scene, result))
-        heights_sha256 = result.identity.heights_sha256 if result.identity else None
+        order = simulate.Order.of(result.identity, step_seconds)
         for first, last in simulate.missing(result.solved_steps, moving.steps["release_energy"]):
-            arguments = (scene, key, first, last, moving.force, step_seconds, heights_sha256)
+            arguments = (scene, key, first, last, moving.force, order)
             made.append(pool.Task(run, march_moving, arguments, (last - first) * step_seconds))
     return made
 
@@ -112,8 +112,7 @@ def march_moving(
     first: int,
     last: int,
     force: Array,
-    step_cost: float,
-    surface_sha256: str | None,
+    order: simulate.Order,
     stopped: Callable[[], bool],
     progress: Callable[[float], object],
 ) -> MovingPiece:
@@ -125,8 +124,7 @@ def march_moving(
     key : str. The vibration that moves the load.
     first, last : int. Positions between which the piece lies.
     force : (steps + 1,) array, N. Load at each position of a lap.
-    step_cost : float. Progress of a step.
-    surface_sha256 : str. Digest of the height file; None for a generated surface.
+    order : Order. Progress of a step, and the surface.
     stopped, progress : callable. As in `simulate.simulate_piece`.
 
     Raises
@@ -134,7 +132,7 @@ def march_moving(
     ContactError : the heights were replaced or removed, or the contact cannot be solved.
     Interrupted : `stopped` returned true.
     """
-    simulate.refuse_other_surface(scene, surface_sha256)
+    simulate.refuse_other_surface(scene, order.surface_sha256)
     contact = replace(rolling_contact(scene), loads=force)
     elastic = simulate.half_space(contact.spacing, contact.contact_modulus, contact.subcells)
     left_end = scene.recovery.rule == "left_end"
@@ -148,7 +146,7 @@ def march_moving(
             values = (energy.release, energy.loading, energy.defect)
             for name, value in zip(MOVING_SERIES, values, strict=True):
                 steps[name].append(value)
-            progress(step_cost)
+            progress(order.step_cost)
         if state.position > first or first == 0:
             approach.append(state.approach)
         old = state

@@ -247,12 +247,17 @@ class Order:
 
     step_cost : float. Progress of a step.
     mapped : bool. Whether pressure maps are kept.
-    surface_sha256 : str. Digest of the height file; None for a generated surface.
+    surface_sha256 : str. Digest of the height file; None for a surface that is not compared.
     """
 
     step_cost: float = 1.0
     mapped: bool = True
     surface_sha256: str | None = None
+
+    @classmethod
+    def of(cls, identity: Identity | None, step_cost: float, mapped: bool = False) -> Order:
+        """Return the settings for a march on the surface that a result was solved on."""
+        return cls(step_cost, mapped, identity.heights_sha256 if identity else None)
 
 
 def _ordered_piece(

@@ -185,9 +185,7 @@ class _Work:
     def orders(self, mapped: bool) -> list[simulate.Order]:
         """Return the settings for the march of each run."""
         return [
-            simulate.Order(
-                seconds, mapped, result.identity.heights_sha256 if result.identity else None
-            )
+            simulate.Order.of(result.identity, seconds, mapped)
             for seconds, result in zip(self.step_seconds, self.results, strict=True)
         ]
 

@@ -50,6 +50,9 @@ def can_start_workers() -> bool:
     """
     try:
         context().Lock()
+    # Without semaphores in the operating system, multiprocessing.synchronize refuses its import. An
+    # interpreter that counts too few of them says NotImplementedError. Without /dev/shm, or with
+    # one that is full or sealed, making a lock is an OSError.
     except (ImportError, NotImplementedError, OSError) as error:
         print(
             "warning: no worker processes, because the system has no semaphores for them"

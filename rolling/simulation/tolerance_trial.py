@@ -19,6 +19,7 @@ from rolling.scene.scene import Scene
 from rolling.simulation import error_stretches, pool
 from rolling.simulation.error_stretches import Grid
 from rolling.simulation.result import Result
+from rolling.simulation.simulate import Order
 from rolling.simulation.stretches import March, Trial
 from rolling.sound.solver_error import SOLVER_ERROR
 from rolling.terminal import progress as terminal
@@ -119,7 +120,7 @@ def _tasks(scene: Scene, run: int) -> list[pool.Task]:
     for name, level in LEVELS.items():
         grid, step_cost = Grid(name, level.side, level.tolerance), level.cost * step_seconds
         for first in stretches.firsts:
-            arguments = (scene, grid, first, stretches.steps, step_cost, None)
+            arguments = (scene, grid, first, stretches.steps, Order(step_cost, mapped=False))
             cost_of_march = stretches.steps * step_cost
             made.append(pool.Task(run, error_stretches.march_grid, arguments, cost_of_march))
     return made

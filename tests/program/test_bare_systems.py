@@ -98,6 +98,8 @@ def test_without_semaphores_one_process_does_all(
     assert "is /dev/shm there and writable?" in capsys.readouterr().err
 
 
+# A namespace of its own hides /dev/shm from one process without rights of an administrator. Systems
+# other than Linux have none, and some distributions and containers forbid it to users.
 IN_A_CONTAINER = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c"]
 
 
@@ -105,7 +107,7 @@ IN_A_CONTAINER = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c"]
 @pytest.mark.skipif(
     not shutil.which("unshare")
     or subprocess.run([*IN_A_CONTAINER, "true"], capture_output=True).returncode != 0,
-    reason="no containers for users here",
+    reason="`unshare` is missing or makes no namespace for this user, so /dev/shm cannot be hidden",
 )
 def test_a_run_without_shared_memory_is_done(tmp_path: Path) -> None:
     scene = tmp_path / "s.yaml"

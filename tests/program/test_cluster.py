@@ -18,6 +18,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from scene_text import TINY
 
 from rolling import cli
 from rolling.folders import run_record
@@ -31,15 +32,7 @@ pytestmark = [
 ]
 ROOT = Path(__file__).parents[2]
 KILLER, HELD = 13, 100
-SCENE = """\
-name: tiny
-sphere: {radius_mm: 1}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface:
-  {kind: gaussian, roughness_ra_um: 0.02, correlation_length_um: 10, spacing_um: 2,
-   width_um: 128, seed: 1}
-rolling: {load_n: 0.005, speed_m_s: 0.1, duration_s: 0.0005}
-"""
+SCENE = TINY
 # A scene of seed 13 kills its worker. One of seed 100 or more waits in its first start.
 PRELOAD = f"""\
 import os, signal, time

@@ -10,6 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from scene_text import BODIES, NARROW
 
 from acoustics.bands import BAND_NAMES
 from rolling.check import error_cost
@@ -34,19 +35,12 @@ from rolling.simulation.summary import table as summary_table
 from rolling.sound.error_estimate import LevelErrors
 from rolling.surface.heights import gaussian
 
-TEXT = """\
+NO_PAGE = Wanted(workers=1, page=False)
+TEXT = f"""\
 name: short
-sphere: {radius_mm: 5}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface:
-  kind: gaussian
-  roughness_ra_um: 0.1
-  correlation_length_um: 10
-  spacing_um: 2
-  width_um: 128
-  seed: 3
-rolling: {load_n: 0.1, speed_m_s: 0.1, duration_s: 0.012}
-numerics: {error_estimate: true}
+{BODIES}{NARROW}\
+rolling: {{load_n: 0.1, speed_m_s: 0.1, duration_s: 0.012}}
+numerics: {{error_estimate: true}}
 """
 NUMBERS = (
     "grid_error_db",
@@ -86,7 +80,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
         patch.setattr(error_cost, "SHARE", 8.0)
         patch.setattr(error_cost, "STRETCH_STEPS", (32, 64))
         patch.setattr("rolling.sound.error_estimate.WANTED_DB", 1.0)
-        run(folder / "scene.yaml", out=folder / "run", wanted=Wanted(workers=1, page=False))
+        run(folder / "scene.yaml", out=folder / "run", wanted=NO_PAGE)
     return folder / "run"
 
 
@@ -132,12 +126,7 @@ def test_two_processes_compute_the_same_numbers(scene_path: Path, finished: Path
 
 def test_a_run_without_the_key_has_no_such_numbers(scene_path: Path, finished: Path) -> None:
     folder = scene_path.parent / "plain"
-    run(
-        scene_path,
-        ["numerics.error_estimate=false"],
-        out=folder,
-        wanted=Wanted(workers=1, page=False),
-    )
+    run(scene_path, ["numerics.error_estimate=false"], out=folder, wanted=NO_PAGE)
     plain = json.loads((folder / "summary.json").read_text())
     with_estimate = json.loads((finished / "summary.json").read_text())
     added = {*NUMBERS, "error_estimate", "laeq_uncertainty_parts_db"}
@@ -149,17 +138,12 @@ def test_a_run_without_the_key_has_no_such_numbers(scene_path: Path, finished: P
 def test_the_estimate_is_added_to_a_finished_run(scene_path: Path, finished: Path) -> None:
     """The key is no physics, so a finished run may be given it and resumed."""
     folder = scene_path.parent / "later"
-    run(
-        scene_path,
-        ["numerics.error_estimate=false"],
-        out=folder,
-        wanted=Wanted(workers=1, page=False),
-    )
+    run(scene_path, ["numerics.error_estimate=false"], out=folder, wanted=NO_PAGE)
     resolved = folder / "resolved.yaml"
     resolved.write_text(
         resolved.read_text().replace("error_estimate: false", "error_estimate: true")
     )
-    resume(folder, wanted=Wanted(workers=1, page=False))
+    resume(folder, wanted=NO_PAGE)
     assert numbers(folder) == numbers(finished)
 
 
@@ -167,7 +151,7 @@ def test_resume_takes_up_the_marches_that_are_done(
     scene_path: Path, finished: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = scene_path.parent / "killed"
-    run(scene_path, out=folder, wanted=Wanted(workers=1, page=False))
+    run(scene_path, out=folder, wanted=NO_PAGE)
     _drop(folder, scene_of(), keep=5)
     marched = []
     inner = error_stretches.contact_on
@@ -177,11 +161,11 @@ def test_resume_takes_up_the_marches_that_are_done(
         return inner(scene, grid, first, steps)
 
     monkeypatch.setattr(error_stretches, "contact_on", counted)
-    resume(folder, wanted=Wanted(workers=1, page=False))
+    resume(folder, wanted=NO_PAGE)
     kept = result_file.load(folder / "result.h5").stretches
     assert kept and len(marched) == len(kept.marches) - 5
     assert numbers(folder) == numbers(finished)
-    resume(folder, wanted=Wanted(workers=1, page=False))
+    resume(folder, wanted=NO_PAGE)
     assert len(marched) == len(kept.marches) - 5
 
 
@@ -198,12 +182,12 @@ def test_new_sound_makes_the_numbers_again_without_marching(
 ) -> None:
     monkeypatch.setattr(simulate, "simulate_piece", None)
     folder = scene_path.parent / "same"
-    resound(finished, ["sound.distance_m=2"], out=folder, wanted=Wanted(page=False))
+    resound(finished, ["sound.distance_m=2"], out=folder, wanted=NO_PAGE)
     for name, value in numbers(finished).items():
         if name != "error_estimate":  # levels at another distance are rounded anew
             assert numbers(folder)[name] == pytest.approx(value, abs=1e-9)
     slower = scene_path.parent / "slower"
-    resound(finished, ["rolling.speed_m_s=0.05"], out=slower, wanted=Wanted(page=False))
+    resound(finished, ["rolling.speed_m_s=0.05"], out=slower, wanted=NO_PAGE)
     before, after = numbers(finished)["grid_error_db"], numbers(slower)["grid_error_db"]
     # The same lines stand an octave lower.
     assert after["8000"] == pytest.approx(before["16000"], abs=0.5)
@@ -247,7 +231,7 @@ def test_a_stretch_that_cannot_be_solved_costs_only_the_estimate(
 
     monkeypatch.setattr(error_stretches, "contact_on", failing)
     folder = scene_path.parent / "failed"
-    done = run(scene_path, out=folder, wanted=Wanted(workers=1, page=False))
+    done = run(scene_path, out=folder, wanted=NO_PAGE)
     assert done.exit_code == 0
     summary = json.loads((folder / "summary.json").read_text())
     reason = summary["error_estimate"]["reason"]
@@ -270,7 +254,7 @@ def test_scenes_without_an_estimate_say_why(
     monkeypatch.setattr(error_cost, "SHARE", 0.25)
     scene = tmp_path / "scene.yaml"
     scene.write_text(loads_text(overrides))
-    run(scene, out=tmp_path / "out", wanted=Wanted(workers=1, page=False))
+    run(scene, out=tmp_path / "out", wanted=NO_PAGE)
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert reason in summary["error_estimate"]["reason"]
     assert summary["grid_error_db"]["1000"] is None
@@ -295,7 +279,7 @@ def loads_text(overrides: list[str]) -> str:
 def test_an_elastic_plate_has_an_estimate_without_plastic_ratio(tmp_path: Path) -> None:
     scene = tmp_path / "scene.yaml"
     scene.write_text(TEXT.replace(", hardness_gpa: 2.1", ""))
-    run(scene, out=tmp_path / "out", wanted=Wanted(workers=1, page=False))
+    run(scene, out=tmp_path / "out", wanted=NO_PAGE)
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["plastic_ratio_grid_error"] is None
     assert summary["laeq_grid_error_db"] is not None
@@ -393,7 +377,7 @@ def test_check_states_the_cost(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_xarray_opens_the_stretches(finished: Path) -> None:
-    xarray = pytest.importorskip("xarray")
+    xarray = pytest.importorskip("xarray", reason="result.h5 is opened with xarray")
     tree = xarray.open_datatree(finished / "result.h5", engine="h5netcdf")
     group = tree["error_estimate"]
     assert group["release_energy"].dims == ("stretch", "level", "stretch_step")
@@ -437,13 +421,13 @@ def test_a_stopped_estimate_is_taken_up(
         return inner(scene, grid, first, steps)
 
     monkeypatch.setattr(error_stretches, "contact_on", stopping)
-    done = run(scene_path, out=folder, wanted=Wanted(workers=1, page=False))
+    done = run(scene_path, out=folder, wanted=NO_PAGE)
     assert done.interrupted and done.exit_code == 130
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["complete"]
     assert summary["error_estimate"]["reason"] == "its stretches are not solved yet"
     monkeypatch.setattr(error_stretches, "contact_on", inner)
-    assert resume(folder, wanted=Wanted(workers=1, page=False)).exit_code == 0
+    assert resume(folder, wanted=NO_PAGE).exit_code == 0
     assert numbers(folder) == numbers(finished)
 
 

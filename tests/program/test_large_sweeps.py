@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scene_text import TINY
 
 from rolling import cli
 from rolling.check import demand
@@ -19,16 +20,7 @@ from rolling.folders import files, run_record
 from rolling.report import page
 from rolling.simulation import result_file, simulate
 
-SCENE = """\
-name: tiny
-sphere: {radius_mm: 1}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface:
-  {kind: gaussian, roughness_ra_um: 0.02, correlation_length_um: 10, spacing_um: 2,
-   width_um: 128, seed: 1}
-rolling: {load_n: 0.005, speed_m_s: 0.1, duration_s: 0.0005}
-sweep: {surface.seed: [1, 2, 3]}
-"""
+SCENE = TINY + "sweep: {surface.seed: [1, 2, 3]}\n"
 FOUR = ["result.h5", "run.json", "signal.wav", "summary.json"]
 TOGETHER = {"report.html", "resolved.yaml", "run.json", "runs.csv", "scene.yaml", "sweep.json"}
 

@@ -78,7 +78,7 @@ def test_the_lower_bounds_are_those_that_were_tried() -> None:
 @pytest.fixture(scope="module")
 def setup_file() -> ModuleType:
     """Return setup.py as a module, which builds nothing."""
-    pytest.importorskip("setuptools")
+    pytest.importorskip("setuptools", reason="the build needs setuptools")
     spec = importlib.util.spec_from_file_location("setup_file", ROOT / "setup.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -120,7 +120,8 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """Build the source distribution from a copy of this tree, and the wheel from what it unpacks
     to; return both unpacked.
     """
-    setuptools = pytest.importorskip("setuptools")
+    setuptools = pytest.importorskip("setuptools", reason="the build needs setuptools")
+    # The license of pyproject.toml is an expression with files (PEP 639), which older ones refuse.
     if int(setuptools.__version__.partition(".")[0]) < 77:
         pytest.skip("the build needs setuptools 77, which the extra `dev` installs")
     folder = tmp_path_factory.mktemp("built")

@@ -209,7 +209,7 @@ def test_processes_are_recognised_without_proc(
 ) -> None:
     """Systems without /proc use the start that `ps` prints."""
     if shutil.which("ps") is None:
-        pytest.skip("no ps here")
+        pytest.skip("no `ps` here, which says when a process began")
     monkeypatch.setattr(process, "PROC", tmp_path)
     own = process.this_process()
     assert own.birth and process.is_alive(own) is True

@@ -8,21 +8,15 @@ import statistics
 from pathlib import Path
 
 import pytest
+from scene_text import TINY
 
 from rolling import cli
 from rolling.commands import table, work
 from rolling.folders import own_files, run_record
 from rolling.simulation import seed_statistics
 
-SCENE = """\
-name: tiny
-sphere: {radius_mm: 1}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface:
-  {kind: gaussian, roughness_ra_um: 0.02, correlation_length_um: 10, spacing_um: 2,
-   width_um: 128, seed: 1}
-rolling: {load_n: 0.005, speed_m_s: 0.1, duration_s: 0.0005}
-sweep:
+SCENE = f"""\
+{TINY}sweep:
   rolling.load_n: [0.005, 0.01]
   rolling.speed_m_s: [0.1, 0.2]
   surface.seed: [1, 2, 3]

@@ -10,6 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from scene_text import BODIES, NARROW
 
 from rolling import cli
 from rolling.check import error_cost, tolerance
@@ -23,20 +24,14 @@ from rolling.scene.scene import Scene
 from rolling.simulation import _result_reading, error_stretches, tolerance_trial
 from rolling.simulation.error_stretches import Grid, march_grid
 from rolling.simulation.result import Result
+from rolling.simulation.simulate import Order
 from rolling.simulation.stretches import March, Trial
 
-TEXT = """\
+NO_PICTURES = Wanted(workers=1, pictures=False)
+TEXT = f"""\
 name: light
-sphere: {radius_mm: 5}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface:
-  kind: gaussian
-  roughness_ra_um: 0.1
-  correlation_length_um: 10
-  spacing_um: 2
-  width_um: 128
-  seed: 3
-rolling: {load_n: 0.05, speed_m_s: 0.1, duration_s: 0.04}
+{BODIES}{NARROW}\
+rolling: {{load_n: 0.05, speed_m_s: 0.1, duration_s: 0.04}}
 """
 SWEEP = TEXT + "sweep: {rolling.load_n: [0.02, 0.05]}\n"
 SHORT = ["rolling.duration_s=0.002"]
@@ -156,7 +151,7 @@ def test_the_solver_stays_below_the_grid_on_other_stretches(overrides: list[str]
     own, tight, fine = (
         np.array(
             [
-                march_grid(scene, grid, first, 40, 1.0, None, lambda: False, lambda _: None).release
+                march_grid(scene, grid, first, 40, Order(), lambda: False, lambda _: None).release
                 for first in firsts
             ]
         )
@@ -224,7 +219,7 @@ def test_the_number_stands_in_the_folder_and_is_never_tried_again(
     tmp_path: Path, few_steps: None, marches: list[tuple[str, int]]
 ) -> None:
     path = written(tmp_path, TEXT.replace("0.04}", "0.004}"))
-    run(path, out=tmp_path / "out", wanted=Wanted(workers=1, pictures=False))
+    run(path, out=tmp_path / "out", wanted=NO_PICTURES)
     tried = len(marches)
     numbers = summary(tmp_path / "out")
     resolved = read_scene(tmp_path / "out" / "resolved.yaml")
@@ -237,16 +232,11 @@ def test_the_number_stands_in_the_folder_and_is_never_tried_again(
     assert f"tolerance {resolved.tolerance:g} (chosen by a trial of 2 stretches" in told
     # All later commands take the number.
     assert open_run(tmp_path / "out").summary["tolerance_trial"] == trial
-    resume(tmp_path / "out", wanted=Wanted(workers=1, pictures=False))
-    resound(
-        tmp_path / "out",
-        ["sound.distance_m=2"],
-        out=tmp_path / "far",
-        wanted=Wanted(pictures=False),
-    )
+    resume(tmp_path / "out", wanted=NO_PICTURES)
+    resound(tmp_path / "out", ["sound.distance_m=2"], out=tmp_path / "far", wanted=NO_PICTURES)
     assert summary(tmp_path / "far")["tolerance_trial"] == trial
     (tmp_path / "out" / "result.h5").unlink()
-    resume(tmp_path / "out", wanted=Wanted(workers=1, pictures=False))
+    resume(tmp_path / "out", wanted=NO_PICTURES)
     assert len(marches) == tried
     assert summary(tmp_path / "out")["tolerance"] == resolved.tolerance
 
@@ -263,10 +253,10 @@ def test_an_interrupted_trial_is_gone_on_with(
 
     with monkeypatch.context() as patch:
         patch.setattr(error_stretches, "march_grid", stopping)
-        assert run(path, out=out, wanted=Wanted(workers=1, pictures=False)).exit_code == 130
+        assert run(path, out=out, wanted=NO_PICTURES).exit_code == 130
     assert read_scene(out / "resolved.yaml").numerics.tolerance == "auto"
     assert not (out / "result.h5").exists()
-    assert resume(out, wanted=Wanted(workers=1, pictures=False)).exit_code == 0
+    assert resume(out, wanted=NO_PICTURES).exit_code == 0
     assert summary(out)["tolerance_chosen"]
 
 
@@ -281,7 +271,7 @@ def test_each_run_of_a_sweep_has_its_own(
     if brief:
         monkeypatch.setattr("rolling.check.demand.PAGE_RUNS", 1)
     path, out = written(tmp_path, SWEEP.replace("0.04}", "0.004}")), tmp_path / "out"
-    run(path, out=out, wanted=Wanted(workers=1, pictures=False))
+    run(path, out=out, wanted=NO_PICTURES)
     tried = len(marches)
     folders = sorted(child for child in out.iterdir() if child.is_dir())
     numbers = [summary(folder) for folder in folders]
@@ -290,9 +280,9 @@ def test_each_run_of_a_sweep_has_its_own(
     assert (folders[0] / "resolved.yaml").exists() != brief
     for folder, each in zip(folders, numbers, strict=True):
         assert open_run(folder).scene.numerics.tolerance == each["tolerance"]
-    resume(out, wanted=Wanted(workers=1, pictures=False))
-    resume(folders[1], wanted=Wanted(workers=1, pictures=False))
-    resound(out, ["sound.distance_m=2"], out=tmp_path / "far", wanted=Wanted(pictures=False))
+    resume(out, wanted=NO_PICTURES)
+    resume(folders[1], wanted=NO_PICTURES)
+    resound(out, ["sound.distance_m=2"], out=tmp_path / "far", wanted=NO_PICTURES)
     again = [summary(tmp_path / "far" / folder.name) for folder in folders]
     assert [each["tolerance_trial"] for each in again] == [
         each["tolerance_trial"] for each in numbers
@@ -302,7 +292,7 @@ def test_each_run_of_a_sweep_has_its_own(
     (folders[0] / "run.json").write_text(
         (folders[0] / "run.json").read_text().replace('"done"', '"waiting"')
     )
-    resume(out, wanted=Wanted(workers=1, pictures=False))
+    resume(out, wanted=NO_PICTURES)
     assert len(marches) == tried + (8 if brief else 0)
     assert summary(folders[0])["tolerance"] == numbers[0]["tolerance"]
 

@@ -27,6 +27,7 @@ from rolling.simulation.result import Result
 from rolling.simulation.run_result import hear
 from rolling.simulation.stored_runs import read_runs
 
+ALONE = Wanted(workers=1, page=False, pictures=False)
 TEXT = """\
 name: vibrating
 sphere: {radius_mm: 5, density_kg_m3: 7850}
@@ -46,7 +47,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("vibrating")
     (folder / "scene.yaml").write_text(SWEPT)
     out = folder / "out"
-    run(folder / "scene.yaml", out=out, wanted=Wanted(workers=1, page=False, pictures=False))
+    run(folder / "scene.yaml", out=out, wanted=ALONE)
     return out
 
 
@@ -124,7 +125,7 @@ def test_a_killed_run_goes_on(swept: Path, tmp_path: Path) -> None:
     """A folder without one piece of one load marches that piece, and ends with the same bytes."""
     (tmp_path / "scene.yaml").write_text(TEXT)
     out = tmp_path / "out"
-    run(tmp_path / "scene.yaml", out=out, wanted=Wanted(workers=1, page=False, pictures=False))
+    run(tmp_path / "scene.yaml", out=out, wanted=ALONE)
     (each,) = read_runs(out)
     whole = result_file.load(out / "result.h5")
     assert whole.load_marches is not None
@@ -135,7 +136,7 @@ def test_a_killed_run_goes_on(swept: Path, tmp_path: Path) -> None:
     marches.approach[load] = np.where(np.arange(241) > 200, np.nan, marches.approach[load])
     batch.keep(each, replace(whole, load_marches=marches))
     (out / "summary.json").unlink()
-    report = resume(out, wanted=Wanted(workers=1, page=False, pictures=False))
+    report = resume(out, wanted=ALONE)
     assert report.exit_code == 0
     after = result_file.load(out / "result.h5").load_marches
     assert after is not None and after.complete
@@ -169,7 +170,7 @@ def test_resound_changes_the_bodies_without_solving(swept: Path, tmp_path: Path)
     one = read_runs(swept)[0].folder
     heavy = tmp_path / "heavy"
     keys = ["sphere.density_kg_m3=15000", "plate.thickness_mm=3", "rolling.speed_m_s=0.7"]
-    resound(one, keys, out=heavy, wanted=Wanted(page=False, pictures=False))
+    resound(one, keys, out=heavy, wanted=ALONE)
     before, after = open_run(one), open_run(heavy)
     assert after.vibration is not None and before.vibration is not None
     assert after.vibration.chain.mass_kg > 1.9 * before.vibration.chain.mass_kg
@@ -177,12 +178,7 @@ def test_resound_changes_the_bodies_without_solving(swept: Path, tmp_path: Path)
     alone = simulate(read_scene(heavy / "resolved.yaml"), 1, False)
     assert np.array_equal(after.sound.pressure, alone.sound.pressure)
     release = tmp_path / "release"
-    resound(
-        one,
-        ["sound.source=release", "sound.q=0.1"],
-        out=release,
-        wanted=Wanted(page=False, pictures=False),
-    )
+    resound(one, ["sound.source=release", "sound.q=0.1"], out=release, wanted=ALONE)
     numbers = json.loads((release / "summary.json").read_text())
     assert numbers["laeq_db"] == numbers["release_laeq_db"]
     assert numbers["steady_level_db"] is not None
@@ -315,7 +311,7 @@ MOVING = [
 def test_release_under_the_moving_load(tmp_path: Path) -> None:
     (tmp_path / "s.yaml").write_text(TEXT)
     out = tmp_path / "out"
-    run(tmp_path / "s.yaml", MOVING, out, wanted=Wanted(workers=1, page=False, pictures=False))
+    run(tmp_path / "s.yaml", MOVING, out, wanted=ALONE)
     stored = open_run(out)
     moving = stored.result.moving[moving_key(stored.scene)]
     # The load moves by a tenth and more, and the approach with it.
@@ -331,7 +327,7 @@ def test_release_under_the_moving_load(tmp_path: Path) -> None:
     assert "moving_load_release" in keys and "constant_load_release" not in keys
     # Another speed moves the load otherwise, and its release is of the constant load again.
     other = tmp_path / "other"
-    resound(out, ["rolling.speed_m_s=0.3"], other, wanted=Wanted(page=False, pictures=False))
+    resound(out, ["rolling.speed_m_s=0.3"], other, wanted=ALONE)
     numbers = json.loads((other / "summary.json").read_text())
     assert "force_law_error_m" not in numbers
     assert "constant_load_release" in {caveat["key"] for caveat in numbers["caveats"]}

@@ -8,7 +8,8 @@ from scene_text import PLAIN, TEXT, faults
 from rolling.scene.messages import SceneError
 
 SECTIONS = (
-    "name, description, sphere, plate, surface, rolling, numerics, recovery, dynamics, sound, sweep"
+    "name, title, description, sphere, plate, surface, rolling, numerics, recovery, dynamics, "
+    "sound, sweep"
 )
 
 

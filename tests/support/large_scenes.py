@@ -2,10 +2,8 @@
 
 from pathlib import Path
 
-STEEL = (
-    "sphere: {radius_mm: 5}\n"
-    "plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}\n"
-)
+from scene_text import BODIES
+
 MADE = (
     "surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, "
     "spacing_um: 2, width_um: 200, seed: 3}\n"
@@ -16,5 +14,5 @@ LAPS = "{load_n: 0.5, speed_m_s: %s, duration_s: %s}"
 
 def scene_of(folder: Path, surface: str, rest: str) -> Path:
     path = folder / "scene.yaml"
-    path.write_text(f"name: large\n{STEEL}{surface}rolling: {rest}\n")
+    path.write_text(f"name: large\n{BODIES}{surface}rolling: {rest}\n")
     return path

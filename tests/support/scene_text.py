@@ -34,6 +34,32 @@ sweep:
 """
 PLAIN = TEXT[: TEXT.index("sweep:")]
 
+# A run of 25 steps, solved in a tenth of a second.
+TINY = """\
+name: tiny
+sphere: {radius_mm: 1}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
+surface:
+  {kind: gaussian, roughness_ra_um: 0.02, correlation_length_um: 10, spacing_um: 2,
+   width_um: 128, seed: 1}
+rolling: {load_n: 0.005, speed_m_s: 0.1, duration_s: 0.0005}
+"""
+
+# A ball of 5 mm on a plate of steel that yields, and a narrow rough surface for the pair.
+BODIES = """\
+sphere: {radius_mm: 5}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
+"""
+NARROW = """\
+surface:
+  kind: gaussian
+  roughness_ra_um: 0.1
+  correlation_length_um: 10
+  spacing_um: 2
+  width_um: 128
+  seed: 3
+"""
+
 
 def faults(text: str, *overrides: str) -> list[str]:
     with pytest.raises(SceneError) as error:
