@@ -106,9 +106,7 @@ def spectrum(
     ax.set_ylim(
         limits_db or level_limits([level for _, lines in curves for level in lines.extremes])
     )
-    ax.set_xscale("log")
-    ax.set_xlim(*AUDIBLE_HZ)
-    ax.xaxis.set_minor_locator(NullLocator())
+    _audible(ax)
     say_if_silent(ax, any(lines.extremes for _, lines in curves))
     octaves = slice(2, None, 3)
     ax.xaxis.set_major_locator(FixedLocator(list(MID_HZ[octaves])))
@@ -179,13 +177,18 @@ def third_octaves(
             label=f"B T < {LEAST_BT:g}: uncertain by 2 dB or more",
         )
     ax.set_ylim(limits_db or level_limits(seen))
-    ax.set_xscale("log")
-    ax.set_xlim(*AUDIBLE_HZ)
-    ax.xaxis.set_minor_locator(NullLocator())
+    _audible(ax)
     say_if_silent(ax, bool(np.isfinite(seen).any()))
     ax.set_xticks(MID_HZ, [short_name(name) for name in BAND_NAMES], rotation=90, fontsize="small")
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
     return finish(ax, "sound pressure level [dB re 20 µPa]")
+
+
+def _audible(ax: Axes) -> None:
+    """Give the axes a logarithmic frequency axis over the audible range."""
+    ax.set_xscale("log")
+    ax.set_xlim(*AUDIBLE_HZ)
+    ax.xaxis.set_minor_locator(NullLocator())
 
 
 def _band_curve(

@@ -345,9 +345,7 @@ def _hard_cases(given: argparse.Namespace) -> int:
         workers = given.workers or cost.cores()
         random = given.random or defaults.RANDOM_SCENES
         code = judge.main_report(held.folder, random, workers, given.long)
-        held.mark(
-            held.folder, "failed" if code else "done", "not every case holds" if code else None
-        )
+        held.end(False, "not every case holds" if code else None)
     print(held.folder if progress.is_quiet() else f"\ntable, numbers: {held.folder}")
     return code
 

@@ -1,8 +1,11 @@
-"""Tables of text, in Markdown or in aligned columns for a terminal."""
+"""Tables of text: Markdown, aligned columns for a terminal, and CSV."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+import csv
+import io
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
 
 
 def markdown(
@@ -55,3 +58,13 @@ def columns(rows: Sequence[Sequence[str]]) -> str:
         for row in rows
     ]
     return "\n".join(line.rstrip() for line in lines)
+
+
+def csv_of(rows: Sequence[Mapping[str, Any]]) -> bytes:
+    """Write rows as CSV with the columns of all rows; a cell that a row lacks is empty."""
+    stream = io.StringIO()
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    writer = csv.DictWriter(stream, names, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return stream.getvalue().encode()

@@ -79,12 +79,8 @@ def do_part(
         progress.line(f"{part}: {len(own)} of {len(runs)} runs")
         with told_on_error(lambda: f"the same command goes on with {part}"):
             outcome, ends = run_tasks.solve(held, runs, wanted, take_over, own)
-        if outcome.interrupted:
-            held.mark(held.folder, "waiting", claim.INTERRUPTED)
-        elif outcome.failures:
-            held.mark(held.folder, "failed", f"{len(outcome.failures)} of {len(own)} runs")
-        else:
-            held.mark(held.folder, "done")
+        failed = f"{len(outcome.failures)} of {len(own)} runs" if outcome.failures else None
+        held.end(outcome.interrupted, failed)
     if not outcome.interrupted and _is_last(out):
         return _finished(out, runs, wanted)
     return _report(out, runs, own, ends.summaries, outcome)

@@ -59,9 +59,7 @@ def profile(ax: Axes, along_um: Array, height_um: Array) -> Axes:
     ax.axhline(0.0, color="0.5", linewidth=0.6)
     ax.set_xlabel("along the track [µm]")
     ax.set_ylabel("height [µm]")
-    ax.grid(True, color="0.85", linewidth=0.5)
-    ax.set_axisbelow(True)
-    return ax
+    return _with_grid(ax)
 
 
 def contact_map(
@@ -110,6 +108,11 @@ def shares(ax: Axes, edges: Array, events: Array, release: Array, xlabel: str) -
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel(xlabel)
     ax.set_ylabel("share [%]")
+    return _with_grid(ax)
+
+
+def _with_grid(ax: Axes) -> Axes:
+    """Draw a pale grid below the curves."""
     ax.grid(True, color="0.85", linewidth=0.5)
     ax.set_axisbelow(True)
     return ax

@@ -72,6 +72,23 @@ class Claim:
                 {self.record.id, *(record.id for record in self._running.values())}
             )
 
+    def end(self, interrupted: bool, failed: str | None = None) -> None:
+        """Write the last state of the claimed folder: done, unless it was interrupted or failed.
+
+        Parameters
+        ----------
+        interrupted : bool
+            Whether work is left.
+        failed : str or None
+            Reason of a failure. Default: none.
+        """
+        if interrupted:
+            self.mark(self.folder, "waiting", INTERRUPTED)
+        elif failed:
+            self.mark(self.folder, "failed", failed)
+        else:
+            self.mark(self.folder, "done")
+
     def mark(self, folder: Path, state: State, reason: str | None = None) -> None:
         """Write the state of the claimed folder, or of a run in it.
 

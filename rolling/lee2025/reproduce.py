@@ -141,12 +141,8 @@ def _mark_all(held: Claim, runs: Sequence[Run], done: Reproduction) -> None:
             held.mark(run.folder, "done")
         else:
             held.mark(run.folder, "waiting", claim.INTERRUPTED)
-    if done.interrupted:
-        held.mark(held.folder, "waiting", claim.INTERRUPTED)
-    elif done.failures:
-        held.mark(held.folder, "failed", f"{len(done.failures)} of {len(runs)} cases failed")
-    else:
-        held.mark(held.folder, "done")
+    failed = f"{len(done.failures)} of {len(runs)} cases failed" if done.failures else None
+    held.end(done.interrupted, failed)
 
 
 def _reproduced(

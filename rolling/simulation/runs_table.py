@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv as tables
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from rolling import tables
 from rolling.scene.sweep import Value
 
 _METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
@@ -37,12 +36,7 @@ def csv(runs: Sequence[Row]) -> bytes:
         {"run": run.label, "folder": run.folder, **run.values, **numbers(run.summary or {})}
         for run in runs
     ]
-    stream = io.StringIO()
-    columns = list(dict.fromkeys(name for row in rows for name in row))
-    writer = tables.DictWriter(stream, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return stream.getvalue().encode()
+    return tables.csv_of(rows)
 
 
 def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:

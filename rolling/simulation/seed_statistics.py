@@ -5,16 +5,15 @@ A sweep of seeds repeats an experiment. Its spread says what the uncertainty of 
 
 from __future__ import annotations
 
-import csv as tables
-import io
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from acoustics.bands import BAND_NAMES
+from rolling import tables
 from rolling.simulation.runs_table import Row, numbers
 
 SEED = "surface.seed"
@@ -117,7 +116,7 @@ def csv(of: Sequence[Group]) -> bytes:
             for name, band, number in named
             if number is not None
         ]
-    return table(rows)
+    return tables.csv_of(rows)
 
 
 def bands_csv(rows: Sequence[Row]) -> bytes:
@@ -129,17 +128,7 @@ def bands_csv(rows: Sequence[Row]) -> bytes:
         for band in BAND_NAMES:
             cells = {kind: row.summary[kind].get(band) for kind in (*BANDS, _BAND_UNCERTAINTY)}
             lines.append({"run": row.label, **row.values, "band_hz": band, **cells})
-    return table(lines)
-
-
-def table(rows: Sequence[Mapping[str, Any]]) -> bytes:
-    """Write rows as CSV, with the columns of all rows."""
-    stream = io.StringIO()
-    columns = list(dict.fromkeys(name for row in rows for name in row))
-    writer = tables.DictWriter(stream, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return stream.getvalue().encode()
+    return tables.csv_of(lines)
 
 
 def _cells(number: Statistic) -> dict[str, Any]:

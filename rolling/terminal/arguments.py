@@ -40,11 +40,10 @@ def target(sub: argparse.ArgumentParser, default: str = "outputs/NAME/TIME") -> 
     sub.add_argument(
         "--out", type=_path, metavar="FOLDER", help=f"run folder to make (default: {default})"
     )
-    sub.add_argument(
+    _flag(
+        sub,
         "--force",
-        action="store_true",
-        help="replace the run in --out, which stays beside it as OUT.previous until the new one"
-        " is done",
+        "replace the run in --out, which stays beside it as OUT.previous until the new one is done",
     )
 
 
@@ -82,7 +81,7 @@ def cluster(sub: argparse.ArgumentParser) -> None:
 
 def drawn(sub: argparse.ArgumentParser) -> None:
     """Add the choice of pictures and page."""
-    sub.add_argument("--no-report", action="store_true", help="write no report page")
+    _flag(sub, "--no-report", "write no report page")
     drawn = sub.add_mutually_exclusive_group()
     drawn.add_argument(
         "--pictures",
@@ -102,7 +101,7 @@ def drawn(sub: argparse.ArgumentParser) -> None:
 
 def opened(sub: argparse.ArgumentParser) -> None:
     """Add the wish to see the page."""
-    sub.add_argument("--open", action="store_true", help="open the report page in a browser")
+    _flag(sub, "--open", "open the report page in a browser")
 
 
 def reported_folders(sub: argparse.ArgumentParser) -> None:
@@ -117,7 +116,7 @@ def reported_folders(sub: argparse.ArgumentParser) -> None:
         help="page to write (default: RUN/report.html, of several RUN"
         " outputs/report/TIME/report.html)",
     )
-    sub.add_argument("--force", action="store_true", help="replace the page in --out")
+    _flag(sub, "--force", "replace the page in --out")
 
 
 def extension(sub: argparse.ArgumentParser) -> None:
@@ -134,11 +133,7 @@ def extension(sub: argparse.ArgumentParser) -> None:
 
 def fast(sub: argparse.ArgumentParser) -> None:
     """Add the check that solves nothing."""
-    sub.add_argument(
-        "--fast",
-        action="store_true",
-        help="solve no positions; use closed forms and estimates only",
-    )
+    _flag(sub, "--fast", "solve no positions; use closed forms and estimates only")
 
 
 def study(sub: argparse.ArgumentParser) -> None:
@@ -152,10 +147,10 @@ def study(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--readings", nargs="+", default=[], metavar="NAME", help="readings to run (default: all)"
     )
-    sub.add_argument(
+    _flag(
+        sub,
         "--quick",
-        action="store_true",
-        help=f"{defaults.QUICK_SEEDS} surface,"
+        f"{defaults.QUICK_SEEDS} surface,"
         f" loads of {', '.join(map(str, defaults.QUICK_LOADS_N))} N,"
         f" {defaults.QUICK_SECONDS:g} s in steps {defaults.QUICK_STRIDES} times as long;"
         " without the outlook unless named",
@@ -167,19 +162,17 @@ def study(sub: argparse.ArgumentParser) -> None:
 
 def take_over(sub: argparse.ArgumentParser) -> None:
     """Add the claim on a folder of another process."""
-    sub.add_argument(
+    _flag(
+        sub,
         "--take-over",
-        action="store_true",
-        help="go on although a process of another host is recorded; that process must have ended",
+        "go on although a process of another host is recorded; that process must have ended",
     )
 
 
 def watch(sub: argparse.ArgumentParser) -> None:
     """Add the choice to follow a folder."""
-    sub.add_argument(
-        "--watch",
-        action="store_true",
-        help="print the status again when it changes, until no run is waiting or running",
+    _flag(
+        sub, "--watch", "print the status again when it changes, until no run is waiting or running"
     )
 
 
@@ -228,7 +221,7 @@ def trial(sub: argparse.ArgumentParser) -> None:
         help=f"seconds of rolling at most (default {defaults.ACCURACY_SECONDS:g}:"
         " no third octave from 100 Hz is empty)",
     )
-    sub.add_argument("--hard", action="store_true", help="judge the solver on hard cases instead")
+    _flag(sub, "--hard", "judge the solver on hard cases instead")
     random, part = defaults.RANDOM_SCENES, defaults.OTHER_SCENES
     sub.add_argument(
         "--random",
@@ -238,11 +231,7 @@ def trial(sub: argparse.ArgumentParser) -> None:
         f" and N/{part} odd ones, N/{part} blended ones and N/{part} on sub-cells"
         f" ({random + 3 * (random // part):,} in all by default)",
     )
-    sub.add_argument(
-        "--long",
-        action="store_true",
-        help=f"with --hard: the march of {defaults.LONG_STEPS:,} steps as well",
-    )
+    _flag(sub, "--long", f"with --hard: the march of {defaults.LONG_STEPS:,} steps as well")
 
 
 def volume(parser: argparse.ArgumentParser, default: Any) -> None:
@@ -266,7 +255,7 @@ def volume(parser: argparse.ArgumentParser, default: Any) -> None:
 
 def all_scenes(sub: argparse.ArgumentParser) -> None:
     """Add the list of all scenes."""
-    sub.add_argument("--all", action="store_true", help="list the scenes of studies as well")
+    _flag(sub, "--all", "list the scenes of studies as well")
 
 
 def library_scene(sub: argparse.ArgumentParser) -> None:
@@ -278,6 +267,11 @@ def library_scene(sub: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="name of the scene (default: quickstart)",
     )
+
+
+def _flag(sub: argparse.ArgumentParser, name: str, text: str) -> None:
+    """Add an option without a value."""
+    sub.add_argument(name, action="store_true", help=text)
 
 
 def _path(text: str) -> Path:

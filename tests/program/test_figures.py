@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from scene_text import BODIES, MADE
 
 from rolling import commands
 from rolling.figures import run_figures
@@ -23,15 +24,12 @@ from rolling.sound.contact_sound import contact_sound
 
 pytestmark = pytest.mark.slow
 
-SCENE = """\
+SCENE = f"""\
 name: small
-sphere: {radius_mm: 5}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
-spacing_um: 2, width_um: 200, seed: 3}
-rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.009}
-recovery: {events: true}
-sweep: {rolling.load_n: [0.5, 2]}
+{BODIES}{MADE}\
+rolling: {{load_n: 1, speed_m_s: 0.1, duration_s: 0.009}}
+recovery: {{events: true}}
+sweep: {{rolling.load_n: [0.5, 2]}}
 """
 SMOOTH = """\
 name: smooth

@@ -14,6 +14,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from scene_text import BODIES, MADE
 
 from acoustics import wav
 from rolling import cli, commands
@@ -22,13 +23,10 @@ from rolling.folders import files, run_record
 from rolling.scene import file as scene_file
 from rolling.simulation import result_file, simulate
 
-SCENE = """\
+SCENE = f"""\
 name: small
-sphere: {radius_mm: 5}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
-spacing_um: 2, width_um: 200, seed: 3}
-rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.009}
+{BODIES}{MADE}\
+rolling: {{load_n: 1, speed_m_s: 0.1, duration_s: 0.009}}
 """
 STEPS = 450
 

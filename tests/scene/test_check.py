@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scene_text import WIDE
 
 from acoustics import wav
 from rolling.check import cost, demand, finishing, machine
@@ -17,18 +18,9 @@ from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.surface import heights as surface
 
-TEXT = """\
-name: trial
-sphere: {radius_mm: 5}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
-spacing_um: 2, width_um: 512, seed: 1}
-rolling: {load_n: 20, speed_m_s: 0.1, duration_s: 0.5}
-"""
-
 
 def found(*overrides: str) -> dict[str, Finding]:
-    return {finding.quantity: finding for finding in findings(loads(TEXT, overrides))}
+    return {finding.quantity: finding for finding in findings(loads(WIDE, overrides))}
 
 
 def test_numbers_by_hand() -> None:
@@ -212,7 +204,7 @@ def test_memory(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("law", sorted(surface.AUTOCORRELATIONS))
 def test_roughness_is_that_of_the_surface_made(law: str) -> None:
     scene = loads(
-        TEXT, [f"surface.autocorrelation={law}", "surface.correlation_length_across_um=20"]
+        WIDE, [f"surface.autocorrelation={law}", "surface.correlation_length_across_um=20"]
     )
     made = surface.statistics(
         surface.gaussian((2048, 512), 2e-6, 1e-7, (10e-6, 20e-6), law, 1), 2e-6
@@ -231,7 +223,7 @@ def test_window_is_about_what_a_solved_contact_needs() -> None:
         (["surface.roughness_ra_um=1"], 150),
         (["surface.roughness_ra_um=1", "rolling.load_n=100"], 240),
     ):
-        scene = loads(TEXT, overrides)
+        scene = loads(WIDE, overrides)
         got = 2 * cost.overlap_radius(scene, roughness(scene)[0]) / scene.spacing
         assert got == pytest.approx(nodes, rel=0.25)
 
@@ -253,22 +245,22 @@ def test_expected_time_is_shared_by_the_cores(monkeypatch: pytest.MonkeyPatch) -
     assert alone["expected time"].seconds == pytest.approx(25000 * step_ms * 1e-3, rel=0.05)
     assert shared["expected time"].seconds == pytest.approx(alone["expected time"].seconds / 8)
     of_all = "expected time of all"
-    lines = str(check_scene(loads(TEXT, ["sweep.surface.seed=[1, 2]"]), solve=False)).splitlines()
+    lines = str(check_scene(loads(WIDE, ["sweep.surface.seed=[1, 2]"]), solve=False)).splitlines()
     line = next(line for line in lines if line.startswith(of_all))
-    both = [single for _, single in loads(TEXT, ["sweep.surface.seed=[1, 2]"]).runs()]
+    both = [single for _, single in loads(WIDE, ["sweep.surface.seed=[1, 2]"]).runs()]
     after = finishing.seconds(both, 8)
     total = 2 * (shared["expected time"].seconds + shared["tolerance"].seconds) + after
     assert line.endswith(
         f"about {total:.2g} s on 8 cores, {after:.2g} s of it for start, sound and pictures, 2 runs"
     )
-    checked = check_scene(loads(TEXT), solve=False)
+    checked = check_scene(loads(WIDE), solve=False)
     assert of_all not in str(checked) and "of it for start, sound and pictures" in str(checked)
 
 
 def test_pictures_of_many_runs_take_no_time_of_each() -> None:
     """Pictures take most of the time of small runs, up to the 24 that have their own."""
     few, many = (
-        [single for _, single in loads(TEXT, [f"sweep.surface.seed={[*range(runs)]}"]).runs()]
+        [single for _, single in loads(WIDE, [f"sweep.surface.seed={[*range(runs)]}"]).runs()]
         for runs in (demand.PAGE_RUNS, demand.PAGE_RUNS + 1)
     )
     assert finishing.seconds(few, 2) > 2 * finishing.seconds(many, 2)
@@ -282,7 +274,7 @@ def test_the_sample_rate_is_that_of_the_files() -> None:
 def file_scene(folder: Path, heights: np.ndarray, *overrides: str) -> Scene:
     np.save(folder / "heights.npy", heights)
     text = (
-        TEXT[: TEXT.index("surface:")] + "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
+        WIDE[: WIDE.index("surface:")] + "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
     )
     return loads(text + "rolling: {load_n: 20, speed_m_s: 0.1}\n", overrides, folder=folder)
 
@@ -325,7 +317,7 @@ def test_a_ball_that_stops_on_a_file(tmp_path: Path) -> None:
 
 
 def test_report() -> None:
-    text = str(check_scene(loads(TEXT, ["sweep.rolling.load_n=[5, 20, 100]"]), solve=False))
+    text = str(check_scene(loads(WIDE, ["sweep.rolling.load_n=[5, 20, 100]"]), solve=False))
     shared, runs, warnings = text.split("\n\n")
     assert "steps                         25000 of 2 um" in shared.splitlines()
     assert "load_n=5" in runs.splitlines()[0]
@@ -345,9 +337,9 @@ def test_report() -> None:
 
 
 def test_report_of_one_run_and_of_many() -> None:
-    assert str(check_scene(loads(TEXT), solve=False)).startswith("steps")
+    assert str(check_scene(loads(WIDE), solve=False)).startswith("steps")
     many = str(
-        check_scene(loads(TEXT, [f"sweep.rolling.load_n={list(range(1, 13))}"]), solve=False)
+        check_scene(loads(WIDE, [f"sweep.rolling.load_n={list(range(1, 13))}"]), solve=False)
     )
     assert len([line for line in many.splitlines() if line.startswith("Hertz radius")]) == 3
 
@@ -359,7 +351,7 @@ def test_quickstart_is_within_its_budget() -> None:
     Compilation, once per installation, is not counted.
     """
     scene = read_scene(Path(__file__).parents[2] / "scenarios" / "quickstart.yaml")
-    str(check_scene(loads(TEXT, ["rolling.duration_s=0.002"])))
+    str(check_scene(loads(WIDE, ["rolling.duration_s=0.002"])))
     began = time.process_time()
     text = str(check_scene(scene))
     assert time.process_time() - began < 10

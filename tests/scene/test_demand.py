@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from large_scenes import FILE, LAPS, MADE, scene_of
-from scene_text import TEXT
+from large_scenes import FILE, LAPS, scene_of
+from scene_text import MADE, TEXT
 
 from rolling.check import cost, demand
 from rolling.report import page

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from large_scenes import FILE, LAPS, MADE, scene_of
-from scene_text import PLAIN, TEXT
+from large_scenes import FILE, LAPS, scene_of
+from scene_text import MADE, PLAIN, TEXT
 
 from rolling import cli, commands
 from rolling.check import cost, demand, findings, machine, refusals

@@ -5,26 +5,18 @@ from __future__ import annotations
 import math
 
 import pytest
+from scene_text import WIDE
 
 from rolling.check import findings, resonance
 from rolling.scene.file import loads
 
-TEXT = """\
-name: trial
-sphere: {radius_mm: 5}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
-spacing_um: 2, width_um: 512, seed: 1}
-rolling: {load_n: 20, speed_m_s: 0.1, duration_s: 0.5}
-"""
-
 
 def frequency(*overrides: str) -> float:
-    return resonance.frequency(loads(TEXT, overrides))
+    return resonance.frequency(loads(WIDE, overrides))
 
 
 def warning(*overrides: str) -> str | None:
-    return {one.key: one.warning for one in findings.findings(loads(TEXT, overrides))}["resonance"]
+    return {one.key: one.warning for one in findings.findings(loads(WIDE, overrides))}["resonance"]
 
 
 def test_frequency_by_hand() -> None:
@@ -99,9 +91,9 @@ def test_no_warning_where_the_record_does_not_hold_it(overrides: tuple[str, ...]
 
 
 def test_density_is_a_key_of_the_scene_and_absent_by_default() -> None:
-    assert "density_kg_m3" not in loads(TEXT).to_dict()["sphere"]
-    scene = loads(TEXT, ["sphere.density_kg_m3=2500", "sweep.sphere.density_kg_m3=[2500, 7850]"])
+    assert "density_kg_m3" not in loads(WIDE).to_dict()["sphere"]
+    scene = loads(WIDE, ["sphere.density_kg_m3=2500", "sweep.sphere.density_kg_m3=[2500, 7850]"])
     assert scene.sweep == {"sphere.density_kg_m3": (2500, 7850)}
-    assert loads(TEXT, ["sphere.density_kg_m3=3200"]).mass == pytest.approx(
+    assert loads(WIDE, ["sphere.density_kg_m3=3200"]).mass == pytest.approx(
         3200 * 4 / 3 * math.pi * 1.25e-7
     )

@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
+from claim_cases import FIGURES
 
 from rolling import cli
 from rolling.lee2025 import study
@@ -23,14 +24,6 @@ SHORT = study.Part(seeds=1, loads=(5, 10), duration_s=0.01, strides=2)
 READINGS = ("as-stated", "hardness-3y-exponential")
 TWIN = "elastic-gaussian"  # 5 N at two roughnesses
 COMMAND = ("reproduce", "lee2025", "--quick", "--readings", *READINGS, TWIN, "--workers", "1")
-FIGURES = (
-    "fig1_surfaces",
-    "fig5_contact_pressure",
-    "fig6_deflection",
-    "fig7_plastic_ratio",
-    "fig8_spectra",
-    "fig9_maximum_level",
-)
 
 
 def complete(out: Path) -> dict[Path, bytes]:

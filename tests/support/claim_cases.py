@@ -21,6 +21,14 @@ SMOOTH_DB = 72.0
 ABOVE_SMOOTH = {0.01: 0.0, 0.1: 11.0, 1.0: 12.0, 5.0: 12.5}  # dB at all loads
 OVER_5_N = {5.0: 0.0, 10.0: 2.0, 20.0: 4.0, 50.0: 13.0, 100.0: 14.0}
 PLASTIC = {0.01: 0.0, 0.1: 0.2, 1.0: 0.3, 5.0: 0.31}
+FIGURES = (
+    "fig1_surfaces",
+    "fig5_contact_pressure",
+    "fig6_deflection",
+    "fig7_plastic_ratio",
+    "fig8_spectra",
+    "fig9_maximum_level",
+)
 Change = Callable[[Case], dict[str, Any]]
 
 

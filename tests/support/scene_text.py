@@ -45,7 +45,7 @@ surface:
 rolling: {load_n: 0.005, speed_m_s: 0.1, duration_s: 0.0005}
 """
 
-# A ball of 5 mm on a plate of steel that yields, and a narrow rough surface for the pair.
+# A ball of 5 mm on a plate of steel that yields, and narrow rough surfaces for the pair.
 BODIES = """\
 sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
@@ -58,6 +58,17 @@ surface:
   spacing_um: 2
   width_um: 128
   seed: 3
+"""
+MADE = """\
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 200, seed: 3}
+"""
+WIDE = f"""\
+name: trial
+{BODIES}\
+surface: {{kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 512, seed: 1}}
+rolling: {{load_n: 20, speed_m_s: 0.1, duration_s: 0.5}}
 """
 
 

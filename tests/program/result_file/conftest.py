@@ -6,20 +6,18 @@ import shutil
 from pathlib import Path
 
 import pytest
+from scene_text import BODIES, MADE
 
 from rolling import cli, commands
 from rolling.commands import work
 from rolling.simulation import simulate
 from rolling.simulation.result import Result
 
-SCENE = """\
+SCENE = f"""\
 name: small
-sphere: {radius_mm: 5}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
-spacing_um: 2, width_um: 200, seed: 3}
-rolling: {load_n: 0.3, speed_m_s: [[0, 0.1], [0.004, 0.2]], duration_s: 0.006}
-recovery: {events: true}
+{BODIES}{MADE}\
+rolling: {{load_n: 0.3, speed_m_s: [[0, 0.1], [0.004, 0.2]], duration_s: 0.006}}
+recovery: {{events: true}}
 """
 
 
