@@ -1,7 +1,4 @@
-"""Command line `rolling`.
-
-Each command imports its modules itself, so that `--help` is instant.
-"""
+"""Command line `rolling`."""
 
 from __future__ import annotations
 
@@ -10,18 +7,11 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING
 
-from rolling import __version__, _own_acoustics
-from rolling.terminal import arguments, defaults, progress, streams, usage
+from rolling import __version__, _own_acoustics, actions
+from rolling.actions import BAD_INPUT, FAILED, INTERRUPTED, OK, say
+from rolling.terminal import arguments, progress, streams, usage
 from rolling.terminal.progress import Level
-
-if TYPE_CHECKING:
-    from rolling.commands import Report, Wanted
-
-LOADING = "loading the program"  # with the solver in it, which takes seconds
-OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -38,7 +28,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         code = _act(argv)
         output.flush()
         if output.error is not None:
-            _say(f"standard output: {output.error.strerror}; a part of the text is lost")
+            say(f"standard output: {output.error.strerror}; a part of the text is lost")
             code = code or FAILED
     return code
 
@@ -55,7 +45,7 @@ def _act(argv: Sequence[str] | None) -> int:
     if unknown:
         usage.refuse_unknown_arguments(given.parser, unknown)
     if message := _own_acoustics.fault():
-        _say(message)
+        say(message)
         return BAD_INPUT
     try:
         with progress.begin(_level(given)):
@@ -64,12 +54,12 @@ def _act(argv: Sequence[str] | None) -> int:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
     except OSError as error:  # the message names the files that are kept
-        _say(str(error))
+        say(str(error))
         return FAILED
     except Exception as error:
         if not _is_bad_input(error):
             raise
-        _say(str(error))
+        say(str(error))
         return BAD_INPUT
 
 
@@ -86,330 +76,6 @@ def _is_bad_input(error: Exception) -> bool:
     from rolling.scene.messages import SceneError
 
     return isinstance(error, SceneError | FolderError)
-
-
-# ---- commands
-
-
-def _run(given: argparse.Namespace) -> int:
-    from rolling.check import early
-    from rolling.folders import files
-
-    out = None if given.part else given.out  # parts share a folder
-    early.refuse_scene(given.scene, given.set, out, given.force, ("run", "sweep"))
-    if given.part and (given.out is None or given.force):
-        raise files.FolderError(
-            "a part needs the folder of all parts, --out FOLDER without --force"
-        )
-    with progress.step(LOADING):
-        from rolling import commands
-    wanted = _wanted(given, given.workers, given.cluster)
-    if given.part:
-        part = commands.Part(*given.part)
-        report = commands.run_part(given.scene, given.set, given.out, part, wanted, given.take_over)
-    else:
-        report = commands.run(given.scene, given.set, given.out, given.force, wanted)
-    code = _reported(report)
-    if given.open:
-        _open(report)
-    return code
-
-
-def _wanted(given: argparse.Namespace, workers: int = 0, scheduler: str | None = None) -> Wanted:
-    """Return the files that a command is asked for, and who makes them."""
-    from rolling import commands
-    from rolling.simulation.cluster import Cluster
-
-    cluster = Cluster(scheduler) if scheduler else None
-    return commands.Wanted(not given.no_report, given.pictures, workers, _print_folder, cluster)
-
-
-def _open(report: Report) -> None:
-    """Open the page of a report in a browser, or say why not."""
-    import webbrowser
-
-    if report.page is None:
-        _say("--open: there is no report page to open")
-    elif not webbrowser.open(report.page.resolve().as_uri()):
-        _say(f"--open: no browser was found; open {report.page} in one")
-
-
-def _resume(given: argparse.Namespace) -> int:
-    from rolling.check import early
-
-    early.refuse_folders([given.folder])
-    with progress.step(LOADING):
-        from rolling import commands
-    wanted = _wanted(given, given.workers, given.cluster)
-    return _reported(commands.resume(given.folder, wanted, given.take_over))
-
-
-def _resound(given: argparse.Namespace) -> int:
-    from rolling.check import early
-
-    early.refuse_folders([given.folder])
-    with progress.step(LOADING):
-        from rolling import commands
-    return _reported(
-        commands.resound(given.folder, given.set, given.out, given.force, _wanted(given))
-    )
-
-
-def _report(given: argparse.Namespace) -> int:
-    from rolling.check import early
-
-    early.refuse_folders(given.folders)
-    with progress.step(LOADING):
-        from rolling import commands
-    print(commands.report(given.folders, given.out, given.force))
-    return OK
-
-
-def _extend(given: argparse.Namespace) -> int:
-    from rolling.check import early
-
-    early.refuse_folders([given.folder])
-    with progress.step(LOADING):
-        from rolling.commands import extending
-    for written in extending.extend(given.folder, given.seconds):
-        print(written.path)
-        progress.line(f"{written.label}: {written.text}")
-    return OK
-
-
-def _status(given: argparse.Namespace) -> int:
-    from rolling.folders import status
-
-    if given.watch:
-        return _watched(given.folder)
-    print(status.text(given.folder))
-    return OK
-
-
-def _watched(folder: Path) -> int:
-    """Print the status of a run folder whenever it changes, until no run is waiting or running."""
-    import time
-
-    from rolling.folders import status
-
-    before = ""
-    while True:
-        text = status.text(folder)
-        if text != before:
-            print(text, flush=True)
-        before = text
-        if status.is_at_rest(status.statuses(folder)):
-            return OK
-        time.sleep(defaults.WATCH_SECONDS)
-
-
-def _table(given: argparse.Namespace) -> int:
-    from rolling.check import early
-
-    early.refuse_folders([given.folder])
-    with progress.step(LOADING):
-        from rolling.commands import table
-    over = {} if given.over is None else {"over": given.over}
-    for path in table.tabulate(given.folder, given.plot, given.against, **over):
-        print(path)
-    return OK
-
-
-def _print_folder(folder: Path) -> None:
-    """Print the folder of a command before it begins, unless the command is quiet."""
-    if not progress.is_quiet():
-        print(f"files: {folder}", flush=True)
-
-
-def _reported(report: Report) -> int:
-    """Print the outcome of a command that worked on a run folder."""
-    if report.finished_before:
-        progress.line(f"{report.folder}: finished {report.finished_before}, nothing to resume")
-    _print_levels(report)
-    if report.exit_code == OK:
-        _print_files(report)
-    else:
-        solved = (
-            f"the solved part is in {report.folder}" if report.solved else "nothing is solved yet"
-        )
-        _say(f"stopped early; {solved}, `rolling resume {report.folder}` goes on")
-    if report.previous:
-        why = (
-            "stays, because it is in use or holds files that this program did not write"
-            if report.exit_code == OK
-            else "stays until this run is done"
-        )
-        _say(f"{report.previous}, which this run replaces, {why}")
-    return report.exit_code
-
-
-def _print_levels(report: Report) -> None:
-    """Print the table of levels with its caveats unless the command is quiet, then the failures."""
-    if not progress.is_quiet():
-        print(_levels(report))
-    for label, reason in report.failures.items():
-        _say(f"failed: {label}: {reason}")
-
-
-def _levels(report: Report) -> str:
-    """Return the table of levels with its caveats."""
-    from rolling.simulation import labels, summary
-
-    names = labels.labels([run for run, _ in report.runs])
-    rows = [
-        (label, str(run.folder), numbers)
-        for label, (run, numbers) in zip(names, report.runs, strict=True)
-    ]
-    return summary.table(rows)
-
-
-def _print_files(report: Report) -> None:
-    """Print the paths of the files that a person opens first, or the folder alone if quiet."""
-    if progress.is_quiet():
-        print(report.folder)
-        return
-    first = report.runs[0][0].folder
-    record = "listen.wav" if (first / "listen.wav").is_file() else "signal.wav"
-    print(f"\nlisten: {first / record}   all files: {report.folder}")
-    if len(report.runs) > 1:
-        print(f"a row per run: {report.folder / 'runs.csv'}")
-    if report.page:
-        print(f"all on one page: {report.page}")
-    elif report.finished_before:
-        print(f"no page: `rolling report {report.folder}` makes one")
-
-
-def _check(given: argparse.Namespace) -> int:
-    from rolling.check import early
-
-    scene = early.read_scene(given.scene, given.set)
-    with progress.step(LOADING):
-        from rolling.check.findings import check_scene
-    findings = check_scene(scene, solve=not given.fast)
-    if not progress.is_quiet():
-        print(findings)
-    for warning in findings.warnings if progress.is_quiet() else ():
-        print(f"warning: {warning}")
-    return OK
-
-
-def _accuracy(given: argparse.Namespace) -> int:
-    of_scene = {"SCENE": given.scene, "--set": given.set, "--finest": given.finest}
-    of_scene |= {"--duration": given.duration, "--force": given.force}
-    of_hard = {"--random": given.random, "--long": given.long}
-    if misplaced := [
-        name for name, chosen in (of_scene if given.hard else of_hard).items() if chosen
-    ]:
-        _say(
-            f"rolling accuracy: {', '.join(misplaced)} {'cannot' if given.hard else 'can only'}"
-            " go with --hard"
-        )
-        return BAD_INPUT
-    if given.hard:
-        return _hard_cases(given)
-    if given.scene is None:
-        _say("rolling accuracy: give a SCENE, or --hard")
-        return BAD_INPUT
-
-    from rolling.check import early
-
-    goes_on = given.out is not None and not given.force and _goes_on(given.out)
-    new = None if goes_on else given.out  # the study itself refuses another scene
-    early.refuse_scene(given.scene, given.set, new, given.force, ("accuracy",), first=True)
-    with progress.step(LOADING):
-        from rolling.accuracy import study
-    chosen = {
-        name: value
-        for name in ("finest", "duration")
-        if (value := getattr(given, name)) is not None
-    }
-    return study.run_study(given.scene, given.set, given.out, given.force, given.workers, **chosen)
-
-
-def _goes_on(folder: Path) -> bool:
-    """Tell whether a folder holds a study of accuracy that was stopped."""
-    from rolling.folders import new_folder
-
-    return new_folder.is_unfinished(folder, "accuracy")
-
-
-def _hard_cases(given: argparse.Namespace) -> int:
-    from rolling.check import cost
-    from rolling.folders import new_folder, run_record
-
-    target = new_folder.aim(Path("outputs") / "hard-cases", given.out, False, ["hard-cases"])
-    with progress.step(LOADING):
-        from rolling.verification import judge
-    held = new_folder.make(target, run_record.new("hard-cases"))
-    with held:
-        workers = given.workers or cost.cores()
-        random = given.random or defaults.RANDOM_SCENES
-        code = judge.main_report(held.folder, random, workers, given.long)
-        held.end(False, "not every case holds" if code else None)
-    print(held.folder if progress.is_quiet() else f"\ntable, numbers: {held.folder}")
-    return code
-
-
-def _reproduce(given: argparse.Namespace) -> int:
-    with progress.step(LOADING):
-        from rolling.lee2025 import reproduce
-    done = reproduce.reproduce(
-        given.study, given.readings, given.out, given.quick, given.workers, given.take_over
-    )
-    for case, reason in done.failures.items():
-        _say(f"failed: {case}: {reason}")
-    if done.interrupted:
-        solved = f"the solved part is in {done.folder}" if done.begun else "nothing is solved yet"
-        _say(f"stopped early; {solved}, the same command goes on")
-        return done.exit_code
-    if done.failures:
-        _say(f"{len(done.failures)} cases failed; the statements are judged without them")
-    if progress.is_quiet():
-        print(done.folder)
-        return done.exit_code
-    print(f"{len(done.cases)} cases. {done.headline}")
-    print(
-        f"all on one page: {done.folder / reproduce.PAGE}   statements:"
-        f" {done.folder / reproduce.CLAIMS}"
-    )
-    return done.exit_code
-
-
-def _scenes(given: argparse.Namespace) -> int:
-    from rolling import tables
-    from rolling.scene import library
-
-    print(tables.columns(library.titles(given.all)))
-    if not given.all:
-        inner = len(library.scenes()) - len(library.titles())
-        print(f"\n{inner} more scenes are of studies; `rolling scenes --all` lists them")
-    return OK
-
-
-def _init(given: argparse.Namespace) -> int:
-    from rolling.scene import library
-
-    try:
-        written = library.copy(given.name, Path())
-    except library.LibraryError as error:
-        _say(str(error))
-        return BAD_INPUT
-    print(f"{' and '.join(map(str, written))} written; run it: rolling run {written[0]}")
-    return OK
-
-
-def _schema(given: argparse.Namespace) -> int:
-    import json
-
-    from rolling.scene import file
-
-    print(json.dumps(file.schema(), indent=2))
-    return OK
-
-
-def _say(text: str) -> None:
-    """Print a line for a person on the error stream, apart from the output."""
-    print(text, file=sys.stderr)
 
 
 @dataclass(frozen=True)
@@ -437,7 +103,7 @@ class _Command:
 _COMMANDS = (
     _Command(
         "run",
-        _run,
+        actions.run,
         "run a scene: release, sound, levels and plots",
         (
             arguments.scene,
@@ -453,13 +119,13 @@ _COMMANDS = (
     ),
     _Command(
         "check",
-        _check,
+        actions.check,
         "validate a scene, estimate its cost and name its doubtful numbers",
         (arguments.scene, arguments.settings, arguments.fast),
     ),
     _Command(
         "resume",
-        _resume,
+        actions.resume,
         "continue an interrupted run",
         (
             arguments.folder,
@@ -471,58 +137,61 @@ _COMMANDS = (
     ),
     _Command(
         "status",
-        _status,
+        actions.status,
         "tell which runs of a folder are done, running (where), waiting or failed (why)",
         (arguments.folder, arguments.watch),
     ),
     _Command(
         "table",
-        _table,
+        actions.table,
         "gather all numbers of a sweep, their statistics over the seeds, and plots of them",
         (arguments.folder, arguments.tabulated),
     ),
     _Command(
         "resound",
-        _resound,
+        actions.resound,
         "make a new sound from a stored run, without solving again",
         (arguments.folder, arguments.settings, arguments.target, arguments.drawn),
     ),
     _Command(
         "report",
-        _report,
+        actions.report,
         "write one page to hear, see and read runs: a single HTML file that needs no network",
         (arguments.reported_folders,),
     ),
     _Command(
         "extend",
-        _extend,
+        actions.extend,
         "write a long record with the spectrum of a run's record, to listen to; it never repeats",
         (arguments.folder, arguments.extension),
     ),
     _Command(
         "accuracy",
-        _accuracy,
+        actions.accuracy,
         "speed against error: a scene on finer grids, with other edges, tolerances, steps; or the"
         " solver on hard cases",
         (arguments.settings, arguments.accuracy_target, arguments.workers, arguments.trial),
     ),
     _Command(
         "reproduce",
-        _reproduce,
+        actions.reproduce,
         "run the study of an article in several readings and answer for its statements; again:"
         " goes on where it stopped",
         (arguments.study, arguments.workers, arguments.take_over),
     ),
     _Command(
-        "scenes", _scenes, "list the scenes that come with the program", (arguments.all_scenes,)
+        "scenes",
+        actions.scenes,
+        "list the scenes that come with the program",
+        (arguments.all_scenes,),
     ),
     _Command(
         "init",
-        _init,
+        actions.init,
         "copy a scene that comes with the program into the current folder",
         (arguments.library_scene,),
     ),
-    _Command("schema", _schema, "print the JSON Schema of scene files, for editors"),
+    _Command("schema", actions.schema, "print the JSON Schema of scene files, for editors"),
 )
 
 

@@ -13,7 +13,7 @@ from acoustics.spectrum import line_spectrum
 from acoustics.weighting import a_weighting_db
 from rolling._typing import Array
 from rolling.contact import closed_forms
-from rolling.report.text import surface_words
+from rolling.report.assumed import surface_words
 from rolling.scene.surfaces import Gaussian
 from rolling.simulation.run_result import RunResult
 

@@ -22,7 +22,7 @@ from rolling.figures import run_figures
 from rolling.figures.picture import Picture
 from rolling.figures.seed_figures import SEED
 from rolling.folders import program
-from rolling.report import citation, hearing, playback, templates
+from rolling.report import assumed, citation, hearing, playback, templates
 from rolling.report import text as report_text
 from rolling.report.films import Film, film_of
 from rolling.report.playback import Playback
@@ -372,7 +372,7 @@ def _surfaces(views: Sequence[RunView]) -> list[Surface]:
     return [
         Surface(
             labels=[view.label for view in members],
-            words=report_text.surface_words(members[0].run.scene),
+            words=assumed.surface_words(members[0].run.scene),
             statistics=members[0].run.summary["surface"],
             picture=members[0].pictures["surface"],
         )

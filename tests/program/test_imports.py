@@ -25,6 +25,7 @@ FLOORS = {
         ("accuracy", "figures", "verification"),
         ("plot", "report"),
         ("commands", "lee2025"),
+        ("actions",),
         ("cli",),
     ),
     "acoustics": (

@@ -35,7 +35,7 @@ def seeds(runs, tmp_path, monkeypatch) -> Path:
         made.append(replace(run, scene=scene, values={"surface.seed": seed}, label=f"seed {seed}"))
     monkeypatch.setattr(report_page, "_surfaces", lambda views: [])
     monkeypatch.setattr(report_page.report_text, "recipes", lambda runs: [])
-    monkeypatch.setattr(report_page.report_text, "surface_words", lambda scene: "random")
+    monkeypatch.setattr(report_page.assumed, "surface_words", lambda scene: "random")
     path = tmp_path / "seeds.html"
     shelf = [(run, _picture(name)) for run in made for name in report_page.TIMELINES]
     path.write_bytes(report_page.page(made, shelf))
