@@ -19,8 +19,8 @@ def plate_power_per_force(frequency_hz: ArrayLike, plate: ThinPlate, sides: int 
     """Return the power that a plate radiates to one side, per mean square of the force.
 
     It is the integral over all directions of the plate's waves with air loading and losses, so it
-    holds below, at and above the critical frequency, and never exceeds what the plate is fed.
-    Below, it tends to rho / (2 pi c m''^2). Above, the plate radiates what it is fed less its loss,
+    holds below, at and above the critical frequency, and never exceeds the power fed to the plate.
+    Below, it tends to rho / (2 pi c m''^2). Above, the plate radiates the fed power less its loss,
     so the power depends on the loss factor.
 
     Parameters

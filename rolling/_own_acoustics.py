@@ -19,16 +19,16 @@ def fault() -> str | None:
     """
     spec = find_spec("acoustics")
     if spec is None:
-        found = "is missing"
+        state = "is missing"
     elif spec.origin is None:  # a folder without __init__.py
         places = ", ".join(spec.submodule_search_locations or ())
-        found = f"in {places} is incomplete"
+        state = f"in {places} is incomplete"
     elif _is_foreign(spec.loader, spec.origin):
-        found = f"in {spec.origin} belongs to another project"
+        state = f"in {spec.origin} belongs to another project"
     else:
         return None
     return (
-        f"the package acoustics {found}; rolling-contact-noise brings its own and needs an"
+        f"the package acoustics {state}; rolling-contact-noise brings its own and needs an"
         " environment of its own: make one (python -m venv) and install only it there"
     )
 

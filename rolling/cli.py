@@ -210,7 +210,7 @@ def _parser() -> argparse.ArgumentParser:
         sub.set_defaults(command=command.act, parser=sub)
         arguments.volume(
             sub, argparse.SUPPRESS
-        )  # a default would undo what stands before the command
+        )  # a default would undo an option before the command
         for part in command.parts:
             part(sub)
     return parser

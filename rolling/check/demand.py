@@ -99,7 +99,7 @@ class Amount:
 
 @dataclass(frozen=True)
 class Demand:
-    """Maximum memory of all processes together, memory of the largest process, and disk."""
+    """Maximum memory of all processes together, maximum memory of a process, and disk."""
 
     memory: Amount
     process: Amount

@@ -1,4 +1,4 @@
-"""Time of what follows the solving: sound, files, pictures and the page."""
+"""Time of the work after the solving: sound, files, pictures and the page."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rolling.scene.scene import Scene
 # Seconds of one core. They follow from whole commands, timed with all pictures drawn by one
 # process: 28 s beside the solving for three runs of 0.5 s of sound, 148 s for 24 of them, and 310 s
 # for 200 runs of 0.0005 s.
-START = 4.0  # of the program and its libraries, and of those of the pictures
+START = 4.0  # of the program, its libraries, and the libraries that draw
 RUN, SOUND = 0.1, 0.4  # of the files of a run; per second of sound, of which levels are made
 PICTURE, DENSE_PICTURE = 0.17, 0.73  # of a picture of few lines, and of as many as are drawn
 DENSE_S = 0.5  # duration of a record whose pictures have all lines that are drawn

@@ -28,7 +28,7 @@ FLAT_DB = -4.4
 # Sharp edges add this per decade of slope over the slope that the hardness levels.
 SHARP_DB = 27.5
 SHARP_FLAT_DB = 5.8
-SUBCELLS_DB = -6.0  # per doubling of the sub-cells beyond those of `auto`
+SUBCELLS_DB = -6.0  # per doubling of the sub-cells beyond the number of `auto`
 PER_SPACING_DB = -PER_LENGTH_DB - 2 * PER_AREA_DB  # per decade of the spacing
 
 

@@ -20,7 +20,7 @@ def findings(scene: Scene) -> list[Finding]:
 
 
 def _correlation(scene: Scene) -> list[Finding]:
-    """Count the nodes per correlation length of a made surface, and judge what they leave."""
+    """Count the nodes per correlation length of a made surface, and judge their resolution."""
     if not isinstance(scene.surface, Gaussian):
         return []
     nodes = min(cost.correlation_lengths(scene.surface)) / scene.surface.spacing_um

@@ -182,7 +182,7 @@ def _finish_sweep(sweep: Path, wanted: Wanted, take_over: bool) -> None:
 
 
 def _resumed(folder: Path, runs: list[Run], wanted: Wanted, take_over: bool) -> Report:
-    """Claim a folder and solve what its runs lack."""
+    """Claim a folder and solve the missing steps of its runs."""
     before = run_record.read(folder)
     names = [each.folder.name for each in runs] if runs[0].values else []
     with claim.take(folder, "sweep" if names else "run", names, take_over) as held:

@@ -96,7 +96,7 @@ def _draw_each(
 
 
 def _without_maps(run: RunResult) -> RunResult:
-    """Return a run without what no picture shows and what does not go to another process."""
+    """Return a run without its pressure maps and its writer, which cannot go to another process."""
     return replace(run, result=replace(run.result, maps={}), writer=None)
 
 

@@ -164,9 +164,9 @@ def _simulated(
     if choices.interrupted:
         raise KeyboardInterrupt
     scenes = choices.scenes
-    singles = [replace(each, scene=one) for each, one in zip(singles, scenes, strict=True)]
-    for one, result in zip(scenes, results, strict=True):
-        result.identity = pieces.identity_of(one)
+    singles = [replace(each, scene=scene) for each, scene in zip(singles, scenes, strict=True)]
+    for each, result in zip(singles, results, strict=True):
+        result.identity = pieces.identity_of(each.scene)
     outcome = solving.solve(scenes, results, workers, scene.name, progress=progress)
     if outcome.interrupted:
         raise KeyboardInterrupt

@@ -158,7 +158,7 @@ def _done_before(run: Run) -> Done | None:
     """Read the end of a run that is done with all its files, or return None."""
     try:
         record = run_record.read(run.folder)
-    except FolderError:  # its task says what is wrong
+    except FolderError:  # its task names the fault
         return None
     summary = run.folder / SUMMARY
     files = [run.folder / batch.RESULT, run.folder / "signal.wav", summary]

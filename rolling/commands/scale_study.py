@@ -261,7 +261,7 @@ def forecasts(steps: Array, seconds: float, measured: Overheads) -> list[tuple[s
 
     Parameters
     ----------
-    steps : array, s. Times of a step, from which those of the scenes are drawn.
+    steps : array, s. Times of a step, from which the times of the scenes are drawn.
     seconds : float, s. Sound of a scene.
     measured : Overheads.
     """
@@ -278,9 +278,9 @@ def forecasts(steps: Array, seconds: float, measured: Overheads) -> list[tuple[s
             for cores in CORES:
                 if np.isnan(dispatch) or (way == "local" and cores == CORES[-1]):
                     continue
-                told = forecast(times, cores, dispatch, gather)
-                shown = f"{told.seconds / 3600:.3g} h", f"{100 * told.efficiency:.0f} %"
-                rows.append((work, way, str(cores), *shown, told.limit))
+                expected = forecast(times, cores, dispatch, gather)
+                shown = f"{expected.seconds / 3600:.3g} h", f"{100 * expected.efficiency:.0f} %"
+                rows.append((work, way, str(cores), *shown, expected.limit))
     return rows
 
 

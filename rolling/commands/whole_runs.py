@@ -63,7 +63,7 @@ class Done:
 
 
 def do_run(order: Order, stopped: Callable[[], bool], progress: Callable[[float], object]) -> Done:
-    """Solve what a run lacks, make its sound, and write its files and states.
+    """Solve the missing steps of a run, make its sound, and write its files and states.
 
     A run that another process works on, or whose folder has another scene, has failed.
 
@@ -79,7 +79,7 @@ def do_run(order: Order, stopped: Callable[[], bool], progress: Callable[[float]
 
 
 def light(run: RunResult) -> RunResult:
-    """Return a run with what the pictures of many runs show: its sound and the release."""
+    """Return a run with its sound and release only, which the pictures of many runs show."""
     series = {"release_energy": run.result.series["release_energy"]}
     result = replace(
         run.result, series=series, maps={}, event_pieces={}, snapshot=None, stretches=None

@@ -111,12 +111,11 @@ class Motion:
     laps : int
         Laps of the run-in.
     lap_difference_n : float, N
-        Largest change of the force from the last lap of the run-in to the record; NaN without one.
+        Maximum change of the force from the last lap of the run-in to the record; NaN without one.
     settled : bool
         If true, the motion repeats from lap to lap; whole laps of it loop.
     transient_s : float, s
-        Time from the start in which what the start has set ringing falls to 1e-3; zero after a
-        run-in.
+        Time in which the ringing that the start excites falls to 1e-3; zero after a run-in.
     """
 
     time_s: Array
@@ -270,7 +269,7 @@ class _Run:
         return np.asarray(self.first + self.speed * middle)
 
     def advance(self, state: State, places: Array) -> _Lap:
-        """Return what the kernel says of one step at each of these positions."""
+        """Advance by a step to each of these positions, and return the record."""
         record = np.empty((len(places), 4))
         end, energies = _motion_kernels.advance(
             state, self.step, self.load, self.mass, self.mobility, places, self.law.table, record

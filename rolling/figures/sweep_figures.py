@@ -195,7 +195,7 @@ def _tick(value: Any) -> str:
 
 
 def _label(group: Group, without: Sequence[str]) -> str:
-    """Write the values of a group, without those of some keys."""
+    """Write the values of a group except the values of some keys."""
     return _values({k: value for k, value in group.values.items() if k not in without})
 
 

@@ -93,8 +93,8 @@ def run_of(key: Key, runs: Mapping[str, Sequence[Run]]) -> Run:
 def extent(run: Run) -> tuple[Study, Variant, int]:
     """Return the study of a run at half the spacing, its variant and its number of steps."""
     track = run.scene.track
-    what = Study(run.scene, track.n_along, track.closed, TIMES)
-    return what, what.on_grid(TIMES, what.own.edges), track.solved_steps // SHARE
+    alone = Study(run.scene, track.n_along, track.closed, TIMES)
+    return alone, alone.on_grid(TIMES, alone.own.edges), track.solved_steps // SHARE
 
 
 def solve(

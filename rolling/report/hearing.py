@@ -1,4 +1,4 @@
-"""What the ear gets of runs and why, in sentences computed from their records."""
+"""Sentences on the sound of runs and its reasons, computed from their records."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ DIFFERS = 2.0  # standard uncertainties of a difference of levels that is named
 
 @dataclass(frozen=True)
 class Colour:
-    """Where the A-weighted power of a record lies.
+    """The frequencies at which the A-weighted power of a record lies.
 
     middle_hz : float, Hz. Mean of the logarithm of the frequency, as a frequency.
     low_hz, high_hz : float, Hz. Frequencies with a tenth of the power below and above.
@@ -56,13 +56,13 @@ def _weighted(run: RunResult) -> tuple[Array, Array]:
 
 
 def situation(runs: Sequence[RunResult]) -> str:
-    """Say what rolls over what, as far as it is the same in all runs; empty if it is not."""
+    """Describe sphere, speed and plate if they are the same in all runs; empty if they are not."""
     said = {_situation(run) for run in runs}
     return said.pop() if len(said) == 1 else ""
 
 
 def _situation(run: RunResult) -> str:
-    """Say what rolls over what in a run."""
+    """Describe sphere, speed and plate of a run."""
     scene = run.scene
     body = "An elastic" if scene.sphere.youngs_modulus_gpa else "A rigid"
     yields = f" that yields at {scene.plate.hardness_gpa:g} GPa" if scene.plate.hardness_gpa else ""

@@ -1,4 +1,4 @@
-"""The report page of a sweep with many runs: what they have in common, and their levels."""
+"""The report page of a sweep with many runs: their common settings, and their levels."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class SceneError(Exception):
     """
 
     def __init__(self, faults: Sequence[str]) -> None:
-        # Values and names of files may hold what UTF-8 cannot write, such as half of a pair.
+        # Values and names of files may hold halves of pairs, which UTF-8 cannot write.
         self.faults = [
             fault.encode("utf-8", "backslashreplace").decode("utf-8") for fault in faults
         ]

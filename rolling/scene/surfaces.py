@@ -128,7 +128,7 @@ class HeightFile(Section):
 
     @property
     def n_across(self) -> int | None:
-        """Nodes across the track that a profile is laid over; None: those of the file."""
+        """Nodes across the track that a profile is laid over; None: the file has them."""
         return None if self.width_um is None else round(self.width_um / self.spacing_um)
 
 

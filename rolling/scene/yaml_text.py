@@ -210,7 +210,7 @@ class _Counted(Composer):
 
 
 def _line_of(container: CommentedMap | CommentedSeq, name: Any, outer: int) -> int:
-    """Return the line of a key or place; that of the container for what a merge brought in."""
+    """Return the line of a key or place; for merged keys, the line of the container."""
     place = (container.lc.data or {}).get(name)
     return place[0] + 1 if place else outer
 

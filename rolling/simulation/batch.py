@@ -157,7 +157,7 @@ def solve(
 
 
 class _Work:
-    """Runs that are solved, and what of them is written.
+    """Runs that are solved, and the state of their files.
 
     Runs with the same march share a result, which belongs to the first of them, the leader.
 
@@ -225,7 +225,7 @@ class _Work:
             keep(self.runs[number], self.results[number])
 
     def end(self, outcome: Outcome) -> None:
-        """Write what is not written, and note the runs whose surface was replaced meanwhile."""
+        """Write the results that are not written, and note runs whose surface was replaced."""
         for leader in self.keepers:
             if leader in self.unkept:
                 keep(self.runs[leader], self.results[leader])

@@ -63,7 +63,7 @@ class MovingRelease:
 
     @property
     def law_error(self) -> float:
-        """Largest difference between the approaches of march and motion [m]."""
+        """Maximum difference between the approaches of march and motion [m]."""
         return float(np.abs(self.approach - self.motion_approach).max())
 
     def add(self, piece: MovingPiece) -> None:

@@ -81,7 +81,7 @@ class Listener:
 
 
 class Remote(Protocol):
-    """Workers elsewhere, such as those of a cluster."""
+    """Workers elsewhere, such as the workers of a cluster."""
 
     @property
     def address(self) -> str:

@@ -1,6 +1,6 @@
 """Statistics of runs that differ in their seed alone, beside the uncertainty that each states.
 
-A sweep of seeds repeats an experiment. Its spread says what the uncertainty of one record claims.
+A sweep of seeds repeats an experiment. Its spread tests the uncertainty that one record states.
 """
 
 from __future__ import annotations

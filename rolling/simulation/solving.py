@@ -133,7 +133,7 @@ def _processes(workers: pool.Workers, pieces: int) -> str:
 
 
 def _piece_text(piece: simulate.Piece) -> str:
-    """Write what a piece took: steps, iterations and time."""
+    """Write the effort of a piece: steps, iterations and time."""
     seconds = float(piece.steps["step_time"].sum())
     return (
         f"steps {piece.first} to {piece.last - 1}:"

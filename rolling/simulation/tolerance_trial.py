@@ -139,10 +139,10 @@ def trial_of(marches: Sequence[March]) -> Trial:
         name: np.array([by_place[first, name].release for first in firsts]) for name in LEVELS
     }
     steps = release["tight"].shape[1]
-    told = Trial(tolerance.FLAT, "", len(firsts), steps, seconds=seconds)
+    trial = Trial(tolerance.FLAT, "", len(firsts), steps, seconds=seconds)
     fluctuation, mean = float(release["tight"].std()), float(release["tight"].mean())
     if fluctuation <= SOLVER_ERROR * LEVELS["tight"].tolerance * mean:
-        return replace(told, reason="the release does not fluctuate, there is nothing to judge by")
+        return replace(trial, reason="the release does not fluctuate, there is nothing to judge by")
     grid_db = _error_db(release["tight"], release["fine"], fluctuation)
     solver_db = {
         LEVELS[name].tolerance: _error_db(release[name], release["tight"], fluctuation)
@@ -150,7 +150,7 @@ def trial_of(marches: Sequence[March]) -> Trial:
     }
     chosen = tolerance.choice(grid_db, solver_db)
     return replace(
-        told,
+        trial,
         tolerance=chosen,
         grid_signal_db=grid_db,
         solver_signal_db=tolerance.solver_error_db(chosen, solver_db),

@@ -265,7 +265,7 @@ def _jackknife(sums: Array, numbers: Callable[[Array], Array]) -> Array:
 
 
 def _band_spread(spread: Array, errors: Array, groups: Sequence[Sequence[int]]) -> Array:
-    """Return standard errors of bands [dB] from those of a few stretches and their neighbours.
+    """Return standard errors of bands [dB] from a few stretches and their neighbours.
 
     The jackknife over four stretches is often too small by chance in a single band. Above the
     lowest group it is therefore at least the rms over a group and its neighbours. Bands of a group
@@ -334,7 +334,7 @@ def _ratios(total: Array, powers: BandPowers) -> tuple[Array, Array]:
 
 
 def _reported(total: Array, powers: BandPowers, record: RecordLevels) -> Array:
-    """Return errors of the reported band levels from grid and solver, then those of LAeq [dB]."""
+    """Return errors of the reported band levels and of LAeq, from grid and solver [dB]."""
     errors, of_laeq = [], []
     for error in _ratios(total, powers):
         shift = -0.5 * _sum_error(record.z, error) if record.own_factor else 0.0

@@ -135,7 +135,7 @@ def vibrate(
     fluctuation = motion.force_n - scene.load
     if not closed:
         fluctuation = faded(fluctuation, duration)
-    if scene.surface.kind == "smooth":  # what remains is the solver's error
+    if scene.surface.kind == "smooth":  # the remainder is the solver's error
         fluctuation = np.zeros_like(fluctuation)
     force = _heard(fluctuation, samples)
     sources = [radiators.ground(scene), *([radiators.ball(scene)] if scene.sound.ball else [])]

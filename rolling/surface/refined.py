@@ -82,7 +82,7 @@ def cells_of_patch(
     heights : (along, across) array, m
         The whole surface, periodic along and across.
     first, rows : int
-        First row and number of rows, which is even; rows beyond the ends are those of the next
+        First row and number of rows, which is even; rows beyond the ends belong to the next
         period.
     side : float
         Side of the new cells in nodes of the surface: 1/2, 1 or 2.

@@ -133,7 +133,7 @@ def identity(scene: Scene) -> tuple[Any, ...]:
 
 
 def _making(scene: Scene) -> str:
-    """Write what `_make` does."""
+    """Name the work of `_make` in a few words."""
     if scene.height_path:
         return f"reading the heights of {scene.height_path}"
     return f"making a surface of {scene.track.n_along:,} x {scene.track.n_across:,} nodes"

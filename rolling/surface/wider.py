@@ -25,8 +25,8 @@ def wider_heights(scene: Scene, times: int) -> Array:
     """Generate the surface of a scene `times` as wide, (along, times across) [m].
 
     The scene's own white noise lies in the middle, between columns of other noise, and its scale is
-    kept. Filtered on the wider period, the asperities in the middle are those of the scene, except
-    for the influence of its narrower period.
+    kept. Filtered on the wider period, the asperities in the middle differ from the
+    scene's by the influence of its narrower period only.
 
     Raises
     ------

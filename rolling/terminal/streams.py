@@ -41,7 +41,7 @@ class LastingStream:
         return len(text)
 
     def flush(self) -> None:
-        """Write what is buffered, or drop it when the stream is lost."""
+        """Write the buffered text, or drop it when the stream is lost."""
         if not self._lost:
             try:
                 self._stream.flush()
@@ -62,7 +62,7 @@ class LastingStream:
         self._lost = True
         if isinstance(error, OSError) and error.errno not in _UNHEARD:
             self.error = error
-        # What is buffered would be written once more, and fail, when Python ends.
+        # The buffered text would be written once more, and fail, when Python ends.
         with suppress(OSError, ValueError):
             null = _null()
             os.dup2(null, self._stream.fileno())

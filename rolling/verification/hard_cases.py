@@ -68,7 +68,7 @@ def rough(
 
 
 def make_track(heights: Array, **changes: Any) -> RollingContact:
-    """Make a steel plate under a 5 mm sphere at 5 N with steps of one 2 um node, plus changes."""
+    """Make a steel plate under a 5 mm sphere at 5 N, with steps of a 2 um node."""
     scene: dict[str, Any] = {
         "spacing": 2e-6,
         "radius": 5e-3,

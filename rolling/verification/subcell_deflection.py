@@ -86,8 +86,8 @@ def _within(p: Array, r: int, coefficients: Coefficients) -> Array:
     """
     i, j = (k.ravel() for k in np.indices((r, r)))
     exact = coefficients(i[:, None] - i[None, :], j[:, None] - j[None, :])
-    one = _matrix(1, r)
-    both = np.kron(one, one)
+    along = _matrix(1, r)
+    both = np.kron(along, along)
     a, b = (k.ravel() for k in np.indices((3, 3)))
     between = _between(3, 3, r, coefficients)[
         2 + a[:, None] - a[None, :], 2 + b[:, None] - b[None, :]
