@@ -64,7 +64,7 @@ def _act(argv: Sequence[str] | None) -> int:
 
 
 def _level(given: argparse.Namespace) -> Level:
-    """Return how much the command says."""
+    """Return the detail in which the command reports."""
     if given.quiet:
         return Level.QUIET
     return Level.VERBOSE if given.verbose else Level.NORMAL

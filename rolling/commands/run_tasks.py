@@ -1,4 +1,4 @@
-"""Runs of a sweep as tasks: those that are left, their ends, and their sound for pictures."""
+"""Runs of a sweep as tasks: the runs that are left, their ends, and their sound for pictures."""
 
 from __future__ import annotations
 

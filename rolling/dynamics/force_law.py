@@ -14,7 +14,7 @@ from rolling.dynamics import _law_kernels
 from rolling.dynamics._law_kernels import LawTable
 
 EQUAL = 1e-6  # relative; positions that differ less from equal distances count as equally spaced
-SOFTEST = 0.5  # least slope da/ds at lift-off over the slope at the lowest load: F stays convex
+SOFTEST = 0.5  # minimum slope da/ds at lift-off over the slope at the lowest load: F stays convex
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,7 @@ class Stepping:
     Parameters
     ----------
     per_period : int
-        Least number of steps in a period of the resonance. The scheme detunes it by 0.2 % at 40,
+        Minimum number of steps in a period of the resonance. The scheme detunes it by 0.2 % at 40,
         and takes more steps where that is above a tenth of the resonance's bandwidth.
     time_step_s : float or None, s
         Time step, instead of the step from resonance and track.

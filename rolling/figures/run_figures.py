@@ -5,10 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from rolling.figures import contact_figures, seed_figures, sound_figures, vibration_figures
+from rolling.figures import (
+    contact_figures,
+    level_figures,
+    seed_figures,
+    sound_figures,
+    vibration_figures,
+)
 from rolling.figures.contact_figures import ContactScales
 from rolling.figures.picture import Picture
-from rolling.figures.sound_figures import CurveScales, TimeScales
+from rolling.figures.sound_views import CurveScales, TimeScales
 from rolling.simulation.run_result import RunResult
 
 
@@ -104,9 +110,9 @@ def of_runs(runs: Sequence[RunResult]) -> Iterator[Picture]:
     yield from sound_figures.third_octaves(runs, scales)
     if seeds := seed_figures.third_octaves_of_seeds(runs, scales):
         yield seeds
-    key = sound_figures.swept_key(runs)
+    key = level_figures.swept_key(runs)
     if key is not None:
-        yield sound_figures.levels(key, runs)
+        yield level_figures.levels(key, runs)
     slopes = vibration_figures.speed_slopes(runs)
     if slopes is not None:
         yield slopes

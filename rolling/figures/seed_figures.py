@@ -14,7 +14,7 @@ from acoustics.plot_style import look_of
 from rolling._typing import Array
 from rolling.figures import captions
 from rolling.figures.picture import Picture, single
-from rolling.figures.sound_figures import CurveScales
+from rolling.figures.sound_views import CurveScales
 from rolling.scene.sweep import Value
 from rolling.simulation import labels
 from rolling.simulation.run_result import RunResult

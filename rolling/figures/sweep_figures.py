@@ -40,7 +40,7 @@ def lines(number: str, key: str, groups: Sequence[Group], subject: str) -> Pictu
     ----------
     number : str. A column of runs.csv.
     key : str. A swept key.
-    groups : sequence of Group. The runs of the sweep, without those that lack the number.
+    groups : sequence of Group. The runs of the sweep that have the number.
     subject : str. Name of the scene.
     """
     x, ticks = _axis(key, groups)
@@ -204,7 +204,7 @@ def _values(values: Mapping[str, Any]) -> str:
 
 
 def _note(groups: Sequence[Group]) -> str:
-    """Write how many runs and seeds there are."""
+    """Write the numbers of runs and seeds."""
     seeds = {len(group.rows) for group in groups}
     several = max(seeds, default=1) > 1
     ends = " to ".join(str(count) for count in sorted({min(seeds), max(seeds)})) if seeds else "0"

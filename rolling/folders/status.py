@@ -1,4 +1,4 @@
-"""Status of a run folder: the state of each of its runs, as their run.json tell it."""
+"""Status of a run folder: the state of each of its runs, from their run.json."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def statuses(folder: Path) -> list[RunStatus]:
 
 
 def text(folder: Path) -> str:
-    """Write how far a run folder is: a count of each state, and the runs that need a person."""
+    """Write the progress of a run folder: counts of states, and the runs that need a person."""
     every = statuses(folder)
     counts = Counter(each.state for each in every)
     lines = [
@@ -108,7 +108,7 @@ def _named(runs: Sequence[RunStatus]) -> list[str]:
 
 
 def _since(changed: str) -> str:
-    """Write how long ago a time was."""
+    """Write the time that has passed since a moment."""
     try:
         seconds = (datetime.now(UTC) - datetime.fromisoformat(changed)).total_seconds()
     except (ValueError, TypeError):  # a record that somebody edited

@@ -157,7 +157,7 @@ def _word(finding: Finding) -> str:
 
 
 def _finer(table: Table) -> list[str]:
-    """List the verdicts that were checked at half the spacing, those that turn by name."""
+    """List the verdicts that were checked at half the spacing; verdicts that turn are named."""
     checked = [
         (judged.claim.key, judgement, finer)
         for judged in table.claims

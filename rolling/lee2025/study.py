@@ -288,7 +288,7 @@ def case(reading: str, run: Run, result: Result, closed: bool | None = None) -> 
     ----------
     reading : str. Name of its reading.
     run : Run. The run.
-    result : Result. Its result, or that of a part of its track.
+    result : Result. Its result, of the whole track or of a part.
     closed : bool or None. Whether the steps are whole laps. Default: None, as the track is.
     """
     scene, rolled = run.scene, run.scene.track

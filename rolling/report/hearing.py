@@ -77,7 +77,7 @@ def _situation(run: RunResult) -> str:
 
 
 def sentences(runs: Sequence[RunResult]) -> list[str]:
-    """Say how the loudest run differs from the quietest, where its sound lies, and why there."""
+    """Compare the loudest run with the quietest, and explain the frequencies of its sound."""
     heard = [(run, own) for run in runs if (own := colour(run))]
     if not heard:
         return []
@@ -109,7 +109,7 @@ def _comparison(loud: RunResult, bright: Colour, quiet: RunResult, dull: Colour)
 
 
 def _place(run: RunResult, own: Colour) -> str:
-    """Say where most of the sound of a run lies."""
+    """Name the frequencies with most of the sound of a run."""
     return (
         f"{run.label}: {percent(MOST)} of what the ear weighs lies between"
         f" {kilohertz(own.low_hz)} and {kilohertz(own.high_hz)}."

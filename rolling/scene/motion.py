@@ -80,10 +80,6 @@ class Motion:
         share = np.divide(part, change, out=np.where(begin < speed, 1.0, 0.0), where=change > 0)
         return float(np.sum(np.diff(knots) * share * (np.maximum(begin, end) > 0)))
 
-    def time_moving(self, duration: float) -> float:
-        """Return the time [s] for which the sphere does not rest, from the start to a time [s]."""
-        return self.time_below(np.inf, duration)
-
     def _knots_until(self, duration: float) -> Array:
         """Return the times [s] between which the speed is linear.
 

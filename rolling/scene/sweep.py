@@ -239,7 +239,7 @@ def _same_paths(result: Mapping[str, Any], data: Mapping[str, Any]) -> bool:
 
 
 def _places(sweep: Mapping[str, Any]) -> dict[str, dict[Value, Key]]:
-    """Return where each value of each key stands in a scene."""
+    """Return the place of each value of each key in a scene."""
     places: dict[str, dict[Value, Key]] = {}
     zipped = sweep.get(ZIP, {})
     keys: list[tuple[Key, str, Any]] = [

@@ -1,4 +1,4 @@
-"""Force law of a run: which loads its track is marched at, these marches, and the law's error.
+"""Force law of a run: the loads of its marches, the marches, and the law's error.
 
 A law needs marches at several loads, since contact without memory has a force for each place and
 approach. Loads and pieces depend on the scenes alone, so the law is equal for any number of
@@ -57,7 +57,7 @@ def is_missing(scene: Scene, result: Result) -> bool:
 
 
 def _unmarched(loads: Sequence[float], own: float, result: Result) -> list[tuple[float, int, int]]:
-    """Return load, first and last position of the pieces that lack, but for the own load [N]."""
+    """Return load, first and last position of the pieces that lack, except the own load [N]."""
     known = result.load_marches.approach if result.load_marches else {}
     todo = []
     for load in loads:

@@ -49,7 +49,7 @@ def _alike(
 
 
 def _solved(result: Result) -> tuple[bool, int, int]:
-    """Return how far a result is solved, for a comparison."""
+    """Return the progress of a result, for a comparison."""
     marches = result.load_marches
     complete = marches is not None and marches.complete
     return complete, result.done_steps, 0 if marches is None else len(marches.approach)

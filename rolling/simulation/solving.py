@@ -126,7 +126,7 @@ def solve_here(
 
 
 def _processes(workers: pool.Workers, pieces: int) -> str:
-    """Write where pieces are solved."""
+    """Name the processes that solve pieces."""
     if not isinstance(workers, int):
         return f"the workers of {workers.address}"
     return f"{min(workers, max(1, pieces))} processes"
@@ -217,7 +217,7 @@ class _Work:
         return [] if self.waiting[number] else self.others(number)
 
     def others(self, number: int) -> list[pool.Task]:
-        """Return the marches beside its own that a run needs next, or that of its slow motion."""
+        """Return the marches beside its own that a run needs next; the slow motion is the last."""
         scene, result, seconds = (
             self.scenes[number],
             self.results[number],

@@ -47,18 +47,35 @@ def summarize(
     """
     steps = result.done_steps
     made = scene_surface(scene)
-    series = {name: result.whole(name)[:steps] for name in simulate.STEP_SERIES}
-    state = {name: result.whole(name)[: steps + 1] for name in simulate.STATE_SERIES}
-    hertz_area = (
-        np.pi * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
-    )
-    plastic = float(state["plastic_area"].mean())
-    solved_time = series["step_time"][: result.solved_steps]
+    solved_time = result.whole("step_time")[: min(steps, result.solved_steps)]
     return {
         "name": scene.name,
         "load_n": scene.load,
         "complete": result.complete,
         "steps": steps,
+        **_levels(sound),
+        **run_errors.numbers(errors, sound.uncertainty.laeq_db),
+        **_loudness(scene, sound),
+        **_release(sound),
+        **_contact(scene, result),
+        **_tolerance(scene, result),
+        "step_ms": float(np.median(solved_time) * 1e3),
+        "seconds": float(solved_time.sum()),
+        "sound_seconds": sound_seconds,
+        "caveats": [
+            asdict(each)
+            for each in caveats.caveats(
+                scene, sound, findings.findings(scene), result.complete, errors, vibration, moving
+            )
+        ],
+        "surface": asdict(made.statistics),
+        "levelling": None if made.levelling is None else _levelling(made.levelling),
+    }
+
+
+def _levels(sound: ContactSound) -> dict[str, Any]:
+    """Collect the levels of a sound with their uncertainties."""
+    return {
         "laeq_db": sound.levels.laeq_db,
         "level_db": sound.levels.level_db,
         "laf_max_db": sound.levels.laf_max_db,
@@ -76,8 +93,12 @@ def summarize(
         "third_octave_db": sound.levels.third_octave_db,
         "third_octave_a_db": sound.levels.third_octave_a_db,
         "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
-        **run_errors.numbers(errors, sound.uncertainty.laeq_db),
-        **_loudness(scene, sound),
+    }
+
+
+def _release(sound: ContactSound) -> dict[str, Any]:
+    """Collect the duration of a sound, and the release power behind it."""
+    return {
         "duration_s": sound.duration,
         "loops": sound.loops,
         "highest_frequency_hz": sound.highest,
@@ -86,29 +107,28 @@ def summarize(
         "release_power_rms_w": sound.power_rms,
         "release_power_audible_rms_w": sound.audible_rms,
         "release_power_resolved_rms_w": sound.resolved_rms,
+    }
+
+
+def _contact(scene: Scene, result: Result) -> dict[str, Any]:
+    """Collect areas, pressure, balance and effort over the solved steps."""
+    steps = result.done_steps
+    defect = result.whole("energy_defect")[:steps]
+    state = {name: result.whole(name)[: steps + 1] for name in simulate.STATE_SERIES}
+    hertz_area = (
+        np.pi * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus) ** 2
+    )
+    plastic = float(state["plastic_area"].mean())
+    return {
         "hertz_area_m2": float(hertz_area),
         "contact_area_mean_m2": float(state["contact_area"].mean()),
         "plastic_area_mean_m2": plastic,
         "plastic_ratio": plastic / float(hertz_area),
         "max_pressure_pa": float(state["max_pressure"].max()),
-        "energy_balance_error": float(
-            np.abs(series["energy_defect"]).max() / state["stored_energy"].max()
-        ),
+        "energy_balance_error": float(np.abs(defect).max() / state["stored_energy"].max()),
         "residual_max": float(state["residual"].max()),
         "iterations_mean": float(state["iterations"].mean()),
         "convolutions_mean": float(state["convolutions"].mean()),
-        **_tolerance(scene, result),
-        "step_ms": float(np.median(solved_time) * 1e3),
-        "seconds": float(solved_time.sum()),
-        "sound_seconds": sound_seconds,
-        "caveats": [
-            asdict(each)
-            for each in caveats.caveats(
-                scene, sound, findings.findings(scene), result.complete, errors, vibration, moving
-            )
-        ],
-        "surface": asdict(made.statistics),
-        "levelling": None if made.levelling is None else _levelling(made.levelling),
     }
 
 

@@ -1,7 +1,7 @@
 """Roughness over wavelength: of the surface, and as the contact under its load passes it on.
 
-The approach under a constant load is the surface as the contact averages it. Its spectrum less that
-of the surface is the contact filter of wheel and rail.
+The approach under a constant load is the surface as the contact averages it. Its spectrum less the
+spectrum of the surface is the contact filter of wheel and rail.
 """
 
 from __future__ import annotations

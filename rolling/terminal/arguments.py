@@ -100,7 +100,7 @@ def drawn(sub: argparse.ArgumentParser) -> None:
 
 
 def opened(sub: argparse.ArgumentParser) -> None:
-    """Add the wish to see the page."""
+    """Add the option that opens the page."""
     _flag(sub, "--open", "open the report page in a browser")
 
 

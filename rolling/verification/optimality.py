@@ -229,7 +229,7 @@ def _area_error(track: RollingContact, state: ContactState, rounding: float) -> 
     """Return the relative error of the contact area that rounding leaves.
 
     The area of a shared cell follows from slopes of the deflected gap over the range that pressures
-    level. `rounding` is that of the gap over the maximum deflection.
+    level. `rounding` is the rounding error of the gap over the maximum deflection.
     """
     if not track.has_blended_edges:
         return LOAD_ERROR

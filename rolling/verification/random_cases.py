@@ -203,7 +203,7 @@ def blended_scene(seed: int) -> tuple[RollingContact, str]:
 def subcell_scene(seed: int) -> tuple[RollingContact, str]:
     """Make a random or an odd scene on 2 x 2 or 4 x 4 sub-cells, elastic, sharp or blended.
 
-    Where the surface continues between its nodes is decided by its spectrum.
+    The spectrum decides whether the surface continues between its nodes.
     """
     rng = np.random.default_rng([20250119, seed])
     track, feature = (odd_scene if seed % 2 else random_scene)(seed // 2)

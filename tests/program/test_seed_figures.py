@@ -10,7 +10,7 @@ from report_runs import run_results
 
 from acoustics.bands import BAND_NAMES
 from rolling.figures import seed_figures
-from rolling.figures.sound_figures import CurveScales
+from rolling.figures.sound_views import CurveScales
 from rolling.simulation.run_result import RunResult
 
 
