@@ -276,12 +276,12 @@ def _hard_cases(given: argparse.Namespace) -> int:
 
     target = new_folder.aim(Path("outputs") / "hard-cases", given.out, False, ["hard-cases"])
     with progress.step(LOADING):
-        from rolling.verification import judge
+        from rolling.verification import hard_report
     held = new_folder.make(target, run_record.new("hard-cases"))
     with held:
         workers = given.workers or cost.cores()
         random = given.random or defaults.RANDOM_SCENES
-        code = judge.main_report(held.folder, random, workers, given.long)
+        code = hard_report.main_report(held.folder, random, workers, given.long)
         held.end(False, "not every case holds" if code else None)
     print(held.folder if progress.is_quiet() else f"\ntable, numbers: {held.folder}")
     return code

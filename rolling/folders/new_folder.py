@@ -13,44 +13,20 @@ import time
 import uuid
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 from rolling.folders import claim, own_files, run_record
 from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError
+from rolling.folders.replaceable import Target, contains, marked, named, refuse_losses
 from rolling.folders.run_record import Kind, RunRecord
 
 PREVIOUS = ".previous"
 LATEST = "latest"  # link to the newest of the folders named after the time
 MOMENT = 60.0  # [s]; a folder that lacks run.json for longer is no longer being made
 Fill = Callable[[Path], object]  # function that writes the inputs of a run into its folder
-
-
-@dataclass(frozen=True)
-class Target:
-    """Folder that may be made.
-
-    Attributes
-    ----------
-    folder : Path
-        Folder itself, or its parent if `stamped`.
-    stamped : bool
-        If true, the folder is named after the time.
-    replaces : bool
-        If true, the new folder replaces a folder of this program.
-    kinds : tuple of Kind
-        Kinds of folders that the command makes, and may replace.
-    inputs : tuple of Path
-        Files and folders that the command reads.
-    """
-
-    folder: Path
-    stamped: bool
-    replaces: bool
-    kinds: tuple[Kind, ...]
-    inputs: tuple[Path, ...]
 
 
 def aim(
@@ -94,20 +70,18 @@ def _aim(out: Path, force: bool, kinds: Sequence[Kind], inputs: Sequence[Path]) 
         return target
     if not out.is_dir():
         raise FolderError(f"{out}: is a file, --out is a folder; take another --out")
-    if _contains(out, Path.cwd()):
+    if contains(out, Path.cwd()):
         raise FolderError(
             f"{out}: is the working directory or holds it; give --out a folder of its own"
         )
     if is_empty(out):
         return target
-    record = _marked(out, kinds)
+    record = marked(out, kinds)
     if not force:
         claim.refuse_folder_in_use(out, record)
         way = ", or --force to replace it" if record.kind in own_files.FILES else ""
-        raise FolderError(
-            f"{out}: holds a {_named([record.kind])} already; take another --out{way}"
-        )
-    _refuse_losses(target, record)
+        raise FolderError(f"{out}: holds a {named([record.kind])} already; take another --out{way}")
+    refuse_losses(target, previous(target.folder), record)
     return replace(target, replaces=True)
 
 
@@ -168,7 +142,7 @@ def make_shared(out: Path, record: RunRecord, fill: Fill) -> bool:
                 raise FolderError(f"{out}: cannot be made ({error.strerror or error})") from error
     if not out.is_dir():
         raise FolderError(f"{out}: is a file, --out is a folder; take another --out")
-    _marked(out, [record.kind])
+    marked(out, [record.kind])
     return False
 
 
@@ -218,7 +192,7 @@ def drop_previous(held: Claim) -> Path | None:
         if record is not None and record.id == held.record.replaces:
             with claim.guard(old):
                 claim.refuse_folder_in_use(old, record)
-                if _contains(old, Path.cwd()) or own_files.foreign(old, record):
+                if contains(old, Path.cwd()) or own_files.foreign(old, record):
                     return old
                 discarded = _temporary(held.folder)
                 old.rename(discarded)  # so that no process meets it half removed
@@ -237,95 +211,6 @@ def is_empty(folder: Path) -> bool:
         entry.name in traces and entry.is_file() and not entry.is_symlink()
         for entry in folder.iterdir()
     )
-
-
-# ---- refusals to replace
-
-
-def _marked(folder: Path, kinds: Sequence[Kind]) -> RunRecord:
-    """Read the record of a folder of this program.
-
-    Raises
-    ------
-    FolderError
-        The folder belongs to another program, or is of another kind.
-    """
-    record = run_record.read(folder)
-    if record is None:
-        if (folder / "resolved.yaml").is_file() or (folder / "accuracy.json").is_file():
-            raise FolderError(
-                f"{folder}: holds a run of version 0.1.0 (no run.json), which is never replaced;"
-                " take another --out, or remove it yourself"
-            )
-        raise FolderError(
-            f"{folder}: holds something that is no {_named(kinds)} of this program; take another"
-            " --out"
-        )
-    if record.kind not in kinds:
-        raise FolderError(
-            f"{folder}: is the folder of another command ({record.kind}); take another --out"
-        )
-    return record
-
-
-def _named(kinds: Sequence[Kind]) -> str:
-    """Return the word for a folder of the first of these kinds."""
-    return {"accuracy": "study of accuracy", "hard-cases": "table of hard cases"}.get(
-        kinds[0], kinds[0]
-    )
-
-
-def _refuse_losses(target: Target, record: RunRecord) -> None:
-    """Raise FolderError if replacing the folder would lose data or disturb other work."""
-    out = target.folder
-    if out.is_symlink():
-        raise FolderError(
-            f"{out}: a symbolic link, which is not replaced; give --out the folder {out.resolve()}"
-        )
-    if owner := claim.owner_of(out):
-        raise FolderError(
-            f"{out}: a run of the sweep in {owner}, which would hold two scenes; take another --out"
-        )
-    _refuse_loss(out, record, target.inputs)
-    old = previous(out)
-    if os.path.lexists(old):
-        if old.is_symlink() or not old.is_dir():
-            raise FolderError(f"{old}: the name for the replaced folder is taken; move it away")
-        _refuse_loss(old, _marked(old, target.kinds), target.inputs)
-
-
-def _refuse_loss(folder: Path, record: RunRecord, inputs: Sequence[Path]) -> None:
-    """Raise FolderError if removing a folder would lose data."""
-    if record.adopted:
-        raise FolderError(
-            f"{folder}: made by version 0.1.0 and never replaced; take another --out, or remove it"
-            " yourself"
-        )
-    for path in inputs:
-        if _contains(folder, path):
-            raise FolderError(
-                f"{folder}: {path}, which this command reads, lies in it; take another --out"
-            )
-    if _contains(folder, Path.cwd()):
-        raise FolderError(f"{folder}: holds the working directory; take another --out")
-    claim.refuse_folder_in_use(folder, record)
-    if others := own_files.foreign(folder, record):
-        names = ", ".join(str(path.relative_to(folder)) for path in others[:3])
-        more = f" and {len(others) - 3} more" if len(others) > 3 else ""
-        raise FolderError(
-            f"{folder}: not replaced, because this program did not write {names}{more} in it;"
-            " move that away, or take another --out"
-        )
-
-
-def _contains(folder: Path, path: Path) -> bool:
-    """Tell whether a folder is the path or holds it, however both are written."""
-    own = path.resolve()
-    for above in (own, *own.parents):
-        with suppress(OSError):
-            if above.samefile(folder):
-                return True
-    return False
 
 
 # ---- making
@@ -403,9 +288,10 @@ def _exchange(target: Target, new: Claim) -> None:
     kept. The folder that is not kept is renamed too, and `_left_over` finds it.
     """
     out, old = target.folder, previous(target.folder)
-    there = _marked(out, target.kinds)
-    _refuse_losses(target, there)  # again, because other commands may have changed the folder
-    before = _marked(old, target.kinds) if os.path.lexists(old) else None
+    there = marked(out, target.kinds)
+    # Again, because other commands may have changed the folder.
+    refuse_losses(target, old, there)
+    before = marked(old, target.kinds) if os.path.lexists(old) else None
     kept = before if before is not None and before.completed and not there.completed else there
     new.record = replace(new.record, replaces=kept.id)
     run_record.write(new.folder, new.record)

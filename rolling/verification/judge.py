@@ -12,24 +12,20 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rolling import tables
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import half_space_of
-from rolling.folders import files
 from rolling.simulation import lifeline, spawning
-from rolling.terminal import defaults, progress
-from rolling.verification import hard_cases, optimality
-from rolling.verification.hard_cases import CAPACITY, CASES, ROOM, SOLVED, WIDTH, HardCase
-from rolling.verification.random_cases import GENERATORS, found_cases, random_case
+from rolling.verification import optimality
+from rolling.verification.hard_cases import CAPACITY, ROOM, SOLVED, WIDTH, HardCase
+from rolling.verification.random_cases import GENERATORS, random_case
 
 # Maximum time of solving a scene [s], a hundred times the slowest; the long march has more.
 TIME_LIMIT = 60.0
@@ -369,79 +365,3 @@ def _tally(outcomes: Sequence[Outcome]) -> Tally:
         iterations=Iterations(*percentiles),
         solving_seconds=sum(outcome.seconds for outcome in outcomes),
     )
-
-
-def table(report: Report) -> str:
-    """Write hard.md: the conditions, the tallies of all groups, and the failures."""
-    head = [
-        "group",
-        "surface",
-        "plate",
-        "scenes",
-        "solved",
-        *(f"refused: {reason}" for reason in report.total.refused),
-    ]
-    head += ["failed", "held %", "iterations 50 %", "95 %", "most"]
-    rows = [
-        _cells(group) for group in (*report.groups, Group("all but found", "", "", report.total))
-    ]
-    text = [
-        "# Hard cases",
-        "",
-        "Each scene must hold these conditions, or it counts as failed:",
-        "",
-    ]
-    text += [f"- {condition}" for condition in MUST_HOLD]
-    text += ["", tables.markdown(head, rows, padded=True, right=range(3, len(head))), ""]
-    text += [
-        f"{report.total.states} states; {report.seconds:.1f} s, "
-        f"{report.total.solving_seconds:.1f} s of it solving.",
-        "",
-    ]
-    text += [f"## Failures: {len(report.failed)}", ""]
-    text += [f"- {outcome.name}: {'; '.join(outcome.violated[:3])}" for outcome in report.failed]
-    return "\n".join(text).rstrip() + "\n"
-
-
-def _cells(group: Group) -> list[str]:
-    """Return the cells of a group's row."""
-    tally, iterations = group.tally, group.tally.iterations
-    counts = [tally.scenes, tally.solved, *tally.refused.values(), tally.failed]
-    rate = f"{100 * tally.success_rate:.2f}"
-    numbers = [
-        *map(str, counts),
-        rate,
-        str(iterations.median),
-        str(iterations.high),
-        str(iterations.most),
-    ]
-    return [group.group, group.surface, group.plate, *numbers]
-
-
-def main_report(out: Path, random: int, workers: int = 1, long: bool = False) -> int:
-    """Judge all cases, print the table, and write hard.json and hard.md.
-
-    Parameters
-    ----------
-    out : Path. Folder of the files.
-    random : int. Number of random scenes. The numbers of odd scenes, of blended scenes and of
-        scenes on sub-cells are each a quarter of it.
-    workers : int. Number of processes. Default: 1.
-    long : bool. If true, add the march of 1e5 steps, which takes minutes. Default: False.
-
-    Returns
-    -------
-    code : int. 0 without a failure, else 1.
-    """
-    cases = [*CASES, *found_cases(), *([hard_cases.LONG] if long else [])]
-    others = random // defaults.OTHER_SCENES
-    total = len(cases) + random + 3 * others
-    with progress.bar(total, f"{total} scenes", unit="scene") as bar:
-        report = judge_all(cases, random, others, others, others, workers, bar.update)
-    text = table(report)
-    if not progress.is_quiet():
-        print(text)
-    out.mkdir(parents=True, exist_ok=True)
-    files.write_json(out / "hard.json", report.to_dict())
-    files.write_bytes(out / "hard.md", text.encode())
-    return 1 if report.failed else 0

@@ -130,7 +130,7 @@ def test_help_gives_the_numbers_that_are_used(
     from rolling.accuracy import study
     from rolling.lee2025.study import QUICK
     from rolling.report import page
-    from rolling.verification import hard_cases
+    from rolling.verification import hard_cases, hard_report
 
     text = help_of("accuracy", capsys)
     counts: list[int] = []
@@ -138,7 +138,7 @@ def test_help_gives_the_numbers_that_are_used(
         judge, "judge_all", lambda cases, *numbers: counts.extend(numbers[:4]) or 1 / 0
     )
     with pytest.raises(ZeroDivisionError):
-        judge.main_report(tmp_path, defaults.RANDOM_SCENES)
+        hard_report.main_report(tmp_path, defaults.RANDOM_SCENES)
     assert sum(counts) == 3500 and f"{sum(counts):,} in all" in text
     assert f"{hard_cases.LONG.steps // 1000},000 steps" in text
     made = study.run_study.__defaults__
