@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scene_text import SMALL
 
 from rolling.accuracy import kept, variants
 from rolling.accuracy.record import record_check
@@ -16,18 +17,8 @@ from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, Piece
 from rolling.surface import heights as surface
 from rolling.surface import scene_surface, wider
 
-SCENE = {
-    "name": "small",
-    "sphere": {"radius_mm": 5},
-    "plate": {"youngs_modulus_gpa": 210, "poissons_ratio": 0.3, "hardness_gpa": 2.1},
-    "surface": {
-        "kind": "gaussian",
-        "roughness_ra_um": 0.1,
-        "correlation_length_um": 10,
-        "spacing_um": 2,
-        "width_um": 256,
-        "seed": 3,
-    },
+SCENE = SMALL | {
+    "surface": SMALL["surface"] | {"width_um": 256, "seed": 3},
     "rolling": {"load_n": 1, "speed_m_s": 0.1, "duration_s": 0.005},
 }
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from claim_cases import as_the_article_says, study, with_grid
+from scene_text import SMALL
 
 from rolling.lee2025 import claims, claims_text, half_spacing, page
 from rolling.lee2025 import study as lee_study
@@ -20,18 +21,7 @@ from rolling.simulation import simulate
 from rolling.simulation.batch import Run
 from rolling.simulation.result import Result
 
-SCENE: dict[str, Any] = {
-    "name": "small",
-    "sphere": {"radius_mm": 5},
-    "plate": {"youngs_modulus_gpa": 210, "poissons_ratio": 0.3, "hardness_gpa": 2.1},
-    "surface": {
-        "kind": "gaussian",
-        "roughness_ra_um": 0.1,
-        "correlation_length_um": 10,
-        "spacing_um": 2,
-        "width_um": 128,
-        "seed": 1,
-    },
+SCENE = SMALL | {
     "rolling": {"load_n": 0.3, "speed_m_s": 0.1, "duration_s": 0.008},
     "numerics": {"tolerance": 1e-4},
 }

@@ -1,6 +1,7 @@
 """The text of a scene, the faults of its variants, and the scenes of scenarios/."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -70,6 +71,21 @@ surface: {{kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
 spacing_um: 2, width_um: 512, seed: 1}}
 rolling: {{load_n: 20, speed_m_s: 0.1, duration_s: 0.5}}
 """
+
+# The same bodies and a narrow surface as plain values.
+SMALL: dict[str, Any] = {
+    "name": "small",
+    "sphere": {"radius_mm": 5},
+    "plate": {"youngs_modulus_gpa": 210, "poissons_ratio": 0.3, "hardness_gpa": 2.1},
+    "surface": {
+        "kind": "gaussian",
+        "roughness_ra_um": 0.1,
+        "correlation_length_um": 10,
+        "spacing_um": 2,
+        "width_um": 128,
+        "seed": 1,
+    },
+}
 
 
 def faults(text: str, *overrides: str) -> list[str]:
