@@ -58,6 +58,10 @@ _DOUBLE_LENGTHS = (
 )
 MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
+# Bytes of transforms that a half-space keeps. A rough track asks for some hundred sizes; without a
+# limit they took 4 GB in each process. A step needs few sizes, which fit by far.
+KEPT_BYTES = 2**28
+
 OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # coefficient of a unit square at its own centre
 
 
@@ -125,7 +129,7 @@ def _love_spectrum(m: int, n: int) -> Array:
 class HalfSpace:
     """Elastic half-space under pressure on windows of square cells.
 
-    It keeps the transforms of each padded size.
+    It keeps the transforms of the padded sizes that were used last, up to KEPT_BYTES.
 
     Parameters
     ----------
@@ -203,9 +207,15 @@ class HalfSpace:
         The caller that applies them adds to `count`.
         """
         key = (self._length(row_reach, single), self._length(column_reach, single), single)
-        if key not in self._convolutions:
-            self._convolutions[key] = self._make(*key)
-        return self._convolutions[key]
+        convolution = self._convolutions.pop(key, None)
+        if convolution is None:
+            convolution = self._make(*key)
+            room = KEPT_BYTES - convolution.nbytes
+            sizes = [kept.nbytes for kept in self._convolutions.values()]
+            while sizes and sum(sizes) > room:
+                del self._convolutions[next(iter(self._convolutions))], sizes[0]
+        self._convolutions[key] = convolution  # the last is the one that was used last
+        return convolution
 
     def _make(self, m: int, n: int, single: bool) -> Convolution:
         """Make the transforms of a padded size."""
@@ -287,6 +297,12 @@ class Convolution:
             self._lines, self._lines, axes=(0,), direction="FFTW_BACKWARD", flags=flags
         )
         self._row_plans: dict[int, tuple[pyfftw.FFTW, pyfftw.FFTW]] = {}
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the arrays [bytes]."""
+        arrays = self._image, self._lines, self._coefficients
+        return sum(int(array.nbytes) for array in arrays)
 
     def clear(self, rows: int) -> None:
         """Unload the first `rows` rows and the further rows that `apply` includes."""

@@ -137,6 +137,11 @@ class SubcellConvolution(Convolution):
         self._block = own_block(subcells).astype(self.real.dtype)
         self._own = np.empty((0, subcells**2), self.real.dtype)
 
+    @property
+    def nbytes(self) -> int:
+        """Memory of the arrays [bytes]."""
+        return super().nbytes + int(self.real.nbytes) + int(self._own.nbytes)
+
     def head(self, rows: int) -> Array:
         """Return a view of the first `rows` rows of sub-cells."""
         view: Array = self.real[:rows]

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from helpers import STEEL
 
+from rolling.contact import half_space
 from rolling.contact.half_space import HalfSpace, love, padded_length
+from rolling.contact.subcells import half_space_of
 from rolling.verification.dense import influence_matrix
 
 SPACING = 2e-6
@@ -137,3 +139,22 @@ def test_single_precision_is_told_from_double_by_1e_7() -> None:
         / space.deflection(pressure).max()
     )
     assert 1e-9 < error < 1e-6
+
+
+@pytest.mark.parametrize("subcells", [1, 2])
+def test_kept_transforms_stay_within_their_memory(
+    subcells: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A hundred sizes of window once took gigabytes; the sizes used last are kept."""
+    plate = half_space_of(SPACING, STEEL, subcells)
+    pressure = np.ones((24, 24))
+    first = plate.deflection(pressure)
+    monkeypatch.setattr(half_space, "KEPT_BYTES", 2**23)
+    for reach in range(40, 200, 8):
+        used = plate.convolution(reach, reach)
+        assert plate.convolution(reach, reach) is used
+        assert sum(kept.nbytes for kept in plate._convolutions.values()) <= 2**23
+    assert 1 < len(plate._convolutions) < 10
+    large = plate.convolution(900, 900)
+    assert list(plate._convolutions.values()) == [large]
+    np.testing.assert_array_equal(plate.deflection(pressure), first)
