@@ -138,8 +138,7 @@ def _marches(scene: Scene) -> Finding:
 
 def _release(scene: Scene) -> list[Finding]:
     """Judge the steps of a release under the moving load, and state its cost."""
-    assert scene.dynamics is not None
-    if not scene.dynamics.release:
+    if not scene.moves_release:
         return []
     speed, frequency = scene.motion.slowest(scene.duration), resonance.frequency(scene)
     steps, warning = speed / (frequency * scene.step), None
@@ -151,4 +150,6 @@ def _release(scene: Scene) -> list[Finding]:
         )
     seconds = cost.expected_seconds(scene) / cost.cores()
     value = f"one more march, about {clock(seconds)} on {on_cores()}, {steps:.2g} steps in a period"
+    if scene.dynamics is not None and scene.dynamics.release is None:
+        value += "; dynamics.release: false leaves it out"
     return [Finding(OWN_MARCH, "release under the moving load", value, warning, seconds)]

@@ -441,6 +441,17 @@ class Scene(Section):
         return self.rolling.load_n
 
     @property
+    def moves_release(self) -> bool:
+        """Whether the release is wanted under the moving load.
+
+        It is the default where the release is heard.
+        """
+        if self.dynamics is None:
+            return False
+        wanted = self.dynamics.release
+        return self.sound.source == "release" if wanted is None else wanted
+
+    @property
     def start(self) -> float:
         """First position along the track [m]."""
         return self.rolling.start_um * 1e-6

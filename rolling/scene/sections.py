@@ -314,10 +314,10 @@ class Dynamics(Section):
     span: float = Field(
         default=1.4, gt=1, le=4, description="Ratio of a marched load to the next lower one [-]"
     )
-    release: bool = Field(
-        default=False,
+    release: bool | None = Field(
+        default=None,
         description="Whether the release is computed under the moving load, by one more march of"
-        " each run; otherwise under the constant load",
+        " each run; otherwise under the constant load; absent: true for sound.source: release",
     )
 
 

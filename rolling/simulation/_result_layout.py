@@ -197,8 +197,12 @@ def _series(file: h5py.File, result: Result, scene: Scene) -> None:
         packed=True,
         long_name="time at each position",
     )
+    # With dynamics there is a second march, under the moving load.
+    marked = {} if scene.dynamics is None else {"comment": "under the constant load"}
     for name, values in whole.of_steps.items():
-        root.add(name, values, ["step"], UNITS[name], packed=name == "speed", coordinates="time")
+        more = marked if name.startswith(("release", "loading")) else {}
+        packed = name == "speed"
+        root.add(name, values, ["step"], UNITS[name], packed, coordinates="time", **more)
     for name, values in whole.of_positions.items():
         root.add(name, values, ["position"], UNITS[name], coordinates="position_time")
 
@@ -353,7 +357,9 @@ def _moving_release(file: h5py.File, result: Result, scene: Scene) -> None:
     if key not in result.moving:
         return
     moving, group = result.moving[key], _Group(file.create_group("moving_release"))
-    group.group.attrs["key"] = key
+    group.group.attrs.update(key=key, fault=moving.fault)
+    if moving.fault:
+        return
     places = result.start + np.arange(result.solved_steps + 1) * result.step
     group.coordinate("place", places, "m", "distance along the track")
     group.dimension("place_step", result.solved_steps)

@@ -552,7 +552,9 @@ def _moving_release(file: h5py.File, result: Result) -> dict[str, MovingRelease]
     group = _group(file, "moving_release")
     if group is None:
         return {}
-    count = result.solved_steps
+    count, key = result.solved_steps, _text(group, "key")
+    if fault := _text(group, "fault") if "fault" in group.attrs else "":
+        return {key: MovingRelease.impossible(count, fault)}
     force, approach, of_motion = (
         _array(group, name, "f", (count + 1,)).astype(np.float64)
         for name in ("force", "approach", "motion_approach")
@@ -563,4 +565,4 @@ def _moving_release(file: h5py.File, result: Result) -> dict[str, MovingRelease]
     _refuse("moving_release/release_energy", steps["release_energy"] < 0, "are negative")
     for name, values in steps.items():
         _refuse(f"moving_release/{name}", np.isinf(values), "are infinite")
-    return {_text(group, "key"): MovingRelease(force, of_motion, approach, steps)}
+    return {key: MovingRelease(force, of_motion, approach, steps)}

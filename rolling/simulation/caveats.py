@@ -11,6 +11,7 @@ from acoustics.bands import OFF_DB
 from rolling.check import resolution
 from rolling.check.finding import Finding
 from rolling.scene.scene import Scene
+from rolling.simulation.moving_load import MovingRelease
 from rolling.simulation.run_errors import RunErrors
 from rolling.sound import error_estimate, solver_error
 from rolling.sound.contact_sound import ContactSound
@@ -79,7 +80,7 @@ def caveats(
     complete: bool,
     errors: RunErrors | None = None,
     vibration: Vibration | None = None,
-    moving: bool = False,
+    moving: MovingRelease | None = None,
 ) -> list[Caveat]:
     """List the caveats of a run: the standing caveats, then the warnings of check and solver.
 
@@ -91,7 +92,7 @@ def caveats(
     complete : bool. Whether all steps are solved.
     errors : RunErrors. Errors from grid and solver. Default: the scene does not ask for them.
     vibration : Vibration. Vibration of sphere and plate. Default: the run has none.
-    moving : bool. Whether the release was computed under the moving load. Default: false.
+    moving : MovingRelease. The release under the moving load, or its fault. Default: none.
     """
     estimated = errors is not None and not errors.reason
     result = [*_of_levels(scene, sound, estimated), *_of_record(scene, sound)]
@@ -148,7 +149,7 @@ def gathered(runs: Sequence[tuple[str, Sequence[Caveat]]]) -> list[Remark]:
     return remarks
 
 
-def _of_load(scene: Scene, vibration: Vibration | None, moving: bool) -> Caveat:
+def _of_load(scene: Scene, vibration: Vibration | None, moving: MovingRelease | None) -> Caveat:
     """Return the caveat of the load under which the release was computed."""
     if scene.dynamics is None:
         return Caveat(
@@ -159,7 +160,13 @@ def _of_load(scene: Scene, vibration: Vibration | None, moving: bool) -> Caveat:
         return Caveat(
             "no_vibration", "The vibration is missing, because its force law is not complete."
         )
-    if moving:
+    if moving is not None and moving.fault:
+        return Caveat(
+            "no_moving_release",
+            f"release: of the constant load, because there is none under the moving load:"
+            f" {moving.fault}",
+        )
+    if moving is not None:
         return Caveat(
             "moving_load_release",
             "The release is computed under the moving load; the series along the track are of the"
@@ -168,7 +175,7 @@ def _of_load(scene: Scene, vibration: Vibration | None, moving: bool) -> Caveat:
     return Caveat(
         "constant_load_release",
         "The release is computed under the constant load; dynamics.release: true computes it under"
-        " the moving load, where the motion repeats.",
+        " the moving load.",
     )
 
 

@@ -21,6 +21,7 @@ from rolling.folders import program
 from rolling.scene.scene import Scene
 from rolling.simulation import caveats, run_errors, simulate
 from rolling.simulation.labels import printable
+from rolling.simulation.moving_load import MovingRelease
 from rolling.simulation.result import Result
 from rolling.simulation.run_errors import RunErrors
 from rolling.sound.contact_sound import ContactSound
@@ -39,11 +40,11 @@ def summarize(
     sound_seconds: float,
     errors: RunErrors | None = None,
     vibration: Vibration | None = None,
-    moving: bool = False,
+    moving: MovingRelease | None = None,
 ) -> dict[str, Any]:
     """Collect the numbers of a run over the solved steps; levels of silence are None.
 
-    `moving` says whether the release of the sound was computed under the moving load.
+    `moving` is the release under the moving load, or its fault.
     """
     steps = result.done_steps
     made = scene_surface(scene)
