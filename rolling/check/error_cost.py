@@ -61,11 +61,14 @@ def stretch_cost(scene: Scene, steps: int) -> float:
 def stretch_steps(scene: Scene) -> int:
     """Return the number of steps of a stretch, or 0 where the track is too short for stretches.
 
-    A stretch resolves 1 kHz where the share of the cost allows it.
+    A stretch resolves 1 kHz where the share of the cost allows it. With dynamics it is as long as
+    it may be, because runs at several speeds share it.
     """
     track = scene.track
     speed = track.distance / scene.duration
     wanted = LINES * speed / (track.step * BANDWIDTH_HZ[BAND_NAMES.index("1000")])
+    if scene.dynamics is not None:
+        wanted = math.inf
     per_step = stretch_cost(scene, 1) - stretch_cost(scene, 0)
     paid = SHARE * track.solved_steps / FIRST_STRETCHES / per_step - START_STEPS
     least, most = STRETCH_STEPS

@@ -32,7 +32,7 @@ def findings(scene: Scene) -> list[Finding]:
 
 def resonance_of(scene: Scene) -> Finding:
     """State resonance and damping of the sphere on contact and plate."""
-    chain = force_estimate.smooth_chain(scene)
+    chain = of_scene.smooth_chain(scene)
     quality = "undamped" if math.isinf(chain.quality) else f"Q {chain.quality:.2g}"
     value = f"{si(chain.resonance_hz, 'Hz')}, {quality}"
     return Finding("resonance", "contact resonance", value)

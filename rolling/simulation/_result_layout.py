@@ -289,11 +289,14 @@ def _stretches(file: h5py.File, result: Result) -> None:
     firsts = sorted({first for first, _ in stretches.marches})
     shape = len(firsts), len(LEVELS)
     release = np.full((*shape, stretches.steps), np.nan)
+    approach = np.full((*shape, stretches.steps + 1), np.nan)
     plastic_area, seconds = np.full((2, *shape), np.nan)
     faults = {}
     for (first, level), march in stretches.marches.items():
         place = firsts.index(first), LEVELS.index(level)
         release[place], plastic_area[place] = march.release, march.plastic_area
+        if march.approach.size:
+            approach[place] = march.approach
         seconds[place] = march.seconds
         if march.fault:
             faults[f"{first} {level}"] = march.fault
@@ -302,6 +305,9 @@ def _stretches(file: h5py.File, result: Result) -> None:
         group.dimension(name, length)
     group.add("first", np.array(firsts), ["stretch"], "position")
     group.add("release_energy", release, ["stretch", "level", "stretch_step"], "J")
+    if np.isfinite(approach).any():
+        group.dimension("stretch_place", approach.shape[2])
+        group.add("approach", approach, ["stretch", "level", "stretch_place"], "m")
     group.add("plastic_area", plastic_area, ["stretch", "level"], "m2")
     group.add("seconds", seconds, ["stretch", "level"], "s")
 

@@ -108,7 +108,7 @@ def caveats(
         Caveat(each.key, f"{each.quantity}: {each.warning}")
         for each in findings
         # A measured error of the grid stands for the rule's estimate.
-        if each.warning and (each.key != resolution.KEY or not _knows_grid(errors))
+        if each.warning and (each.key != resolution.KEY or not _knows_grid(scene, errors))
     ]
     result += _of_errors(scene, errors)
     if vibration is not None:
@@ -203,9 +203,9 @@ def _of_vibration(scene: Scene, vibration: Vibration) -> list[Caveat]:
     return result
 
 
-def _knows_grid(errors: RunErrors | None) -> bool:
-    """Return whether the error of the grid was measured."""
-    levels = errors.levels if errors else None
+def _knows_grid(scene: Scene, errors: RunErrors | None) -> bool:
+    """Return whether the error of the grid in the release was measured."""
+    levels = errors.levels if errors and scene.sound.source == "release" else None
     return levels is not None and math.isfinite(levels.grid_signal_db)
 
 
@@ -217,13 +217,14 @@ def _of_errors(scene: Scene, errors: RunErrors | None) -> list[Caveat]:
         return [Caveat("no_error_estimate", f"error estimate: none, because {errors.reason}")]
     result = []
     signal = errors.levels.grid_signal_db
-    if math.isfinite(signal) and (coarse := resolution.measured(scene, signal)):
+    if _knows_grid(scene, errors) and (coarse := resolution.measured(scene, signal)):
         result.append(Caveat(resolution.KEY, coarse))
     if not errors.effort.reached:
         text = (
             f"error estimate: its standard errors reach {errors.effort.worst_uncertainty_db:.1f} dB"
             f" between 1 and 16 kHz, {error_estimate.WANTED_DB:g} dB are wanted: a longer"
-            " rolling.duration_s pays for more stretches"
+            f" rolling.{'duration_s' if scene.rolling.distance_mm is None else 'distance_mm'} pays"
+            " for more stretches"
         )
         result.append(Caveat("error_estimate_reach", text))
     if off := errors.off_db():
@@ -241,7 +242,7 @@ def _of_levels(scene: Scene, sound: ContactSound, estimated: bool) -> list[Cavea
     if sound.steady_level is None and sound.levels.level_db is None:
         return []
     if sound.source == "vibration":
-        return _of_vibration_levels(scene)
+        return _of_vibration_levels(scene, estimated)
     result, s = [], scene.sound
     fixed = s.gain_pa_per_w_m2 is not None
     if s.q == 1:
@@ -278,7 +279,7 @@ def _unvalidated() -> Caveat:
     return Caveat("unvalidated", "No level has been validated against a microphone.")
 
 
-def _of_vibration_levels(scene: Scene) -> list[Caveat]:
+def _of_vibration_levels(scene: Scene, estimated: bool) -> list[Caveat]:
     """List the caveats of levels that belong to the vibration."""
     sources = "plate and sphere" if scene.sound.ball else "plate"
     body = (
@@ -301,7 +302,13 @@ def _of_vibration_levels(scene: Scene) -> list[Caveat]:
         Caveat(
             "uncertainty",
             "± covers the record's length alone, taken as stationary Gaussian noise; it holds no"
-            " error of model, grid or solver.",
+            + (
+                " error of the model. Errors of grid, solver and force law are estimated beside the"
+                " levels, which are not corrected for them."
+                if estimated
+                else " error of model, grid or solver, and numerics.error_estimate: true estimates"
+                " the last two."
+            ),
         ),
     ]
 

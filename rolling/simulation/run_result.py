@@ -261,7 +261,7 @@ def hear(
         sound = heard(release, vibration)
     else:
         return None
-    errors = run_errors(scene, result, sound)
+    errors = run_errors(scene, result, sound, vibration)
     summary = numbers_of.summarize(
         scene, result, sound, time.perf_counter() - began, errors, vibration, moving
     )

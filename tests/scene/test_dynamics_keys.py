@@ -45,7 +45,6 @@ def scene(*changes: str) -> Scene:
         (["rolling.distance_mm=0.01"], "the shortest track is 8 nodes, 16 um: at least 0.016"),
         (["rolling.distance_mm=1e9"], "rolling.distance_mm: got 1000000000, which is more than"),
         (["rolling.speed_m_s=[[0, 1], [1e-4, 0]]"], "rolling.distance_mm is 1: give it more speed"),
-        (["numerics.error_estimate=true"], "numerics.error_estimate: only goes with sound.source"),
     ],
 )
 def test_message(changes: list[str], message: str) -> None:
