@@ -312,7 +312,7 @@ class Dynamics(Section):
         " in the middle",
     )
     span: float = Field(
-        default=1.4, gt=1, le=4, description="Ratio of a marched load to the next lower one [-]"
+        default=1.4, ge=1.05, le=4, description="Ratio of a marched load to the next lower one [-]"
     )
     release: bool | None = Field(
         default=None,

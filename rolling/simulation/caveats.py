@@ -189,15 +189,17 @@ def _of_vibration(scene: Scene, vibration: Vibration) -> list[Caveat]:
             f" {100 * motion.outside_share:.2g} % of the time, and is extrapolated there"
         )
         result.append(Caveat("force_outside", text))
-    if motion.impacts:
-        text = (
-            f"contact: lost for {100 * motion.flight_share:.2g} % of the time, with"
-            f" {motion.impacts} impacts"
-        )
+    if motion.flight_share > 0:
+        impacts = f"{motion.impacts} impact{'' if motion.impacts == 1 else 's'}"
+        text = f"contact: lost for {100 * motion.flight_share:.2g} % of the time, with {impacts}"
+        if motion.flight_share == 1:
+            text += ": the record is shorter than a flight; choose a longer one"
         result.append(Caveat("impacts", text))
-    if scene.track.closed and not motion.settled and vibration.levels.level_db is not None:
+    if scene.track.closed and not motion.settled and scene.surface.kind != "smooth":
         text = "motion: it does not repeat from lap to lap, so its record does not loop" + (
-            "; impacts need not repeat" if motion.impacts else ""
+            "; impacts need not repeat"
+            if motion.flight_share > 0
+            else "; it has not run in, so another record may have another level"
         )
         result.append(Caveat("not_settled", text))
     return result

@@ -118,7 +118,9 @@ def run_errors(
     if not scene.numerics.error_estimate:
         return None
     firsts = error_stretches.marched(scene, result)
-    lifted = vibration is not None and sound.source == "vibration" and vibration.motion.impacts > 0
+    lifted = (
+        vibration is not None and sound.source == "vibration" and vibration.motion.flight_share > 0
+    )
     if reason := LIFTED if lifted else _reason(scene, result, sound, firsts):
         return RunErrors(None, None, math.nan, reason)
     powers = error_stretches.powers_of(scene, result, firsts)

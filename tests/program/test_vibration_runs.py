@@ -217,6 +217,17 @@ def test_loads_are_added_until_the_force_lies_inside() -> None:
     assert error is not None and 0 < error.newtons < 1e-2 and error.decibels < 1
 
 
+def test_a_flight_longer_than_the_record_is_told() -> None:
+    """A load of 1 mN brings the sphere back after many laps; a silent lap is no settled motion."""
+    changes = ["rolling.load_n=0.001", "rolling.distance_mm=0.2", "surface.width_um=120"]
+    run = simulate(loads(TEXT, changes), 1, False)
+    assert run.summary["flight_share"] == 1 and run.summary["laeq_db"] is None
+    assert not run.summary["motion_settled"]
+    texts = {caveat["key"]: caveat["text"] for caveat in run.summary["caveats"]}
+    assert "the record is shorter than a flight" in texts["impacts"]
+    assert "does not repeat from lap to lap" in texts["not_settled"]
+
+
 def test_a_smooth_plate_is_silent() -> None:
     scene = loads(
         TEXT.replace(
@@ -247,6 +258,7 @@ def test_the_check_names_the_key_and_falls_silent() -> None:
     [
         ("plate.thickness_mm=30", "bending", "shorter than 6 thicknesses"),
         ("plate.thickness_mm=0.1", "contact_thickness", "of the thickness"),
+        ("plate.thickness_mm=0.1", "air_load", "the air loads a plate as light as this"),
         ("sound.distance_m=0.2", "coincidence", "pressure on the axis holds from"),
         ("rolling.speed_m_s=0.05", "resonance_wave", "the grid decides"),
         ("surface.roughness_ra_um=2", "force_ratio", "loses contact"),

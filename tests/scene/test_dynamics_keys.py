@@ -39,7 +39,7 @@ def scene(*changes: str) -> Scene:
         (["sphere.density_kg_m3="], "sphere.density_kg_m3: missing, dynamics needs the mass"),
         (["plate.density_kg_m3="], "plate.density_kg_m3: missing, dynamics needs the mass"),
         (["dynamics.loads=4"], "dynamics.loads: got 4, allowed: an odd whole number from 3 to 15"),
-        (["dynamics.span=1"], "dynamics.span: got 1, allowed: a number > 1 and <= 4"),
+        (["dynamics.span=1"], "dynamics.span: got 1, allowed: a number >= 1.05 and <= 4"),
         (["rolling.duration_s=1"], "rolling.distance_mm: given beside duration_s, allowed: one"),
         (["rolling.distance_mm="], "rolling.duration_s: missing, allowed: a number > 0, or a"),
         (["rolling.distance_mm=0.01"], "the shortest track is 8 nodes, 16 um: at least 0.016"),
