@@ -53,7 +53,8 @@ def _window(scene: Scene, rq: float) -> list[Finding]:
     period = min(scene.track.n_along, scene.track.n_across) * scene.spacing
     if across > period:
         side = "width" if scene.track.n_across <= scene.track.n_along else "length"
-        key = {"width": "surface.width_um", "length": "rolling.duration_s"}[side]
+        length = "duration_s" if scene.rolling.distance_mm is None else "distance_mm"
+        key = {"width": "surface.width_um", "length": f"rolling.{length}"}[side]
         is_file = isinstance(scene.surface, HeightFile)
         is_profile = is_file and scene.surface.width_um is not None
         key = "height file" if is_file and not (is_profile and side == "width") else key

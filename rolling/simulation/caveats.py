@@ -200,6 +200,8 @@ def _of_vibration(scene: Scene, vibration: Vibration) -> list[Caveat]:
             "; impacts need not repeat"
             if motion.flight_share > 0
             else "; it has not run in, so another record may have another level"
+            if scene.motion.is_constant(scene.duration)
+            else ""
         )
         result.append(Caveat("not_settled", text))
     return result

@@ -14,6 +14,7 @@ from rolling.check import demand
 from rolling.check.findings import check_scene
 from rolling.commands import resound, resume, run
 from rolling.commands.interface import open_run, simulate
+from rolling.contact.solver import ContactError
 from rolling.dynamics import of_scene
 from rolling.folders.files import FolderError
 from rolling.scene.file import loads, read_scene
@@ -226,6 +227,14 @@ def test_a_flight_longer_than_the_record_is_told() -> None:
     texts = {caveat["key"]: caveat["text"] for caveat in run.summary["caveats"]}
     assert "the record is shorter than a flight" in texts["impacts"]
     assert "does not repeat from lap to lap" in texts["not_settled"]
+
+
+def test_the_key_of_a_track_that_is_too_short_is_that_of_the_scene() -> None:
+    scene = loads(TEXT, ["rolling.distance_mm=0.05", "rolling.load_n=5"])
+    (run,) = check_scene(scene, False).runs
+    assert "larger rolling.distance_mm" in str({f.key: f.warning for f in run.findings}["window"])
+    with pytest.raises(ContactError, match=r"raise rolling.duration_s or rolling.distance_mm"):
+        simulate(scene, 1, False)
 
 
 def test_a_smooth_plate_is_silent() -> None:
