@@ -88,7 +88,7 @@ def _errors(scene: Scene, rq: float) -> list[Finding]:
         return []
     step_ms = cost.expected_step_ms(cost.window_nodes(scene, rq))
     share = error_cost.cost_share(scene)
-    seconds = share * scene.track.solved_steps * step_ms * 1e-3 / cost.cores()
+    seconds = share * error_cost.marched_steps(scene) * step_ms * 1e-3 / cost.cores()
     if not share:
         reason = error_cost.too_short(scene) or "a smooth surface makes no sound"
         return [Finding("error_estimate", "error estimate", f"none: {reason}")]

@@ -134,12 +134,18 @@ def run_errors(
     effort = Effort(
         len(firsts),
         result.stretches.steps,
-        result.stretches.seconds / float(result.series["step_time"].sum()),
+        result.stretches.seconds / _seconds(result),
         error_stretches.suffices(powers),
         error_estimate.worst_uncertainty_db(powers),
         powers.shared_bands,
     )
     return RunErrors(levels, effort, _plastic_error(result, firsts, levels.order), "")
+
+
+def _seconds(result: Result) -> float:
+    """Return the time of the marches of a run at all its loads [s]."""
+    others = 0.0 if result.load_marches is None else result.load_marches.seconds
+    return float(result.series["step_time"].sum()) + others
 
 
 def _reason(
