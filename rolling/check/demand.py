@@ -217,10 +217,10 @@ def _time_steps(scene: Scene) -> int:
     if scene.dynamics is None:
         return 0
     # The compiled law is slow to import, and a refusal waits for it otherwise.
-    from rolling.check import force_estimate
+    from rolling.dynamics import of_scene
     from rolling.dynamics.motion import steps_per_period
 
-    chain, speed = force_estimate.smooth_chain(scene), scene.motion.fastest(scene.duration)
+    chain, speed = of_scene.smooth_chain(scene), scene.motion.fastest(scene.duration)
     rate = max(steps_per_period(chain) * chain.resonance_hz, speed / scene.step)
     return math.ceil(scene.duration * rate)
 

@@ -58,16 +58,25 @@ def stretch_cost(scene: Scene, steps: int) -> float:
     return (steps + START_STEPS) * sum(level_cost(scene, level) for level in LEVELS)
 
 
+def marched_steps(scene: Scene) -> int:
+    """Return the number of steps that a run marches: those of its track, at each of its loads."""
+    loads = 1 if scene.dynamics is None else scene.dynamics.loads
+    return loads * scene.track.solved_steps
+
+
 def stretch_steps(scene: Scene) -> int:
     """Return the number of steps of a stretch, or 0 where the track is too short for stretches.
 
-    A stretch resolves 1 kHz where the share of the cost allows it.
+    A stretch resolves 1 kHz where the share of the cost allows it. With dynamics it is as long as
+    it may be, because runs at several speeds share it.
     """
     track = scene.track
     speed = track.distance / scene.duration
     wanted = LINES * speed / (track.step * BANDWIDTH_HZ[BAND_NAMES.index("1000")])
+    if scene.dynamics is not None:
+        wanted = math.inf
     per_step = stretch_cost(scene, 1) - stretch_cost(scene, 0)
-    paid = SHARE * track.solved_steps / FIRST_STRETCHES / per_step - START_STEPS
+    paid = SHARE * marched_steps(scene) / FIRST_STRETCHES / per_step - START_STEPS
     least, most = STRETCH_STEPS
     room = min(paid, track.solved_steps / FIRST_STRETCHES)
     return 0 if room < least else int(min(max(wanted, least), most, room))
@@ -80,7 +89,7 @@ def layout(scene: Scene, steps: int) -> Layout:
     whole track. Stretches do not overlap.
     """
     slots = scene.track.solved_steps // steps
-    most = min(slots, int(SHARE * scene.track.solved_steps / stretch_cost(scene, steps) + 1e-9))
+    most = min(slots, int(SHARE * marched_steps(scene) / stretch_cost(scene, steps) + 1e-9))
     return Layout(steps, spread(slots, steps, most))
 
 
@@ -108,6 +117,7 @@ def too_short(scene: Scene) -> str | None:
     if stretch_steps(scene):
         return None
     least = FIRST_STRETCHES * stretch_cost(scene, STRETCH_STEPS[0]) / SHARE
+    least *= scene.track.solved_steps / marched_steps(scene)
     return (
         f"the track has {scene.track.solved_steps} different steps, and the estimate needs"
         f" {math.ceil(least)} to stay below {SHARE:.0%} of the run's cost"
@@ -120,4 +130,4 @@ def cost_share(scene: Scene) -> float:
     if not steps or scene.surface.kind == "smooth":
         return 0.0
     count = len(layout(scene, steps).firsts)
-    return count * stretch_cost(scene, steps) / scene.track.solved_steps
+    return count * stretch_cost(scene, steps) / marched_steps(scene)

@@ -86,7 +86,7 @@ def _marched_alone(scenes: Sequence[Scene]) -> set[int]:
     """Return the numbers of the runs that are marched; other runs share one of their marches."""
     first: dict[str, int] = {}
     for number, scene in enumerate(scenes):
-        shared = not scene.numerics.error_estimate
+        shared = not scene.numerics.error_estimate or scene.dynamics is not None
         first.setdefault(Identity.of(scene, None).text if shared else str(number), number)
     return set(first.values())
 

@@ -15,19 +15,12 @@ from rolling._typing import Array
 from rolling.check import cost
 from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
-from rolling.dynamics.bodies import Chain
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
 from rolling.surface import heights
 
 PEAKS = 4.0  # standard deviations of Gaussian noise that some 10^4 periods exceed once
 _WAVES, _ACROSS, _LINES = 160, 160, 40_000  # points along, across, and over the resonance
-
-
-def smooth_chain(scene: Scene) -> Chain:
-    """Return sphere, contact and plate with the stiffness 2 E* a of a smooth contact."""
-    radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
-    return of_scene.chain(scene, 2 * scene.contact_modulus * radius)
 
 
 def force_rms(scene: Scene) -> float | None:
@@ -38,7 +31,7 @@ def force_rms(scene: Scene) -> float | None:
     surface = scene.surface
     if not isinstance(surface, Gaussian):
         return 0.0 if surface.kind == "smooth" else None
-    chain, speed = smooth_chain(scene), scene.motion.fastest(scene.duration)
+    chain, speed = of_scene.smooth_chain(scene), scene.motion.fastest(scene.duration)
     longest, shortest = scene.track.n_along * scene.spacing, 2 * scene.step
     coarse = np.geomspace(2 * math.pi / longest, 2 * math.pi / shortest, _WAVES)
     density = _mean_heights(scene, surface, coarse)

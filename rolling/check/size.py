@@ -53,7 +53,8 @@ def _window(scene: Scene, rq: float) -> list[Finding]:
     period = min(scene.track.n_along, scene.track.n_across) * scene.spacing
     if across > period:
         side = "width" if scene.track.n_across <= scene.track.n_along else "length"
-        key = {"width": "surface.width_um", "length": "rolling.duration_s"}[side]
+        length = "duration_s" if scene.rolling.distance_mm is None else "distance_mm"
+        key = {"width": "surface.width_um", "length": f"rolling.{length}"}[side]
         is_file = isinstance(scene.surface, HeightFile)
         is_profile = is_file and scene.surface.width_um is not None
         key = "height file" if is_file and not (is_profile and side == "width") else key
@@ -87,7 +88,7 @@ def _errors(scene: Scene, rq: float) -> list[Finding]:
         return []
     step_ms = cost.expected_step_ms(cost.window_nodes(scene, rq))
     share = error_cost.cost_share(scene)
-    seconds = share * scene.track.solved_steps * step_ms * 1e-3 / cost.cores()
+    seconds = share * error_cost.marched_steps(scene) * step_ms * 1e-3 / cost.cores()
     if not share:
         reason = error_cost.too_short(scene) or "a smooth surface makes no sound"
         return [Finding("error_estimate", "error estimate", f"none: {reason}")]

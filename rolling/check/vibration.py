@@ -17,6 +17,7 @@ from rolling.scene.surfaces import Gaussian
 
 THICK = 0.1  # contact radius over thickness up to which the contact sees a half-space
 FAR = 3.0  # listener's distance over the distance from which the pressure on the axis holds
+LOADED_HZ = 100.0  # frequency below which the air may load the plate
 HALF_SPACE_HZ_M = 10e3  # frequency times distance from which a half-space's pressure holds
 OWN_MARCH = "moving_release"  # key of the finding whose march no run shares
 LEAST_STEPS = 8  # in a period of the resonance, for the release under the moving load
@@ -32,7 +33,7 @@ def findings(scene: Scene) -> list[Finding]:
 
 def resonance_of(scene: Scene) -> Finding:
     """State resonance and damping of the sphere on contact and plate."""
-    chain = force_estimate.smooth_chain(scene)
+    chain = of_scene.smooth_chain(scene)
     quality = "undamped" if math.isinf(chain.quality) else f"Q {chain.quality:.2g}"
     value = f"{si(chain.resonance_hz, 'Hz')}, {quality}"
     return Finding("resonance", "contact resonance", value)
@@ -96,7 +97,8 @@ def _plate(scene: Scene) -> list[Finding]:
     share, limit = radius / plate.thickness_m, of_scene.bending_limit_hz(plate)
     stiff = 8 * plate.bending_stiffness_n_m / plate.mass_per_area_kg_m2
     near = FAR * math.sqrt(stiff) / SPEED_OF_SOUND
-    thin = short = close = None
+    air = plate.radiator().lowest_hz
+    thin = short = close = light = None
     if share > THICK:
         thin = (
             f"the contact radius is {share:.2g} of the thickness, and the contact is that of a"
@@ -115,7 +117,15 @@ def _plate(scene: Scene) -> list[Finding]:
             f"the pressure on the axis holds from about {near:.2g} m for this plate: choose a"
             f" sound.distance_m of at least {rounded_up(near)}"
         )
+    if air > LOADED_HZ:
+        least = 1e3 * plate.thickness_m * air / LOADED_HZ
+        light = (
+            f"the air loads a plate as light as this below some {si(air, 'Hz')}, which is left out:"
+            " levels there are too high; choose a plate.thickness_mm of at least"
+            f" {rounded_up(least)}, or a denser plate"
+        )
     return [
+        Finding("air_load", "air loads the plate below", si(air, "Hz"), light),
         Finding("contact_thickness", "contact radius / thickness", f"{share:.2g}", thin),
         Finding("bending", "thin-plate theory up to", si(limit, "Hz"), short),
         Finding("coincidence", "coincidence of the plate", si(plate.critical_hz, "Hz"), close),
@@ -138,8 +148,7 @@ def _marches(scene: Scene) -> Finding:
 
 def _release(scene: Scene) -> list[Finding]:
     """Judge the steps of a release under the moving load, and state its cost."""
-    assert scene.dynamics is not None
-    if not scene.dynamics.release:
+    if not scene.moves_release:
         return []
     speed, frequency = scene.motion.slowest(scene.duration), resonance.frequency(scene)
     steps, warning = speed / (frequency * scene.step), None
@@ -151,4 +160,6 @@ def _release(scene: Scene) -> list[Finding]:
         )
     seconds = cost.expected_seconds(scene) / cost.cores()
     value = f"one more march, about {clock(seconds)} on {on_cores()}, {steps:.2g} steps in a period"
+    if scene.dynamics is not None and scene.dynamics.release is None:
+        value += "; dynamics.release: false leaves it out"
     return [Finding(OWN_MARCH, "release under the moving load", value, warning, seconds)]

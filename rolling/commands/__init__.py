@@ -23,6 +23,7 @@ from rolling.commands.work import (
     finish,
     make_sounds,
     solve,
+    solve_releases,
     told_on_error,
     work_on,
 )
@@ -211,7 +212,9 @@ def resound(
     force: bool = False,
     wanted: Wanted = ALL_FILES,
 ) -> Report:
-    """Make new sound from stored runs without solving: other speed, distance, q or gain.
+    """Make new sound from stored runs without solving: other speed, bodies, distance, q or gain.
+
+    Only a release under the moving load needs its march, which is announced.
 
     Parameters
     ----------
@@ -245,15 +248,21 @@ def resound(
         )
     for (_, single), result in zip(plan.singles, results, strict=True):
         if force_law.is_missing(single, result):
-            raise FolderError(
-                f"{folder}: the marches of its force law are missing; `rolling resume` goes on"
+            way_on = (
+                "`rolling resume` goes on"
+                if stored[0].scene.dynamics is not None
+                else "its scene has no section dynamics; run it with one"
             )
+            raise FolderError(f"{folder}: the marches of its force law are missing; {way_on}")
     target = new_folder.aim(
         Path("outputs") / scene.name, out, force, KINDS, [folder, *plan.height_files]
     )
     records_of([folder])
+    missing = details.tell_releases([single for _, single in plan.singles], results)
     with new_folder.make(target, plan.record(), plan.write) as held:
         work = Work(held, plan.runs(held.folder), results, wanted)
+        if missing:
+            return solve_releases(work)
         wanted.begun(held.folder)
         again = (
             f"{folder} is as it was; give the command again, with --force if {held.folder} is in "

@@ -9,8 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from rolling.check import cost, finding
 from rolling.folders import claim, run_record
-from rolling.simulation import batch, labels
+from rolling.scene.scene import Scene
+from rolling.simulation import batch, labels, moving_release
 from rolling.simulation.batch import Run
 from rolling.simulation.lacking import lacks_marches
 from rolling.simulation.result import Result
@@ -46,6 +48,28 @@ def tell(runs: Sequence[Run], results: Sequence[Result]) -> None:
     for label, result in zip(labels.labels(runs), results, strict=True):
         if progress.is_verbose() and is_begun(result):
             progress.detail(f"{label}: {_text(result)}")
+
+
+def tell_releases(scenes: Sequence[Scene], results: Sequence[Result]) -> int:
+    """Say how many releases under the moving load are missing, and what leaves them out.
+
+    Returns
+    -------
+    missing : The number of them.
+    """
+    missing = [
+        scene
+        for scene, result in zip(scenes, results, strict=True)
+        if moving_release.is_missing(scene, result)
+    ]
+    if missing:
+        seconds = sum(map(cost.expected_seconds, missing)) / cost.cores()
+        marches = "one march" if len(missing) == 1 else f"{len(missing)} marches"
+        progress.line(
+            f"release under the moving load: {marches}, about {finding.clock(seconds)} on"
+            f" {finding.on_cores()}; --set dynamics.release=false leaves it out"
+        )
+    return len(missing)
 
 
 def _text(result: Result) -> str:

@@ -119,12 +119,21 @@ def solve(work: Work) -> Report:
             return finish(work, ends, outcome)
         if batch.choose_tolerances(work.runs, work.results, work.wanted.solvers):
             return finish(work, make_sounds(work, {}), Outcome(interrupted=True))
-        outcome, ends = _solve_pieces(work)
+        details.tell_releases([each.scene for each in work.runs], work.results)
+        outcome, ends = _solve_pieces(work, work.wanted.shows_each(len(work.runs)))
         details.tell(work.runs, work.results)
         return finish(work, ends, outcome)
 
 
-def _solve_pieces(work: Work) -> tuple[Outcome, Ends]:
+def solve_releases(work: Work) -> Report:
+    """Solve the releases under the moving load that stored runs lack, then write everything."""
+    work.wanted.begun(work.folder)
+    with told_on_error(lambda: _way_on(work)):
+        outcome, ends = _solve_pieces(work, filmed=False)
+        return finish(work, ends, outcome)
+
+
+def _solve_pieces(work: Work, filmed: bool) -> tuple[Outcome, Ends]:
     """Solve pieces of the runs on all cores, and make the sound of each run in this process."""
     names = labels.labels(work.runs)
     sounds: dict[int, RunResult | None] = {}
@@ -141,7 +150,7 @@ def _solve_pieces(work: Work) -> tuple[Outcome, Ends]:
         work.runs[0].scene.name,
         begun=lambda each: work.held.mark(each.folder, "running"),
         complete=complete,
-        filmed=work.wanted.shows_each(len(work.runs)),
+        filmed=filmed,
     )
     return outcome, make_sounds(work, sounds)
 

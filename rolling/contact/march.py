@@ -331,7 +331,12 @@ def _refuse_the_impossible(contact: RollingContact) -> None:
 def _refuse_wide(contact: RollingContact, along: float, across: float) -> None:
     """Raise ContactError for a contact [m] wider than one period of the surface."""
     for needed, nodes, way, key in (
-        (along, contact.heights.shape[0], "along the track", "rolling.duration_s"),
+        (
+            along,
+            contact.heights.shape[0],
+            "along the track",
+            "rolling.duration_s or rolling.distance_mm",
+        ),
         (across, contact.heights.shape[1], "across the track", "surface.width_um"),
     ):
         period = nodes * contact.spacing

@@ -16,7 +16,8 @@ from rolling.dynamics.force_law import ForceLaw
 
 DECAYS = 14  # a transient falls to 1e-6 in as many decay times
 FADE_DECAYS = 7  # and to 1e-3 in as many
-MOST_LAPS = 400  # laps of a run-in that does not settle
+MOST_LAPS = 400  # laps of a run-in that does not settle, more of them if they are short:
+MOST_STEPS = 10_000_000
 DETUNING = 0.1  # of the bandwidth; n steps per period detune by (2 pi / n)^2 / 12
 MOST_PER_PERIOD = 200
 
@@ -298,7 +299,8 @@ class _Run:
         places = self.places(self.lap_steps)
         lap_s = self.lap_steps * self.step
         rings = 2 * DECAYS * self.decay_s / lap_s
-        most = ceil(min(2 + rings, MOST_LAPS)) if np.isfinite(rings) else 1
+        limit = max(MOST_LAPS, MOST_STEPS // self.lap_steps)
+        most = ceil(min(2 + rings, limit)) if np.isfinite(rings) else 1
         # The laps to come change by a geometric series of the last change.
         allowed = self.choices.settled * self.load * -np.expm1(-lap_s / self.decay_s)
         lap = self.advance(self.equilibrium(), places)
@@ -307,6 +309,8 @@ class _Run:
             laps, before = laps + 1, lap
             lap = self.advance(before.end_on_level, places)
             difference = float(np.max(np.abs(lap.record[:, 0] - before.record[:, 0])))
+            if not lap.record[:, 0].any():  # a flight longer than a lap repeats nothing
+                difference = np.inf
         run_in = (laps, difference, difference <= allowed)
         if self.steps == self.lap_steps:
             return self.motion(lap, run_in)

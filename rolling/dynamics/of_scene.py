@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rolling.contact import closed_forms
 from rolling.dynamics import bodies
 from rolling.dynamics.bodies import Chain, Plate
 from rolling.dynamics.force_law import ForceLaw
@@ -45,6 +46,12 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
         resonance, scene.plate.youngs_modulus_gpa * 1e9, scene.plate.poissons_ratio, density
     )
     return Chain(scene.mass, mobility, stiffness_n_m)
+
+
+def smooth_chain(scene: Scene) -> Chain:
+    """Return sphere, contact and plate with the stiffness 2 E* a of a smooth contact."""
+    radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    return chain(scene, 2 * scene.contact_modulus * radius)
 
 
 def chain_over(scene: Scene, law: ForceLaw) -> Chain:

@@ -227,6 +227,9 @@ def release_power(run: RunResult, scales: TimeScales) -> Picture:
     """Draw the release power of a run, with limits that all compared runs share."""
     sound, share = run.sound, scales.power_share
     facts = [captions.duration([run]), "q and distance are not in it"]
+    if run.scene.dynamics is not None:
+        moved = any(each["key"] == "moving_load_release" for each in run.summary["caveats"])
+        facts.append(f"under the {'moving' if moved else 'constant'} load")
     if scales.runs > 1:
         facts.append(
             f"axis from {share[0]:.3g} to {share[1]:.3g} of the mean, as for all runs compared"

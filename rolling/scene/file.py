@@ -200,6 +200,7 @@ RESOUND_KEYS = (
     "plate.density_kg_m3",
     "plate.thickness_mm",
     "plate.loss_factor",
+    "dynamics.release",
     *(f"sound.{name}" for name in Sound.model_fields),
 )
 

@@ -179,21 +179,13 @@ class Scene(Section):
     @field_validator("sound")
     @classmethod
     def _has_source(cls, sound: Sound, info: ValidationInfo) -> Sound:
-        if sound.source == "vibration" and "dynamics" in info.data:
-            if info.data["dynamics"] is None:
-                raise fault(
-                    'got "vibration", which needs the section dynamics; `dynamics: {}` takes'
-                    " its defaults",
-                    "sound",
-                    "source",
-                )
-            numerics = info.data.get("numerics")
-            if numerics is not None and numerics.error_estimate:
-                raise fault(
-                    "only goes with sound.source: release, whose errors it estimates",
-                    "numerics",
-                    "error_estimate",
-                )
+        if sound.source == "vibration" and info.data.get("dynamics", ...) is None:
+            raise fault(
+                'got "vibration", which needs the section dynamics; `dynamics: {}` takes its'
+                " defaults",
+                "sound",
+                "source",
+            )
         return sound
 
     def __eq__(self, other: object) -> bool:
@@ -439,6 +431,17 @@ class Scene(Section):
     def load(self) -> float:
         """Normal load [N]."""
         return self.rolling.load_n
+
+    @property
+    def moves_release(self) -> bool:
+        """Whether the release is wanted under the moving load.
+
+        It is the default where the release is heard.
+        """
+        if self.dynamics is None:
+            return False
+        wanted = self.dynamics.release
+        return self.sound.source == "release" if wanted is None else wanted
 
     @property
     def start(self) -> float:

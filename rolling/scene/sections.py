@@ -312,12 +312,12 @@ class Dynamics(Section):
         " in the middle",
     )
     span: float = Field(
-        default=1.4, gt=1, le=4, description="Ratio of a marched load to the next lower one [-]"
+        default=1.4, ge=1.05, le=4, description="Ratio of a marched load to the next lower one [-]"
     )
-    release: bool = Field(
-        default=False,
+    release: bool | None = Field(
+        default=None,
         description="Whether the release is computed under the moving load, by one more march of"
-        " each run; otherwise under the constant load",
+        " each run; otherwise under the constant load; absent: true for sound.source: release",
     )
 
 

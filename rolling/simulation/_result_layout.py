@@ -197,8 +197,12 @@ def _series(file: h5py.File, result: Result, scene: Scene) -> None:
         packed=True,
         long_name="time at each position",
     )
+    # With dynamics there is a second march, under the moving load.
+    marked = {} if scene.dynamics is None else {"comment": "under the constant load"}
     for name, values in whole.of_steps.items():
-        root.add(name, values, ["step"], UNITS[name], packed=name == "speed", coordinates="time")
+        more = marked if name.startswith(("release", "loading")) else {}
+        packed = name == "speed"
+        root.add(name, values, ["step"], UNITS[name], packed, coordinates="time", **more)
     for name, values in whole.of_positions.items():
         root.add(name, values, ["position"], UNITS[name], coordinates="position_time")
 
@@ -285,11 +289,14 @@ def _stretches(file: h5py.File, result: Result) -> None:
     firsts = sorted({first for first, _ in stretches.marches})
     shape = len(firsts), len(LEVELS)
     release = np.full((*shape, stretches.steps), np.nan)
+    approach = np.full((*shape, stretches.steps + 1), np.nan)
     plastic_area, seconds = np.full((2, *shape), np.nan)
     faults = {}
     for (first, level), march in stretches.marches.items():
         place = firsts.index(first), LEVELS.index(level)
         release[place], plastic_area[place] = march.release, march.plastic_area
+        if march.approach.size:
+            approach[place] = march.approach
         seconds[place] = march.seconds
         if march.fault:
             faults[f"{first} {level}"] = march.fault
@@ -298,6 +305,9 @@ def _stretches(file: h5py.File, result: Result) -> None:
         group.dimension(name, length)
     group.add("first", np.array(firsts), ["stretch"], "position")
     group.add("release_energy", release, ["stretch", "level", "stretch_step"], "J")
+    if np.isfinite(approach).any():
+        group.dimension("stretch_place", approach.shape[2])
+        group.add("approach", approach, ["stretch", "level", "stretch_place"], "m")
     group.add("plastic_area", plastic_area, ["stretch", "level"], "m2")
     group.add("seconds", seconds, ["stretch", "level"], "s")
 
@@ -353,7 +363,9 @@ def _moving_release(file: h5py.File, result: Result, scene: Scene) -> None:
     if key not in result.moving:
         return
     moving, group = result.moving[key], _Group(file.create_group("moving_release"))
-    group.group.attrs["key"] = key
+    group.group.attrs.update(key=key, fault=moving.fault)
+    if moving.fault:
+        return
     places = result.start + np.arange(result.solved_steps + 1) * result.step
     group.coordinate("place", places, "m", "distance along the track")
     group.dimension("place_step", result.solved_steps)

@@ -426,6 +426,10 @@ def _stretches(file: h5py.File, result: Result) -> ErrorStretches | None:
     for name, values in (("release_energy", release), *others.items()):
         _refuse(f"error_estimate/{name}", values < 0, "are negative")
         _refuse(f"error_estimate/{name}", np.isinf(values), "are infinite")
+    approach = np.full((*shape, steps + 1), np.nan)
+    if "approach" in group:  # in scenes with dynamics
+        approach = _array(group, "approach", "f", approach.shape).astype(np.float64)
+    _refuse("error_estimate/approach", np.isinf(approach), "are infinite")
     stretches = ErrorStretches(steps)
     for row, column in np.argwhere(done).tolist():
         first, level = int(firsts[row]), LEVELS[column]
@@ -434,7 +438,9 @@ def _stretches(file: h5py.File, result: Result) -> ErrorStretches | None:
         if not fault and np.isnan(numbers).any():
             raise Damage(f"error_estimate/release_energy: NaN in a march at {(row, column)}")
         area, seconds = (float(values[row, column]) for values in others.values())
-        stretches.add(March(first, level, numbers, area, seconds, fault))
+        places = approach[row, column]
+        kept = np.empty(0) if np.isnan(places).any() else places
+        stretches.add(March(first, level, numbers, area, seconds, fault, kept))
     return stretches
 
 
@@ -552,7 +558,9 @@ def _moving_release(file: h5py.File, result: Result) -> dict[str, MovingRelease]
     group = _group(file, "moving_release")
     if group is None:
         return {}
-    count = result.solved_steps
+    count, key = result.solved_steps, _text(group, "key")
+    if fault := _text(group, "fault") if "fault" in group.attrs else "":
+        return {key: MovingRelease.impossible(count, fault)}
     force, approach, of_motion = (
         _array(group, name, "f", (count + 1,)).astype(np.float64)
         for name in ("force", "approach", "motion_approach")
@@ -563,4 +571,4 @@ def _moving_release(file: h5py.File, result: Result) -> dict[str, MovingRelease]
     _refuse("moving_release/release_energy", steps["release_energy"] < 0, "are negative")
     for name, values in steps.items():
         _refuse(f"moving_release/{name}", np.isinf(values), "are infinite")
-    return {_text(group, "key"): MovingRelease(force, of_motion, approach, steps)}
+    return {key: MovingRelease(force, of_motion, approach, steps)}

@@ -11,6 +11,7 @@ from acoustics.bands import OFF_DB
 from rolling.check import resolution
 from rolling.check.finding import Finding
 from rolling.scene.scene import Scene
+from rolling.simulation.moving_load import MovingRelease
 from rolling.simulation.run_errors import RunErrors
 from rolling.sound import error_estimate, solver_error
 from rolling.sound.contact_sound import ContactSound
@@ -79,7 +80,7 @@ def caveats(
     complete: bool,
     errors: RunErrors | None = None,
     vibration: Vibration | None = None,
-    moving: bool = False,
+    moving: MovingRelease | None = None,
 ) -> list[Caveat]:
     """List the caveats of a run: the standing caveats, then the warnings of check and solver.
 
@@ -91,7 +92,7 @@ def caveats(
     complete : bool. Whether all steps are solved.
     errors : RunErrors. Errors from grid and solver. Default: the scene does not ask for them.
     vibration : Vibration. Vibration of sphere and plate. Default: the run has none.
-    moving : bool. Whether the release was computed under the moving load. Default: false.
+    moving : MovingRelease. The release under the moving load, or its fault. Default: none.
     """
     estimated = errors is not None and not errors.reason
     result = [*_of_levels(scene, sound, estimated), *_of_record(scene, sound)]
@@ -107,7 +108,7 @@ def caveats(
         Caveat(each.key, f"{each.quantity}: {each.warning}")
         for each in findings
         # A measured error of the grid stands for the rule's estimate.
-        if each.warning and (each.key != resolution.KEY or not _knows_grid(errors))
+        if each.warning and (each.key != resolution.KEY or not _knows_grid(scene, errors))
     ]
     result += _of_errors(scene, errors)
     if vibration is not None:
@@ -148,7 +149,7 @@ def gathered(runs: Sequence[tuple[str, Sequence[Caveat]]]) -> list[Remark]:
     return remarks
 
 
-def _of_load(scene: Scene, vibration: Vibration | None, moving: bool) -> Caveat:
+def _of_load(scene: Scene, vibration: Vibration | None, moving: MovingRelease | None) -> Caveat:
     """Return the caveat of the load under which the release was computed."""
     if scene.dynamics is None:
         return Caveat(
@@ -159,7 +160,13 @@ def _of_load(scene: Scene, vibration: Vibration | None, moving: bool) -> Caveat:
         return Caveat(
             "no_vibration", "The vibration is missing, because its force law is not complete."
         )
-    if moving:
+    if moving is not None and moving.fault:
+        return Caveat(
+            "no_moving_release",
+            f"release: of the constant load, because there is none under the moving load:"
+            f" {moving.fault}",
+        )
+    if moving is not None:
         return Caveat(
             "moving_load_release",
             "The release is computed under the moving load; the series along the track are of the"
@@ -168,7 +175,7 @@ def _of_load(scene: Scene, vibration: Vibration | None, moving: bool) -> Caveat:
     return Caveat(
         "constant_load_release",
         "The release is computed under the constant load; dynamics.release: true computes it under"
-        " the moving load, where the motion repeats.",
+        " the moving load.",
     )
 
 
@@ -182,23 +189,27 @@ def _of_vibration(scene: Scene, vibration: Vibration) -> list[Caveat]:
             f" {100 * motion.outside_share:.2g} % of the time, and is extrapolated there"
         )
         result.append(Caveat("force_outside", text))
-    if motion.impacts:
-        text = (
-            f"contact: lost for {100 * motion.flight_share:.2g} % of the time, with"
-            f" {motion.impacts} impacts"
-        )
+    if motion.flight_share > 0:
+        impacts = f"{motion.impacts} impact{'' if motion.impacts == 1 else 's'}"
+        text = f"contact: lost for {100 * motion.flight_share:.2g} % of the time, with {impacts}"
+        if motion.flight_share == 1:
+            text += ": the record is shorter than a flight; choose a longer one"
         result.append(Caveat("impacts", text))
-    if scene.track.closed and not motion.settled and vibration.levels.level_db is not None:
+    if scene.track.closed and not motion.settled and scene.surface.kind != "smooth":
         text = "motion: it does not repeat from lap to lap, so its record does not loop" + (
-            "; impacts need not repeat" if motion.impacts else ""
+            "; impacts need not repeat"
+            if motion.flight_share > 0
+            else "; it has not run in, so another record may have another level"
+            if scene.motion.is_constant(scene.duration)
+            else ""
         )
         result.append(Caveat("not_settled", text))
     return result
 
 
-def _knows_grid(errors: RunErrors | None) -> bool:
-    """Return whether the error of the grid was measured."""
-    levels = errors.levels if errors else None
+def _knows_grid(scene: Scene, errors: RunErrors | None) -> bool:
+    """Return whether the error of the grid in the release was measured."""
+    levels = errors.levels if errors and scene.sound.source == "release" else None
     return levels is not None and math.isfinite(levels.grid_signal_db)
 
 
@@ -210,13 +221,14 @@ def _of_errors(scene: Scene, errors: RunErrors | None) -> list[Caveat]:
         return [Caveat("no_error_estimate", f"error estimate: none, because {errors.reason}")]
     result = []
     signal = errors.levels.grid_signal_db
-    if math.isfinite(signal) and (coarse := resolution.measured(scene, signal)):
+    if _knows_grid(scene, errors) and (coarse := resolution.measured(scene, signal)):
         result.append(Caveat(resolution.KEY, coarse))
     if not errors.effort.reached:
         text = (
             f"error estimate: its standard errors reach {errors.effort.worst_uncertainty_db:.1f} dB"
             f" between 1 and 16 kHz, {error_estimate.WANTED_DB:g} dB are wanted: a longer"
-            " rolling.duration_s pays for more stretches"
+            f" rolling.{'duration_s' if scene.rolling.distance_mm is None else 'distance_mm'} pays"
+            " for more stretches"
         )
         result.append(Caveat("error_estimate_reach", text))
     if off := errors.off_db():
@@ -234,7 +246,7 @@ def _of_levels(scene: Scene, sound: ContactSound, estimated: bool) -> list[Cavea
     if sound.steady_level is None and sound.levels.level_db is None:
         return []
     if sound.source == "vibration":
-        return _of_vibration_levels(scene)
+        return _of_vibration_levels(scene, estimated)
     result, s = [], scene.sound
     fixed = s.gain_pa_per_w_m2 is not None
     if s.q == 1:
@@ -271,7 +283,7 @@ def _unvalidated() -> Caveat:
     return Caveat("unvalidated", "No level has been validated against a microphone.")
 
 
-def _of_vibration_levels(scene: Scene) -> list[Caveat]:
+def _of_vibration_levels(scene: Scene, estimated: bool) -> list[Caveat]:
     """List the caveats of levels that belong to the vibration."""
     sources = "plate and sphere" if scene.sound.ball else "plate"
     body = (
@@ -294,7 +306,13 @@ def _of_vibration_levels(scene: Scene) -> list[Caveat]:
         Caveat(
             "uncertainty",
             "± covers the record's length alone, taken as stationary Gaussian noise; it holds no"
-            " error of model, grid or solver.",
+            + (
+                " error of the model. Errors of grid, solver and force law are estimated beside the"
+                " levels, which are not corrected for them."
+                if estimated
+                else " error of model, grid or solver, and numerics.error_estimate: true estimates"
+                " the last two."
+            ),
         ),
     ]
 

@@ -8,7 +8,7 @@ rounds and numbers depend on the scene alone, so they are equal for any number o
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,7 +23,8 @@ from rolling.simulation import pool, simulate
 from rolling.simulation.result import Result
 from rolling.simulation.stretches import ErrorStretches, March
 from rolling.sound import error_estimate
-from rolling.sound.error_estimate import BandPowers, StretchReleases
+from rolling.sound.error_estimate import BandPowers, StretchSignals
+from rolling.sound.vibration_sound import roughness_gain
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.refined import cells_of_patch
 from rolling.surface.scene_surface import heights
@@ -49,21 +50,26 @@ def missing(scene: Scene, result: Result) -> list[tuple[int, str]]:
     """
     if not scene.numerics.error_estimate or not result.complete or scene.surface.kind == "smooth":
         return []
-    layout = layout_of(scene, result.stretches)
-    if layout is None or (result.stretches and result.stretches.fault):
+    stretches = result.stretches
+    layout = layout_of(scene, stretches)
+    if layout is None or (stretches and (stretches.fault or lacks_approach(scene, stretches))):
         return []
-    count = error_cost.FIRST_STRETCHES
-    while True:
+    known = stretches.marches if stretches else {}
+    firsts = _rounds(scene, result, layout)
+    return [(first, level) for first in firsts for level in LEVELS if (first, level) not in known]
+
+
+def _rounds(scene: Scene, result: Result, layout: Layout) -> tuple[int, ...]:
+    """Return the first positions of the stretches that a run needs, as far as it can tell now."""
+    count, stretches = error_cost.FIRST_STRETCHES, result.stretches
+    while count < len(layout.firsts):
         firsts = layout.firsts[:count]
-        known = result.stretches.marches if result.stretches else {}
-        todo = [
-            (first, level) for first in firsts for level in LEVELS if (first, level) not in known
-        ]
-        if todo or count >= len(layout.firsts):
-            return todo
+        if stretches is None or not all(stretches.complete(first) for first in firsts):
+            return firsts
         if suffices(powers_of(scene, result, firsts)):
-            return []
+            return firsts
         count *= 2
+    return layout.firsts
 
 
 def suffices(powers: BandPowers) -> bool:
@@ -71,26 +77,43 @@ def suffices(powers: BandPowers) -> bool:
     return error_estimate.worst_uncertainty_db(powers) <= error_estimate.WANTED_DB
 
 
+def lacks_approach(scene: Scene, stretches: ErrorStretches) -> bool:
+    """Return whether stretches keep no approach, which the estimate of a vibration needs."""
+    vibrates = scene.sound.source == "vibration"
+    return vibrates and any(not march.approach.size for march in stretches.marches.values())
+
+
 def marched(scene: Scene, result: Result) -> tuple[int, ...]:
-    """Return the first positions of the stretches in their order, as far as they are complete."""
+    """Return the first positions of a run's stretches in their order, as far as complete.
+
+    A run takes no more of them than it needs itself, so that its numbers do not depend on the runs
+    that it shares them with.
+    """
     stretches = result.stretches
     layout = layout_of(scene, stretches) if stretches else None
     if stretches is None or layout is None or stretches.fault:
         return ()
-    gaps = [k for k, first in enumerate(layout.firsts) if not stretches.complete(first)]
-    return layout.firsts[: gaps[0]] if gaps else layout.firsts
+    if lacks_approach(scene, stretches):
+        return ()
+    firsts = _rounds(scene, result, layout)
+    gaps = [k for k, first in enumerate(firsts) if not stretches.complete(first)]
+    return firsts[: gaps[0]] if gaps else firsts
 
 
 def powers_of(scene: Scene, result: Result, firsts: tuple[int, ...]) -> BandPowers:
     """Compute the band powers of complete stretches of a run at the speeds of the scene."""
     stretches = result.stretches
     assert stretches is not None
-    own = result.series["release_energy"]
+    vibrates = scene.sound.source == "vibration"
+    own = result.series["approach" if vibrates else "release_energy"]
 
     def of_level(level: str) -> Array:
-        return np.array([stretches.marches[first, level].release for first in firsts])
+        marches = [stretches.marches[first, level] for first in firsts]
+        if vibrates:
+            return np.array([march.approach[:-1] for march in marches])
+        return np.array([march.release for march in marches])
 
-    releases = StretchReleases(
+    signals = StretchSignals(
         own=np.array([own[first : first + stretches.steps] for first in firsts]),
         tight=of_level("tight"),
         fine=of_level("fine"),
@@ -98,8 +121,9 @@ def powers_of(scene: Scene, result: Result, firsts: tuple[int, ...]) -> BandPowe
         step=result.step,
         speeds=np.array([_speeds(scene, result, first) for first in firsts]),
         tolerance_ratio=error_cost.tight_tolerance(scene) / scene.tolerance,
+        gain=roughness_gain(scene) if vibrates else None,
     )
-    return error_estimate.band_powers(releases)
+    return error_estimate.band_powers(signals)
 
 
 def plastic_areas(result: Result, firsts: tuple[int, ...], level: str) -> Array:
@@ -126,19 +150,22 @@ def _speeds(scene: Scene, result: Result, first: int) -> Array:
 # ---- marching
 
 
-def tasks(scene: Scene, result: Result, run: int, step_seconds: float) -> list[pool.Task]:
-    """Return the marches that the estimate of a run needs next, as tasks of this run.
+def tasks(
+    scenes: Sequence[Scene], result: Result, run: int, step_seconds: float
+) -> list[pool.Task]:
+    """Return the marches that the estimates of runs need next, as tasks of one run.
 
     Parameters
     ----------
-    scene : Scene. A scene without a sweep.
-    result : Result. The result of the run.
-    run : int. Number of the run.
+    scenes : sequence of Scene. The scenes of all runs that share the result.
+    result : Result. The shared result.
+    run : int. Number of the run that the tasks belong to.
     step_seconds : float, s. Expected time of a step of the run.
     """
-    layout = layout_of(scene, result.stretches)
+    needed = {each: scene for scene in scenes for each in missing(scene, result)}
     made = []
-    for first, level in missing(scene, result) if layout else ():
+    for (first, level), scene in needed.items():
+        layout = layout_of(scene, result.stretches)
         assert layout is not None
         step_cost = step_seconds * error_cost.level_cost(scene, level)
         order = simulate.Order.of(result.identity, step_cost)
@@ -249,6 +276,7 @@ def march_grid(
         piece.steps["release_energy"],
         float(piece.states["plastic_area"][-steps:].mean()),
         float(piece.steps["step_time"].sum()),
+        approach=np.empty(0) if scene.dynamics is None else piece.states["approach"],
     )
 
 

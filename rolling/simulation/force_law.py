@@ -22,6 +22,7 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.scene.scene import Scene
 from rolling.simulation import pool, simulate
 from rolling.simulation.load_marches import LoadMarches, LoadPiece
+from rolling.simulation.moving_load import moving_key
 from rolling.simulation.result import Result
 from rolling.surface.contact_of_scene import rolling_contact
 
@@ -109,13 +110,24 @@ def loads_of(scene: Scene, result: Result, extremes: Extremes) -> Loads:
         {load for load, a in marches.approach.items() if not np.isnan(a).any()} if marches else ()
     )
     loads = first_loads(scene)
-    while further := _beyond(scene, loads, *extremes(scene, force_law(scene, result, loads))):
+    while further := _beyond(scene, loads, *_extremes_of(scene, result, loads, extremes)):
         marched = [load for load in further if load in known]
         lacking = [load for load in further if load not in known]
         if lacking and not marched:
             return Loads(loads, lacking)
         loads = sorted([*loads, *marched])
     return Loads(loads, [])
+
+
+def _extremes_of(
+    scene: Scene, result: Result, loads: Sequence[float], extremes: Extremes
+) -> tuple[float, float]:
+    """Return minimum and maximum force [N] over a law, from one motion for each law."""
+    marches, key = result.load_marches, (moving_key(scene), tuple(loads))
+    assert marches is not None
+    if key not in marches.extremes:
+        marches.extremes[key] = extremes(scene, force_law(scene, result, loads))
+    return marches.extremes[key]
 
 
 def _beyond(scene: Scene, loads: Sequence[float], least: float, most: float) -> list[float]:

@@ -41,6 +41,8 @@ class LoadMarches:
     complete : bool. Whether no more marches are needed.
     fault : str. Reason why the track could not be marched at a further load; empty if it could.
     failed : set of float, N. Loads whose other pieces are dropped.
+    extremes : dict. Minimum and maximum of the contact force [N] by vibration and loads of the law,
+        which take a motion each; they are not stored.
     """
 
     steps: int
@@ -50,6 +52,7 @@ class LoadMarches:
     complete: bool = False
     fault: str = ""
     failed: set[float] = field(default_factory=set)
+    extremes: dict[tuple[str, tuple[float, ...]], tuple[float, float]] = field(default_factory=dict)
 
     def add(self, piece: LoadPiece) -> None:
         """Add a piece; a piece that failed removes its load."""

@@ -27,6 +27,7 @@ class MovingPiece:
     first, last : int. Positions between which the piece lies.
     steps : dict. Series of its steps, J.
     approach : array, m. Approach at the positions first + 1 to last, and at 0 in the first piece.
+    fault : str. Reason of a failure; empty if there is none.
     """
 
     key: str
@@ -34,6 +35,7 @@ class MovingPiece:
     last: int
     steps: dict[str, Array]
     approach: Array
+    fault: str = ""
 
 
 @dataclass
@@ -44,22 +46,35 @@ class MovingRelease:
     motion_approach : (steps + 1,) array, m. Approach of the motion at each position.
     approach : (steps + 1,) array, m. Approach of the march.
     steps : dict. Series of the steps, (steps,) J.
+    fault : str. Reason why there is no such march; empty if there is one.
     """
 
     force: Array
     motion_approach: Array
     approach: Array = field(default_factory=lambda: np.empty(0))
     steps: dict[str, Array] = field(default_factory=dict)
+    fault: str = ""
 
     def __post_init__(self) -> None:
         if not self.steps:
             self.approach = np.full(len(self.force), np.nan)
             self.steps = {name: np.full(len(self.force) - 1, np.nan) for name in MOVING_SERIES}
 
+    @classmethod
+    def impossible(cls, steps: int, fault: str) -> MovingRelease:
+        """Return what stands for the march of a track that cannot have one."""
+        unknown = np.full(steps + 1, np.nan)
+        return cls(unknown, unknown, fault=fault)
+
     @property
     def complete(self) -> bool:
-        """Whether all steps are solved."""
-        return not np.isnan(self.steps["release_energy"]).any()
+        """Whether all steps are solved, or none can be."""
+        return bool(self.fault) or not np.isnan(self.steps["release_energy"]).any()
+
+    @property
+    def repeats(self) -> bool:
+        """Whether the load ends as it began, so that a lap of the release repeats."""
+        return bool(self.force[0] == self.force[-1])
 
     @property
     def law_error(self) -> float:
@@ -67,7 +82,10 @@ class MovingRelease:
         return float(np.abs(self.approach - self.motion_approach).max())
 
     def add(self, piece: MovingPiece) -> None:
-        """Add a piece."""
+        """Add a piece; a piece that failed is a fault of the whole march."""
+        if piece.fault:
+            self.fault = self.fault or piece.fault
+            return
         for name, values in piece.steps.items():
             self.steps[name][piece.first : piece.last] = values
         end = piece.last + 1

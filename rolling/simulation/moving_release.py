@@ -27,8 +27,8 @@ from rolling.surface.contact_of_scene import rolling_contact
 
 
 def moving_release(scene: Scene, result: Result) -> MovingRelease | None:
-    """Return the release under the moving load of a run; None where it is not complete."""
-    if scene.dynamics is None or not scene.dynamics.release:
+    """Return the release under the moving load of a run, or its fault; None while it is missing."""
+    if not scene.moves_release:
         return None
     moving = result.moving.get(moving_key(scene))
     return moving if moving is not None and moving.complete else None
@@ -36,7 +36,7 @@ def moving_release(scene: Scene, result: Result) -> MovingRelease | None:
 
 def moving_numbers(result: Result, moving: MovingRelease | None) -> dict[str, Any]:
     """Return the numbers of a release under the moving load for summary.json."""
-    if moving is None:
+    if moving is None or moving.fault:
         return {}
     stored = result.series["stored_energy"].max()
     return {
@@ -47,7 +47,7 @@ def moving_numbers(result: Result, moving: MovingRelease | None) -> dict[str, An
 
 def is_missing(scene: Scene, result: Result) -> bool:
     """Return whether a run asks for a release under the moving load that is not complete."""
-    if scene.dynamics is None or not scene.dynamics.release:
+    if not scene.moves_release:
         return False
     moving = result.moving.get(moving_key(scene))
     return moving is None or not moving.complete
@@ -56,49 +56,57 @@ def is_missing(scene: Scene, result: Result) -> bool:
 def load_along(scene: Scene, result: Result) -> MovingRelease:
     """Return force and approach of the motion at each position of a lap.
 
-    Raises
-    ------
-    ContactError : the motion does not repeat from lap to lap, or contact is lost.
+    A fault stands in their place where the sphere passes a position under more than one load, or
+    under none.
     """
+    steps = result.solved_steps
     loads = force_law.loads_of(scene, result, of_scene.extremes).marched
     motion = of_scene.motion(scene, force_law.force_law(scene, result, loads))
     closed = scene.track.closed and scene.motion.is_constant(scene.duration)
-    if not (closed and motion.settled):
-        raise ContactError(
-            "the motion does not repeat from lap to lap, and the release under the moving load"
-            " needs a closed track at constant speed; set dynamics.release to false"
+    repeats = closed and motion.settled
+    if result.steps > steps and not repeats:
+        return MovingRelease.impossible(
+            steps, "the record passes the track more than once, and its force does not repeat"
         )
     if motion.flight_share > 0:
-        raise ContactError(
-            "the sphere loses contact, and a release under no load does not exist; set"
-            " dynamics.release to false"
+        return MovingRelease.impossible(
+            steps, "the sphere loses contact, and nothing is released under no load"
         )
-    lap = result.solved_steps * result.step
-    count = round(len(motion.force_n) * result.solved_steps / result.steps)
-    places = np.append(motion.position_m[:count], motion.position_m[0] + lap)
-    positions = np.arange(result.solved_steps + 1) * result.step
-    force, approach = (
-        np.asarray(CubicSpline(places, [*values[:count], values[0]], bc_type="periodic")(positions))
-        for values in (motion.force_n, motion.approach_m)
-    )
+    count = round(len(motion.force_n) * steps / result.steps)
+    # A sphere that rests stays at its position.
+    moved = np.flatnonzero(np.diff(motion.position_m[:count], prepend=-np.inf) > 0)
+    places = motion.position_m[moved]
+    positions = np.arange(steps + 1) * result.step
+    series = []
+    for values in (motion.force_n[moved], motion.approach_m[moved]):
+        if repeats:
+            lap = np.append(places, places[0] + steps * result.step)
+            curve = CubicSpline(lap, np.append(values, values[0]), bc_type="periodic")
+        else:
+            curve = CubicSpline(places, values)
+        series.append(np.asarray(curve(positions)))
+    force, approach = series
+    if repeats:
+        force[-1] = force[0]  # to the last digit
+    if not force.min() > 0:
+        return MovingRelease.impossible(steps, "the contact force falls to zero")
     return MovingRelease(force, approach)
 
 
 def tasks(
     scenes: Sequence[Scene], result: Result, run: int, step_seconds: float
 ) -> list[pool.Task]:
-    """Return the marches under moving loads that the runs of a shared result need next.
-
-    Raises
-    ------
-    ContactError : as in `load_along`.
-    """
+    """Return the marches under moving loads that the runs of a shared result need next."""
     made = []
     for scene in scenes:
         if not is_missing(scene, result) or force_law.is_missing(scene, result):
             continue
         key = moving_key(scene)
-        moving = result.moving.setdefault(key, load_along(scene, result))
+        if key not in result.moving:
+            result.moving[key] = load_along(scene, result)
+        moving = result.moving[key]
+        if moving.fault:
+            continue
         order = simulate.Order.of(result.identity, step_seconds)
         for first, last in simulate.missing(result.solved_steps, moving.steps["release_energy"]):
             arguments = (scene, key, first, last, moving.force, order)
@@ -116,7 +124,7 @@ def march_moving(
     stopped: Callable[[], bool],
     progress: Callable[[float], object],
 ) -> MovingPiece:
-    """March a piece of the track under the load at each position.
+    """March a piece of the track under the load at each position; a failure is a fault of it.
 
     Parameters
     ----------
@@ -129,7 +137,7 @@ def march_moving(
 
     Raises
     ------
-    ContactError : the heights were replaced or removed, or the contact cannot be solved.
+    ContactError : the heights were replaced or removed.
     Interrupted : `stopped` returned true.
     """
     simulate.refuse_other_surface(scene, order.surface_sha256)
@@ -138,17 +146,20 @@ def march_moving(
     left_end = scene.recovery.rule == "left_end"
     steps: dict[str, list[float]] = {name: [] for name in MOVING_SERIES}
     approach, old = list[float](), None
-    for state in march(contact, first, last, elastic):
-        if stopped():
-            raise pool.Interrupted
-        if old is not None:
-            energy = step_energy(old, state, elastic, left_end)
-            values = (energy.release, energy.loading, energy.defect)
-            for name, value in zip(MOVING_SERIES, values, strict=True):
-                steps[name].append(value)
-            progress(order.step_cost)
-        if state.position > first or first == 0:
-            approach.append(state.approach)
-        old = state
+    try:
+        for state in march(contact, first, last, elastic):
+            if stopped():
+                raise pool.Interrupted
+            if old is not None:
+                energy = step_energy(old, state, elastic, left_end)
+                values = (energy.release, energy.loading, energy.defect)
+                for name, value in zip(MOVING_SERIES, values, strict=True):
+                    steps[name].append(value)
+                progress(order.step_cost)
+            if state.position > first or first == 0:
+                approach.append(state.approach)
+            old = state
+    except ContactError as error:
+        return MovingPiece(key, first, last, {}, np.empty(0), str(error))
     arrays = {name: np.array(values) for name, values in steps.items()}
     return MovingPiece(key, first, last, arrays, np.array(approach))

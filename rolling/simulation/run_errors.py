@@ -22,6 +22,9 @@ from rolling.simulation.result import Result
 from rolling.sound import error_estimate
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.error_estimate import LevelErrors, RecordLevels
+from rolling.sound.vibration_sound import Vibration
+
+LIFTED = "contact is lost, and no linear chain carries an error of the approach to the sound then"
 
 
 @dataclass(frozen=True)
@@ -108,30 +111,41 @@ class RunErrors:
         }
 
 
-def run_errors(scene: Scene, result: Result, sound: ContactSound) -> RunErrors | None:
+def run_errors(
+    scene: Scene, result: Result, sound: ContactSound, vibration: Vibration | None = None
+) -> RunErrors | None:
     """Estimate the errors of a run from its stretches; None if the scene does not ask for it."""
     if not scene.numerics.error_estimate:
         return None
     firsts = error_stretches.marched(scene, result)
-    if reason := _reason(scene, result, sound, firsts):
+    lifted = (
+        vibration is not None and sound.source == "vibration" and vibration.motion.flight_share > 0
+    )
+    if reason := LIFTED if lifted else _reason(scene, result, sound, firsts):
         return RunErrors(None, None, math.nan, reason)
     powers = error_stretches.powers_of(scene, result, firsts)
     record = RecordLevels.of(
         sound.levels.third_octave_db,
         sound.levels.third_octave_a_db,
-        scene.sound.gain_pa_per_w_m2 is None,
+        sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None,
     )
     levels = error_estimate.level_errors(powers, record)
     assert result.stretches is not None
     effort = Effort(
         len(firsts),
         result.stretches.steps,
-        result.stretches.seconds / float(result.series["step_time"].sum()),
+        result.stretches.seconds / _seconds(result),
         error_stretches.suffices(powers),
         error_estimate.worst_uncertainty_db(powers),
         powers.shared_bands,
     )
     return RunErrors(levels, effort, _plastic_error(result, firsts, levels.order), "")
+
+
+def _seconds(result: Result) -> float:
+    """Return the time of the marches of a run at all its loads [s]."""
+    others = 0.0 if result.load_marches is None else result.load_marches.seconds
+    return float(result.series["step_time"].sum()) + others
 
 
 def _reason(
@@ -146,6 +160,8 @@ def _reason(
         return text
     if result.stretches and result.stretches.fault:
         return f"a stretch could not be solved again: {result.stretches.fault}"
+    if result.stretches and error_stretches.lacks_approach(scene, result.stretches):
+        return "its stretches were marched without dynamics"
     if len(firsts) < error_cost.FIRST_STRETCHES:
         return "its stretches are not solved yet"
     if sound.levels.level_db is None:
@@ -175,13 +191,16 @@ def _known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def numbers(errors: RunErrors | None, record_db: float | None) -> dict[str, Any]:
+def numbers(
+    errors: RunErrors | None, record_db: float | None, law_db: float | None = None
+) -> dict[str, Any]:
     """Return the numbers for summary.json, none if the scene does not ask for an estimate.
 
     Parameters
     ----------
     errors : RunErrors. The errors of the run, or None.
     record_db : float, dB. Standard uncertainty of LAeq from the length of the record, or None.
+    law_db : float, dB. Error of the level of a vibration from its force law. Default: none.
     """
     if errors is None:
         return {}
@@ -196,6 +215,8 @@ def numbers(errors: RunErrors | None, record_db: float | None) -> dict[str, Any]
         "grid": _known(math.hypot(laeq_grid, laeq_spread)),
         "solver": _known(abs(laeq_solver)),
     }
+    if law_db is not None:
+        parts["force_law"] = law_db
     return {
         "grid_error_db": errors.grid_db,
         "grid_error_uncertainty_db": errors.grid_uncertainty_db,

@@ -248,7 +248,8 @@ def hear(
     closed = result.complete and steps % result.solved_steps == 0 and scene.track.closed
     moving = moving_release(scene, result)
     energy = result.whole("release_energy")[:steps]
-    if moving is not None:
+    if moving is not None and not moving.fault:
+        closed = closed and moving.repeats
         energy = moving.steps["release_energy"][np.arange(steps) % result.solved_steps]
     release = contact_sound(
         scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam
@@ -260,9 +261,9 @@ def hear(
         sound = heard(release, vibration)
     else:
         return None
-    errors = run_errors(scene, result, sound)
+    errors = run_errors(scene, result, sound, vibration)
     summary = numbers_of.summarize(
-        scene, result, sound, time.perf_counter() - began, errors, vibration, moving is not None
+        scene, result, sound, time.perf_counter() - began, errors, vibration, moving
     )
     summary |= vibration_numbers(scene, result, release, vibration)
     summary |= moving_numbers(result, moving)

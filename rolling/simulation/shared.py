@@ -16,7 +16,8 @@ from rolling.simulation.result import Result
 def share(scenes: Sequence[Scene], results: list[Result]) -> None:
     """Replace the results of runs with the same march by the result that is solved furthest.
 
-    The stretches of an error estimate depend on the speed, so runs with one share nothing.
+    The stretches of an error estimate depend on the speed, but for runs with dynamics: others with
+    an estimate share nothing.
     """
     for numbers in _alike(scenes, results).values():
         if len(numbers) > 1:
@@ -42,7 +43,7 @@ def _alike(
     if len(scenes) == 1:
         return groups
     for number, (scene, result) in enumerate(zip(scenes, results, strict=True)):
-        if not scene.numerics.error_estimate:
+        if not scene.numerics.error_estimate or scene.dynamics is not None:
             identity = result.identity or simulate.identity_of(scene)
             groups.setdefault((identity.text, identity.heights_sha256), []).append(number)
     return groups

@@ -225,7 +225,7 @@ class _Work:
         )
         scenes = [self.scenes[k] for k in self.members[number]]
         tasks = [
-            *error_stretches.tasks(scene, result, number, seconds),
+            *error_stretches.tasks(scenes, result, number, seconds),
             *force_law.tasks(scenes, result, number, seconds, of_scene.extremes),
             *moving_release.tasks(scenes, result, number, seconds),
         ]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from rolling._typing import Array
 from rolling.check.error_cost import LEVELS
 
@@ -18,6 +20,7 @@ class March:
     plastic_area : float, m2. Mean area at the hardness.
     seconds : float, s. Time of the march.
     fault : str. Reason of a failure; empty if there is none.
+    approach : (steps + 1,) array, m. Approach at each position; empty without dynamics.
     """
 
     first: int
@@ -26,6 +29,7 @@ class March:
     plastic_area: float
     seconds: float
     fault: str = ""
+    approach: Array = field(default_factory=lambda: np.empty(0))
 
     @property
     def steps(self) -> int:

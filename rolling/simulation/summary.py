@@ -19,8 +19,9 @@ from rolling.check import cost, findings, height_files
 from rolling.contact import closed_forms
 from rolling.folders import program
 from rolling.scene.scene import Scene
-from rolling.simulation import caveats, run_errors, simulate
+from rolling.simulation import caveats, force_law, run_errors, simulate
 from rolling.simulation.labels import printable
+from rolling.simulation.moving_load import MovingRelease
 from rolling.simulation.result import Result
 from rolling.simulation.run_errors import RunErrors
 from rolling.sound.contact_sound import ContactSound
@@ -39,11 +40,11 @@ def summarize(
     sound_seconds: float,
     errors: RunErrors | None = None,
     vibration: Vibration | None = None,
-    moving: bool = False,
+    moving: MovingRelease | None = None,
 ) -> dict[str, Any]:
     """Collect the numbers of a run over the solved steps; levels of silence are None.
 
-    `moving` says whether the release of the sound was computed under the moving load.
+    `moving` is the release under the moving load, or its fault.
     """
     steps = result.done_steps
     made = scene_surface(scene)
@@ -54,7 +55,9 @@ def summarize(
         "complete": result.complete,
         "steps": steps,
         **_levels(sound),
-        **run_errors.numbers(errors, sound.uncertainty.laeq_db),
+        **run_errors.numbers(
+            errors, sound.uncertainty.laeq_db, _law_error_db(scene, result, vibration)
+        ),
         **_loudness(scene, sound),
         **_release(sound),
         **_contact(scene, result),
@@ -130,6 +133,14 @@ def _contact(scene: Scene, result: Result) -> dict[str, Any]:
         "iterations_mean": float(state["iterations"].mean()),
         "convolutions_mean": float(state["convolutions"].mean()),
     }
+
+
+def _law_error_db(scene: Scene, result: Result, vibration: Vibration | None) -> float | None:
+    """Return the error of the heard level from the force law [dB]; None for a release."""
+    if vibration is None or scene.sound.source == "release":
+        return None
+    error = force_law.law_error(scene, result, vibration.law.load_n.tolist())
+    return None if error is None else error.decibels
 
 
 def _tolerance(scene: Scene, result: Result) -> dict[str, Any]:
@@ -227,6 +238,7 @@ def error_line(label: str, summary: dict[str, Any]) -> str:
     if estimate is None or "reason" in estimate or summary["laeq_grid_error_db"] is None:
         return ""
     grid, solver = summary["laeq_grid_error_db"], summary["laeq_solver_error_db"] or 0.0
+    signal_name = "sound" if summary.get("source") == "vibration" else "release"
     corrected = uncertain(summary["laeq_db"] - grid - solver, summary["uncertainty_db"]["laeq"])
     signal = [
         f"{summary[key]:.0f} dB from the {name}"
@@ -235,7 +247,7 @@ def error_line(label: str, summary: dict[str, Any]) -> str:
     ]
     return (
         f"errors of {label}: LAeq corrected for grid and solver {corrected} dB(A); rms error of the"
-        f" release over its fluctuation {', '.join(signal)};"
+        f" {signal_name} over its fluctuation {', '.join(signal)};"
         f" {estimate['stretches']} stretches of {estimate['steps']} steps,"
         f" order {estimate['order']:.1f}, {estimate['seconds_share']:.0%} of the run's time"
     )

@@ -1,7 +1,8 @@
-"""Errors of band levels, from the release of the same stretches on several levels of accuracy.
+"""Errors of band levels, from a signal of the same stretches on several levels of accuracy.
 
-All levels of accuracy see the same asperities. The ratio of their powers is therefore known far
-better than either power. The module takes arrays and plain numbers; it marches nothing.
+The signal is the release, or the approach of a vibration, which a linear chain carries to the
+listener. All levels of accuracy see the same asperities. The ratio of their powers is therefore
+known far better than either power. The module takes arrays and plain numbers; it marches nothing.
 """
 
 from __future__ import annotations
@@ -34,16 +35,20 @@ _FIRST_LINE = 2  # below this line the Hann window mixes the mean into the lines
 _OWN, _TIGHT, _FINE, _SOLVER, _GRID, _COARSE = range(6)
 
 
-@dataclass(frozen=True)
-class StretchReleases:
-    """Release of the same stretches of track on several levels of accuracy.
+Gain = Callable[[Array], Array]  # power gain over frequency [Hz]
 
-    own, tight, fine, coarse : (stretches, steps) arrays, J. Release per step on the scene's grid at
-        its tolerance, on this grid at the tight tolerance, at half the spacing and the tight
-        tolerance, and at twice the spacing.
+
+@dataclass(frozen=True)
+class StretchSignals:
+    """Release or approach of the same stretches of track on several levels of accuracy.
+
+    own, tight, fine, coarse : (stretches, steps) arrays, J or m. Release per step or approach on
+        the scene's grid at its tolerance, on this grid at the tight tolerance, at half the spacing
+        and the tight tolerance, and at twice the spacing.
     step : float, m. Length of a step.
     speeds : (stretches, passes) array, m/s. Mean speed at each pass over a stretch; 0: no pass.
     tolerance_ratio : float. Tight tolerance over the scene's tolerance; 1: they are equal.
+    gain : callable. Power gain from an approach to the sound. Default: the signals are releases.
     """
 
     own: Array
@@ -53,15 +58,23 @@ class StretchReleases:
     step: float
     speeds: Array
     tolerance_ratio: float
+    gain: Gain | None = None
+
+    def power(self, speed: float, frequency: Array, squares: Array) -> Array:
+        """Return the sound's third octaves of lines over frequency at a speed, over time."""
+        # The power of a release goes with the square of the speed, the time with its inverse.
+        if self.gain is None:
+            return speed * third_octave_mean_square(frequency, squares)
+        return third_octave_mean_square(frequency, squares * self.gain(frequency)) / speed
 
 
 @dataclass(frozen=True)
 class BandPowers:
-    """Powers of the release and of differences between levels of accuracy, by band.
+    """Powers of the signal and of differences between levels of accuracy, by band.
 
-    sums : (stretches, 6, bands) array, J2. Mean squares over the passes, weighted by their speed.
+    sums : (stretches, 6, bands) array. Mean squares over the passes, weighted by their speed.
     groups : tuple of tuples of int. Numbers of the bands that share an estimate.
-    tolerance_ratio : float. As in `StretchReleases`.
+    tolerance_ratio : float. As in `StretchSignals`.
     """
 
     sums: Array
@@ -130,30 +143,25 @@ class LevelErrors:
 # ---- powers
 
 
-def band_powers(releases: StretchReleases) -> BandPowers:
+def band_powers(signals: StretchSignals) -> BandPowers:
     """Sum the line powers of all levels to third octaves, stretch by stretch."""
     spectra = [
-        _spectrum(values)
-        for values in (releases.own, releases.tight, releases.fine, releases.coarse)
+        _spectrum(values) for values in (signals.own, signals.tight, signals.fine, signals.coarse)
     ]
     own, tight, fine, coarse = spectra
     powers = np.stack(
         [_square(x) for x in (own, tight, fine, own - tight, tight - fine, coarse - tight)], axis=1
     )
-    steps = releases.own.shape[1]
-    waves = np.arange(powers.shape[2]) / (steps * releases.step)  # per metre
+    steps = signals.own.shape[1]
+    waves = np.arange(powers.shape[2]) / (steps * signals.step)  # per metre
     sums = np.zeros((len(powers), powers.shape[1], len(BAND_NAMES)))
-    for stretch, lines, speeds in zip(sums, powers, releases.speeds, strict=True):
+    for stretch, lines, speeds in zip(sums, powers, signals.speeds, strict=True):
         for speed, passes in zip(*np.unique(speeds[speeds > 0], return_counts=True), strict=True):
-            # The power of a line goes with the square of the speed, the time with its inverse.
+            frequency = speed * waves[_FIRST_LINE:]
             for row, squares in zip(stretch, lines, strict=True):
-                row += (
-                    passes
-                    * speed
-                    * third_octave_mean_square(speed * waves[_FIRST_LINE:], squares[_FIRST_LINE:])
-                )
-    width_hz = _typical_speed(releases.speeds) / (steps * releases.step)
-    return BandPowers(sums, _groups(sums[:, _FINE].sum(axis=0), width_hz), releases.tolerance_ratio)
+                row += passes * signals.power(speed, frequency, squares[_FIRST_LINE:])
+    width_hz = _typical_speed(signals.speeds) / (steps * signals.step)
+    return BandPowers(sums, _groups(sums[:, _FINE].sum(axis=0), width_hz), signals.tolerance_ratio)
 
 
 def _spectrum(values: Array) -> NDArray[np.complex128]:

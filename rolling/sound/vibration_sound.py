@@ -13,7 +13,7 @@ import numpy as np
 
 from acoustics import level, resampling, spectrum, uncertainty, wav
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
-from acoustics.radiation import ThinPlate, pressure_on_axis
+from acoustics.radiation import Ball, HalfSpaceBody, ThinPlate, axis_transfer, pressure_on_axis
 from acoustics.sound_power import band_power
 from rolling._typing import Array
 from rolling.dynamics import of_scene
@@ -23,6 +23,7 @@ from rolling.dynamics.motion import Motion
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
 from rolling.sound.contact_sound import ContactSound, faded
+from rolling.sound.error_estimate import Gain
 
 P_REF_W = 1e-12  # reference sound power
 
@@ -138,9 +139,8 @@ def vibrate(
     if scene.surface.kind == "smooth":  # the remainder is the solver's error
         fluctuation = np.zeros_like(fluctuation)
     force = _heard(fluctuation, samples)
-    sources = [radiators.ground(scene), *([radiators.ball(scene)] if scene.sound.ball else [])]
     radiated = pressure_on_axis(
-        fluctuation, motion.sample_rate_hz, sources, scene.sound.distance_m, closed=True
+        fluctuation, motion.sample_rate_hz, _sources(scene), scene.sound.distance_m, closed=True
     )
     pressure = _heard(radiated, samples)
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
@@ -163,6 +163,21 @@ def vibrate(
     )
 
 
+def roughness_gain(scene: Scene) -> Gain:
+    """Return the power gain [Pa2/m2] from an approach under the constant load to the pressure.
+
+    Sphere, contact and plate are a linear chain with the stiffness of a smooth contact. It serves
+    for ratios of powers, in which an error of the stiffness cancels.
+    """
+    chain, sources = of_scene.smooth_chain(scene), _sources(scene)
+
+    def gain(frequency: Array) -> Array:
+        transfer = sum(axis_transfer(frequency, each, scene.sound.distance_m) for each in sources)
+        return np.square(np.abs(transfer * chain.force(frequency, np.ones(len(frequency)))))
+
+    return gain
+
+
 def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
     """Return the sound of a run whose source is the vibration.
 
@@ -179,6 +194,11 @@ def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
         steady_level=None,
         steady_uncertainty=None,
     )
+
+
+def _sources(scene: Scene) -> list[ThinPlate | HalfSpaceBody | Ball]:
+    """Return the bodies that are heard."""
+    return [radiators.ground(scene), *([radiators.ball(scene)] if scene.sound.ball else [])]
 
 
 def _heard(signal: Array, samples: int) -> Array:

@@ -259,6 +259,25 @@ def test_flight_and_impact(thickness: float) -> None:
     assert np.mean(motion.force_n) == pytest.approx(LOAD, rel=0.02)  # nothing else holds the ball
 
 
+def test_a_flight_over_laps_is_not_settled() -> None:
+    """Two laps without contact are alike, but they do not repeat."""
+    motion = move(track_law(waves(WAVE, 1, 5e-7)), MASS, plate(10), 0.2, 1.0)
+    assert motion.flight_share == 1 and not motion.settled
+
+
+@pytest.mark.law("Ball on plate: a sharp resonance settles on a short lap, to the linear chain.")
+def test_a_sharp_resonance_settles() -> None:
+    """A quality of 1500 takes thousands of laps; fewer leave the resonance too low."""
+    law = track_law(waves(WAVE, 1, 1e-11))
+    stiff = contact_stiffness(law, LOAD)
+    chain = Chain(MASS, 1 / (1500 * np.sqrt(MASS * stiff)), stiff)
+    assert chain.quality == pytest.approx(1500)
+    frequency = 1.004 * chain.resonance_hz
+    motion = move(law, MASS, chain.mobility_s_kg, LOAD, frequency * WAVE * SPACING)
+    assert motion.settled and motion.laps > 400
+    assert abs(phasor(motion)) == pytest.approx(abs(chain.force(frequency, 1e-11)), rel=0.03)
+
+
 @pytest.mark.law("Ball on plate: a travel at constant speed is the motion at that speed.")
 def test_travel_at_constant_speed() -> None:
     law = track_law(ROUGH)

@@ -26,6 +26,7 @@ from rolling.simulation.moving_load import moving_key
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import hear
 from rolling.simulation.stored_runs import read_runs
+from rolling.terminal import progress
 
 ALONE = Wanted(workers=1, page=False, pictures=False)
 TEXT = """\
@@ -178,7 +179,8 @@ def test_resound_changes_the_bodies_without_solving(swept: Path, tmp_path: Path)
     alone = simulate(read_scene(heavy / "resolved.yaml"), 1, False)
     assert np.array_equal(after.sound.pressure, alone.sound.pressure)
     release = tmp_path / "release"
-    resound(one, ["sound.source=release", "sound.q=0.1"], out=release, wanted=ALONE)
+    changes = ["sound.source=release", "sound.q=0.1", "dynamics.release=false"]
+    resound(one, changes, out=release, wanted=ALONE)
     numbers = json.loads((release / "summary.json").read_text())
     assert numbers["laeq_db"] == numbers["release_laeq_db"]
     assert numbers["steady_level_db"] is not None
@@ -222,6 +224,25 @@ def test_loads_are_added_until_the_force_lies_inside() -> None:
     assert error is not None and 0 < error.newtons < 1e-2 and error.decibels < 1
 
 
+def test_a_flight_longer_than_the_record_is_told() -> None:
+    """A load of 1 mN brings the sphere back after many laps; a silent lap is no settled motion."""
+    changes = ["rolling.load_n=0.001", "rolling.distance_mm=0.2", "surface.width_um=120"]
+    run = simulate(loads(TEXT, changes), 1, False)
+    assert run.summary["flight_share"] == 1 and run.summary["laeq_db"] is None
+    assert not run.summary["motion_settled"]
+    texts = {caveat["key"]: caveat["text"] for caveat in run.summary["caveats"]}
+    assert "the record is shorter than a flight" in texts["impacts"]
+    assert "does not repeat from lap to lap" in texts["not_settled"]
+
+
+def test_the_key_of_a_track_that_is_too_short_is_that_of_the_scene() -> None:
+    scene = loads(TEXT, ["rolling.distance_mm=0.05", "rolling.load_n=5"])
+    (run,) = check_scene(scene, False).runs
+    assert "larger rolling.distance_mm" in str({f.key: f.warning for f in run.findings}["window"])
+    with pytest.raises(ContactError, match=r"raise rolling.duration_s or rolling.distance_mm"):
+        simulate(scene, 1, False)
+
+
 def test_a_smooth_plate_is_silent() -> None:
     scene = loads(
         TEXT.replace(
@@ -252,6 +273,7 @@ def test_the_check_names_the_key_and_falls_silent() -> None:
     [
         ("plate.thickness_mm=30", "bending", "shorter than 6 thicknesses"),
         ("plate.thickness_mm=0.1", "contact_thickness", "of the thickness"),
+        ("plate.thickness_mm=0.1", "air_load", "the air loads a plate as light as this"),
         ("sound.distance_m=0.2", "coincidence", "pressure on the axis holds from"),
         ("rolling.speed_m_s=0.05", "resonance_wave", "the grid decides"),
         ("surface.roughness_ra_um=2", "force_ratio", "loses contact"),
@@ -308,7 +330,7 @@ MOVING = [
 
 
 @pytest.mark.law("Vibration: a march under the moving load has the approach of the motion.")
-def test_release_under_the_moving_load(tmp_path: Path) -> None:
+def test_release_under_the_moving_load(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "s.yaml").write_text(TEXT)
     out = tmp_path / "out"
     run(tmp_path / "s.yaml", MOVING, out, wanted=ALONE)
@@ -325,10 +347,21 @@ def test_release_under_the_moving_load(tmp_path: Path) -> None:
     assert loading == pytest.approx(release, rel=1e-3)
     keys = {caveat["key"] for caveat in stored.summary["caveats"]}
     assert "moving_load_release" in keys and "constant_load_release" not in keys
-    # Another speed moves the load otherwise, and its release is of the constant load again.
-    other = tmp_path / "other"
-    resound(out, ["rolling.speed_m_s=0.3"], other, wanted=ALONE)
-    numbers = json.loads((other / "summary.json").read_text())
+    # Another speed moves the load otherwise: its release takes one more march, or is left out.
+    other, still = tmp_path / "other", tmp_path / "still"
+    capsys.readouterr()
+    with progress.begin(progress.Level.NORMAL):
+        resound(out, ["rolling.speed_m_s=0.5"], other, wanted=ALONE)
+    assert "release under the moving load: one march, about" in capsys.readouterr().err
+    slower = open_run(other)
+    of_other = slower.result.moving[moving_key(slower.scene)]
+    assert not np.allclose(of_other.force, moving.force, atol=1e-3)
+    assert slower.summary["force_law_error_m"] < 0.03 * np.std(of_other.approach)
+    changes = ["rolling.speed_m_s=0.3", "dynamics.release=false"]
+    with progress.begin(progress.Level.NORMAL):
+        resound(out, changes, still, wanted=ALONE)
+    assert "moving load" not in capsys.readouterr().err
+    numbers = json.loads((still / "summary.json").read_text())
     assert "force_law_error_m" not in numbers
     assert "constant_load_release" in {caveat["key"] for caveat in numbers["caveats"]}
 
@@ -344,17 +377,57 @@ def test_a_killed_march_under_the_moving_load_goes_on() -> None:
     assert np.array_equal(moving.steps["release_energy"], whole)
 
 
+def test_a_release_that_is_heard_is_of_the_moving_load() -> None:
+    """`source: release` computes it; `release: false` leaves it out and marks the series."""
+    heard = [key for key in MOVING if not key.startswith("dynamics")] + ["sound.source=release"]
+    moved = simulate(loads(TEXT, heard), 1, False)
+    still = simulate(loads(TEXT, [*heard, "dynamics.release=false"]), 1, False)
+    keys = [{each["key"] for each in run.summary["caveats"]} for run in (moved, still)]
+    assert "moving_load_release" in keys[0] and "constant_load_release" in keys[1]
+    assert moved.sound.power_rms > 1.02 * still.sound.power_rms
+    tree = still.to_xarray()
+    assert tree["release_energy"].attrs["comment"] == "under the constant load"
+    assert np.array_equal(moved.series["release_energy"], still.series["release_energy"])
+
+
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    ("surface", "speed", "words"),
     [
-        (["rolling.speed_m_s=[[0, 0.3], [1e-3, 0.6]]"], "does not repeat from lap to lap"),
-        (["rolling.speed_m_s=1", "surface.roughness_ra_um=0.2"], "loses contact"),
+        ("{kind: file, path: waves.npy, spacing_um: 2}", "[[0, 0.5], [6e-4, 0.6]]", "more than"),
+        ("{kind: gaussian, roughness_ra_um: 0.2, correlation_length_um: 10, spacing_um: 2,"
+         " width_um: 160, seed: 3}", "1", "loses contact"),
     ],
-)
-def test_a_release_without_a_load_is_refused(changes: list[str], words: str) -> None:
-    scene = loads(TEXT, ["dynamics.release=true", "rolling.distance_mm=0.3", *changes])
-    with pytest.raises(ContactError, match=f"({words}|repeat from lap to lap)"):
-        simulate(scene, 1, False)
+)  # fmt: skip
+def test_a_release_without_a_load_is_of_the_constant_load(
+    surface: str, speed: str, words: str, tmp_path: Path
+) -> None:
+    waves = 2e-8 * np.cos(2 * np.pi * np.arange(80) / 40)
+    np.save(tmp_path / "waves.npy", np.tile(waves[:, None], (1, 80)))
+    changes = ["dynamics.release=true", "rolling.distance_mm=0.32", f"rolling.speed_m_s={speed}"]
+    (tmp_path / "s.yaml").write_text(
+        "\n".join([*TEXT.splitlines()[:4], f"surface: {surface}", *TEXT.splitlines()[6:]])
+    )
+    run = simulate(read_scene(tmp_path / "s.yaml", changes), 1, False)
+    caveats = {each["key"]: each["text"] for each in run.summary["caveats"]}
+    assert words in caveats["no_moving_release"]
+    assert "force_law_error_m" not in run.summary
+    again = open_run(run.save(tmp_path / "run", report=False))
+    assert {each["key"]: each["text"] for each in again.summary["caveats"]} == caveats
+
+
+def test_a_sphere_that_gets_faster_passes_each_place_under_one_load() -> None:
+    """A record of one pass has a release under the moving load, whether it repeats or not."""
+    faster = "rolling.speed_m_s=[[0, 0.5], [4e-4, 0.8]]"
+    scene = loads(TEXT, [*MOVING[:1], *MOVING[2:], faster, "rolling.distance_mm=0.25"])
+    run = simulate(scene, 1, False)
+    moving = run.result.moving[moving_key(scene)]
+    assert not moving.repeats and moving.complete and not moving.fault
+    assert moving.law_error < 0.05 * np.std(moving.approach)
+    assert run.vibration is not None
+    motion = run.vibration.motion
+    positions = np.arange(1, len(moving.force) - 1) * run.result.step
+    between = np.interp(positions, motion.position_m, motion.force_n)
+    assert np.allclose(moving.force[1:-1], between, rtol=0, atol=0.01)
 
 
 def test_the_check_counts_the_steps_in_a_period() -> None:

@@ -1,5 +1,7 @@
 """Errors of band levels from synthetic releases whose filter and noise are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from rolling.sound.error_estimate import (
     BandPowers,
     LevelErrors,
     RecordLevels,
-    StretchReleases,
+    StretchSignals,
     band_powers,
     level_errors,
     worst_uncertainty_db,
@@ -46,7 +48,7 @@ def stretches(
     speeds: np.ndarray | None = None,
     top_db: float | None = None,
     tolerance_ratio: float = 0.1,
-) -> StretchReleases:
+) -> StretchSignals:
     """Make releases whose error halves `order` times with each halving of the spacing.
 
     At the own spacing the error is a gain that rises linearly from `gain_db` to `top_db` at the
@@ -64,7 +66,7 @@ def stretches(
         return (filtered(true, rise * share) + extra)[:, STEPS : 2 * STEPS]
 
     errors, solver_errors = 0.1 * rng.standard_normal((2, count, long))
-    return StretchReleases(
+    return StretchSignals(
         own=level(1, 1.0),
         tight=level(1, tolerance_ratio),
         fine=level(2, tolerance_ratio),
@@ -75,7 +77,7 @@ def stretches(
     )
 
 
-def errors_of(releases: StretchReleases, record: RecordLevels = FLAT) -> LevelErrors:
+def errors_of(releases: StretchSignals, record: RecordLevels = FLAT) -> LevelErrors:
     return level_errors(band_powers(releases), record)
 
 
@@ -287,7 +289,7 @@ def test_equal_levels_have_no_order_and_no_error() -> None:
 
 def test_silent_stretches_have_no_numbers() -> None:
     still = np.ones((4, STEPS))
-    releases = StretchReleases(still, still, still, still, STEP, np.full((4, 1), SPEED), 0.1)
+    releases = StretchSignals(still, still, still, still, STEP, np.full((4, 1), SPEED), 0.1)
     powers = band_powers(releases)
     assert worst_uncertainty_db(powers) == np.inf
     found = level_errors(powers, FLAT)
@@ -307,3 +309,29 @@ def test_a_band_that_carries_no_sound_does_not_ask_for_stretches() -> None:
     sums[:, :, k] *= 1e-8 * np.random.default_rng(3).uniform(0.1, 10, sums.shape[:2])
     loud = BandPowers(sums, powers.groups, 0.1)
     assert worst_uncertainty_db(loud) < 1.0
+
+
+def test_the_gain_of_a_vibration_weighs_the_bands() -> None:
+    """An error that rises with the frequency counts where the chain carries sound."""
+    rising = replace(stretches(top_db=2.0), gain=lambda frequency: np.ones(len(frequency)))
+    flat = errors_of(rising)
+    low, high = (
+        replace(rising, gain=lambda f, top=top: np.where(f < top, 1.0, 1e-6)) for top in (5e3, 2e4)
+    )
+    for name in ("2000", "8000"):  # ratios of powers do not depend on a gain within a band
+        assert errors_of(high).grid_db[band(name)] == pytest.approx(
+            flat.grid_db[band(name)], abs=0.01
+        )
+    assert errors_of(low).grid_signal_db < errors_of(high).grid_signal_db - 3
+    # A slow pass over the same waves lasts longer.
+    powers = [
+        band_powers(
+            replace(
+                rising,
+                speeds=np.full((16, 1), speed),
+                gain=lambda f, speed=speed: np.where(f < 1e5 * speed, 1.0, 0.0),
+            )
+        ).sums.sum()
+        for speed in (SPEED / 2, SPEED)
+    ]
+    assert powers[0] == pytest.approx(2 * powers[1], rel=0.01)
