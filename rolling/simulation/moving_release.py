@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from rolling._typing import Array
 from rolling.contact.march import march
@@ -60,6 +59,8 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     ------
     ContactError : the motion does not repeat from lap to lap, or contact is lost.
     """
+    from scipy.interpolate import CubicSpline  # slow to import, for motions only
+
     loads = force_law.loads_of(scene, result, of_scene.extremes).marched
     motion = of_scene.motion(scene, force_law.force_law(scene, result, loads))
     closed = scene.track.closed and scene.motion.is_constant(scene.duration)
