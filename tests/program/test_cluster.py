@@ -16,11 +16,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import h5py
-import numpy as np
 import pytest
+import same_runs
 
 from rolling import cli
+from rolling.commands import table
 from rolling.folders import run_record
 from rolling.folders.run_record import RunRecord
 from rolling.simulation.cluster import _Work
@@ -186,14 +186,6 @@ def in_background(function: Callable[[], object]) -> threading.Thread:
     return thread
 
 
-def assert_same(one: Path, other: Path) -> None:
-    """Assert that two runs have the same series, bit by bit, but for times."""
-    with h5py.File(one / "result.h5") as first, h5py.File(other / "result.h5") as second:
-        for name in ("release_energy", "approach", "residual", "sound/pressure"):
-            assert np.array_equal(first[name][:], second[name][:])
-    assert (one / "signal.wav").read_bytes() == (other / "signal.wav").read_bytes()
-
-
 def test_killed_workers_cost_one_start_each_and_a_killer_is_named(
     cluster: Cluster, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -213,7 +205,7 @@ def test_killed_workers_cost_one_start_each_and_a_killer_is_named(
     assert not [*out.rglob(".*.partial")]
     assert cli.main(words(scene(tmp_path, *good), local, None)) == 0
     for seed in good:
-        assert_same(out / f"seed={seed}", local / f"seed={seed}")
+        assert not same_runs.series_that_differ(out / f"seed={seed}", local / f"seed={seed}")
 
 
 def test_pieces_of_a_long_track_are_tasks(cluster: Cluster, tmp_path: Path) -> None:
@@ -222,7 +214,7 @@ def test_pieces_of_a_long_track_are_tasks(cluster: Cluster, tmp_path: Path) -> N
     out, local = tmp_path / "out", tmp_path / "local"
     assert cli.main(words(path, out, cluster)) == 0
     assert cli.main(words(path, local, None)) == 0
-    assert_same(out, local)
+    assert not same_runs.series_that_differ(out, local)
     assert run_record.read(out).state == "done"
 
 
@@ -282,6 +274,28 @@ def test_a_worker_with_a_full_disk_is_left_out(
     assert f"worker {full} is not used any more" in said and "File too large" in said
     assert {record(out, seed).state for seed in seeds} == {"done"}
     assert not [*out.rglob(".*.partial")]
+
+
+def test_all_ways_give_the_same_table(cluster: Cluster, tmp_path: Path) -> None:
+    """On processes, as parts in mixed order of which one is killed, and on a cluster."""
+    path = tmp_path / "tiny.yaml"
+    path.write_text(f"{SCENE}sweep: {{rolling.load_n: [0.005, 0.01], surface.seed: {[*range(6)]}}}")
+    pool, parts, on_cluster = (tmp_path / name for name in ("pool", "parts", "cluster"))
+    assert cli.main([*words(path, pool, None), "--workers", "2"]) == 0
+    assert cli.main(words(path, on_cluster, cluster)) == 0
+    second = [*words(path, parts, None), "--part", "2/3"]
+    lost = subprocess.Popen(
+        [sys.executable, "-m", "rolling.cli", *second], env=os.environ | {"PYTHONPATH": str(ROOT)}
+    )
+    wait_for(lambda: [*parts.glob("*/summary.json")], 60)
+    lost.kill()
+    assert lost.wait() == -signal.SIGKILL
+    for part in ("3/3", "1/3", "2/3"):
+        assert cli.main([*words(path, parts, None), "--part", part]) == 0
+    for folder in (pool, parts, on_cluster):
+        assert run_record.read(folder).state == "done"
+        table.tabulate(folder)
+    assert same_runs.differences(pool, parts) == same_runs.differences(pool, on_cluster) == []
 
 
 def test_a_lost_connection_is_made_again(cluster: Cluster, tmp_path: Path) -> None:
