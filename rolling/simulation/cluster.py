@@ -15,11 +15,10 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, cast
 
 from rolling.scene.messages import SceneError
-from rolling.simulation import cluster_worker
+from rolling.simulation import cluster_address, cluster_worker
 from rolling.simulation.cluster_worker import Answer
 from rolling.simulation.pool import Listener, Outcome, Task
 from rolling.terminal import progress as terminal
@@ -45,11 +44,6 @@ class Cluster:
     """
 
     address: str
-
-    @property
-    def is_file(self) -> bool:
-        """Whether the address is the name of a scheduler file."""
-        return self.address.endswith(".json")
 
     def work(
         self,
@@ -77,7 +71,7 @@ def _client(cluster: Cluster) -> Iterator[Any]:
 
     Raises
     ------
-    SceneError : the package is missing, or there is no scheduler.
+    SceneError : the package is missing, or no scheduler answers.
     """
     try:
         from distributed import Client
@@ -85,15 +79,8 @@ def _client(cluster: Cluster) -> Iterator[Any]:
         raise SceneError([f"--cluster: needs Dask: {_INSTALL}"]) from error
     for name in ("distributed", "tornado", "asyncio"):  # their lines would stand between ours
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    where = {"scheduler_file": cluster.address} if cluster.is_file else {"address": cluster.address}
-    if cluster.is_file and not Path(cluster.address).is_file():
-        raise SceneError([f"--cluster: {cluster.address}: no such scheduler file"])
-    try:
-        client: Any = cast(Any, Client)(**where, timeout=CONNECT_SECONDS, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as error:
-        raise SceneError(
-            [f"--cluster: {cluster.address}: no scheduler answers ({type(error).__name__})"]
-        ) from error
+    address = cluster_address.answering(cluster.address, CONNECT_SECONDS)
+    client: Any = cast(Any, Client)(address, timeout=CONNECT_SECONDS, set_as_default=False)
     try:
         yield client
     finally:

@@ -7,6 +7,7 @@ import os
 import resource
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -23,6 +24,7 @@ from rolling import cli
 from rolling.commands import table
 from rolling.folders import run_record
 from rolling.folders.run_record import RunRecord
+from rolling.simulation import cluster as cluster_module
 from rolling.simulation.cluster import _Work
 
 pytest.importorskip("distributed", reason="a cluster needs Dask")
@@ -345,12 +347,23 @@ def test_a_lost_scheduler_ends_in_a_sentence_and_resume_finishes(
 def test_no_scheduler_is_refused_before_anything_is_written(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from rolling.simulation import cluster
-
-    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 1.0)
-    for address, text in (("none.json", "no such"), ("tcp://127.0.0.1:9", "no scheduler answers")):
-        out = tmp_path / "out"
-        path = scene(tmp_path, 1, 2)
-        assert cli.main(["run", str(path), "--out", str(out), "--cluster", address]) == 2
-        assert text in capsys.readouterr().err
-        assert not out.exists()
+    monkeypatch.setattr(cluster_module, "CONNECT_SECONDS", 1.0)
+    (tmp_path / "empty.json").write_text("{}")
+    (tmp_path / "gone.json").write_text('{"address": "tcp://127.0.0.1:9"}')
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # takes calls and never answers
+        addresses = {
+            "none.json": "no such scheduler file",
+            str(tmp_path): "allowed: an address such as tcp://HOST:8786",
+            str(tmp_path / "empty.json"): "not a scheduler file",
+            str(tmp_path / "gone.json"): "gone.json: no scheduler answers",
+            "127.0.0.1:port": "got 127.0.0.1:port, allowed: ",
+            "inproc://here": "got inproc://here, allowed: ",
+            f"tcp://127.0.0.1:{silent.getsockname()[1]}": "no scheduler answers (a time-out)",
+        }
+        for address, text in addresses.items():
+            out = tmp_path / "out"
+            path = scene(tmp_path, 1, 2)
+            assert cli.main(["run", str(path), "--out", str(out), "--cluster", address]) == 2
+            (line,) = capsys.readouterr().err.splitlines()
+            assert line.startswith("--cluster: ") and text in line
+            assert not out.exists()
