@@ -8,7 +8,6 @@ alias.
 from __future__ import annotations
 
 import numpy as np
-from scipy import ndimage
 
 from acoustics._typing import Array
 from acoustics.bands import AUDIBLE_HZ
@@ -127,6 +126,8 @@ def interpolate_closed(signal: Array, index: Array) -> Array:
     -------
     array in the shape of ``index``, unit of ``signal``
     """
+    from scipy import ndimage  # slow to import, for varying speeds only
+
     fine = resample_closed(signal, _OVERSAMPLING * len(signal))
     position = np.asarray(index, dtype=float) * _OVERSAMPLING
     values: Array = ndimage.map_coordinates(fine, position[np.newaxis], order=3, mode="grid-wrap")

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import ShortTimeFFT, get_window
 
 from acoustics._typing import Array
 from acoustics.radiation import P_REF_PA
@@ -89,6 +88,8 @@ def spectrogram(
     >>> bool(shown.edges_hz[row] < 1025 < shown.edges_hz[row + 1])
     True
     """
+    from scipy.signal import ShortTimeFFT, get_window  # slow to import, and levels do without
+
     check_record(pressure_pa)
     n = len(pressure_pa)
     frame = max(_LEAST_FRAME, round(min(_FRAME_S * sample_rate_hz, n / _FRAMES_IN_RECORD)))

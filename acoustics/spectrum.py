@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal as scipy_signal
 
 from acoustics._typing import Array
 from acoustics.radiation import I_REF_W_M2, intensity
@@ -130,6 +129,8 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
     >>> round(float(density.psd.sum() * density.line_width_hz), 1)
     1.0
     """
+    from scipy import signal as scipy_signal  # slow to import, and levels do without
+
     check_record(signal)
     segment = min(round(sample_rate_hz / _PSD_LINE_HZ), len(signal) // 4)
     segment = min(max(segment, _LEAST_SEGMENT), len(signal))

@@ -180,7 +180,7 @@ def _reported(report: Report) -> int:
 
 def _print_levels(report: Report) -> None:
     """Print the table of levels with its caveats unless the command is quiet, then the failures."""
-    if not progress.is_quiet():
+    if report.runs and not progress.is_quiet():
         print(_levels(report))
     for label, reason in report.failures.items():
         say(f"failed: {label}: {reason}")
@@ -202,6 +202,8 @@ def _print_files(report: Report) -> None:
     """Print the paths of the files that a person opens first, or the folder alone if quiet."""
     if progress.is_quiet():
         print(report.folder)
+        return
+    if not report.runs:  # a part beyond the last run of its sweep
         return
     first = report.runs[0][0].folder
     record = "listen.wav" if (first / "listen.wav").is_file() else "signal.wav"

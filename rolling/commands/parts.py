@@ -81,8 +81,9 @@ def do_part(
             outcome, ends = run_tasks.solve(held, runs, wanted, take_over, own)
         failed = f"{len(outcome.failures)} of {len(own)} runs" if outcome.failures else None
         held.end(outcome.interrupted, failed)
-    if not outcome.interrupted and _is_last(out):
-        return _finished(out, runs, wanted)
+    last = not outcome.interrupted and _is_last(out)
+    if last and (report := _finished(out, wanted)) is not None:
+        return report
     return _report(out, runs, own, ends.summaries, outcome)
 
 
@@ -117,29 +118,32 @@ def _is_last(folder: Path) -> bool:
     )
 
 
-def _finished(folder: Path, runs: list[Run], wanted: Wanted) -> Report:
-    """Write table, figures and page of a sweep whose runs have all been done or have failed."""
+def _finished(folder: Path, wanted: Wanted) -> Report | None:
+    """Write table, figures and page of a sweep whose runs have all been done or have failed.
+
+    Return None where another command does it.
+    """
+    runs = read_runs(folder)  # with the tolerances that were chosen meanwhile
     failures = {
         k: record.reason or "failed"
         for k, run in enumerate(runs)
         if (record := run_record.read(run.folder)) is not None and record.state == "failed"
     }
-    outcome = Outcome(failures)
     try:
-        with claim.take(folder, "sweep", [run.folder.name for run in runs]) as held:
-            progress.line(f"that was the last run of {folder}; its table and figures follow")
-            if wanted.whole_folders(len(runs)):
-                results = [
-                    batch.stored(run) or Result.empty(run.scene.track, run.scene.start)
-                    for run in runs
-                ]
-                work = Work(held, runs, results, wanted)
-                return finish(work, make_sounds(work, {}), outcome)
-            work = Work(held, runs, [], wanted)
-            return finish(work, run_tasks.gather(runs, wanted), outcome)
-    except FolderError as error:  # another command does it
+        claimed = claim.take(folder, "sweep", [run.folder.name for run in runs])
+    except FolderError as error:
         progress.line(f"not finished here: {error}")
-        return _report(folder, runs, [], [], outcome)
+        return None
+    with claimed as held:
+        progress.line(f"that was the last run of {folder}; its table and figures follow")
+        if not wanted.whole_folders(len(runs)):
+            ends = run_tasks.gather(runs, wanted)
+            return finish(Work(held, runs, [], wanted), ends, Outcome(failures))
+        results = [
+            batch.stored(run) or Result.empty(run.scene.track, run.scene.start) for run in runs
+        ]
+        work = Work(held, runs, results, wanted)
+        return finish(work, make_sounds(work, {}), Outcome(failures))
 
 
 def _refuse_other_scene(folder: Path, scene: Scene) -> None:

@@ -71,7 +71,7 @@ def tabulate(
     written = []
     for name, content in contents.items():
         written.append(_write(folder / f"{name}.csv", content))
-        if (packed := _parquet(content)) is not None:
+        if (packed := _parquet(content, _texts(rows))) is not None:
             written.append(_write(folder / f"{name}.parquet", packed))
     return written + _pictures(folder, groups, numbers or [DEFAULT], against or keys[:1])
 
@@ -120,12 +120,20 @@ def _write(path: Path, content: bytes) -> Path:
     return path
 
 
-def _parquet(content: bytes) -> bytes | None:
-    """Turn a CSV table into Parquet; None where pyarrow is not installed."""
+def _texts(rows: Sequence[Row]) -> list[str]:
+    """Return the columns of the tables that hold text, whatever a value looks like."""
+    swept = [key for row in rows for key, value in row.values.items() if isinstance(value, str)]
+    return list(dict.fromkeys(["run", "folder", "level", "caveats", *swept]))
+
+
+def _parquet(content: bytes, texts: Sequence[str]) -> bytes | None:
+    """Turn a CSV table with columns of text into Parquet; None where pyarrow is not installed."""
     try:
-        from pyarrow import csv, parquet  # type: ignore[import-not-found, unused-ignore]
+        import pyarrow  # type: ignore[import-not-found, unused-ignore]
+        from pyarrow import csv, parquet
     except ImportError:
         return None
     stream = io.BytesIO()
-    parquet.write_table(csv.read_csv(io.BytesIO(content)), stream)
+    options = csv.ConvertOptions(column_types=dict.fromkeys(texts, pyarrow.string()))
+    parquet.write_table(csv.read_csv(io.BytesIO(content), convert_options=options), stream)
     return stream.getvalue()

@@ -8,11 +8,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-import pyfftw
 from numpy.typing import NDArray
 
 from rolling._typing import Array
 from rolling.contact._compiled import njit
+from rolling.contact._fftw import pyfftw
 
 # These padded lengths are quick for their size, by a trial of the products of 2, 3, 5 and 7: any
 # length between two of them costs more than the longer one.

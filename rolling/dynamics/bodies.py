@@ -7,8 +7,6 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import quad
-from scipy.optimize import brentq
 
 from acoustics.radiation import ThinPlate
 from rolling.dynamics.force_law import ForceLaw
@@ -103,6 +101,9 @@ def half_space_mobility(
 @cache
 def _half_space_coefficient(poisson: float) -> float:
     """Return C: compression and shear waves as an integral, the Rayleigh wave as a residue."""
+    from scipy.integrate import quad  # slow to import, for motions only
+    from scipy.optimize import brentq
+
     q2 = (1 - 2 * poisson) / (2 - 2 * poisson)  # squared ratio of the wave speeds
 
     def body(k: float) -> float:

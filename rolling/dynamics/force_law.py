@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from rolling._typing import Array
 from rolling.dynamics import _law_kernels
@@ -85,6 +84,8 @@ class ForceLaw:
     @cached_property
     def table(self) -> LawTable:
         """Numbers that the kernels read: lift-off and slopes at each position."""
+        from scipy.interpolate import CubicSpline  # slow to import, for motions only
+
         s = np.asarray(self.load_n, dtype=float) ** (2 / 3)
         breaks, values = _broken_line(s, np.asarray(self.approach_m, dtype=float))
         position, closed = np.asarray(self.position_m, dtype=float), self.period_m is not None

@@ -7,7 +7,6 @@ from math import ceil
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from rolling._typing import Array
 from rolling.dynamics import _motion_kernels
@@ -52,6 +51,8 @@ class Travel:
 
     def at(self, time_s: Array) -> Array:
         """Return the positions [m] at times [s]."""
+        from scipy.interpolate import PchipInterpolator  # slow to import, for motions only
+
         return np.asarray(PchipInterpolator(self.time_s, self.position_m)(time_s), dtype=float)
 
     @property

@@ -12,21 +12,23 @@ import queue
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, cast
 
 from rolling.scene.messages import SceneError
-from rolling.simulation import cluster_worker
+from rolling.simulation import cluster_address, cluster_worker
 from rolling.simulation.cluster_worker import Answer
 from rolling.simulation.pool import Listener, Outcome, Task
 from rolling.terminal import progress as terminal
 
 CONNECT_SECONDS = 10.0
-LOST_SECONDS = 8.0  # without the scheduler, before the work is given up
+LOST_SECONDS = 5.0  # without the scheduler, before the work is given up
 STOP_SECONDS = 60.0  # for steps at hand, after Ctrl-C
 LOOK_SECONDS = 1.0  # between two looks at the workers
+WAIT_SECONDS = 0.2  # for the end of a task
+RESULT_SECONDS = 10.0  # for a few kB of a task that has ended
 MOST_KILLS = 4  # of the workers of a task, before its run has failed
 _INSTALL = 'pip install "rolling-contact-noise[cluster]"'
 
@@ -42,11 +44,6 @@ class Cluster:
     """
 
     address: str
-
-    @property
-    def is_file(self) -> bool:
-        """Whether the address is the name of a scheduler file."""
-        return self.address.endswith(".json")
 
     def work(
         self,
@@ -74,7 +71,7 @@ def _client(cluster: Cluster) -> Iterator[Any]:
 
     Raises
     ------
-    SceneError : the package is missing, or there is no scheduler.
+    SceneError : the package is missing, or no scheduler answers.
     """
     try:
         from distributed import Client
@@ -82,15 +79,8 @@ def _client(cluster: Cluster) -> Iterator[Any]:
         raise SceneError([f"--cluster: needs Dask: {_INSTALL}"]) from error
     for name in ("distributed", "tornado", "asyncio"):  # their lines would stand between ours
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    where = {"scheduler_file": cluster.address} if cluster.is_file else {"address": cluster.address}
-    if cluster.is_file and not Path(cluster.address).is_file():
-        raise SceneError([f"--cluster: {cluster.address}: no such scheduler file"])
-    try:
-        client: Any = cast(Any, Client)(**where, timeout=CONNECT_SECONDS, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as error:
-        raise SceneError(
-            [f"--cluster: {cluster.address}: no scheduler answers ({type(error).__name__})"]
-        ) from error
+    address = cluster_address.answering(cluster.address, CONNECT_SECONDS)
+    client: Any = cast(Any, Client)(address, timeout=CONNECT_SECONDS, set_as_default=False)
     try:
         yield client
     finally:
@@ -158,30 +148,45 @@ class _Work:
         self.ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self.kills: Counter[Task] = Counter()
         self.submitted = 0
+        self.usable: set[str] = set()  # workers
+        self.looked = time.monotonic()  # at the workers
         self.avoided: dict[str, str] = {}  # reasons by worker
         self.lost_since: float | None = None
         self.stopping = 0.0  # time of the request to stop
 
     def do(self, waiting: deque[Task], asked: Callable[[], bool]) -> None:
         """Do tasks until none waits or runs, or until a stop is asked for."""
-        usable = _usable(self.client, self.cluster, told=False)
-        looked = time.monotonic()
+        from distributed.comm.core import CommClosedError
+
+        try:
+            self.usable = _usable(self.client, self.cluster, told=False)
+        except CommClosedError as error:
+            raise self._gone() from error
         while waiting or self.running:
-            if time.monotonic() - looked > LOOK_SECONDS and self._is_connected():
-                usable = self._look(waiting)
-                looked = time.monotonic()
-            idle = usable - self.avoided.keys() - {worker for _, worker in self.running.values()}
-            while waiting and idle:
-                self._submit(waiting.popleft(), idle.pop())
-            with suppress(queue.Empty):
-                self._take(self.ended.get(timeout=0.2), waiting)
-            if asked() and not self.stopping:
-                self.stopping = time.monotonic()
-                waiting.clear()
-                self.client.run(cluster_worker.stop, self.token, on_error="ignore")
+            try:
+                self._go_on(waiting)
+                if asked() and not self.stopping:
+                    self.stopping = time.monotonic()
+                    waiting.clear()
+                    self.client.run(cluster_worker.stop, self.token, on_error="ignore")
+            except CommClosedError:  # in the middle of a question; `_is_connected` tells more
+                time.sleep(WAIT_SECONDS)
             if self.stopping and time.monotonic() - self.stopping > STOP_SECONDS:
                 self.client.cancel(list(self.running), force=True)
                 return
+
+    def _go_on(self, waiting: deque[Task]) -> None:
+        """Look at the workers where it is time, hand out tasks, and take the end of one."""
+        connected = self._is_connected()
+        if connected and time.monotonic() - self.looked > LOOK_SECONDS:
+            self.usable = self._look(waiting)
+            self.looked = time.monotonic()
+        idle = self.usable - self.avoided.keys() - {worker for _, worker in self.running.values()}
+        while connected and waiting and idle:
+            self._submit(waiting[0], idle.pop())
+            waiting.popleft()
+        with suppress(queue.Empty):
+            self._take(self.ended.get(timeout=WAIT_SECONDS), waiting)
 
     def _look(self, waiting: deque[Task]) -> set[str]:
         """Return the addresses of all workers, and take back the tasks of those that are gone."""
@@ -190,7 +195,8 @@ class _Work:
             if worker in there:
                 continue
             del self.running[future]
-            self.client.cancel([future], force=True)
+            with suppress(OSError):  # a lost connection cancels it as well
+                self.client.cancel([future], force=True)
             self.kills[task] += 1
             if self.kills[task] >= MOST_KILLS:
                 reason = f"its worker was killed {MOST_KILLS} times; out of memory?"
@@ -220,17 +226,42 @@ class _Work:
 
     def _take(self, future: Any, waiting: deque[Task]) -> None:
         """Take the end of a task."""
-        if future not in self.running or not self._is_connected():
-            return
-        task, worker = self.running.pop(future)
-        if future.status == "finished":
-            self._answer(task, worker, future.result(), waiting)
+        if future not in self.running:
+            return None
+        task, worker = self.running[future]
+        try:
+            if not self._is_connected():
+                time.sleep(WAIT_SECONDS)
+                self.ended.put(future)
+                return None
+            # A result that is lost with its worker never comes.
+            done = future.status == "finished"
+            answer = future.result(timeout=RESULT_SECONDS) if done else None
+            if answer is None and future.status != "error" and not self.stopping:
+                return self._do_again(future, waiting)
+        except (TimeoutError, CancelledError):  # its worker or the connection is just being lost
+            self.ended.put(future)
+            return None
+        except OSError:
+            self.ended.put(future)
+            raise
+        del self.running[future]
+        if answer is not None:
+            self._answer(task, worker, answer, waiting)
         elif future.status == "error":
             error = future.exception()
             self.outcome.failures.setdefault(task.run, f"{type(error).__name__}: {error}")
-        elif not self.stopping:  # lost with its worker
-            waiting.appendleft(task)
         future.release()
+        return None
+
+    def _do_again(self, future: Any, waiting: deque[Task]) -> None:
+        """Hand a task out again that was lost with its worker, or with the connection.
+
+        A worker that lives may still be at it, and holds its run meanwhile, so it has it again.
+        """
+        self._look(waiting)
+        if future in self.running:
+            self._submit(*self.running.pop(future))
 
     def _answer(self, task: Task, worker: str, answer: Answer, waiting: deque[Task]) -> None:
         """Act on the answer of a worker."""
@@ -274,5 +305,8 @@ class _Work:
             return True
         self.lost_since = self.lost_since or time.monotonic()
         if time.monotonic() - self.lost_since > LOST_SECONDS or self.client.status == "closed":
-            raise ConnectionError(f"the scheduler at {self.cluster.address} is gone")
+            raise self._gone()
         return False
+
+    def _gone(self) -> ConnectionError:
+        return ConnectionError(f"the scheduler at {self.cluster.address} is gone")

@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from rolling._typing import Array
 from rolling.contact.march import march
@@ -59,6 +58,8 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     A fault stands in their place where the sphere passes a position under more than one load, or
     under none.
     """
+    from scipy.interpolate import CubicSpline  # slow to import, for motions only
+
     steps = result.solved_steps
     loads = force_law.loads_of(scene, result, of_scene.extremes).marched
     motion = of_scene.motion(scene, force_law.force_law(scene, result, loads))

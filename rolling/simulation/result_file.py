@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import hashlib
 import io
+import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import h5py
 
@@ -23,7 +25,7 @@ from rolling.simulation.result import Result
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import Vibration
 
-__all__ = ["UNITS", "Result", "load", "save", "scene_text"]
+__all__ = ["UNITS", "Result", "load", "physics", "save", "scene_text"]
 
 _SEAL = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
 _SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
@@ -100,13 +102,34 @@ def scene_text(path: Path) -> str:
     ------
     FolderError : the file cannot be read, was changed since it was written, or has no scene.
     """
+    return _attribute(path, "scene")
+
+
+def physics(path: Path) -> dict[str, Any]:
+    """Read the values of all keys that a result.h5 was solved with; none of version 0.1.0.
+
+    Nothing else is read, which matters for the table of many runs.
+
+    Raises
+    ------
+    FolderError : the file cannot be read, or was changed since it was written.
+    """
+    try:
+        return dict(json.loads(_attribute(path, "physics")))
+    except (ValueError, FolderError):  # of an older version, or damaged
+        identity = load(path).identity
+        return {} if identity is None else identity.physics
+
+
+def _attribute(path: Path, name: str) -> str:
+    """Read a text beside the series of a result.h5."""
     try:
         content = path.read_bytes()
         if content[-_SEAL_LENGTH:] == _seal(memoryview(content)[:-_SEAL_LENGTH]):
             with h5py.File(io.BytesIO(content), "r") as file:
-                return str(file.attrs["scene"])
+                return str(file.attrs[name])
     except (OSError, KeyError) as error:
-        raise FolderError(f"{path}: its scene is not readable ({error})") from error
+        raise FolderError(f"{path}: its {name} is not readable ({error})") from error
     raise FolderError(f"{path}: {_DAMAGED} (its SHA-256 differs)")
 
 

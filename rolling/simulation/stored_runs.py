@@ -70,8 +70,8 @@ def with_chosen_tolerance(run: Run) -> Run:
     chosen: Any = None
     if run.values and resolved.is_file():
         chosen = file.read_scene(resolved).numerics.tolerance
-    elif result.is_file() and (identity := result_file.load(result).identity):
-        chosen = identity.physics.get("numerics.tolerance")
+    elif result.is_file():
+        chosen = result_file.physics(result).get("numerics.tolerance")
     if chosen is None:
         return run
     return replace(run, scene=run.scene.with_({"numerics.tolerance": chosen}))

@@ -290,7 +290,9 @@ def _count(text: str) -> int:
 def _part(text: str) -> tuple[int, int]:
     number, slash, count = text.partition("/")
     if not (slash and number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
-        raise argparse.ArgumentTypeError("K/N, such as 3/40, with K from 1 to N")
+        raise argparse.ArgumentTypeError(
+            f"got {text!r}, allowed: K/N, such as 3/40, with K from 1 to N"
+        )
     return int(number), int(count)
 
 

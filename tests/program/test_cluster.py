@@ -7,6 +7,7 @@ import os
 import resource
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -14,17 +15,22 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
-import h5py
-import numpy as np
 import pytest
+import same_runs
 from scene_text import TINY
 
 from rolling import cli
+from rolling.commands import table
 from rolling.folders import run_record
 from rolling.folders.run_record import RunRecord
+from rolling.simulation import cluster as cluster_module
+from rolling.simulation.cluster import _Work
 
 pytest.importorskip("distributed", reason="a cluster needs Dask")
+from distributed import Client
+
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.filterwarnings("default"),  # of the packages of Dask
@@ -45,7 +51,7 @@ def held(scene, first, last, stopped, *more, march=march, **named):
     seed = scene.surface.seed
     if seed == {KILLER}:
         os.kill(os.getpid(), signal.SIGKILL)
-    flag = Path(__file__).with_name(f"held-{{seed}}")
+    flag = Path(os.environ["HELD_IN"], f"held-{{seed}}")
     if seed >= {HELD} and not flag.exists():
         flag.touch()
         end = time.monotonic() + 60
@@ -56,6 +62,23 @@ def held(scene, first, last, stopped, *more, march=march, **named):
 if march.__name__ != "held":
     simulate.simulate_piece = held
 """
+# Workers, and those that follow killed ones, fork from a process that has loaded the program.
+NANNY = """\
+import multiprocessing
+from distributed import utils
+
+utils._forkserver_preload_set = True  # Dask would set a list of its own
+multiprocessing.set_forkserver_preload(["distributed.worker", "loaded"])
+"""
+LOADED = """\
+from pathlib import Path
+from rolling.commands import whole_runs
+from rolling.scene import file
+from rolling.simulation import simulate
+
+simulate.simulate_piece(file.read_scene(Path(__file__).with_name("one.yaml")), 0, 2)
+"""
+FORKED = {"DASK_DISTRIBUTED__WORKER__MULTIPROCESSING_METHOD": "forkserver"}
 
 
 @dataclass
@@ -69,30 +92,33 @@ class Cluster:
     def file(self) -> Path:
         return self.folder / "scheduler.json"
 
-    def start(self, name: str, program: str, *words: str, **more: object) -> None:
-        environment = os.environ | {"PYTHONPATH": str(more.pop("path", ROOT))}
+    def start(self, name: str, program: str, *words: str, path: Path = ROOT) -> None:
+        own = {"PYTHONPATH": f"{path}:{self.folder}", "HELD_IN": str(self.folder)}
         with (self.folder / f"{name}.log").open("wb") as log:
             self.processes[name] = subprocess.Popen(
                 [sys.executable, "-m", f"distributed.cli.{program}", "--host", "127.0.0.1", *words],
                 cwd=self.folder,
-                env=environment,
+                env=os.environ | FORKED | own,
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
-                **more,
             )
 
-    def worker(self, name: str, **more: object) -> None:
+    def workers(self, name: str, *words: str, path: Path = ROOT) -> None:
         own = ["--scheduler-file", str(self.file), "--nthreads", "1", "--no-dashboard"]
-        preload = ["--preload", str(self.folder / "preload.py")]
         local = ["--local-directory", str(self.folder / name), "--name", name]
-        self.start(name, "dask_worker", *own, *preload, *local, "--death-timeout", "60", **more)
+        more = ["--death-timeout", "60", *words]
+        self.start(name, "dask_worker", *own, *local, *more, path=path)
 
     def log(self, name: str) -> str:
         return (self.folder / f"{name}.log").read_text(errors="replace")
 
     def wait(self, workers: int) -> None:
         wait_for(lambda: self.log("scheduler").count("Register worker addr") >= workers, 90)
+
+    def wait_until_held(self, seed: int) -> None:
+        """Wait until a worker is in the middle of the scene."""
+        wait_for((self.folder / f"held-{seed}").exists, 60)
 
     def kill(self, name: str) -> None:
         process = self.processes.pop(name)
@@ -110,11 +136,18 @@ def wait_for(condition: Callable[[], object], seconds: float) -> None:
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
     made = Cluster(tmp_path_factory.mktemp("cluster"))
-    (made.folder / "preload.py").write_text(PRELOAD)
+    for name, text in {
+        "preload.py": PRELOAD,
+        "nanny.py": NANNY,
+        "loaded.py": LOADED,
+        "one.yaml": SCENE,
+    }.items():
+        (made.folder / name).write_text(text)
     words = ["--port", "0", "--no-dashboard", "--scheduler-file", str(made.file)]
     made.start("scheduler", "dask_scheduler", *words)
-    made.worker("first")
-    made.worker("second")
+    preload = ["--preload", str(made.folder / "preload.py")]
+    nanny = ["--preload-nanny", str(made.folder / "nanny.py")]
+    made.workers("pair", "--nworkers", "2", *preload, *nanny)
     made.wait(2)
     yield made
     for name in [*made.processes]:
@@ -136,11 +169,9 @@ def record(out: Path, seed: int) -> RunRecord | None:
     return run_record.read(out / f"seed={seed}")
 
 
-def kill_who_holds(out: Path, seed: int) -> None:
+def kill_who_holds(cluster: Cluster, out: Path, seed: int) -> None:
     """Kill the worker that has begun a scene, in the middle of it."""
-    wait_for(lambda: (begun := record(out, seed)) is not None and begun.process, 60)
-    wait_for(lambda: (record(out, seed).process) is not None, 10)
-    time.sleep(0.2)
+    cluster.wait_until_held(seed)
     os.kill(record(out, seed).process.pid, signal.SIGKILL)
 
 
@@ -150,19 +181,11 @@ def in_background(function: Callable[[], object]) -> threading.Thread:
     return thread
 
 
-def assert_same(one: Path, other: Path) -> None:
-    """Assert that two runs have the same series, bit by bit, but for times."""
-    with h5py.File(one / "result.h5") as first, h5py.File(other / "result.h5") as second:
-        for name in ("release_energy", "approach", "residual", "sound/pressure"):
-            assert np.array_equal(first[name][:], second[name][:])
-    assert (one / "signal.wav").read_bytes() == (other / "signal.wav").read_bytes()
-
-
 def test_killed_workers_cost_one_start_each_and_a_killer_is_named(
     cluster: Cluster, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out, local = tmp_path / "out", tmp_path / "local"
-    killing = in_background(lambda: kill_who_holds(out, HELD))
+    killing = in_background(lambda: kill_who_holds(cluster, out, HELD))
     good = (1, 2, 3)
     assert cli.main(words(scene(tmp_path, *good, HELD, KILLER), out, cluster)) == 1
     killing.join()
@@ -177,7 +200,7 @@ def test_killed_workers_cost_one_start_each_and_a_killer_is_named(
     assert not [*out.rglob(".*.partial")]
     assert cli.main(words(scene(tmp_path, *good), local, None)) == 0
     for seed in good:
-        assert_same(out / f"seed={seed}", local / f"seed={seed}")
+        assert not same_runs.series_that_differ(out / f"seed={seed}", local / f"seed={seed}")
 
 
 def test_pieces_of_a_long_track_are_tasks(cluster: Cluster, tmp_path: Path) -> None:
@@ -186,7 +209,7 @@ def test_pieces_of_a_long_track_are_tasks(cluster: Cluster, tmp_path: Path) -> N
     out, local = tmp_path / "out", tmp_path / "local"
     assert cli.main(words(path, out, cluster)) == 0
     assert cli.main(words(path, local, None)) == 0
-    assert_same(out, local)
+    assert not same_runs.series_that_differ(out, local)
     assert run_record.read(out).state == "done"
 
 
@@ -198,7 +221,7 @@ def test_a_second_client_is_refused_and_a_killed_client_leaves_a_folder_to_resum
     first = subprocess.Popen(
         command, env=os.environ | {"PYTHONPATH": str(ROOT)}, stderr=subprocess.DEVNULL
     )
-    wait_for(lambda: (begun := record(out, seed)) is not None and begun.process, 60)
+    cluster.wait_until_held(seed)
     resume = ["resume", str(out), "--no-pictures", "--cluster", str(cluster.file)]
     try:
         assert cli.main(resume) == 2
@@ -220,7 +243,7 @@ def test_a_worker_of_another_version_is_refused_by_name(
     other = tmp_path / "other" / "rolling" / "_typing.py"
     other.write_text(f"{other.read_text()}# another version\n")
     before = cluster.log("scheduler").count("Register worker addr")
-    cluster.worker("other", path=tmp_path / "other")
+    cluster.workers("other", "--no-nanny", path=tmp_path / "other")
     cluster.wait(before + 1)
     out = tmp_path / "out"
     assert cli.main(words(scene(tmp_path, 1, 2, 3), out, cluster)) == 0
@@ -233,39 +256,83 @@ def test_a_worker_of_another_version_is_refused_by_name(
 def test_a_worker_with_a_full_disk_is_left_out(
     cluster: Cluster, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def small_files() -> None:  # a real limit of the system: no file above 10 kB
-        resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
-
-    before = cluster.log("scheduler").count("Register worker addr")
-    cluster.worker("full", preexec_fn=small_files)
-    cluster.wait(before + 1)
     out, seeds = tmp_path / "out", range(1, 9)
-    assert cli.main(words(scene(tmp_path, *seeds), out, cluster)) == 0
-    cluster.kill("full")
+    with Client(scheduler_file=str(cluster.file), set_as_default=False) as client:
+        full = next(iter(client.scheduler_info(n_workers=-1)["workers"]))
+        limit = resource.setrlimit, resource.RLIMIT_FSIZE  # a real limit of the system
+        client.run(*limit, (10_000, resource.RLIM_INFINITY), workers=[full])
+        try:
+            assert cli.main(words(scene(tmp_path, *seeds), out, cluster)) == 0
+        finally:
+            client.run(*limit, (resource.RLIM_INFINITY,) * 2, workers=[full])
     said = capsys.readouterr().err
-    assert "is not used any more" in said and "File too large" in said
+    assert f"worker {full} is not used any more" in said and "File too large" in said
     assert {record(out, seed).state for seed in seeds} == {"done"}
     assert not [*out.rglob(".*.partial")]
 
 
+def test_all_ways_give_the_same_table(cluster: Cluster, tmp_path: Path) -> None:
+    """On processes, as parts in mixed order of which one is killed, and on a cluster."""
+    path = tmp_path / "tiny.yaml"
+    path.write_text(f"{SCENE}sweep: {{rolling.load_n: [0.005, 0.01], surface.seed: {[*range(6)]}}}")
+    pool, parts, on_cluster = (tmp_path / name for name in ("pool", "parts", "cluster"))
+    assert cli.main([*words(path, pool, None), "--workers", "2"]) == 0
+    assert cli.main(words(path, on_cluster, cluster)) == 0
+    second = [*words(path, parts, None), "--part", "2/3"]
+    lost = subprocess.Popen(
+        [sys.executable, "-m", "rolling.cli", *second], env=os.environ | {"PYTHONPATH": str(ROOT)}
+    )
+    wait_for(lambda: [*parts.glob("*/summary.json")], 60)
+    lost.kill()
+    assert lost.wait() == -signal.SIGKILL
+    for part in ("3/3", "1/3", "2/3"):
+        assert cli.main([*words(path, parts, None), "--part", part]) == 0
+    for folder in (pool, parts, on_cluster):
+        assert run_record.read(folder).state == "done"
+        table.tabulate(folder)
+    assert same_runs.differences(pool, parts) == same_runs.differences(pool, on_cluster) == []
+
+
+def test_a_lost_connection_is_made_again(cluster: Cluster, tmp_path: Path) -> None:
+    """The scheduler forgets the tasks of a client that it loses, and their workers stop."""
+    out, seed = tmp_path / "out", HELD + 3
+
+    def cut() -> None:
+        cluster.wait_until_held(seed)
+        for client in [*Client._instances]:
+            client.loop.add_callback(client.scheduler_comm.comm.abort)
+
+    cutting = in_background(cut)
+    assert cli.main(words(scene(tmp_path, 1, seed), out, cluster)) == 0
+    cutting.join()
+    assert (record(out, 1).state, record(out, seed).state) == ("done", "done")
+    assert record(out, seed).starts == 2
+
+
 def test_a_lost_scheduler_ends_in_a_sentence_and_resume_finishes(
-    cluster: Cluster, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    cluster: Cluster,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     out, seed = tmp_path / "out", HELD + 2
     killed: list[float] = []
+    take = _Work._take
 
-    def kill() -> None:
-        wait_for(lambda: (begun := record(out, seed)) is not None and begun.process, 60)
-        cluster.kill("scheduler")
-        killed.append(time.monotonic())
+    def kill_and_take(work: _Work, *arguments: Any) -> None:
+        if not killed:  # just before the first result is fetched
+            cluster.kill("scheduler")
+            killed.append(time.monotonic())
+        take(work, *arguments)
 
-    killing = in_background(kill)
+    monkeypatch.setattr(_Work, "_take", kill_and_take)
     assert cli.main(words(scene(tmp_path, 1, 2, seed), out, cluster)) == 1
-    killing.join()
     assert time.monotonic() - killed[0] < 30
     said = capsys.readouterr().err
     assert "scheduler" in said and "is gone" in said and f"`rolling resume {out}`" in said
-    wait_for(lambda: record(out, seed).state != "running", 60)
+    seeds = 1, 2, seed  # of which all workers are at work, and notice it
+    begun = lambda: [each for each in (record(out, seed) for seed in seeds) if each]  # noqa: E731
+    wait_for(lambda: all(each.state != "running" for each in begun()), 60)
     assert cli.main(["resume", str(out), "--workers", "1", "--no-pictures"]) == 0
     assert {record(out, each).state for each in (1, 2, seed)} == {"done"}
 
@@ -273,12 +340,23 @@ def test_a_lost_scheduler_ends_in_a_sentence_and_resume_finishes(
 def test_no_scheduler_is_refused_before_anything_is_written(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from rolling.simulation import cluster
-
-    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 1.0)
-    for address, text in (("none.json", "no such"), ("tcp://127.0.0.1:9", "no scheduler answers")):
-        out = tmp_path / "out"
-        path = scene(tmp_path, 1, 2)
-        assert cli.main(["run", str(path), "--out", str(out), "--cluster", address]) == 2
-        assert text in capsys.readouterr().err
-        assert not out.exists()
+    monkeypatch.setattr(cluster_module, "CONNECT_SECONDS", 1.0)
+    (tmp_path / "empty.json").write_text("{}")
+    (tmp_path / "gone.json").write_text('{"address": "tcp://127.0.0.1:9"}')
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # takes calls and never answers
+        addresses = {
+            "none.json": "no such scheduler file",
+            str(tmp_path): "allowed: an address such as tcp://HOST:8786",
+            str(tmp_path / "empty.json"): "not a scheduler file",
+            str(tmp_path / "gone.json"): "gone.json: no scheduler answers",
+            "127.0.0.1:port": "got 127.0.0.1:port, allowed: ",
+            "inproc://here": "got inproc://here, allowed: ",
+            f"tcp://127.0.0.1:{silent.getsockname()[1]}": "no scheduler answers (a time-out)",
+        }
+        for address, text in addresses.items():
+            out = tmp_path / "out"
+            path = scene(tmp_path, 1, 2)
+            assert cli.main(["run", str(path), "--out", str(out), "--cluster", address]) == 2
+            (line,) = capsys.readouterr().err.splitlines()
+            assert line.startswith("--cluster: ") and text in line
+            assert not out.exists()

@@ -167,3 +167,14 @@ def test_nothing_heavy_is_loaded_before_it_is_needed(code: str) -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
     ).stdout
     assert printed.splitlines()[-1] == "loaded:"
+
+
+def test_a_process_that_solves_loads_no_packages_of_pictures_motions_or_dask() -> None:
+    """Every worker and every part of a sweep starts so: these packages took half of its time."""
+    code = "import sys, rolling.commands.whole_runs as runs\nprint(*sys.modules)"
+    printed = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    ).stdout
+    unused = {"matplotlib", "dask", "pandas", "xarray", "jinja2", "scipy.signal", "scipy.stats"}
+    unused |= {"scipy.optimize", "scipy.integrate", "scipy.interpolate", "scipy.ndimage"}
+    assert not unused & {*printed.split()}

@@ -107,6 +107,17 @@ def test_the_second_of_the_same_part_is_refused_and_a_lost_part_runs_again(
     assert run_record.read(out).state == "done"
 
 
+def test_a_part_beyond_the_last_run_does_nothing(
+    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An array job may have more parts than its sweep has runs."""
+    out = tmp_path / "out"
+    assert run(scene, out, "6/7") == 0
+    said = capsys.readouterr()
+    assert "part 6/7: 0 of 5 runs" in said.err and said.out == f"files: {out}\n"
+    assert set(states(out).values()) == {"none"}
+
+
 def test_a_failed_run_stops_no_part_and_is_named_in_the_end(scene: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     load = ["--set", "sweep.rolling.load_n=[0.005, 5000, 0.006]", "--set", "surface.seed=1"]
@@ -124,7 +135,9 @@ def test_a_failed_run_stops_no_part_and_is_named_in_the_end(scene: Path, tmp_pat
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--part", "4/3", "--out", "out"], "K/N"),
+        (["--part", "4/3", "--out", "out"], "got '4/3', allowed: K/N"),
+        (["--part", "0/3", "--out", "out"], "got '0/3', allowed: K/N"),
+        (["--part", "a/b", "--out", "out"], "got 'a/b', allowed: K/N"),
         (["--part", "1/2"], "--out FOLDER"),
         (["--part", "1/2", "--out", "out", "--force"], "without --force"),
         (["--part", "1/2", "--out", "out", "--set", "surface.seed=1"], "the scene has none"),

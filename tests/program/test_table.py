@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import statistics
 from pathlib import Path
@@ -139,10 +140,26 @@ def test_unknown_names_get_the_nearest_and_nothing_is_written(
 
 
 def test_parquet_holds_the_same_tables(sweep: Path) -> None:
+    """Every cell: numbers as numbers, text as text, empty cells as nulls."""
     parquet = pytest.importorskip("pyarrow.parquet", reason="Parquet is written with pyarrow only")
     table.tabulate(sweep)
-    read = parquet.read_table(sweep / "statistics.parquet").to_pydict()
-    assert read["mean"] == [float(row["mean"]) for row in rows(sweep / "statistics.csv")]
+    for name in ("runs", "bands", "statistics"):
+        read = parquet.read_table(sweep / f"{name}.parquet").to_pylist()
+        for packed, row in zip(read, rows(sweep / f"{name}.csv"), strict=True):
+            assert {key: _as_csv(value, row[key]) for key, value in packed.items()} == row
+    content = table._parquet(b"run,x,surface\n001,2,nan\n", ["run", "surface"])
+    assert parquet.read_table(io.BytesIO(content)).to_pylist() == [
+        {"run": "001", "x": 2, "surface": "nan"}
+    ]
+
+
+def _as_csv(value: object, text: str) -> str:
+    """Return the text of a cell if the value says the same."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):
+        return text if float(text) == value else f"{value}"
+    return "" if value is None else str(value)
 
 
 def test_a_single_run_has_no_spread() -> None:
