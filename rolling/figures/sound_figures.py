@@ -22,6 +22,7 @@ from acoustics.spectrum import Psd, article_line_level_db, line_spectrum, welch
 from acoustics.weighting import a_weighting_db
 from rolling._typing import Array
 from rolling.figures import captions
+from rolling.figures.order import is_ordered
 from rolling.figures.picture import (
     BAR_IN,
     BAR_ROOM_IN,
@@ -255,7 +256,7 @@ def _spectrum(
         facts = [*facts, f"drawn bold: mean over 1/{sound_plots.PER_OCTAVE} octave"]
 
     def draw(ax: Axes) -> None:
-        sound_plots.spectrum(ax, curves, scales.spectra[kind.name])
+        sound_plots.spectrum(ax, curves, scales.spectra[kind.name], ordered=is_ordered(shown))
         ax.set_ylabel(kind.ylabel)
 
     title = f"{kind.title}: {captions.subject(subject or shown)}"
@@ -313,7 +314,9 @@ def _third_octaves(
         f"Third octaves, {weighting}-weighted: {captions.subject(shown)}",
         captions.note(facts),
         columns,
-        lambda ax: sound_plots.third_octaves(ax, curves, scales.shortest_s, limits, errors),
+        lambda ax: sound_plots.third_octaves(
+            ax, curves, scales.shortest_s, limits, errors, ordered=is_ordered(shown)
+        ),
     )
 
 

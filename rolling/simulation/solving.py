@@ -231,9 +231,8 @@ class _Work:
             *force_law.tasks(scenes, result, number, seconds, of_scene.extremes),
             *moving_release.tasks(scenes, result, number, seconds),
         ]
-        # The event of a slow motion depends on the speed, so runs that share a result have none.
-        if self.filmed and not tasks and len(scenes) == 1:
-            film = slow_march.task(scene, result, number, seconds)
+        if self.filmed and not tasks:
+            film = slow_march.task(scenes, result, number, seconds)
             tasks = [film] if film else []
         self.waiting[number] += len(tasks)
         return tasks
