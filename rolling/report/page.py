@@ -266,6 +266,7 @@ def page(
             lengths={round(run.sound.duration, 4) for run in runs},
             SHORT_S=caveats.SHORT_S,
             map_scale=scale,
+            noted=any(view.repeats or view.playback.calibrated_pa is None for view in views),
             filmed=any(films),
             moved=any(film is not None and film.motion is not None for film in films),
             curves=common,

@@ -133,8 +133,8 @@ class Recipe:
 
 
 def titles(runs: Sequence[RunResult]) -> str:
-    """Join the titles of the scenes, or their names where they have none."""
-    return ", ".join(dict.fromkeys(run.scene.title or run.scene.name for run in runs))
+    """Join the titles of the scenes, or their names where they have none, in printable letters."""
+    return printable(", ".join(dict.fromkeys(run.scene.title or run.scene.name for run in runs)))
 
 
 def sentence(runs: Sequence[RunResult]) -> str:
@@ -153,6 +153,8 @@ def sentence(runs: Sequence[RunResult]) -> str:
         return f"{run.label}: LAeq {laeq} dB re 20 µPa{at}.{also}"
     low_db, quietest = min(sounding, key=lambda pair: pair[0])
     high_db, loudest = max(sounding, key=lambda pair: pair[0])
+    if high_db - low_db < 0.05:
+        return f"LAeq{at} is {low_db:.1f} dB in all {len(sounding)} runs that sound.{also}"
     return (
         f"LAeq{at} lies between {low_db:.1f} dB ({quietest.label}) and {high_db:.1f} dB "
         f"({loudest.label}),"
