@@ -1,7 +1,8 @@
 """The look of curves and axes that all plots share.
 
 The colours by Okabe and Ito (2008) differ for any colour vision. Line styles differ too, for grey
-print. More curves than colours go from dark to light in the given order.
+print. More curves than colours go from dark to light in the given order, as do curves whose order
+has a meaning.
 """
 
 from __future__ import annotations
@@ -84,11 +85,15 @@ def say_if_silent(ax: Axes, sounds: bool) -> None:
         )
 
 
-def look_of(number: int, count: int) -> dict[str, Any]:
-    """Return colour, line style and marker of a curve among `count` curves."""
+def look_of(number: int, count: int, ordered: bool = False) -> dict[str, Any]:
+    """Return colour, line style and marker of a curve among `count` curves.
+
+    Colours go from dark to light if the order of the curves has a meaning, or if they are many.
+    """
     colour = COLOURS[number % len(COLOURS)]
-    if count > len(COLOURS):  # beyond 0.9 the map is too light for white paper
-        colour = to_hex(matplotlib.colormaps["viridis"](0.9 * number / (count - 1)))
+    if count > len(COLOURS) or (ordered and count >= FEW):
+        # Beyond 0.72 the map has a contrast below 2.5 to white paper.
+        colour = to_hex(matplotlib.colormaps["plasma"](0.72 * number / (count - 1)))
     return {
         "color": colour,
         "linestyle": _cycled(LINE_STYLES, number),

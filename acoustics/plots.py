@@ -67,7 +67,10 @@ def drawn_as_means(curves: Sequence[tuple[str, Lines]]) -> list[tuple[str, Lines
 
 
 def spectrum(
-    ax: Axes, curves: Sequence[tuple[str, Lines]], limits_db: tuple[float, float] | None = None
+    ax: Axes,
+    curves: Sequence[tuple[str, Lines]],
+    limits_db: tuple[float, float] | None = None,
+    ordered: bool = False,
 ) -> Axes:
     """Draw spectra against frequency, 20 Hz to 20 kHz.
 
@@ -79,6 +82,8 @@ def spectrum(
     ax : axes to draw on.
     curves : sequence of pairs. Label and spectrum in dB; -inf lies below the axis.
     limits_db : pair of float, dB. Limits of the level axis. Default: `level_limits` of the curves.
+    ordered : bool. Whether the order of the curves has a meaning, such as an ascending load. Three
+        curves or more are then coloured from dark to light. Default: false.
 
     Returns
     -------
@@ -94,7 +99,7 @@ def spectrum(
     'frequency [Hz]'
     """
     for number, (label, lines) in enumerate(curves):
-        look = look_of(number, len(curves))
+        look = look_of(number, len(curves), ordered)
         del look["marker"]
         if (label, lines) in drawn_as_means(curves):
             if len(curves) <= FEW:
@@ -123,6 +128,7 @@ def third_octaves(
     duration_s: float,
     limits_db: tuple[float, float] | None = None,
     errors: Sequence[BandErrors | None] = (),
+    ordered: bool = False,
 ) -> Axes:
     """Draw third-octave levels as steps over the bands, 20 Hz to 20 kHz.
 
@@ -141,6 +147,7 @@ def third_octaves(
         their standard uncertainty, both by nominal frequency; None for a curve without. Up to three
         curves have a diamond at the level less its error, and bands off by more than 1 dB are
         hatched. Default: none.
+    ordered : bool. As in `spectrum`. Default: false.
 
     Returns
     -------
@@ -164,7 +171,7 @@ def third_octaves(
             numbers(by_name[name] for name in BAND_NAMES) for by_name in (levels, uncertainty)
         )
         seen += [*level]
-        look = look_of(number, len(curves))
+        look = look_of(number, len(curves), ordered)
         _band_curve(ax, label, level, spread, first, look, len(curves) <= FEW)
         if number < len(errors) and (of_curve := errors[number]) and len(curves) <= FEW:
             _error_marks(ax, level, of_curve, look)

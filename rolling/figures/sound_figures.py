@@ -13,6 +13,7 @@ from acoustics import plots as sound_plots
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.plots import Lines
 from rolling.figures import captions
+from rolling.figures.order import is_ordered
 from rolling.figures.picture import (
     BAR_IN,
     BAR_ROOM_IN,
@@ -80,7 +81,7 @@ def _spectrum(
         facts = [*facts, f"drawn bold: mean over 1/{sound_plots.PER_OCTAVE} octave"]
 
     def draw(ax: Axes) -> None:
-        sound_plots.spectrum(ax, curves, scales.spectra[kind.name])
+        sound_plots.spectrum(ax, curves, scales.spectra[kind.name], ordered=is_ordered(shown))
         ax.set_ylabel(kind.ylabel)
 
     title = f"{kind.title}: {captions.subject(subject or shown)}"
@@ -138,7 +139,9 @@ def _third_octaves(
         f"Third octaves, {weighting}-weighted: {captions.subject(shown)}",
         captions.note(facts),
         columns,
-        lambda ax: sound_plots.third_octaves(ax, curves, scales.shortest_s, limits, errors),
+        lambda ax: sound_plots.third_octaves(
+            ax, curves, scales.shortest_s, limits, errors, ordered=is_ordered(shown)
+        ),
     )
 
 

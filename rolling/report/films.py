@@ -11,6 +11,7 @@ from PIL import Image
 
 from rolling.contact import closed_forms
 from rolling.report import pressure_maps
+from rolling.report.film_motion import FilmMotion, motion_between
 from rolling.simulation.run_result import RunResult
 from rolling.simulation.slow_motion import SlowMotion
 from rolling.surface.scene_surface import scene_surface
@@ -46,6 +47,7 @@ class Film:
     centres : list of (float, float), cells. Centre of the sphere in each map.
     times : list of float, s. Time of each map in the record.
     power_uw : list of float, uW. Mean release power since the map before; zero for the first map.
+    motion : FilmMotion or None. Motion of the ball meanwhile; None without dynamics.
     """
 
     ground: bytes
@@ -57,6 +59,7 @@ class Film:
     centres: list[tuple[float, float]]
     times: list[float]
     power_uw: list[float]
+    motion: FilmMotion | None
 
 
 def film_of(run: RunResult, max_gpa: float) -> Film | None:
@@ -86,6 +89,7 @@ def film_of(run: RunResult, max_gpa: float) -> Film | None:
         centres=_centres(run, slow),
         times=np.round(times, 8).tolist(),
         power_uw=[float(f"{value:.4g}") for value in power * 1e6],
+        motion=motion_between(run, float(times[0]), float(times[-1])),
     )
 
 

@@ -19,6 +19,8 @@ from rolling.simulation.run_result import RunResult
 
 MOST = 0.8  # share of the A-weighted power that counts as most of it
 ALIKE = 0.05  # relative difference of pitch that is not named
+MOST_KINDS = 3  # of a part of the situation that are all named
+MAINLY = 0.5  # share of the sound that is called most
 DIFFERS = 2.0  # standard uncertainties of a difference of levels that is named
 
 
@@ -56,24 +58,39 @@ def _weighted(run: RunResult) -> tuple[Array, Array]:
 
 
 def situation(runs: Sequence[RunResult]) -> str:
-    """Describe sphere, speed and plate if they are the same in all runs; empty if they are not."""
-    said = {_situation(run) for run in runs}
-    return said.pop() if len(said) == 1 else ""
+    """Say what rolls over what; a part that differs between the runs is said with all its kinds."""
+    body, diameter, speed, plate, surface, distance = (
+        _kinds(list(dict.fromkeys(part))) for part in zip(*map(_parts, runs), strict=True)
+    )
+    return (
+        f"{body} sphere of {diameter} diameter rolls{speed} over a plate of {plate}: {surface}."
+        f" It is heard from {distance}."
+    )
 
 
-def _situation(run: RunResult) -> str:
-    """Describe sphere, speed and plate of a run."""
+def _parts(run: RunResult) -> tuple[str, str, str, str, str, str]:
+    """Return sphere, diameter, speed, plate, surface and distance of a run in words."""
     scene = run.scene
-    body = "An elastic" if scene.sphere.youngs_modulus_gpa else "A rigid"
     yields = f" that yields at {scene.plate.hardness_gpa:g} GPa" if scene.plate.hardness_gpa else ""
     speed = ""
     if run.sound.constant_speed:
         speed = f" at {scene.motion.fastest(run.sound.duration):.3g} m/s"
     return (
-        f"{body} sphere of {2 * scene.sphere.radius_mm:g} mm diameter rolls{speed} over a plate of"
-        f" {scene.plate.youngs_modulus_gpa:g} GPa{yields}: {surface_words(scene)}."
-        f" It is heard from {scene.sound.distance_m:g} m."
+        "An elastic" if scene.sphere.youngs_modulus_gpa else "A rigid",
+        f"{2 * scene.sphere.radius_mm:g} mm",
+        speed,
+        f"{scene.plate.youngs_modulus_gpa:g} GPa{yields}",
+        surface_words(scene),
+        f"{scene.sound.distance_m:g} m",
     )
+
+
+def _kinds(words: Sequence[str]) -> str:
+    """Join the kinds of a part; of many kinds the first and the last stand for all."""
+    if len(words) > MOST_KINDS:
+        return f"{words[0]} to {words[-1].strip()} ({len(words)} kinds)"
+    head = ", ".join([words[0], *(word.strip() for word in words[1:-1])])
+    return f"{head} or {words[-1].strip()}" if len(words) > 1 else head
 
 
 def sentences(runs: Sequence[RunResult]) -> list[str]:
@@ -122,16 +139,38 @@ def _reason(run: RunResult) -> str:
     speed = float(scene.motion.distance(run.sound.duration)) / run.sound.duration
     width = 2 * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     text = f"The sphere rolls over its own contact width, {_rate(width, speed)}"
+    if run.sound.source == "vibration":
+        return f"{text}. {_shaken(run)}"
     if not isinstance(scene.surface, Gaussian):
         return f"{text}."
     length = scene.surface.correlation_length_um * 1e-6
     frequency, power = _weighted(run)
     within = (frequency >= speed / width) & (frequency <= speed / length)
     share = float(power[within].sum() / power.sum())
+    text = f"{text}, and over a correlation length of the surface, {_rate(length, speed)}."
+    if share < MAINLY:
+        return (
+            f"{text} Only {percent(share)} of what is heard lies between the two rates, where waves"
+            " of the surface fit into the contact."
+        )
     return (
-        f"{text}, and over a correlation length of the surface, {_rate(length, speed)}. Waves of"
-        f" the surface between these two lengths fit into the contact: {percent(share)} of what is"
-        " heard lies between the two rates."
+        f"{text} Waves of the surface between these two lengths fit into the contact:"
+        f" {percent(share)} of what is heard lies between the two rates."
+    )
+
+
+def _shaken(run: RunResult) -> str:
+    """Say at which frequency the ball rings on its contact, and how long it flies."""
+    summary = run.summary
+    flies = ""
+    if summary["flight_share"] > 0:
+        flies = (
+            f" It flies for {percent(summary['flight_share'])} of the time, and hits the plate"
+            f" {summary['impacts']} times."
+        )
+    return (
+        f"The ball rings on its contact at {kilohertz(summary['resonance_hz'])}, where waves of the"
+        f" surface of {summary['resonance_wavelength_m'] * 1e6:.2g} µm shake it.{flies}"
     )
 
 

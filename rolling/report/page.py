@@ -53,6 +53,14 @@ SECTIONS = {  # by their places on the page
 }
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 # pictures of single runs, even if several are compared
+# Maps keep their colours, which have a scale; ground, axes and letters around them turn dark.
+MAPS = ("spectrogram", "surface", "contact")
+DARK = (
+    b'<style class="dark">@media (prefers-color-scheme: dark) {'
+    b' svg { fill: #e6e8eb; } [style*="fill: #ffffff"] { fill: #15181c !important; }'
+    b' [style*="fill: #404040"] { fill: #a3abb5 !important; }'
+    b' [style*="stroke: #000000"] { stroke: #e6e8eb !important; } }</style>'
+)
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
 OWN = (*TIMELINES, "surface", "contact", "recovery_events", *VIBRATION)
 
@@ -191,12 +199,18 @@ def exhibit(picture: Picture) -> Exhibit:
     return Exhibit(
         picture.name,
         picture.alt,
-        _uri("image/svg+xml", picture.svg()),
+        _uri("image/svg+xml", _in_the_dark(picture)),
         link,
         bool(csv),
         time,
         _size(picture),
     )
+
+
+def _in_the_dark(picture: Picture) -> bytes:
+    """Return the SVG file of a picture; a map has a style for dark pages."""
+    svg = picture.svg()
+    return svg.replace(b"</defs>", b"</defs>" + DARK, 1) if picture.name in MAPS else svg
 
 
 def _size(picture: Picture) -> tuple[int, int]:
@@ -252,7 +266,9 @@ def page(
             lengths={round(run.sound.duration, 4) for run in runs},
             SHORT_S=caveats.SHORT_S,
             map_scale=scale,
+            noted=any(view.repeats or view.playback.calibrated_pa is None for view in views),
             filmed=any(films),
+            moved=any(film is not None and film.motion is not None for film in films),
             curves=common,
             surfaces=_surfaces(views),
             vibrations=_vibrations(views),

@@ -19,6 +19,7 @@ SCRIPTS = (
     "motion",
     "contact",
     "film",
+    "film_motion",
     "downloads",
     "compare",
     "abx",

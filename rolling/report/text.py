@@ -17,6 +17,7 @@ from rolling.report.numbers import NOTHING, significant
 from rolling.scene import file
 from rolling.simulation import batch, caveats
 from rolling.simulation.caveats import Remark
+from rolling.simulation.labels import printable
 from rolling.simulation.run_result import RunResult
 from rolling.simulation.summary import error_line, uncertain
 
@@ -127,8 +128,8 @@ class Recipe:
 
 
 def titles(runs: Sequence[RunResult]) -> str:
-    """Join the titles of the scenes, or their names where they have none."""
-    return ", ".join(dict.fromkeys(run.scene.title or run.scene.name for run in runs))
+    """Join the titles of the scenes, or their names where they have none, in printable letters."""
+    return printable(", ".join(dict.fromkeys(run.scene.title or run.scene.name for run in runs)))
 
 
 def sentence(runs: Sequence[RunResult]) -> str:
@@ -147,6 +148,8 @@ def sentence(runs: Sequence[RunResult]) -> str:
         return f"{run.label}: LAeq {laeq} dB re 20 µPa{at}.{also}"
     low_db, quietest = min(sounding, key=lambda pair: pair[0])
     high_db, loudest = max(sounding, key=lambda pair: pair[0])
+    if high_db - low_db < 0.05:
+        return f"LAeq{at} is {low_db:.1f} dB in all {len(sounding)} runs that sound.{also}"
     return (
         f"LAeq{at} lies between {low_db:.1f} dB ({quietest.label}) and {high_db:.1f} dB "
         f"({loudest.label}),"

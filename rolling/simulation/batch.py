@@ -191,9 +191,8 @@ class _Work:
         result, numbers = self.results[leader], self.members[leader]
         if any(lacks_marches(self.scenes[number], result) for number in numbers):
             return True
-        # The event of a slow motion depends on the speed, so runs that share a result have none.
-        alone = self.filmed and len(numbers) == 1
-        return alone and slow_march.missing(self.scenes[leader], result)
+        scenes = [self.scenes[number] for number in numbers]
+        return self.filmed and slow_march.missing(scenes, result)
 
     def added(self, leader: int) -> None:
         """Write a result that has grown, if it is due, and complete its runs after the last."""

@@ -1,14 +1,15 @@
 """The stretch of a run that is marched again for its slow motion, and its march.
 
 The stretch lies around the loudest event: the place where the release power, averaged over 20 um,
-is largest. Every state of the stretch is solved again from a cold start, at a few percent of the
-run's cost at most.
+is largest; for runs that are heard by their vibration, where a contact force departs most from the
+load. Every state of the stretch is solved again from a cold start under the load of the scene, at a
+few percent of the run's cost at most.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,8 +21,9 @@ from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import cell_means, half_space_of
 from rolling.contact.window import Window
+from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
-from rolling.simulation import pool, simulate
+from rolling.simulation import force_law, pool, simulate
 from rolling.simulation.result import Result
 from rolling.simulation.slow_motion import SlowMotion
 from rolling.surface.contact_of_scene import rolling_contact
@@ -49,21 +51,39 @@ class Stretch:
     stride: int
 
 
-def stretch(scene: Scene, result: Result) -> Stretch | None:
-    """Choose the stretch around the loudest event of a complete run.
+@dataclass(frozen=True)
+class Event:
+    """The place that a slow motion shows.
+
+    position : int. Position of its middle.
+    speed : float, m/s. Speed of the sphere there.
+    """
+
+    position: int
+    speed: float
+
+
+def stretch(scenes: Sequence[Scene], result: Result) -> Stretch | None:
+    """Choose the stretch around the loudest event of a complete result.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene. The runs that share the result, scenes without a sweep.
+    result : Result. Their result, with the force law where they have dynamics.
 
     Returns
     -------
     stretch : Stretch or None
-        None for a smooth surface, which has no events, and for a run that is too short.
+        None for a smooth surface, which has no events, for a run that is too short, and for runs
+        whose loudest events lie at different places.
     """
-    if scene.surface.kind == "smooth" or not result.complete:
+    if scenes[0].surface.kind == "smooth" or not result.complete:
         return None
-    energy, step = result.series["release_energy"], result.step
-    middle = np.minimum((np.arange(len(energy)) + 0.5) * step, scene.motion.final_distance)
-    speed = np.asarray(scene.motion.speed(scene.motion.time(middle)), dtype=float)
-    event = loudest(energy * speed, max(1, round(AVERAGED / step)))
-    wanted = SECONDS * speed[event] / step
+    event = event_of(scenes, result)
+    if event is None:
+        return None
+    step = result.step
+    wanted = SECONDS * event.speed / step
     stride = max(1, math.ceil(FROM / step - 1e-9))
     stride = max(stride, min(math.floor(TO / step + 1e-9), math.ceil(wanted / MOST - 1e-9)))
     affordable = SHARE * result.solved_steps - COLD_STEPS
@@ -71,8 +91,43 @@ def stretch(scene: Scene, result: Result) -> Stretch | None:
     if maps < FEWEST:
         return None
     length = (maps - 1) * stride
-    first = min(max(0, event - length // 2), result.solved_steps - length)
+    first = min(max(0, event.position - length // 2), result.solved_steps - length)
     return Stretch(first, first + length, stride)
+
+
+def event_of(scenes: Sequence[Scene], result: Result) -> Event | None:
+    """Return the loudest event of the runs that share a result; None without a common one."""
+    vibrating = [s for s in scenes if s.dynamics is not None and s.sound.source == "vibration"]
+    if vibrating:
+        try:
+            events = [_largest_departure(scene, result) for scene in vibrating]
+        except ContactError:
+            return None
+        return max(events, key=lambda pair: pair[0])[1]
+    if len(scenes) > 1 and not all(s.motion.is_constant(s.duration) for s in scenes):
+        return None
+    return max((_loudest_release(scene, result) for scene in scenes), key=lambda each: each.speed)
+
+
+def _largest_departure(scene: Scene, result: Result) -> tuple[float, Event]:
+    """Return the largest departure of the contact force over the load in a lap, and its place."""
+    loads = force_law.loads_of(scene, result, of_scene.extremes).marched
+    motion = of_scene.motion(scene, force_law.force_law(scene, result, loads))
+    departure = np.abs(motion.force_n / scene.load - 1.0)
+    departure[motion.position_m > result.solved_steps * result.step] = 0.0
+    largest = int(np.argmax(departure))
+    speed = float(scene.motion.speed(motion.time_s[largest]))
+    position = round(float(motion.position_m[largest]) / result.step)
+    return float(departure[largest]), Event(position, speed)
+
+
+def _loudest_release(scene: Scene, result: Result) -> Event:
+    """Return the place of the largest release power."""
+    energy, step = result.series["release_energy"], result.step
+    middle = np.minimum((np.arange(len(energy)) + 0.5) * step, scene.motion.final_distance)
+    speed = np.asarray(scene.motion.speed(scene.motion.time(middle)), dtype=float)
+    event = loudest(energy * speed, max(1, round(AVERAGED / step)))
+    return Event(event, float(speed[event]))
 
 
 def loudest(power: Array, width: int) -> int:
@@ -82,34 +137,34 @@ def loudest(power: Array, width: int) -> int:
     return int(np.argmax(sums[width:] - sums[:-width])) + width // 2
 
 
-def missing(scene: Scene, result: Result) -> bool:
-    """Return whether a run can have a slow motion and has none."""
-    return result.slow_motion is None and stretch(scene, result) is not None
+def missing(scenes: Sequence[Scene], result: Result) -> bool:
+    """Return whether the runs that share a result can have a slow motion and have none."""
+    return result.slow_motion is None and stretch(scenes, result) is not None
 
 
-def task(scene: Scene, result: Result, run: int, step_seconds: float) -> pool.Task | None:
-    """Return the march for the slow motion of a run as a task; None if nothing is missing.
+def task(
+    scenes: Sequence[Scene], result: Result, run: int, step_seconds: float
+) -> pool.Task | None:
+    """Return the march for the slow motion of a result as a task; None if nothing is missing.
 
     Parameters
     ----------
-    scene : Scene. A scene without a sweep.
-    result : Result. The result of the run.
-    run : int. Number of the run.
+    scenes : sequence of Scene. The runs that share the result, scenes without a sweep.
+    result : Result. Their result.
+    run : int. Number of the first of them.
     step_seconds : float, s. Expected time of a step of the run.
     """
-    part = stretch(scene, result) if result.slow_motion is None else None
+    part = stretch(scenes, result) if result.slow_motion is None else None
     if part is None:
         return None
-    sha256 = result.identity.heights_sha256 if result.identity else None
-    arguments = (scene, part, step_seconds, sha256)
+    arguments = (scenes[0], part, simulate.Order.of(result.identity, step_seconds))
     return pool.Task(run, march_stretch, arguments, (part.last - part.first) * step_seconds)
 
 
 def march_stretch(
     scene: Scene,
     part: Stretch,
-    step_cost: float,
-    surface_sha256: str | None,
+    order: simulate.Order,
     stopped: Callable[[], bool],
     progress: Callable[[float], object],
 ) -> SlowMotion:
@@ -119,20 +174,19 @@ def march_stretch(
     ----------
     scene : Scene. A scene without a sweep.
     part : Stretch. The stretch.
-    step_cost : float. Progress of a step.
-    surface_sha256 : str. Digest of the height file; None for a generated surface.
+    order : Order. Progress of a step, and the surface.
     stopped, progress : callable. As in `simulate.simulate_piece`.
 
     Raises
     ------
     Interrupted : `stopped` returned true.
     """
-    if surface_sha256 and simulate.surface_fault(scene, surface_sha256):
+    if order.surface_sha256 and simulate.surface_fault(scene, order.surface_sha256):
         return SlowMotion.none()
     contact = rolling_contact(scene)
     left_end = scene.recovery.rule == "left_end"
     try:
-        shots = _shots(contact, part, left_end, stopped, lambda: progress(step_cost))
+        shots = _shots(contact, part, left_end, stopped, lambda: progress(order.step_cost))
     except ContactError:
         return SlowMotion.none()
     return _assembled(contact, part, shots)

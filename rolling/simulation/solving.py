@@ -218,20 +218,15 @@ class _Work:
 
     def others(self, number: int) -> list[pool.Task]:
         """Return the marches beside its own that a run needs next; the slow motion is the last."""
-        scene, result, seconds = (
-            self.scenes[number],
-            self.results[number],
-            self.step_seconds[number],
-        )
+        result, seconds = self.results[number], self.step_seconds[number]
         scenes = [self.scenes[k] for k in self.members[number]]
         tasks = [
             *error_stretches.tasks(scenes, result, number, seconds),
             *force_law.tasks(scenes, result, number, seconds, of_scene.extremes),
             *moving_release.tasks(scenes, result, number, seconds),
         ]
-        # The event of a slow motion depends on the speed, so runs that share a result have none.
-        if self.filmed and not tasks and len(scenes) == 1:
-            film = slow_march.task(scene, result, number, seconds)
+        if self.filmed and not tasks:
+            film = slow_march.task(scenes, result, number, seconds)
             tasks = [film] if film else []
         self.waiting[number] += len(tasks)
         return tasks

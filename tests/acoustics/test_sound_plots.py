@@ -236,6 +236,19 @@ def test_curves_differ_without_colour():
     assert len(set(plots.COLOURS)) == len(set(plots.LINE_STYLES)) == len(set(plots.MARKERS)) == 7
 
 
+def test_curves_with_an_order_go_from_dark_to_light(ax) -> None:
+    """Each is lighter than the one before, and all stand out from white paper."""
+    lines = plots.Lines.audible(np.array([100.0, 1000.0]), np.array([40.0, 60.0]))
+    for count in (3, 7, 24):
+        plots.spectrum(ax, [(f"{n}", lines) for n in range(count)], ordered=True)
+        grey = [np.dot([0.299, 0.587, 0.114], to_rgb(each.get_color())) for each in ax.get_lines()]
+        assert np.all(np.diff([g for g in grey if g > 0][-count:]) > 0)
+        assert max(grey) < 0.7
+        ax.clear()
+    two = plots.spectrum(ax, [("a", lines), ("b", lines)], ordered=True)
+    assert [each.get_color() for each in two.get_lines()] == list(plots.COLOURS[:2])
+
+
 def test_third_octaves_mark_levels_less_their_errors_and_hatch_bands_that_are_off() -> None:
     levels, spread = dict.fromkeys(BAND_NAMES, 50.0), dict.fromkeys(BAND_NAMES, 0.5)
     errors = dict.fromkeys(BAND_NAMES, 0.4) | {"8000": 2.0, "20": None}

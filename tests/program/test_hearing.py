@@ -65,6 +65,37 @@ def test_widths_and_rates_are_of_the_contact(heard) -> None:
     )
 
 
+def test_what_differs_between_runs_is_named_with_all_its_kinds(heard) -> None:
+    run = heard[0]
+    runs = [replace(run, scene=run.scene.with_(radius_mm=r, distance_m=2)) for r in (1, 2, 3, 4)]
+    said = hearing.situation(runs[:2])
+    assert said.startswith("A rigid sphere of 2 mm or 4 mm diameter rolls at 0.1 m/s over a plate")
+    assert said.endswith("It is heard from 2 m.")
+    assert "of 2 mm to 8 mm (4 kinds) diameter" in hearing.situation(runs)
+    fast = replace(run, scene=run.scene.with_(speed_m_s=0.3))
+    assert "rolls at 0.1 m/s or at 0.3 m/s over" in hearing.situation([run, fast])
+
+
+def test_a_vibrating_ball_rings_and_flies(runs) -> None:
+    _, fast = run_results(runs.flying())
+    (said,) = hearing.sentences([fast])
+    summary = fast.summary
+    assert f"rings on its contact at {summary['resonance_hz'] / 1e3:.2g} kHz" in said
+    assert f"flies for {100 * summary['flight_share']:.0f} % of the time" in said
+    assert f"hits the plate {summary['impacts']} times" in said
+
+
+def test_a_reason_that_covers_little_is_not_given_as_one(runs, heard) -> None:
+    (run,) = run_results(runs.smooth())
+    rough = run.scene.with_(kind="gaussian", roughness_ra_um=0.1, correlation_length_um=10, seed=1)
+    loud = replace(with_record(run, tone(100), 60.0), scene=rough)
+    loud = replace(loud, sound=replace(loud.sound, levels=heard[0].sound.levels))
+    (said,) = hearing.sentences([loud])
+    assert "Only 0 % of what is heard lies between the two rates" in said
+    inside = replace(loud, sound=replace(loud.sound, pressure=tone(5000)))
+    assert "fit into the contact: 100 % of what" in hearing.sentences([inside])[0]
+
+
 def test_silence_has_nothing_to_say(runs) -> None:
     (silent,) = run_results(runs.smooth())
     assert hearing.sentences([silent]) == [] and hearing.colour(silent) is None

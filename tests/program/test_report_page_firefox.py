@@ -19,6 +19,9 @@ def test_firefox_shows_plays_extends_and_compares(pages, tmp_path) -> None:
         page.open(path)
         assert page.evaluate("document.title").endswith("contact noise")
         assert page.evaluate("document.querySelectorAll('audio').length") == 4
+        # A single record plays.
+        page.evaluate("document.querySelector('audio').play()")
+        page.until("document.querySelector('audio').currentTime > 0.1")
         # The player. Its clock stands still in Firefox on a machine without a sound card.
         for text in ("Pause", "Play"):
             page.evaluate("document.querySelector('#play').click()")

@@ -208,3 +208,15 @@ def test_a_short_record_among_long_ones_goes_round_only_when_asked_to(pages, ope
         page.wait_for_timeout(80)
         if page.text_content("#play") == "Pause":  # not at its end yet
             assert page.evaluate(loudest) < 1e-6
+
+
+def test_a_browser_that_starts_no_sound_is_not_waited_for_in_silence(pages, opened) -> None:
+    with opened(pages("lap")) as page:
+        page.evaluate("""() => {
+          AudioContext.prototype.resume = () => new Promise(() => {});
+          Object.defineProperty(BaseAudioContext.prototype, 'state', { get: () => 'suspended' });
+        }""")
+        page.click("#play")
+        assert not page.locator("#no-sound").is_visible()
+        until(page, "!document.querySelector('#no-sound').hidden")
+        assert "sound device" in page.text_content("#no-sound")

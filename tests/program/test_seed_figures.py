@@ -10,6 +10,7 @@ from report_runs import run_results
 
 from acoustics.bands import BAND_NAMES
 from rolling.figures import seed_figures
+from rolling.figures.order import is_ordered
 from rolling.figures.sound_views import CurveScales
 from rolling.simulation.run_result import RunResult
 
@@ -50,3 +51,13 @@ def test_the_picture_draws_a_band_for_each_group(seeded) -> None:
     assert len([each for each in ax.collections if each.get_alpha() == 0.2]) == 2
     assert b"load 2 N, 3 seeds" in picture.csv()
     assert picture.svg().startswith(b"<?xml")
+
+
+def test_curves_have_the_order_of_a_swept_number_alone(runs) -> None:
+    results = run_results(runs.three())
+    assert is_ordered(results)
+    assert not is_ordered(results[::-1])
+    for values in ({}, {"surface.seed": 1}, {"surface.kind": "a"}, {"rolling.load_n": True}):
+        assert not is_ordered([replace(run, values=values) for run in results])
+    both = [replace(run, values=run.values | {"surface.seed": k}) for k, run in enumerate(results)]
+    assert not is_ordered(both)

@@ -51,18 +51,18 @@ def flashes(frames: np.ndarray) -> np.ndarray:
 
 def test_the_stretch_lies_around_the_loudest_event_and_costs_little(runs, monkeypatch) -> None:
     (run,) = run_results(runs.one())
-    assert slow_march.stretch(run.scene, run.result) is None  # 5 % of 300 steps are too few
+    assert slow_march.stretch([run.scene], run.result) is None  # 5 % of 300 steps are too few
     monkeypatch.setattr(slow_march, "SHARE", 0.3)
-    part = slow_march.stretch(run.scene, run.result)
+    part = slow_march.stretch([run.scene], run.result)
     assert part is not None and part.stride == 1
     assert part.last - part.first + slow_march.COLD_STEPS <= 0.3 * run.result.solved_steps
     energy = run.result.series["release_energy"]
     event = np.convolve(energy, np.ones(10), "valid").argmax() + 5
     assert part.first <= event <= part.last
     partial = run_results(runs.partial())[0]
-    assert slow_march.stretch(partial.scene, partial.result) is None
+    assert slow_march.stretch([partial.scene], partial.result) is None
     (smooth,) = run_results(runs.smooth())
-    assert slow_march.stretch(smooth.scene, smooth.result) is None
+    assert slow_march.stretch([smooth.scene], smooth.result) is None
 
 
 def test_the_loudest_place_is_the_middle_of_the_largest_mean() -> None:
@@ -133,7 +133,7 @@ def test_runs_without_a_page_have_none(runs) -> None:
 def test_a_contact_that_cannot_be_solved_leaves_the_run_whole(runs, monkeypatch) -> None:
     (run,) = run_results(runs.one())
     monkeypatch.setattr(slow_march, "SHARE", 0.3)
-    part = slow_march.stretch(run.scene, run.result)
+    part = slow_march.stretch([run.scene], run.result)
     assert part is not None
     hopeless = run.scene.with_(load_n=1e6)
     slow = slow_march.march_stretch(hopeless, part, 1.0, None, lambda: False, lambda _: None)

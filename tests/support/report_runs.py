@@ -36,6 +36,16 @@ plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}
 surface: {kind: smooth, spacing_um: 2, width_um: 120}
 rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.002}
 """
+FLYING = """\
+name: flying
+sphere: {radius_mm: 3, density_kg_m3: 7850}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, density_kg_m3: 7850, thickness_mm: 10}
+surface: {kind: file, path: PATH, spacing_um: 2}
+rolling: {load_n: 0.3, speed_m_s: 1, distance_mm: 0.6}
+dynamics: {}
+sound: {source: vibration}
+sweep: {rolling.speed_m_s: [0.1, 1]}
+"""
 
 
 class Runs:
@@ -83,13 +93,20 @@ class Runs:
 
     def filmed(self) -> Path:
         """Return a run of one lap with a slow motion, for which it is really too short."""
-        out = self.folder / "filmed"
+        return self._filmed("filmed", SCENE.replace("0.9", "0.006"))
+
+    def flying(self) -> Path:
+        """Return two speeds of a vibrating ball with a slow motion; the faster ball flies."""
+        return self._filmed("flying", FLYING)
+
+    def _filmed(self, name: str, text: str) -> Path:
+        out = self.folder / name
         if not out.exists():
             with pytest.MonkeyPatch.context() as patch:
                 patch.setattr(slow_march, "SHARE", 0.3)
                 patch.setattr(work, "write_pictures", lambda *_: [])
-                scene = self.folder / "filmed.yaml"
-                scene.write_text(SCENE.replace("PATH", f"'{self.heights}'").replace("0.9", "0.006"))
+                scene = self.folder / f"{name}.yaml"
+                scene.write_text(text.replace("PATH", f"'{self.heights}'"))
                 assert commands.run(scene, [], out, wanted=Wanted(workers=1)).exit_code == 0
         return out
 

@@ -34,15 +34,16 @@ function drawDifference(found) {
   const style = getComputedStyle(canvas);
   const known = found.filter(Boolean);
   const most = Math.max(1, ...known.map(([value, spread]) => Math.abs(value) + Math.min(spread, 6)));
-  const left = 64, bottom = 44, step = (width - left) / found.length;
-  const y = (decibel) => ((height - bottom) / 2) * (1 - decibel / (1.1 * most));
+  const left = 64, right = 16, top = 34, bottom = 44, step = (width - left - right) / found.length;
+  const middle = top + (height - top - bottom) / 2;
+  const y = (decibel) => middle - (Math.max(-1, Math.min(1, decibel / (1.05 * most))) * (height - top - bottom)) / 2;
   pen.clearRect(0, 0, width, height);
   pen.font = "20px system-ui, sans-serif";
   pen.strokeStyle = pen.fillStyle = style.borderTopColor;
   const tick = [1, 2, 5, 10, 20, 50].find((size) => most / size <= 3) ?? 100;
   for (let at = -tick * Math.floor(most / tick); at <= most; at += tick) {
     pen.fillStyle = style.borderTopColor;
-    pen.fillRect(left, y(at), width - left, at ? 1 : 2);
+    pen.fillRect(left, y(at), width - left - right, at ? 1 : 2);
     pen.fillStyle = style.color;
     pen.textAlign = "right";
     pen.fillText(at > 0 ? `+${at}` : `${at}`.replace("-", "−"), left - 8, y(at) + 7);
@@ -61,5 +62,5 @@ function drawDifference(found) {
   });
   pen.textAlign = "left";
   pen.fillStyle = style.color;
-  pen.fillText("dB, by third octave [Hz]", left + 8, 20);
+  pen.fillText("dB, by third octave [Hz]", 8, 22);
 }

@@ -1,6 +1,7 @@
 const RATE = 48000;
 const FADE_S = 0.01; // short enough to switch at once, long enough not to click
 const NEVER = 1e9; // seconds
+const STILL_MS = 2000; // without a sound after which the page says so
 const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, which is 1.25 flashes
 
 const $ = (selector) => document.querySelector(selector);

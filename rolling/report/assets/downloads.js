@@ -8,10 +8,19 @@ function download(content, type, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-function save(button) {
-  const image = button.closest("figure").querySelector("img");
+/** A picture without its style for dark pages: on paper it is light. */
+async function lightOf(image) {
+  const text = new TextDecoder().decode(bytesOf(image.src)).replace(/<style class="dark">.*?<\/style>/, "");
+  const light = Object.assign(new Image(), { src: URL.createObjectURL(new Blob([text], { type: "image/svg+xml" })) });
+  await light.decode();
+  URL.revokeObjectURL(light.src);
+  return { text, light };
+}
+
+async function save(button) {
+  const { text, light: image } = await lightOf(button.closest("figure").querySelector("img"));
   const name = `${button.dataset.file}.${button.dataset.save}`;
-  if (button.dataset.save === "svg") return download(bytesOf(image.src), "image/svg+xml", name);
+  if (button.dataset.save === "svg") return download(text, "image/svg+xml", name);
   const canvas = document.createElement("canvas");
   canvas.width = 1700; // 2 pixels for each of a page this wide
   canvas.height = Math.round((1700 * image.naturalHeight) / image.naturalWidth);

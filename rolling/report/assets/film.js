@@ -26,8 +26,8 @@ function showFilm() {
   canvas.width = $("#film-power").width = Math.min(1200, 2 * canvas.clientWidth || 1200); // small print stays legible
   canvas.height = Math.round((canvas.width * shown.size[1]) / shown.size[0]);
   $("#film-seek").max = shown.times.length - 1;
-  const loudest = shown.power_uw.indexOf(Math.max(...shown.power_uw));
-  seekFilm(loudest);
+  prepareMotion(shown, canvas.width);
+  seekFilm(hardestMap(shown) ?? shown.power_uw.indexOf(Math.max(...shown.power_uw)));
 }
 
 function seekFilm(number) {
@@ -36,7 +36,7 @@ function seekFilm(number) {
   const { times, power_uw: power } = filmOf();
   const text = `${(1e3 * times[number]).toFixed(3)} ms, ${watts(power[number])}`;
   $("#film-time").textContent = text;
-  $("#film-seek").setAttribute("aria-valuetext", text);
+  $("#film-seek").setAttribute("aria-valuetext", text + saidMotion(filmOf(), times[number]));
   $("#film").setAttribute("aria-label", `Slow motion, ${runs[state.run].label}, map ${number + 1} of ${times.length}`);
   drawFilm();
 }
@@ -49,13 +49,16 @@ function drawFilm() {
   const scale = canvas.width / shown.size[0];
   pen.imageSmoothingEnabled = false; // a cell is what was computed
   if (ground.complete) pen.drawImage(ground, 0, 0, canvas.width, canvas.height);
-  drawPart(pen, pressure, shown.pressure, scale);
-  drawPart(pen, release, shown.release, scale);
+  if (!flies(shown, shown.times[film.at])) {
+    drawPart(pen, pressure, shown.pressure, scale);
+    drawPart(pen, release, shown.release, scale);
+  } else drawFlight(pen);
   const [x, y] = shown.centres[film.at];
   drawCircle(pen, x * scale, y * scale, (shown.hertz_um / shown.cell_um) * scale);
   drawScale(pen, scale / shown.cell_um, (shown.size[0] * shown.cell_um) / 5);
   drawArrow(pen);
   drawPower(shown);
+  drawMotion(shown);
 }
 
 function drawPart(pen, picture, { tiles, places }, scale) {

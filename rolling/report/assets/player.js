@@ -84,14 +84,22 @@ function audioContext() {
   return state.context;
 }
 
+/** A browser without a sound device may wait for one without a word. */
+function sayIfStill() {
+  $("#no-sound").hidden = !state.wanted || state.context.state === "running";
+}
+
 async function play() {
   if (state.wanted) return;
   state.wanted = true;
   for (const player of $$("audio")) player.pause();
   stopFilm();
   showButton();
-  [state.buffers] = await Promise.all([decode(), audioContext().resume()]);
+  const started = audioContext().resume();
+  setTimeout(sayIfStill, STILL_MS);
+  [state.buffers] = await Promise.all([decode(), started]);
   if (!state.wanted || state.playing) return;
+  $("#no-sound").hidden = true;
   startVoices(state.at >= state.end ? 0 : state.at);
   tick();
 }
