@@ -13,6 +13,7 @@ from report_runs import run_results
 
 from rolling.report import films
 from rolling.simulation import result_file, slow_march
+from rolling.simulation.simulate import Order
 
 # Luminance of the canvas as it is shown, a value for every eighth pixel along and across.
 LUMINANCE = """() => {
@@ -136,7 +137,7 @@ def test_a_contact_that_cannot_be_solved_leaves_the_run_whole(runs, monkeypatch)
     part = slow_march.stretch([run.scene], run.result)
     assert part is not None
     hopeless = run.scene.with_(load_n=1e6)
-    slow = slow_march.march_stretch(hopeless, part, 1.0, None, lambda: False, lambda _: None)
+    slow = slow_march.march_stretch(hopeless, part, Order(), lambda: False, lambda _: None)
     assert slow.pressure.size == 0
     without = replace(run, result=replace(run.result, slow_motion=slow))
     assert films.film_of(without, 2.1) is None
