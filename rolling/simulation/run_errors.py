@@ -24,7 +24,7 @@ from rolling.sound.contact_sound import ContactSound
 from rolling.sound.error_estimate import LevelErrors, RecordLevels
 from rolling.sound.vibration_sound import Vibration
 
-LIFTED = "contact is lost, and no linear chain carries an error of the approach to the sound then"
+LINEAR = 0.3  # rms of the contact force over the load up to which sphere and plate are linear
 
 
 @dataclass(frozen=True)
@@ -118,10 +118,8 @@ def run_errors(
     if not scene.numerics.error_estimate:
         return None
     firsts = error_stretches.marched(scene, result)
-    lifted = (
-        vibration is not None and sound.source == "vibration" and vibration.motion.flight_share > 0
-    )
-    if reason := LIFTED if lifted else _reason(scene, result, sound, firsts):
+    vibrating = vibration if sound.source == "vibration" else None
+    if reason := _not_linear(vibrating) or _reason(scene, result, sound, firsts):
         return RunErrors(None, None, math.nan, reason)
     powers = error_stretches.powers_of(scene, result, firsts)
     record = RecordLevels.of(
@@ -140,6 +138,17 @@ def run_errors(
         powers.shared_bands,
     )
     return RunErrors(levels, effort, _plastic_error(result, firsts, levels.order), "")
+
+
+def _not_linear(vibration: Vibration | None) -> str:
+    """Explain that no linear chain carries an error to the sound; empty where one does."""
+    if vibration is None:
+        return ""
+    lost, rms = vibration.motion.flight_share > 0, vibration.rms_ratio
+    if not lost and rms <= LINEAR:
+        return ""
+    words = "contact is lost" if lost else f"the contact force fluctuates by {rms:.2g} of the load"
+    return f"{words}, and no linear chain carries an error of the approach to the sound then"
 
 
 def _seconds(result: Result) -> float:

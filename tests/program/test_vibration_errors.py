@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from rolling.check import error_cost
 from rolling.commands import Wanted, resound, run
 from rolling.commands.interface import open_run, simulate
 from rolling.scene.file import loads
+from rolling.simulation import run_errors
 from rolling.simulation.stored_runs import read_runs
 
 ALONE = Wanted(workers=1, page=False, pictures=False)
@@ -92,6 +94,14 @@ def test_no_estimate_where_contact_is_lost() -> None:
     bouncing = simulate(loads(TEXT, [*changes, "surface.width_um=160"]), 1, False)
     assert bouncing.summary["impacts"] > 0
     texts = {caveat["key"]: caveat["text"] for caveat in bouncing.summary["caveats"]}
-    assert "contact is lost" in texts["no_error_estimate"]
+    assert "contact is lost, and no linear chain" in texts["no_error_estimate"]
     assert bouncing.summary["laeq_uncertainty_db"] is None
     assert "it holds no error of model, grid or solver" in texts["uncertainty"]
+
+
+@pytest.mark.parametrize(("share", "rms", "said"), [(0.0, 0.1, ""), (0.0, 0.4, "0.4 of the load")])
+def test_an_estimate_needs_small_fluctuations(share: float, rms: float, said: str) -> None:
+    """Near lift-off the level on one grid says nothing about that on another."""
+    vibration = SimpleNamespace(motion=SimpleNamespace(flight_share=share), rms_ratio=rms)
+    reason = run_errors._not_linear(vibration)
+    assert said in reason and bool(reason) == bool(said)
