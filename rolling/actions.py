@@ -195,7 +195,10 @@ def _levels(report: Report) -> str:
         (label, str(run.folder), numbers)
         for label, (run, numbers) in zip(names, report.runs, strict=True)
     ]
-    return summary.table(rows)
+    if len(rows) <= defaults.MOST_RUNS_COMPARED:
+        return summary.table(rows)
+    shown = defaults.FEW_RUNS
+    return f"{summary.table(rows[:shown])}\n{len(rows) - shown} more runs, a row each in runs.csv"
 
 
 def _print_files(report: Report) -> None:

@@ -93,8 +93,8 @@ def write_sweep(
     runs: Sequence[Run],
     names: Sequence[str],
     summaries: Sequence[dict[str, Any] | None],
-) -> None:
-    """Write the tables of the runs of a sweep."""
+) -> list[runs_table.Row]:
+    """Write the tables of the runs of a sweep, and return their rows."""
     table = [
         {"values": each.values, "folder": each.folder.name, "label": label, "summary": numbers}
         for each, label, numbers in zip(runs, names, summaries, strict=True)
@@ -105,6 +105,7 @@ def write_sweep(
         for each, label, numbers in zip(runs, names, summaries, strict=True)
     ]
     files.write_bytes(folder / "runs.csv", runs_table.csv(rows))
+    return rows
 
 
 def page_of(

@@ -139,6 +139,14 @@ def _are_drawn(runs: Sequence[Run], wanted: Wanted) -> bool:
     return wanted.pictures is not False and len(runs) <= defaults.MOST_RUNS_COMPARED
 
 
+def are_summarized(runs: Sequence[Run], wanted: Wanted) -> bool:
+    """Tell whether runs are too many for a curve each in common pictures, which show their means.
+
+    Such a sweep has no page.
+    """
+    return wanted.pictures is not False and len(runs) > defaults.MOST_RUNS_COMPARED
+
+
 def _work(tasks: Sequence[pool.Task], wanted: Wanted, name: str, ends: Ends) -> Outcome:
     """Do the tasks and note their ends."""
     failures: dict[int, str] = {}

@@ -1,7 +1,8 @@
 """Study of scale: overhead of a task on each way, and many cores simulated from measured times.
 
-`python -m rolling.commands.scale_study RUN` takes the times of the runs in a sweep folder, measures
-the overheads on this machine, and prints two tables in Markdown.
+`python -m rolling.commands.scale_study RUN` measures the steps of the runs in a sweep folder and
+the overheads on this machine, and prints two tables in Markdown. All times are CPU times of one
+core, so other work on the machine changes them little.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ from rolling.simulation.pool import Task
 from rolling.simulation.stored_runs import read_runs
 
 TASKS = 200  # empty tasks, for the overhead of one
+MEASURED_STEPS = 100  # of each run
 CORES = (1, 16, 1000)
 SCENES = 10_000
 HOUR_STEPS = 180_000_000  # an hour at 0.1 m/s in steps of 2 um
@@ -132,7 +134,10 @@ def measure(folder: Path, repeats: int = 3) -> Overheads:
 
 
 def _per_task(workers: pool.Workers, repeats: int) -> float:
-    """Return the time per empty task, from the end of the first task to the end of the last."""
+    """Return the time of this process per empty task, from the end of the first task to the last.
+
+    Threads of Dask are among it, its scheduler is not.
+    """
     from rolling.commands import scale_study  # a process does not know the main module
 
     best = np.inf
@@ -145,8 +150,8 @@ def _per_task(workers: pool.Workers, repeats: int) -> float:
 
 
 def _noting(ends: list[float]) -> Callable[[int, object], None]:
-    """Return the function that notes the times at which tasks end."""
-    return lambda run, result: ends.append(time.perf_counter())
+    """Return the function that notes the CPU times at which tasks end."""
+    return lambda run, result: ends.append(time.process_time())
 
 
 def _on_cluster(repeats: int) -> float:
@@ -214,25 +219,25 @@ def _files_seconds(run: batch.Run) -> float:
         again = batch.Run(run.values, run.scene, Path(folder) / "run")
         again.folder.mkdir()
         batch.keep(again, solved)
-        began = time.perf_counter()
+        began = time.process_time()
         whole_runs.do_run(Order(again, labels.labels([run])[0], False, False), _never, _ignore)
-        return time.perf_counter() - began
+        return time.process_time() - began
 
 
 def _gather_seconds(folder: Path) -> float:
     """Return the time per run to read the numbers of a sweep."""
-    began = time.perf_counter()
+    began = time.process_time()
     rows = table.read_rows(folder)
-    return (time.perf_counter() - began) / len(rows)
+    return (time.process_time() - began) / len(rows)
 
 
 def _start_seconds() -> float:
-    """Return the time until a new process has the solver."""
-    environment = os.environ | {"OMP_NUM_THREADS": "1"}
-    began = time.perf_counter()
-    words = [sys.executable, "-c", "import rolling.commands"]
-    subprocess.run(words, check=True, env=environment)
-    return time.perf_counter() - began
+    """Return the CPU time until a new process has the solver."""
+    before = os.times()
+    words = [sys.executable, "-c", "import rolling.commands.whole_runs"]
+    subprocess.run(words, check=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
+    after = os.times()
+    return sum(after[2:4]) - sum(before[2:4])
 
 
 def _piece_bytes(run: batch.Run) -> float:
@@ -251,9 +256,16 @@ def _ignore(share: float) -> None:
 
 
 def step_seconds(folder: Path) -> Array:
-    """Return the mean time of a step of each run of a sweep [s]."""
-    summaries = [row.summary for row in table.read_rows(folder) if row.summary]
-    return np.array([summary["step_ms"] * 1e-3 for summary in summaries])
+    """Return the mean CPU time of the first steps of each run of a sweep [s]."""
+    runs = read_runs(folder)
+    simulate.simulate_piece(runs[0].scene, 0, 1)  # loads the kernels
+    times = []
+    for run in runs:
+        last = min(MEASURED_STEPS, run.scene.track.solved_steps)
+        began = time.process_time()
+        simulate.simulate_piece(run.scene, 0, last, mapped=False)
+        times.append((time.process_time() - began) / last)
+    return np.array(times)
 
 
 def forecasts(steps: Array, seconds: float, measured: Overheads) -> list[tuple[str, ...]]:

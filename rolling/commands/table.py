@@ -76,6 +76,14 @@ def tabulate(
     return written + _pictures(folder, groups, numbers or [DEFAULT], against or keys[:1])
 
 
+def summarize(folder: Path, rows: Sequence[Row]) -> None:
+    """Draw the plots of a sweep of many runs from its summaries, without any curve of a run."""
+    solved = [row for row in rows if row.summary is not None]
+    if solved:
+        keys = [key for key in solved[0].values if key != SEED]
+        _pictures(folder, seed_statistics.groups(solved), [DEFAULT], keys[:1])
+
+
 def read_rows(folder: Path) -> list[Row]:
     """Read the runs of a sweep with the summaries that they have."""
     runs = read_runs(folder)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rolling.commands import details, run_tasks
+from rolling.commands import details, run_tasks, table
 from rolling.commands.run_files import Wanted, page_of, write_run, write_sweep
 from rolling.commands.run_tasks import Ends
 from rolling.folders import claim, files, new_folder
@@ -225,7 +225,10 @@ def finish(work: Work, ends: Ends, outcome: Outcome) -> Report:
     finished = [each for each in ends.sounds if each is not None]
     names = labels.labels(work.runs)
     if len(work.runs) > 1:
-        write_sweep(work.folder, work.runs, names, ends.summaries)
+        rows = write_sweep(work.folder, work.runs, names, ends.summaries)
+        if run_tasks.are_summarized(work.runs, work.wanted):
+            with progress.step("drawing the means"):
+                table.summarize(work.folder, rows)
     exhibits = []
     if finished and work.wanted.pictures is not False:
         exhibits = write_pictures(work.folder, finished, work.wanted)

@@ -26,11 +26,11 @@ from rolling.figures.picture import (
     single,
 )
 from rolling.simulation import labels
-from rolling.simulation.seed_statistics import LEVELS, Group, Statistic
+from rolling.simulation.seed_statistics import LEVELS, SEED, Group, Statistic
 
 _TALL_IN = 3.5  # height of axes
 _MOST_CELLS = 100  # cells of a map whose numbers are written in it
-_SPREAD = "bars: standard deviation over the seeds"
+_MOST_CURVES = 100  # more would hide one another, and are drawn as their median and spread
 
 
 def lines(number: str, key: str, groups: Sequence[Group], subject: str) -> Picture:
@@ -54,10 +54,13 @@ def lines(number: str, key: str, groups: Sequence[Group], subject: str) -> Pictu
             mean[place], spread[place] = statistic.mean, statistic.deviation or np.nan
 
     def draw(ax: Axes) -> None:
-        for k, (label, (mean, spread)) in enumerate(curves.items()):
-            look = plot_style.look_of(k, len(curves))
-            ax.plot(x, mean, markersize=5, label=label or None, **look)
-            plot_style.bars(ax, x, mean, spread, look["color"])
+        if len(curves) > _MOST_CURVES:
+            _draw_crowd(ax, x, np.array([mean for mean, _ in curves.values()]))
+        else:
+            for k, (label, (mean, spread)) in enumerate(curves.items()):
+                look = plot_style.look_of(k, len(curves))
+                ax.plot(x, mean, markersize=5, label=label or None, **look)
+                plot_style.bars(ax, x, mean, spread, look["color"])
         _name_axis(ax, "x", key, x, ticks)
         plot_style.finish(ax, number)
 
@@ -70,7 +73,8 @@ def lines(number: str, key: str, groups: Sequence[Group], subject: str) -> Pictu
     columns[f"{number}_mean"] = np.concatenate([mean for mean, _ in curves.values()])
     columns[f"{number}_standard_deviation"] = np.concatenate([s for _, s in curves.values()])
     name = f"plot_{number}_against_{key}"
-    return single(name, f"{number} against {word}: {subject}", _note(groups), columns, draw)
+    note = _note(groups, "bars", len(curves))
+    return single(name, f"{number} against {word}: {subject}", note, columns, draw)
 
 
 def heat_map(number: str, keys: tuple[str, str], groups: Sequence[Group], subject: str) -> Picture:
@@ -127,7 +131,7 @@ def mean_third_octaves(groups: Sequence[Group], subject: str) -> Picture:
         for group in groups
     }
 
-    def draw(ax: Axes) -> None:
+    def draw_each(ax: Axes) -> None:
         for k, (label, bands) in enumerate(curves.items()):
             look = plot_style.look_of(k, len(curves))
             mean, spread = _column(bands, "mean"), _column(bands, "deviation")
@@ -136,6 +140,13 @@ def mean_third_octaves(groups: Sequence[Group], subject: str) -> Picture:
                 ax.fill_between(
                     MID_HZ, mean - spread, mean + spread, color=look["color"], alpha=0.18, lw=0
                 )
+
+    def draw(ax: Axes) -> None:
+        if len(curves) > _MOST_CURVES:
+            means = [_column(bands, "mean") for bands in curves.values()]
+            _draw_crowd(ax, MID_HZ, np.array(means))
+        else:
+            draw_each(ax)
         ax.set_xscale("log")
         ax.set_xlim(*AUDIBLE_HZ)
         ax.minorticks_off()
@@ -157,8 +168,19 @@ def mean_third_octaves(groups: Sequence[Group], subject: str) -> Picture:
     ):
         columns[column] = _column(every, attribute)
     title = f"Mean third octaves: {subject}"
-    note = _note(groups).replace("bars", "shaded")
+    note = _note(groups, "shaded" if len(curves) <= MOST_NAMED else "", len(curves))
     return single("mean_third_octaves", title, note, columns, draw)
+
+
+def _draw_crowd(ax: Axes, x: Array, curves: Array) -> None:
+    """Draw the median of many curves, with the band of 90 % of them and their extremes."""
+    known = np.isfinite(curves).any(axis=0)
+    shares = np.full((5, len(x)), np.nan)
+    shares[:, known] = np.nanpercentile(curves[:, known], (0, 5, 50, 95, 100), axis=0)
+    look = plot_style.look_of(0, 1)
+    for low, high, alpha in ((0, 4, 0.12), (1, 3, 0.2)):
+        ax.fill_between(x, shares[low], shares[high], color=look["color"], alpha=alpha, lw=0)
+    ax.plot(x, shares[2], markersize=4, **look)
 
 
 def _column(statistics: Sequence[Statistic | None], attribute: str) -> Array:
@@ -203,10 +225,24 @@ def _values(values: Mapping[str, Any]) -> str:
     return ", ".join(labels.worded(key, value) for key, value in values.items())
 
 
-def _note(groups: Sequence[Group]) -> str:
-    """Write the numbers of runs and seeds."""
-    seeds = {len(group.rows) for group in groups}
-    several = max(seeds, default=1) > 1
-    ends = " to ".join(str(count) for count in sorted({min(seeds), max(seeds)})) if seeds else "0"
-    runs = sum(len(group.rows) for group in groups)
-    return f"{runs} runs; mean of {ends} seeds; {_SPREAD}" if several else f"{runs} runs"
+def _note(groups: Sequence[Group], spread: str, curves: int) -> str:
+    """Write how many runs there are, the key of their means, and the meaning of what is shaded.
+
+    Parameters
+    ----------
+    spread : str. The sign of the standard deviation: bars or shaded; empty where it has none.
+    curves : int. Number of curves.
+    """
+    sizes = sorted({len(group.rows) for group in groups}) or [0]
+    text = f"{sum(len(group.rows) for group in groups)} runs"
+    if sizes[-1] > 1:
+        ends = " to ".join(str(count) for count in dict.fromkeys((sizes[0], sizes[-1])))
+        values = groups[0].rows[0].values
+        (over,) = [key for key in values if key not in groups[0].values]
+        word = "seeds" if over == SEED else f"values of {labels.named(over)[0]}"
+        text += f"; mean of {ends} {word}"
+        if spread and curves <= _MOST_CURVES:
+            text += f"; {spread}: their standard deviation"
+    if curves > _MOST_CURVES:
+        text += f"; line: median of {curves} curves; shaded: 90 % and all of them"
+    return text

@@ -2,6 +2,7 @@
 
 MOST_RUNS_ON_PAGE = 24  # which grows by half a megabyte and more with each
 MOST_RUNS_COMPARED = 400  # with a curve each in pictures of all runs, and a row on the terminal
+FEW_RUNS = 20  # of more, on the terminal
 
 # `rolling accuracy SCENE`
 FINEST = 4  # divisor of the spacing for the reference

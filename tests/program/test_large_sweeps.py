@@ -19,6 +19,7 @@ from rolling.commands.interface import open_run
 from rolling.folders import files, run_record
 from rolling.report import page
 from rolling.simulation import result_file, simulate
+from rolling.terminal import defaults
 
 SCENE = TINY + "sweep: {surface.seed: [1, 2, 3]}\n"
 FOUR = ["result.h5", "run.json", "signal.wav", "summary.json"]
@@ -76,6 +77,22 @@ def test_each_run_writes_four_files_and_all_share_pictures_and_page(
     assert (out / "report.html").read_text() == html
     assert run(scene, out, "--force", "--no-pictures") == 0
     assert names(out) == TOGETHER - {"report.html"}
+
+
+def test_very_many_runs_share_pictures_of_their_means_without_a_page(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Curves of more than 400 runs would hide one another."""
+    monkeypatch.setattr(defaults, "MOST_RUNS_COMPARED", 2)
+    monkeypatch.setattr(defaults, "FEW_RUNS", 1)
+    out = tmp_path / "out"
+    assert run(scene, out, "--set", "sweep={rolling.load_n: [0.005, 0.01, 0.02]}") == 0
+    means = {f"mean_third_octaves.{ending}" for ending in ("csv", "png", "svg")}
+    plot = {f"plot_laeq_db_against_rolling.load_n.{ending}" for ending in ("csv", "png", "svg")}
+    assert names(out) == (TOGETHER - {"report.html"}) | means | plot
+    printed = capsys.readouterr().out
+    assert "load 0.005 N" in printed and "load 0.02 N" not in printed
+    assert "2 more runs, a row each in runs.csv" in printed
 
 
 def test_a_run_of_four_files_is_read_like_any_other(

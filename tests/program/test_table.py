@@ -13,6 +13,7 @@ from scene_text import TINY
 
 from rolling import cli
 from rolling.commands import table, work
+from rolling.figures import sweep_figures
 from rolling.folders import own_files, run_record
 from rolling.simulation import seed_statistics
 
@@ -119,6 +120,25 @@ def test_plots_hold_the_means(sweep: Path, capsys: pytest.CaptureFixture[str]) -
     assert len(spectra) == 4 * 31
     # All of these are this program's own files.
     assert own_files.foreign(sweep, run_record.read(sweep)) == []
+
+
+def test_many_curves_are_drawn_as_their_median(
+    sweep: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = table.read_rows(sweep)[:11]
+    groups = seed_statistics.groups(rows, "rolling.load_n")
+    few = sweep_figures.lines("laeq_db", "surface.seed", groups, "tiny")
+    assert "mean of 1 to 2 values of load; bars: their standard deviation" in few.alt
+    assert len(few.figure.axes[0].lines) > 1
+    monkeypatch.setattr(sweep_figures, "_MOST_CURVES", 1)
+    many = sweep_figures.lines("laeq_db", "surface.seed", groups, "tiny")
+    assert "line: median of 2 curves; shaded: 90 % and all of them" in many.alt
+    (median,) = many.figure.axes[0].lines
+    slow = [row.summary["laeq_db"] for row in rows if row.values["rolling.speed_m_s"] == 0.1]
+    fast = [row.summary["laeq_db"] for row in rows if row.values["rolling.speed_m_s"] == 0.2]
+    first = [statistics.fmean(levels[::3]) for levels in (slow, fast)]  # of seed 1
+    assert median.get_ydata()[0] == pytest.approx(statistics.median(first))
+    assert "median of 6 curves" in sweep_figures.mean_third_octaves(groups, "tiny").alt
 
 
 @pytest.mark.parametrize(
