@@ -43,6 +43,7 @@ class Film:
     ground : bytes. PNG of the surface, white is high.
     pressure, release : Sheet. Maps of pressure, and of the energy released since the map before.
     size : (int, int). Cells of a map along and across.
+    most_cells : int. Maximum number of cells that bear pressure in a map.
     cell_um, hertz_um : float, um. Side of a cell; contact radius of the smooth elastic contact.
     centres : list of (float, float), cells. Centre of the sphere in each map.
     times : list of float, s. Time of each map in the record.
@@ -54,6 +55,7 @@ class Film:
     pressure: Sheet
     release: Sheet
     size: tuple[int, int]
+    most_cells: int
     cell_um: float
     hertz_um: float
     centres: list[tuple[float, float]]
@@ -84,6 +86,7 @@ def film_of(run: RunResult, max_gpa: float) -> Film | None:
         pressure=_sheet(pressure_maps.shades(pressures, max_gpa * 1e9), _pressure_palette()),
         release=_sheet(glow(slow.release), _glow_palette()),
         size=(slow.pressure.shape[1], slow.pressure.shape[2]),
+        most_cells=int(np.count_nonzero(slow.pressure, axis=(1, 2)).max()),
         cell_um=slow.cell * 1e6,
         hertz_um=radius * 1e6,
         centres=_centres(run, slow),

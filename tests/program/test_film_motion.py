@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from report_browser import data_of
+from report_browser import data_of, until
 from report_runs import run_results
 from test_slow_motion import LUMINANCE, flashes
 
@@ -103,6 +103,44 @@ def test_the_page_marks_flights_and_has_no_curves_without_dynamics(pages, opened
         assert not label.is_visible() and not page.locator("#film-motion-note").is_visible()
         page.wait_for_timeout(100)
         assert page.evaluate(picture) != before
+
+
+@pytest.mark.parametrize("limit_px", [21824, 0])
+def test_a_large_map_does_not_flash_with_short_flights(limit_px, pages, opened, tmp_path) -> None:
+    """However short the flights on the screen, a small map is left out and a large one stays."""
+    text = pages("flying", "filmed").read_text()
+    for old, new in (
+        ("const FLASHING_PX = 21824", f"const FLASHING_PX = {limit_px}"),
+        ("const FLASH_S = 1 / 3", "const FLASH_S = 1e9"),
+        ('<option value="2000">', '<option value="20000">'),  # the film takes a second and a half
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    path = tmp_path / "page.html"
+    path.write_text(text)
+    film = data_of(path)["runs"][1]["film"]
+    flown = [
+        k
+        for k, time in enumerate(film["times"])
+        if any(begin <= time <= end for begin, end in film["motion"]["flights"])
+    ]
+    with opened(path) as page:
+        page.evaluate("""() => {
+          window.flights = 0;
+          const write = CanvasRenderingContext2D.prototype.fillText;
+          CanvasRenderingContext2D.prototype.fillText = function (text, ...place) {
+            if (text.startsWith('the ball flies: nothing') && this.canvas.id === 'film') flights++;
+            return write.call(this, text, ...place);
+          };
+        }""")
+        page.check("input[name=run][value='1']")
+        page.select_option("#film-rate", "20000")
+        page.locator("#film-seek").evaluate(
+            "(s) => { s.value = 0; s.dispatchEvent(new Event('input')); flights = 0; }"
+        )
+        page.click("#film-play")
+        until(page, f"Number(document.querySelector('#film-seek').value) > {flown[0] + 3}")
+        assert (page.evaluate("flights") > 0) == (limit_px > 0)
 
 
 def test_pages_without_dynamics_say_nothing_of_flights(pages) -> None:

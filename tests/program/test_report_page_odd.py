@@ -89,6 +89,8 @@ def test_a_hundred_runs_have_a_page(lap, drawn, tmp_path, opened) -> None:
     with opened(path, viewport={"width": 360, "height": 740}) as page:
         assert page.locator("#levels-table tbody tr").count() == 100
         assert page.evaluate(BEYOND) == []
+        for box in page.locator(".paper, .scroll").all():  # no script makes them take the focus
+            assert box.get_attribute("tabindex") == "0"
 
 
 def test_levels_that_are_missing_are_gaps(lap, drawn, tmp_path, opened) -> None:

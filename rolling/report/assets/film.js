@@ -49,7 +49,7 @@ function drawFilm() {
   const scale = canvas.width / shown.size[0];
   pen.imageSmoothingEnabled = false; // a cell is what was computed
   if (ground.complete) pen.drawImage(ground, 0, 0, canvas.width, canvas.height);
-  if (!flies(shown, shown.times[film.at])) {
+  if (!isEmptied(shown, shown.times[film.at])) {
     drawPart(pen, pressure, shown.pressure, scale);
     drawPart(pen, release, shown.release, scale);
   } else drawFlight(pen);

@@ -2,7 +2,19 @@
 
 const sampleAt = ({ begin, step, force_n: force }, time) => Math.min(force.length - 1, Math.max(0, Math.round((time - begin) / step)));
 
-const flies = ({ motion }, time) => Boolean(motion) && motion.flights.some(([begin, end]) => begin <= time && time <= end);
+const flightAt = ({ motion }, time) => motion?.flights.find(([begin, end]) => begin <= time && time <= end);
+const flies = (shown, time) => Boolean(flightAt(shown, time));
+
+const FLASHING_PX = 21824; // on which more than three flashes a second are too many by WCAG 2.3.1
+const FLASH_S = 1 / 3;
+
+/** Whether the map is left out: in flight, unless so much of the picture would then flash too often. */
+function isEmptied(shown, time) {
+  const flight = flightAt(shown, time);
+  if (!flight || !film.playing) return Boolean(flight);
+  const cell = $("#film").clientWidth / shown.size[0];
+  return shown.most_cells * cell ** 2 < FLASHING_PX || (flight[1] - flight[0]) * Number($("#film-rate").value) > FLASH_S;
+}
 
 /** The map at which the ball presses hardest; undefined without its motion. */
 function hardestMap({ motion, times }) {
