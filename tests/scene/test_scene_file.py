@@ -277,7 +277,7 @@ def test_resound_slower_than_the_shortest_track_would_take() -> None:
 def test_resound_refusals() -> None:
     allowed = (
         "rolling.speed_m_s, sphere.density_kg_m3, plate.density_kg_m3, plate.thickness_mm,"
-        " plate.loss_factor, sound.source, sound.ball, sound.distance_m, sound.q,"
+        " plate.loss_factor, dynamics.release, sound.source, sound.ball, sound.distance_m, sound.q,"
         " sound.gain_pa_per_w_m2, sound.loudness"
     )
     assert ", ".join(RESOUND_KEYS) == allowed
