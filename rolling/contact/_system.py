@@ -16,6 +16,9 @@ from rolling._typing import Array
 from rolling.contact._compiled import njit
 
 Indices = NDArray[np.uint32]
+Singles = NDArray[np.float32]
+
+BORDER = 3  # open nodes around the candidates: one that moves, and the reach of a 5 x 5 stencil
 
 
 class Limits(NamedTuple):
@@ -116,6 +119,58 @@ class Stencil(NamedTuple):
     stiffness: float
 
 
+class Model(NamedTuple):
+    """Model problem with its grid (see _model_kernels).
+
+    The grid is the block of the candidates with a border of BORDER open nodes.
+
+    Parameters
+    ----------
+    values : (6,) array
+        Stencil of the inverse half-space over its centre: centre, side, corner, second side, beside
+        it, second corner.
+    change, gap, low, high : (rows, columns) arrays, Pa
+        Changes of pressure: that of the model, the one that opens the gap, and the bounds.
+    moved : (rows, columns) array, Pa
+        Work array of the sweeps.
+    softening : (rows, columns) array
+        Share of a node's stiffness that its compliance leaves; empty where no node is compliant.
+    node : (n,) array of int
+        Index of each candidate in the grid.
+    stiffness : float, Pa/m
+        Centre of the stencil.
+    lift : float, m/Pa
+        Violation that counts for a missing sum of pressures.
+    """
+
+    values: Singles
+    change: Singles
+    gap: Singles
+    low: Singles
+    high: Singles
+    moved: Singles
+    softening: Singles
+    node: Indices
+    stiffness: float
+    lift: float
+
+
+class Influence(NamedTuple):
+    """Deflection coefficients between the candidates.
+
+    Parameters
+    ----------
+    coefficients : flat array
+        Coefficients by distance along and across, both from negative to positive; empty where
+        nodes are not put on a bound without a convolution.
+    node : (n,) array of int
+        Index of each candidate in an array with rows of the same length.
+    """
+
+    coefficients: Singles
+    node: Indices
+
+
 class Work(NamedTuple):
     """Vectors that the passes overwrite, with one entry per candidate.
 
@@ -165,6 +220,8 @@ class System(NamedTuple):
     work: Work
     limits: Limits
     edges: Edges
+    model: Model
+    influence: Influence
 
 
 def pack(system: System) -> tuple[tuple[Any, ...], ...]:
@@ -175,7 +232,7 @@ def pack(system: System) -> tuple[tuple[Any, ...], ...]:
 @njit(cache=True)
 def unpack(packed):
     """Rebuild the System from its plain tuples."""
-    nodes, transform, stencil, work, limits, edges = packed
+    nodes, transform, stencil, work, limits, edges, model, influence = packed
     return System(
         Nodes(*nodes),
         Transform(*transform),
@@ -183,6 +240,8 @@ def unpack(packed):
         Work(*work),
         Limits(*limits),
         Edges(*edges),
+        Model(*model),
+        Influence(*influence),
     )
 
 

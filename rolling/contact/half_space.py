@@ -58,6 +58,8 @@ _DOUBLE_LENGTHS = (
 )
 MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
+MOST_INFLUENCE = 2**20  # maximum size of a transform that keeps coefficients by distance
+
 OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # coefficient of a unit square at its own centre
 
 
@@ -272,6 +274,7 @@ class Convolution:
     def __init__(self, m: int, n: int, single: bool, spectrum: Array) -> None:
         real, both = ("float32", "complex64") if single else ("float64", "complex128")
         self.single = single
+        self._influence: NDArray[np.float32] | None = None
         self.real = self._image = pyfftw.zeros_aligned((m, n), real)
         self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
         self._as_pairs = self._lines.view(real)
@@ -296,6 +299,26 @@ class Convolution:
         """Return a view of the first `rows` rows and the further rows that `apply` includes."""
         view: Array = self.real[: rows + 8]
         return view
+
+    @property
+    def influence_row(self) -> int:
+        """Number of coefficients in a row of `influence`."""
+        return int(2 * (self._image.shape[1] // 2) + 1)
+
+    def influence(self) -> NDArray[np.float32]:
+        """Return the coefficients of nodes by distance, along and across, as a flat array.
+
+        Its middle is the distance zero. It is empty for large transforms, whose memory it would
+        add to.
+        """
+        if self._influence is None:
+            m, n = self._image.shape
+            small = m * n <= MOST_INFLUENCE
+            rows, columns = (
+                np.abs(np.arange(-(k // 2), k // 2 + 1.0)) if small else np.empty(0) for k in (m, n)
+            )
+            self._influence = love(rows, columns).astype(np.float32).ravel()
+        return self._influence
 
     def cells_of(
         self, node: NDArray[np.int64], columns: int, corner: tuple[int, int]

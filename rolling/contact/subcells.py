@@ -137,6 +137,10 @@ class SubcellConvolution(Convolution):
         self._block = own_block(subcells).astype(self.real.dtype)
         self._own = np.empty((0, subcells**2), self.real.dtype)
 
+    def influence(self) -> NDArray[np.float32]:
+        """Return no coefficients, because they depend on the place within a cell."""
+        return np.empty(0, np.float32)
+
     def head(self, rows: int) -> Array:
         """Return a view of the first `rows` rows of sub-cells."""
         view: Array = self.real[:rows]

@@ -1,0 +1,256 @@
+"""Compiled model problem of the contact solve, which predicts who bears load next.
+
+The model replaces the inverse of the half-space by a short stencil: a change c of a node's gap
+changes the pressures around it by the stencil times c. With it the contact problem is a sparse
+obstacle problem, and projected Jacobi sweeps settle it without a convolution. A node ends with the
+pressure that closes its gap, or on a bound. Deflection and pressure of the start need not be those
+of the model, only their changes are, so an extrapolation of both is a start as well.
+
+All arrays of the grid are changes of pressure since the present state in single precision: `change`
+is that of the model, `gap` the one that opens the gap, and `low` and `high` are the bounds.
+"""
+
+# mypy: disable-error-code="no-untyped-def"
+from __future__ import annotations
+
+import numpy as np
+
+from rolling.contact._compiled import njit
+from rolling.contact._projection import project
+from rolling.contact._system import BORDER, Direction, Sets
+
+# Up to so many nodes jump to their bound at once. Each takes a pass over the nodes, and so many
+# passes take as long as a convolution.
+JUMPS = 48
+
+
+@njit(cache=True)
+def fill(model, nodes, hardness, approach):
+    """Set the grid to the state of the nodes; return the maximum violation [m] and the load."""
+    p, g, compliance, place = nodes.p, nodes.g, nodes.compliance, model.node
+    gap, low, high = model.gap.reshape(-1), model.low.reshape(-1), model.high.reshape(-1)
+    softening, stiffness = model.softening.reshape(-1), model.stiffness
+    model.change[:] = 0.0
+    gap[:] = 0.0
+    low[:] = 0.0
+    high[:] = 0.0
+    worst = 0.0
+    load = 0.0
+    for k in range(p.size):
+        v = p[k]
+        r = g[k] - approach
+        load += v
+        worst = max(worst, -r if v <= 0.0 else (r if v >= hardness else abs(r)))
+        at = place[k]
+        low[at] = -v
+        high[at] = hardness - v
+        gap[at] = stiffness * r
+    if compliance.size:
+        softening[:] = 1.0
+        for k in range(p.size):
+            softening[place[k]] = 1.0 / (1.0 + compliance[k] * stiffness)
+    return worst, load
+
+
+@njit(cache=True)
+def extrapolate(model, nodes, hardness, p_trend, u_trend, block):
+    """Add the trends of pressure and deflection to the grid; return the approach they lead to.
+
+    `block` is the first row and column of the candidates' block on the window of the trends, and
+    its numbers of rows and columns.
+    """
+    p, g, compliance, place = nodes.p, nodes.g, nodes.compliance, model.node
+    change, gap, stiffness = model.change, model.gap, model.stiffness
+    for i in range(block[2]):
+        for j in range(block[3]):
+            change[i + BORDER, j + BORDER] = p_trend[block[0] + i, block[1] + j]
+            gap[i + BORDER, j + BORDER] += stiffness * u_trend[block[0] + i, block[1] + j]
+    row_length = change.shape[1]
+    inside, total, lowest_open, highest_capped = 0, 0.0, np.inf, -np.inf
+    for k in range(p.size):
+        i, j = divmod(np.int64(place[k]), row_length)
+        i, j = i - BORDER + block[0], j - BORDER + block[1]
+        h = g[k] + u_trend[i, j]
+        q = p[k] + p_trend[i, j]
+        if compliance.size:
+            h += compliance[k] * p_trend[i, j]
+        if q <= 0.0:
+            lowest_open = min(lowest_open, h)
+        elif q >= hardness:
+            highest_capped = max(highest_capped, h)
+        else:
+            total += h
+            inside += 1
+    if inside:
+        return total / inside
+    middle = 0.5 * (lowest_open + highest_capped)
+    return middle if np.isfinite(middle) else highest_capped
+
+
+@njit(cache=True)
+def settle_model(model, sweeps, compliant):
+    """Settle the model problem by Jacobi sweeps."""
+    change, gap, low, high, soft = (
+        model.change,
+        model.gap,
+        model.low,
+        model.high,
+        model.softening,
+    )
+    moved, values = model.moved, model.values
+    a, b, c, d, e, f = values[0], values[1], values[2], values[3], values[4], values[5]
+    rows, columns = change.shape
+    inner = columns - 4
+    once = np.empty(columns, np.float32)
+    twice = np.empty(columns, np.float32)
+    for _ in range(sweeps):
+        for i in range(2, rows - 2):
+            q, h, m = change[i, 2:-2], gap[i, 2:-2], moved[i, 2:-2]
+            lo, hi = low[i, 2:-2], high[i, 2:-2]
+            if compliant:
+                s = soft[i, 2:-2]
+                for j in range(inner):
+                    m[j] = min(max((q[j] - h[j]) * s[j], lo[j]), hi[j]) - q[j]
+            else:
+                for j in range(inner):
+                    m[j] = min(max(q[j] - h[j], lo[j]), hi[j]) - q[j]
+            for j in range(inner):
+                h[j] += m[j]
+        for i in range(2, rows - 2):
+            m, m1, m2, m3, m4 = moved[i], moved[i - 1], moved[i + 1], moved[i - 2], moved[i + 2]
+            for j in range(columns):
+                once[j] = m1[j] + m2[j]
+                twice[j] = m3[j] + m4[j]
+            q = change[i, 2:-2]
+            for j in range(inner):
+                q[j] += (
+                    a * m[j + 2]
+                    + b * (m[j + 1] + m[j + 3] + once[j + 2])
+                    + c * (once[j + 1] + once[j + 3])
+                    + d * (m[j] + m[j + 4] + twice[j + 2])
+                    + e * (once[j] + once[j + 4] + twice[j + 1] + twice[j + 3])
+                    + f * (twice[j] + twice[j + 4])
+                )
+
+
+@njit(cache=True)
+def sort_nodes(system):
+    """List the free nodes and those that go to a bound, as the model says.
+
+    Their targets go into the trial pressures. Returns the numbers of both.
+    """
+    p, work, model, hardness = system.nodes.p, system.work, system.model, system.limits.hardness
+    active, trial, r_before, place = work.active, work.trial, work.r_before, model.node
+    change, gap = model.change.reshape(-1), model.gap.reshape(-1)
+    low, high, soft = model.low.reshape(-1), model.high.reshape(-1), model.softening.reshape(-1)
+    free = 0
+    bound = 0
+    for k in range(p.size):
+        at = place[k]
+        s = change[at] - gap[at]
+        if soft.size:
+            s *= soft[at]
+        if low[at] < s < high[at]:
+            trial[k] = min(max(p[k] + s, 0.0), hardness)
+            active[free] = k
+            free += 1
+            continue
+        r_before[k] = 0.0
+        w = 0.0 if s <= low[at] else hardness
+        if w != p[k]:
+            trial[k] = w
+            bound += 1
+            active[p.size - bound] = k
+    for i in range(bound):
+        # This order reads each entry before it is overwritten.
+        active[free + i] = active[p.size - bound + i]
+    return free, bound
+
+
+@njit(cache=True)
+def jump(system, free, bound):
+    """Put the bound nodes on their bound at once, and add the deflection by each to the gaps."""
+    nodes, work, unit = system.nodes, system.work, system.transform.unit
+    p, g, compliance, trial, active = nodes.p, nodes.g, nodes.compliance, work.trial, work.active
+    coefficients, place = system.influence
+    middle = coefficients.size // 2
+    for a in range(free, free + bound):
+        b = active[a]
+        change = trial[b] - p[b]
+        p[b] = trial[b]
+        if compliance.size:
+            g[b] += compliance[b] * change
+        change *= unit
+        from_b = middle - np.int64(place[b])
+        for k in range(p.size):
+            g[k] += change * coefficients[from_b + np.int64(place[k])]
+
+
+@njit(cache=True)
+def list_inside(p, hardness, active):
+    """List the nodes between the bounds in `active`; return their number."""
+    free = 0
+    for k in range(p.size):
+        if 0.0 < p[k] < hardness:
+            active[free] = k
+            free += 1
+    return free
+
+
+@njit(cache=True)
+def model_direction(system, approach, last, free, bound):
+    """Find the feasible direction to the targets, conjugate to the last direction.
+
+    Where it does not descend, the last direction is forgotten (a restart).
+
+    Returns the Direction and the number of restarts.
+    """
+    nodes, work, limits = system.nodes, system.work, system.limits
+    p, g, d = nodes.p, nodes.g, work.d
+    trial, active, r_before, target = work.trial, work.active, work.r_before, work.r
+    zr = 0.0
+    change = 0.0
+    for a in range(free):
+        k = active[a]
+        r = g[k] - approach
+        z = p[k] - trial[k]
+        zr += z * r
+        change += z * (r - r_before[k])
+        r_before[k] = r
+    length = last.length
+    beta = max(0.0, change / last.zr) if last.zr > 0.0 else 0.0
+    for a in range(free):
+        k = active[a]
+        target[k] = p[k] + length * (trial[k] - p[k])
+        trial[k] = target[k] + beta * d[k]
+    sets = Sets(active, free, bound)
+    slope, longest = project(p, g, approach, trial, sets, limits, d)
+    restarts = 0
+    if not slope < 0.0 and beta > 0.0:
+        restarts = 1
+        for a in range(free):
+            trial[active[a]] = target[active[a]]
+        slope, longest = project(p, g, approach, trial, sets, limits, d)
+    return Direction(slope, longest, max(zr, 0.0), length), restarts
+
+
+@njit(cache=True)
+def follow_model(system, approach, last, allowed, sweeps):
+    """Find the next direction by the model, unless the violation is within `allowed` [m].
+
+    Returns the violation [m], the numbers of free nodes, of nodes on their way to a bound and of
+    restarts, and the Direction. Its slope is not negative where none of the model descends.
+    """
+    nodes, limits, model = system.nodes, system.limits, system.model
+    worst, load = fill(model, nodes, limits.hardness, approach)
+    # Nodes that jumped to a bound left their load to the direction.
+    worst += model.lift * abs(limits.total - load)
+    if worst <= allowed:
+        return worst, list_inside(nodes.p, limits.hardness, system.work.active), 0, 0, last
+    settle_model(model, sweeps, nodes.compliance.size > 0)
+    free, bound = sort_nodes(system)
+    if 0 < bound <= min(JUMPS, free) and system.influence.coefficients.size:
+        jump(system, free, bound)
+        bound = 0
+    direction, restarts = model_direction(system, approach, last, free, bound)
+    return worst, free, bound, restarts, direction
