@@ -286,7 +286,8 @@ class Descent:
         goal = self.first_goal
         while True:
             last = effort.iterations >= MAX_ITERATIONS
-            sweeps = SWEEPS if effort.iterations < MODELLED else 0
+            # After a state without a descent the model has no say.
+            sweeps = SWEEPS if effort.iterations < MODELLED and not effort.stuck else 0
             self._step(snap / share, np.inf if last else goal, sweeps)
             if not last and self.blended and not self.step.worst > goal:
                 goal = self._move_edges(effort)
