@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from rolling.check import cost, error_cost, force_estimate
+from rolling.check import cost, error_cost
 from rolling.check.between_nodes import BetweenNodes, between_nodes
-from rolling.dynamics.motion import steps_per_period
 from rolling.scene.scene import Scene
 from rolling.scene.track import Track
 
@@ -217,6 +216,10 @@ def _time_steps(scene: Scene) -> int:
     """Estimate the number of time steps of the motion; 0 without dynamics."""
     if scene.dynamics is None:
         return 0
+    # The compiled law is slow to import, and a refusal waits for it otherwise.
+    from rolling.check import force_estimate
+    from rolling.dynamics.motion import steps_per_period
+
     chain, speed = force_estimate.smooth_chain(scene), scene.motion.fastest(scene.duration)
     rate = max(steps_per_period(chain) * chain.resonance_hz, speed / scene.step)
     return math.ceil(scene.duration * rate)

@@ -41,7 +41,7 @@ SHORTEST = 0.2
 # Limits of the share of the preconditioned residual that a direction takes without the model. The
 # share follows the step lengths, across restarts too: where compliances differ by orders of
 # magnitude, or many nodes go to a bound, whole directions overshoot again and again.
-SHARES = 1e-3, 1.0
+SHARES = 0.1, 1.0
 
 
 @njit(cache=True)
@@ -271,7 +271,7 @@ def precondition(stencil, softening, work, free):
     active, z = work.active, work.trial
     for a in range(free):
         k = active[a]
-        at = place[k]
+        at = np.int64(place[k])  # unsigned numbers refuse the minus of the row before
         total = 0.0
         for x in range(3):
             row = at + (x - 1) * row_length

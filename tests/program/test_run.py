@@ -234,14 +234,14 @@ def test_a_killed_run_is_resumed_to_the_same_numbers(scene: Path, tmp_path: Path
 @pytest.mark.slow
 def test_a_killed_worker_is_replaced_and_every_step_is_solved(scene: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    process = start(scene, out, *LONG, "--workers", "2")
+    process = start(scene, out, *LONG, "--set", "rolling.duration_s=0.15", "--workers", "2")
     wait_for_steps(out, process)
     children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
     workers = [
         int(pid) for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()
     ]
     os.kill(workers[0], signal.SIGKILL)
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=240)
     assert process.returncode == 0
     assert "a worker process was killed" in said
     assert "step/s" not in said  # no progress bar where nobody looks
