@@ -10,21 +10,8 @@ from numpy.typing import NDArray
 
 from rolling._typing import Array
 from rolling.contact import _projection, _solver_kernels
-from rolling.contact._model import model_of
-from rolling.contact._system import (
-    BORDER,
-    Direction,
-    Edges,
-    Influence,
-    Limits,
-    Nodes,
-    Stencil,
-    Step,
-    System,
-    Transform,
-    Work,
-    pack,
-)
+from rolling.contact._model import inverse_stencil
+from rolling.contact._system import BORDER, Direction, Limits, Packed, Step
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace, love
 
 MAX_ITERATIONS = 1000
@@ -180,8 +167,10 @@ class Descent:
 
     Attributes
     ----------
-    system, packed : System
-        Arrays of the compiled passes, and the same arrays in plain tuples.
+    packed : tuple
+        Fields of a Packed, the arrays of the compiled passes.
+    stiffness : float, Pa/m
+        Pressure on a single node that opens its gap by a metre.
     direction : Direction
         Numbers of the current direction.
     step : Step
@@ -201,68 +190,90 @@ class Descent:
         single: bool,
         aim: float,
     ) -> None:
-        node = candidates.node
-        self.half_space, self.node, self.limits = half_space, node, limits
+        self.half_space, self.node, self.limits = half_space, candidates.node, limits
         self.allowed = tolerance * u_max
-        self.goal = aim * self.allowed
+        self.goal = self.first_goal = aim * self.allowed
         self.rows = candidates.rows
         self.transforms = half_space.convolution(
             candidates.rows - 1, candidates.columns - 1, single=single
         )
-        row_length = candidates.columns + 2 * BORDER
-        in_image, in_grid = np.empty(node.size, np.uint32), np.empty(node.size, np.uint32)
-        corner = candidates.first_row, candidates.first_column
-        self._listed = self.transforms.cells_of(node, gap.shape[1], corner)
-        row_lengths = self.transforms.real.shape[1], row_length
-        _solver_kernels.places(node, gap.shape[1], corner, row_lengths, in_image, in_grid)
-        unit = 1.0 / half_space.unit
-        stiffness = float(unit / OWN_COEFFICIENT)
-        edge = np.empty(0) if edges is None else edges.edge.ravel()[node]
+        self._block = (
+            candidates.first_row,
+            candidates.first_column,
+            candidates.rows,
+            candidates.columns,
+        )
+        self._listed = self.transforms.cells_of(self.node, gap.shape[1], self._block[:2])
         self.blended = edges is not None
-        # where no edge is expected, none may have to move
-        self.first_goal = (
-            max(self.goal, aim * FIRST_EDGES * edges.u_max) if edge.any() and edges else self.goal
-        )
-        soft = edge * (2 / limits.hardness)
-        trial, d, r, r_before = (np.zeros(node.size) for _ in range(4))
-        grid = np.zeros((candidates.rows + 2 * BORDER) * row_length)
-        influence = self.transforms.influence()
-        by_distance = np.empty(node.size if influence.size else 0, np.uint32)
-        if influence.size:
-            rows = self.transforms.influence_row, row_length
-            _solver_kernels.places(node, gap.shape[1], corner, rows, by_distance, in_grid)
-        self._block = (*corner, candidates.rows, candidates.columns)
-        self.system = System(
-            Nodes(
-                pressure.ravel()[node], gap.ravel()[node], soft, 1 / np.sqrt(1 + soft * stiffness)
-            ),
-            Transform(self.transforms.head(self.rows).ravel(), in_image, half_space.unit),
-            Stencil(_inverse_stencil() * unit, grid, in_grid, row_length, stiffness),
-            Work(trial, d, r, r_before, np.empty(node.size, np.uint32)),
-            limits,
-            Edges(
-                edge,
-                edge if edges is None else edges.between_nodes(node),
-                np.empty(0) if edges is None else np.full(grid.size, np.nan),
-                0.0 if edges is None else edges.levelled,
-            ),
-            model_of(
-                (candidates.rows + 2 * BORDER, row_length),
-                in_grid,
-                unit,
-                u_max / limits.total,
-                edges is not None,
-            ),
-            Influence(influence, by_distance),
-        )
-        self.packed = pack(self.system)
+        self._vectors = np.zeros((10 if edges else 6, self.node.size))
+        packed = self._pack(half_space.unit, u_max, edges)
+        self._take(packed, pressure, gap, edges, aim)
+        self.packed = tuple(packed)
         self.direction = Direction(0.0, 0.0, 0.0, _solver_kernels.FIRST_LENGTH)
         self.step = Step(np.nan, np.nan, 0, 0, 0, 0)
+
+    def _pack(self, unit: float, u_max: float, edges: BlendedEdges | None) -> Packed:
+        """Make the arrays of the compiled passes."""
+        rows, columns = (length + 2 * BORDER for length in self._block[2:])
+        stencil = inverse_stencil() / unit
+        self.stiffness = float(1 / (unit * OWN_COEFFICIENT))
+        grids = np.zeros((2 if edges else 1, rows * columns))
+        if edges:
+            grids[1] = np.nan
+        return Packed(
+            self._vectors,
+            np.empty((4, self.node.size), np.uint32),
+            self.transforms.head(self.rows).ravel(),
+            grids,
+            np.zeros((9 if edges else 8, rows, columns), np.float32),
+            _inverse_stencil() / unit,
+            (stencil / stencil[0]).astype(np.float32),
+            self.transforms.influence(),
+            (
+                float(self.limits.hardness),
+                float(self.limits.total),
+                float(unit),
+                self.stiffness,
+                edges.levelled if edges else 0.0,
+                float(stencil[0]),
+                float(u_max / self.limits.total),
+            ),
+        )
+
+    def _take(
+        self, packed: Packed, pressure: Array, gap: Array, edges: BlendedEdges | None, aim: float
+    ) -> None:
+        """Set the vectors of the candidates and their indices."""
+        node = self.node
+        _solver_kernels.take_nodes(
+            node,
+            gap.shape[1],
+            self._block[:2],
+            (self.transforms.real.shape[1], packed.model.shape[2], self.transforms.influence_row),
+            pressure.ravel(),
+            gap.ravel(),
+            packed.vectors,
+            packed.indices,
+        )
+        if edges is None:
+            return
+        _solver_kernels.take_edges(
+            node,
+            edges.edge.ravel(),
+            edges.between_nodes(node),
+            packed.numbers[0],
+            self.stiffness,
+            packed.vectors,
+        )
+        # where no edge is expected, none may have to move
+        if packed.vectors[8].any():
+            self.first_goal = max(self.goal, aim * FIRST_EDGES * edges.u_max)
 
     @property
     def pressure(self) -> Array:
         """Pressures of the candidates [Pa]."""
-        return self.system.nodes.p
+        pressure: Array = self._vectors[0]
+        return pressure
 
     def lead(self, pressure_trend: Array, deflection_trend: Array) -> None:
         """Take the first direction from the extrapolation of the last solutions.
@@ -278,7 +289,7 @@ class Descent:
     def iterate(self, effort: Effort) -> None:
         """Step until converged, stuck or out of iterations, with one convolution per step."""
         effort.rounds += 1
-        snap = 0.01 * self.allowed * self.system.stencil.stiffness if effort.snapping else 0.0
+        snap = 0.01 * self.allowed * self.stiffness if effort.snapping else 0.0
         # The snap is divided by the number of nodes, so that its sum makes no difference.
         share = self.node.size
         if self.direction.slope < 0:  # the direction of `lead`
@@ -324,7 +335,7 @@ class Descent:
 
         Where no step descends, a feasible restart replaces them.
         """
-        (p, g, *_), work, step = self.system.nodes, self.system.work, self.step
+        p, g, step = self._vectors[0], self._vectors[1], self.step
         if not step.worst > self.goal:
             # A node that was put on a bound took its share of the load along. The last step or the
             # free nodes make up for it, or else the nodes that are nearest to moving.
@@ -338,7 +349,7 @@ class Descent:
             # Pressures of the order of rounding errors can pass for free nodes and set the
             # approach, so the projection becomes the state.
             effort.stuck += 1
-            p += work.d
+            p += self._vectors[3]
             _projection.settle_load(p, g, self.limits, 1e-9 * p.max())
         else:
             _projection.settle_load(p, g, self.limits, 0.0)

@@ -7,7 +7,6 @@ from functools import lru_cache
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact._system import Indices, Model
 from rolling.contact.half_space import love
 
 # Waves up to this many nodes long count in the fit of the stencil. Contacts are some ten to a
@@ -42,26 +41,3 @@ def inverse_stencil() -> Array:
     columns = np.stack([(ring(a, b) * spectrum)[waves] for a, b in pairs], axis=1)
     weights: Array = np.linalg.lstsq(columns, np.ones(len(columns)), rcond=None)[0]
     return weights
-
-
-def model_of(
-    shape: tuple[int, int], node: Indices, unit: float, lift: float, compliant: bool
-) -> Model:
-    """Make the model problem of the candidates at the indices `node` of a grid of this shape.
-
-    `unit` [Pa/m] is the pressure per deflection and coefficient; `lift` is that of the Model.
-    """
-    stencil = inverse_stencil()
-    change, gap, low, high, moved = (np.zeros(shape, np.float32) for _ in range(5))
-    return Model(
-        values=(stencil / stencil[0]).astype(np.float32),
-        change=change,
-        gap=gap,
-        low=low,
-        high=high,
-        moved=moved,
-        softening=np.empty(shape if compliant else (0, 0), np.float32),
-        node=node,
-        stiffness=float(stencil[0] * unit),
-        lift=lift,
-    )

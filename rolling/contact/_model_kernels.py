@@ -32,8 +32,6 @@ def fill(model, nodes, hardness, approach):
     softening, stiffness = model.softening.reshape(-1), model.stiffness
     model.change[:] = 0.0
     gap[:] = 0.0
-    low[:] = 0.0
-    high[:] = 0.0
     worst = 0.0
     load = 0.0
     for k in range(p.size):
@@ -87,50 +85,89 @@ def extrapolate(model, nodes, hardness, p_trend, u_trend, block):
     return middle if np.isfinite(middle) else highest_capped
 
 
+@njit(cache=True, fused=True)
+def moves(change, gap, low, high, out):
+    """Set `out` to the changes of gap that bring the nodes to zero gap or to a bound."""
+    for k in range(out.size):
+        out[k] = min(max(change[k] - gap[k], low[k]), high[k]) - change[k]
+
+
+@njit(cache=True, fused=True)
+def soft_moves(change, gap, low, high, softening, out):
+    """Set `out` as `moves` does, where nodes are compliant by themselves."""
+    for k in range(out.size):
+        closing = (change[k] - gap[k]) * softening[k]
+        out[k] = min(max(closing, low[k]), high[k]) - change[k]
+
+
+@njit(cache=True, fused=True)
+def sum_rows(own, above, below, second_above, second_below, values, sums):
+    """Sum the moves along each column of the stencil: its middle, its sides, its second sides."""
+    a, b, c, d, e, f = values[0], values[1], values[2], values[3], values[4], values[5]
+    middle, side, second = sums
+    for k in range(own.size):
+        once = above[k] + below[k]
+        twice = second_above[k] + second_below[k]
+        middle[k] = a * own[k] + b * once + d * twice
+        side[k] = b * own[k] + c * once + e * twice
+        second[k] = d * own[k] + e * once + f * twice
+
+
+@njit(cache=True, fused=True)
+def sum_columns(middle, left, right, second_left, second_right, moved, change, gap):
+    """Add the moves to the gaps, and their stencil to the changes of pressure."""
+    for k in range(moved.size):
+        change[k] += middle[k] + (left[k] + right[k]) + (second_left[k] + second_right[k])
+        gap[k] += moved[k]
+
+
 @njit(cache=True)
 def settle_model(model, sweeps, compliant):
-    """Settle the model problem by Jacobi sweeps."""
-    change, gap, low, high, soft = (
-        model.change,
-        model.gap,
-        model.low,
-        model.high,
-        model.softening,
+    """Settle the model problem by Jacobi sweeps.
+
+    A sweep passes over the grid as one long row, which is much faster than row by row. The border
+    never moves, so that the end of one row does not act on the beginning of the next.
+    """
+    rows, row = model.change.shape
+    # the first and last node that moves, and the nodes between them on the long row
+    first, last = 2 * row, (rows - 2) * row
+    change, gap = model.change.reshape(-1), model.gap.reshape(-1)
+    low, high = model.low.reshape(-1)[first:last], model.high.reshape(-1)[first:last]
+    moved = model.moved.reshape(-1)
+    middle, side, second = (
+        model.sums[0].reshape(-1),
+        model.sums[1].reshape(-1),
+        model.sums[2].reshape(-1),
     )
-    moved, values = model.moved, model.values
-    a, b, c, d, e, f = values[0], values[1], values[2], values[3], values[4], values[5]
-    rows, columns = change.shape
-    inner = columns - 4
-    once = np.empty(columns, np.float32)
-    twice = np.empty(columns, np.float32)
+    own, inside, gaps = moved[first:last], change[first:last], gap[first:last]
     for _ in range(sweeps):
+        if compliant:
+            softening = model.softening.reshape(-1)[first:last]
+            soft_moves(inside, gaps, low, high, softening, own)
+        else:
+            moves(inside, gaps, low, high, own)
         for i in range(2, rows - 2):
-            q, h, m = change[i, 2:-2], gap[i, 2:-2], moved[i, 2:-2]
-            lo, hi = low[i, 2:-2], high[i, 2:-2]
-            if compliant:
-                s = soft[i, 2:-2]
-                for j in range(inner):
-                    m[j] = min(max((q[j] - h[j]) * s[j], lo[j]), hi[j]) - q[j]
-            else:
-                for j in range(inner):
-                    m[j] = min(max(q[j] - h[j], lo[j]), hi[j]) - q[j]
-            for j in range(inner):
-                h[j] += m[j]
-        for i in range(2, rows - 2):
-            m, m1, m2, m3, m4 = moved[i], moved[i - 1], moved[i + 1], moved[i - 2], moved[i + 2]
-            for j in range(columns):
-                once[j] = m1[j] + m2[j]
-                twice[j] = m3[j] + m4[j]
-            q = change[i, 2:-2]
-            for j in range(inner):
-                q[j] += (
-                    a * m[j + 2]
-                    + b * (m[j + 1] + m[j + 3] + once[j + 2])
-                    + c * (once[j + 1] + once[j + 3])
-                    + d * (m[j] + m[j + 4] + twice[j + 2])
-                    + e * (once[j] + once[j + 4] + twice[j + 1] + twice[j + 3])
-                    + f * (twice[j] + twice[j + 4])
-                )
+            model.moved[i, 0] = model.moved[i, 1] = 0.0
+            model.moved[i, row - 2] = model.moved[i, row - 1] = 0.0
+        sum_rows(
+            own,
+            moved[first - row : last - row],
+            moved[first + row : last + row],
+            moved[first - 2 * row : last - 2 * row],
+            moved[first + 2 * row : last + 2 * row],
+            model.values,
+            (middle[first:last], side[first:last], second[first:last]),
+        )
+        sum_columns(
+            middle[first:last],
+            side[first - 1 : last - 1],
+            side[first + 1 : last + 1],
+            second[first - 2 : last - 2],
+            second[first + 2 : last + 2],
+            own,
+            inside,
+            gaps,
+        )
 
 
 @njit(cache=True)

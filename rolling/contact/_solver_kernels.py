@@ -148,20 +148,34 @@ def with_neighbours(p, e, u, highest, node):
 
 
 @njit(cache=True)
-def places(node, columns, corner, row_lengths, in_image, in_grid):
-    """Find the index of each candidate in the array of the transforms and in the grid.
-
-    The grid of the residual has a border of BORDER nodes.
+def take_nodes(node, columns, corner, row_lengths, pressure, gap, vectors, indices):
+    """Set the pressures, the gaps and the indices of the candidates (see Packed).
 
     `corner` is the first row and column of the candidates' block in a window of `columns` columns;
-    `row_lengths` are the numbers of nodes in a row of the two arrays.
+    `row_lengths` are the numbers of nodes in a row of the transforms, of the grid and of the
+    coefficients by distance. The grid has a border of BORDER nodes.
     """
     for a in range(node.size):
-        i, j = divmod(node[a], columns)
+        k = node[a]
+        vectors[0, a] = pressure[k]
+        vectors[1, a] = gap[k]
+        i, j = divmod(k, columns)
         i -= corner[0]
         j -= corner[1]
-        in_image[a] = i * row_lengths[0] + j
-        in_grid[a] = (i + BORDER) * row_lengths[1] + j + BORDER
+        indices[1, a] = i * row_lengths[0] + j
+        indices[2, a] = (i + BORDER) * row_lengths[1] + j + BORDER
+        indices[3, a] = i * row_lengths[2] + j
+
+
+@njit(cache=True)
+def take_edges(node, edge, between_nodes, hardness, stiffness, vectors):
+    """Set the compliance, the softening and the edges of the candidates (see Packed)."""
+    for a in range(node.size):
+        k = node[a]
+        vectors[6, a] = edge[k] * (2.0 / hardness)
+        vectors[7, a] = 1.0 / np.sqrt(1.0 + vectors[6, a] * stiffness)
+        vectors[8, a] = edge[k]
+        vectors[9, a] = between_nodes[a]
 
 
 @njit(cache=True)

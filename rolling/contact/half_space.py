@@ -56,6 +56,12 @@ _DOUBLE_LENGTHS = (
     1280,
     *_LONG,
 )
+# Columns of these lengths are transformed in one array, because that is quicker or saves much
+# memory; columns of all other lengths go from one array to another.
+_SINGLE_IN_PLACE = (192, 240, 320, 384, 400)
+_DOUBLE_IN_PLACE = (384, 400)
+_SAVING = 600  # from this length on there is one array
+
 MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
 MOST_INFLUENCE = 2**20  # maximum size of a transform that keeps coefficients by distance
@@ -277,7 +283,9 @@ class Convolution:
         self._influence: NDArray[np.float32] | None = None
         self.real = self._image = pyfftw.zeros_aligned((m, n), real)
         self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
-        self._as_pairs = self._lines.view(real)
+        in_place = m >= _SAVING or m in (_SINGLE_IN_PLACE if single else _DOUBLE_IN_PLACE)
+        columns = self._lines if in_place else pyfftw.zeros_aligned(self._lines.shape, both)
+        self._as_pairs = columns.view(real)
         # Each coefficient stands twice, for the real and the imaginary part of its line. The
         # coefficients are even along the columns, so half of the rows suffices and leaves the cache
         # to the lines.
@@ -285,9 +293,9 @@ class Convolution:
         # FFTW_ESTIMATE is used because plans that are chosen by timing differ from run to run, and
         # the last digits with them.
         flags = ("FFTW_ESTIMATE",)
-        self._column_forward = pyfftw.FFTW(self._lines, self._lines, axes=(0,), flags=flags)
+        self._column_forward = pyfftw.FFTW(self._lines, columns, axes=(0,), flags=flags)
         self._column_backward = pyfftw.FFTW(
-            self._lines, self._lines, axes=(0,), direction="FFTW_BACKWARD", flags=flags
+            columns, self._lines, axes=(0,), direction="FFTW_BACKWARD", flags=flags
         )
         self._row_plans: dict[int, tuple[pyfftw.FFTW, pyfftw.FFTW]] = {}
 
