@@ -51,27 +51,28 @@ def fill(model, nodes, hardness, approach):
 
 
 @njit(cache=True)
-def extrapolate(model, nodes, hardness, p_trend, u_trend, block):
+def extrapolate(model, nodes, hardness, present, p_trend, u_trend, block):
     """Add the trends of pressure and deflection to the grid; return the approach they lead to.
 
-    `block` is the first row and column of the candidates' block on the window of the trends, and
-    its numbers of rows and columns.
+    `present` is the approach of the grid. `block` is the first row and column of the candidates'
+    block on the window of the trends, and its numbers of rows and columns.
     """
-    p, g, compliance, place = nodes.p, nodes.g, nodes.compliance, model.node
+    p, compliance, place = nodes.p, nodes.compliance, model.node
     change, gap, stiffness = model.change, model.gap, model.stiffness
     for i in range(block[2]):
+        changed, opened = change[i + BORDER, BORDER:], gap[i + BORDER, BORDER:]
+        p_row, u_row = p_trend[block[0] + i, block[1] :], u_trend[block[0] + i, block[1] :]
         for j in range(block[3]):
-            change[i + BORDER, j + BORDER] = p_trend[block[0] + i, block[1] + j]
-            gap[i + BORDER, j + BORDER] += stiffness * u_trend[block[0] + i, block[1] + j]
-    row_length = change.shape[1]
+            changed[j] = p_row[j]
+            opened[j] += stiffness * u_row[j]
+    changes, gaps = change.reshape(-1), gap.reshape(-1)
     inside, total, lowest_open, highest_capped = 0, 0.0, np.inf, -np.inf
     for k in range(p.size):
-        i, j = divmod(np.int64(place[k]), row_length)
-        i, j = i - BORDER + block[0], j - BORDER + block[1]
-        h = g[k] + u_trend[i, j]
-        q = p[k] + p_trend[i, j]
+        at = place[k]
+        h = present + gaps[at] / stiffness
+        q = p[k] + changes[at]
         if compliance.size:
-            h += compliance[k] * p_trend[i, j]
+            h += compliance[k] * changes[at]
         if q <= 0.0:
             lowest_open = min(lowest_open, h)
         elif q >= hardness:

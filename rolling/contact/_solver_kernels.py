@@ -155,13 +155,16 @@ def take_nodes(node, columns, corner, row_lengths, pressure, gap, vectors, indic
     `row_lengths` are the numbers of nodes in a row of the transforms, of the grid and of the
     coefficients by distance. The grid has a border of BORDER nodes.
     """
+    i = -1  # row on the block of the node, and the first node of the next row
+    following = corner[0] * columns
     for a in range(node.size):
         k = node[a]
         vectors[0, a] = pressure[k]
         vectors[1, a] = gap[k]
-        i, j = divmod(k, columns)
-        i -= corner[0]
-        j -= corner[1]
+        while k >= following:
+            i += 1
+            following += columns
+        j = k - (following - columns) - corner[1]
         indices[1, a] = i * row_lengths[0] + j
         indices[2, a] = (i + BORDER) * row_lengths[1] + j + BORDER
         indices[3, a] = i * row_lengths[2] + j
@@ -495,7 +498,7 @@ def lead(packed, p_trend, u_trend, block, sweeps):
     nodes, limits, work, model = system.nodes, system.limits, system.work, system.model
     present = approach_of(nodes.p, nodes.g, limits.hardness)
     fill(model, nodes, limits.hardness, present)
-    approach = extrapolate(model, nodes, limits.hardness, p_trend, u_trend, block)
+    approach = extrapolate(model, nodes, limits.hardness, present, p_trend, u_trend, block)
     model.gap[:] -= np.float32((approach - present) * model.stiffness)
     settle_model(model, sweeps, nodes.compliance.size > 0)
     free, bound = sort_nodes(system)
