@@ -5,7 +5,7 @@ step-cost.json and step-cost.md, draws step-cost.svg, and prints the table. It t
 a machine on which nothing else runs, `--quick` stops at 350 nodes.
 
 python tests/benchmarks/step_cost.py [--quick] [--out FOLDER]
-python tests/benchmarks/step_cost.py --draw scenarios/pictures/step-cost.svg    from the last json
+python tests/benchmarks/step_cost.py --draw scenarios/pictures/step-cost.png    from the last json
 """
 
 from __future__ import annotations
