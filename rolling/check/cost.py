@@ -18,6 +18,12 @@ RISE = 1.5
 # The time of a step grows with this power of the sub-cells along the side of a cell: 2 x 2 took 2.2
 # to 3 times as long, 4 x 4 ten times.
 SUBCELL_POWER = 1.6
+# A step with its release at tolerance 1e-4 takes c (n/100)^k milliseconds on a window of n by n
+# nodes. c and k are rounded from the fits of tests/benchmarks/step_cost.py, from 40 to 1,000 nodes,
+# on a busier and a quieter machine. Elastic and yielding plates share a law at sharp edges.
+STEP_LAWS = {"smooth": (1.1, 1.6), "sharp": (2.0, 2.2), "blended": (3.2, 2.1)}
+# On a smoother surface [m] pressures move with the sphere, and a solve hardly iterates.
+SMOOTH = 1e-9
 # Generated heights are a little more or less steep than their law.
 SLOPE_MARGIN = 1.05
 
@@ -108,17 +114,21 @@ def has_blended_edges(scene: Scene) -> bool:
     return scene.numerics.edges == "blended" and math.isfinite(scene.hardness)
 
 
-def expected_step_ms(window_nodes: float, subcells: int = 1) -> float:
-    """Estimate the time of a step [ms] on one core.
+def step_law(scene: Scene, rq: float) -> str:
+    """Return the key of STEP_LAWS of a scene whose surface has an rms roughness of rq [m]."""
+    if rq < SMOOTH:
+        return "smooth"
+    return "blended" if has_blended_edges(scene) else "sharp"
 
-    The law is 1.1 (n/70)^1.95 on a square window with n nodes along a side, times r^1.6 with r
-    sub-cells along the side of a cell.
 
-    A whole step at tolerance 1e-4 took 1.1 ms at 70 x 70 nodes, 2.4 ms at 106 x 106 and 6.9 ms at
-    180 x 180. Rough surfaces need fewer iterations: at Ra 1 um a step took 9 ms at 230 x 230, where
-    the law gives 11 ms.
+def expected_step_ms(window_nodes: float, subcells: int = 1, law: str = "sharp") -> float:
+    """Estimate the time of a step [ms] on one core, by a law of STEP_LAWS.
+
+    It is c (n/100)^k on a square window with n nodes along a side, times r^1.6 with r sub-cells
+    along the side of a cell.
     """
-    return 1.1 * float((window_nodes / 70) ** 1.95 * subcells**SUBCELL_POWER)
+    at_100, power = STEP_LAWS[law]
+    return float(at_100 * (window_nodes / 100) ** power * subcells**SUBCELL_POWER)
 
 
 def expected_seconds(scene: Scene) -> float:
@@ -129,8 +139,10 @@ def expected_seconds(scene: Scene) -> float:
     SceneError
         The height file cannot be used.
     """
-    nodes = window_nodes(scene, roughness(scene)[0])
-    return scene.track.solved_steps * expected_step_ms(nodes, subcells(scene)) * 1e-3
+    rq = roughness(scene)[0]
+    law = step_law(scene, rq)
+    step_ms = expected_step_ms(window_nodes(scene, rq), subcells(scene), law)
+    return scene.track.solved_steps * step_ms * 1e-3
 
 
 def correlation_lengths(surface: Gaussian) -> tuple[float, float]:

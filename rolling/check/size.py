@@ -62,7 +62,7 @@ def _window(scene: Scene, rq: float) -> list[Finding]:
             f"the contact is about {si(across, 'm')} across, the surface has a {side} of"
             f" {si(period, 'm')}: choose a larger {key}, at least {across * 1e6:.0f} um of surface"
         )
-    step_ms = cost.expected_step_ms(nodes, cost.subcells(scene))
+    step_ms = cost.expected_step_ms(nodes, cost.subcells(scene), cost.step_law(scene, rq))
     seconds = scene.track.steps * step_ms * 1e-3 / cost.cores()
     return [
         Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", warning),
@@ -78,7 +78,8 @@ def _window(scene: Scene, rq: float) -> list[Finding]:
 
 def _tolerance(scene: Scene, rq: float) -> Finding:
     """State the tolerance, or the trial that will choose it."""
-    step_ms = cost.expected_step_ms(cost.window_nodes(scene, rq), cost.subcells(scene))
+    nodes, law = cost.window_nodes(scene, rq), cost.step_law(scene, rq)
+    step_ms = cost.expected_step_ms(nodes, cost.subcells(scene), law)
     return tolerance.finding(scene, step_ms * 1e-3 / cost.cores())
 
 
@@ -86,7 +87,8 @@ def _errors(scene: Scene, rq: float) -> list[Finding]:
     """State the cost of the error estimate; nothing where the scene does not ask for it."""
     if not scene.numerics.error_estimate:
         return []
-    step_ms = cost.expected_step_ms(cost.window_nodes(scene, rq))
+    nodes, law = cost.window_nodes(scene, rq), cost.step_law(scene, rq)
+    step_ms = cost.expected_step_ms(nodes, law=law)
     share = error_cost.cost_share(scene)
     seconds = share * error_cost.marched_steps(scene) * step_ms * 1e-3 / cost.cores()
     if not share:

@@ -16,22 +16,26 @@ import numba
 _VARIABLE = "NUMBA_CACHE_DIR"
 
 
-def njit(*, cache: bool) -> Callable[[Callable[..., Any]], Any]:
+def njit(*, cache: bool, fused: bool = False) -> Callable[[Callable[..., Any]], Any]:
     """Compile a function as `numba.njit` does; go on without a lasting cache where none can be.
 
     Numba caches beside the sources, or else in the home folder. Where neither can be written, a
     temporary folder serves this process and its workers.
+
+    With `fused` sums are ordered and rounded as the processor does them fastest, the same way in
+    every run on it.
     """
+    options: dict[str, Any] = {"fastmath": {"reassoc", "contract", "nsz"}} if fused else {}
 
     def compiled(function: Callable[..., Any]) -> Any:
         try:
-            return numba.njit(cache=cache)(function)
+            return numba.njit(cache=cache, **options)(function)
         except RuntimeError:  # no folder for the cache; a fault of the code shows below as well
             _use_temporary_cache()
         try:
-            return numba.njit(cache=cache)(function)
+            return numba.njit(cache=cache, **options)(function)
         except RuntimeError:  # no temporary folder either
-            return numba.njit(function)
+            return numba.njit(**options)(function)
 
     return compiled
 

@@ -10,21 +10,17 @@ from numpy.typing import NDArray
 
 from rolling._typing import Array
 from rolling.contact import _projection, _solver_kernels
-from rolling.contact._system import (
-    Direction,
-    Edges,
-    Limits,
-    Nodes,
-    Stencil,
-    Step,
-    System,
-    Transform,
-    Work,
-    pack,
-)
+from rolling.contact._model import inverse_stencil
+from rolling.contact._system import BORDER, Direction, Limits, Packed, Step
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace, love
 
 MAX_ITERATIONS = 1000
+# Sweeps that settle the model, first from the extrapolation, then in each iteration.
+FIRST_SWEEPS = 8
+SWEEPS = 4
+# After so many iterations the preconditioned residual leads instead of the model, whose steps are
+# fewer but need not lower the energy.
+MODELLED = 15
 # Edges move after each descent. The first descent, with predicted edges, goes to this share of the
 # maximum deflection, the next descents to this share of the violation that the moved edges left.
 FIRST_EDGES = 1e-3
@@ -33,6 +29,10 @@ MAX_MOVES = 100  # of the edges in a solve, before they stay
 # The descent aims at this share of the tolerance. The rest allows for the difference between the
 # updated deflection and a recomputed deflection.
 AIM = 0.98
+# The first descent of a solve aims at this multiple. Its last step needs no convolution of its own
+# and leaves a quarter of the violation. A multiple of 2 takes 0.2 convolutions less, but leaves
+# more error of the release on smooth surfaces than a descent to the tolerance without that step.
+AIM_FIRST = 1.4
 
 
 @lru_cache(maxsize=1)
@@ -156,15 +156,21 @@ class Descent:
         Edges within cells, which `gap` contains.
     limits : Limits
         Hardness and sum of pressures.
-    allowed : float, m
-        Maximum allowed violation of the contact conditions.
+    tolerance : float
+        Maximum allowed violation of the contact conditions over the maximum deflection.
+    u_max : float, m
+        Maximum deflection.
     single : bool
         If true, transforms are in single precision.
+    aim : float
+        Share of the allowed violation at which the descent ends.
 
     Attributes
     ----------
-    system, packed : System
-        Arrays of the compiled passes, and the same arrays in plain tuples.
+    packed : tuple
+        Fields of a Packed, the arrays of the compiled passes.
+    stiffness : float, Pa/m
+        Pressure on a single node that opens its gap by a metre.
     direction : Direction
         Numbers of the current direction.
     step : Step
@@ -179,69 +185,111 @@ class Descent:
         gap: Array,
         edges: BlendedEdges | None,
         limits: Limits,
-        allowed: float,
+        tolerance: float,
+        u_max: float,
         single: bool,
+        aim: float,
     ) -> None:
-        node = candidates.node
-        self.half_space, self.node, self.limits = half_space, node, limits
-        self.allowed, self.goal = allowed, AIM * allowed
+        self.half_space, self.node, self.limits = half_space, candidates.node, limits
+        self.allowed = tolerance * u_max
+        self.goal = self.first_goal = aim * self.allowed
         self.rows = candidates.rows
         self.transforms = half_space.convolution(
             candidates.rows - 1, candidates.columns - 1, single=single
         )
-        row_length = candidates.columns + 2
-        in_image, in_grid = np.empty(node.size, np.uint32), np.empty(node.size, np.uint32)
-        corner = candidates.first_row, candidates.first_column
-        self._listed = self.transforms.cells_of(node, gap.shape[1], corner)
-        row_lengths = self.transforms.real.shape[1], row_length
-        _solver_kernels.places(node, gap.shape[1], corner, row_lengths, in_image, in_grid)
-        unit = 1.0 / half_space.unit
-        stiffness = float(unit / OWN_COEFFICIENT)
-        edge = np.empty(0) if edges is None else edges.edge.ravel()[node]
+        self._block = (
+            candidates.first_row,
+            candidates.first_column,
+            candidates.rows,
+            candidates.columns,
+        )
+        self._listed = self.transforms.cells_of(self.node, gap.shape[1], self._block[:2])
         self.blended = edges is not None
-        # where no edge is expected, none may have to move
-        self.first_goal = (
-            max(self.goal, AIM * FIRST_EDGES * edges.u_max) if edge.any() and edges else self.goal
-        )
-        soft = edge * (2 / limits.hardness)
-        trial, d, r, r_before = (np.zeros(node.size) for _ in range(4))
-        grid = np.zeros((candidates.rows + 2) * row_length)
-        self.system = System(
-            Nodes(
-                pressure.ravel()[node], gap.ravel()[node], soft, 1 / np.sqrt(1 + soft * stiffness)
-            ),
-            Transform(self.transforms.head(self.rows).ravel(), in_image, half_space.unit),
-            Stencil(_inverse_stencil() * unit, grid, in_grid, row_length, stiffness),
-            Work(trial, d, r, r_before, np.empty(node.size, np.uint32)),
-            limits,
-            Edges(
-                edge,
-                edge if edges is None else edges.between_nodes(node),
-                np.empty(0) if edges is None else np.full(grid.size, np.nan),
-                0.0 if edges is None else edges.levelled,
-            ),
-        )
-        self.packed = pack(self.system)
-        self.direction = Direction(0.0, 0.0, 0.0, 1.0)
+        self._vectors = np.zeros((10 if edges else 6, self.node.size))
+        packed = self._pack(half_space.unit, u_max, edges)
+        self._take(packed, pressure, gap, edges, aim)
+        self.packed = tuple(packed)
+        self.direction = Direction(0.0, 0.0, 0.0, _solver_kernels.FIRST_LENGTH)
         self.step = Step(np.nan, np.nan, 0, 0, 0, 0)
+
+    def _pack(self, unit: float, u_max: float, edges: BlendedEdges | None) -> Packed:
+        """Make the arrays of the compiled passes."""
+        rows, columns = (length + 2 * BORDER for length in self._block[2:])
+        stencil = inverse_stencil() / unit
+        self.stiffness = float(1 / (unit * OWN_COEFFICIENT))
+        grids = np.zeros((2 if edges else 1, rows * columns))
+        if edges:
+            grids[1] = np.nan
+        return Packed(
+            self._vectors,
+            np.empty((4, self.node.size), np.uint32),
+            self.transforms.head(self.rows).ravel(),
+            grids,
+            np.zeros((9 if edges else 8, rows, columns), np.float32),
+            _inverse_stencil() / unit,
+            (stencil / stencil[0]).astype(np.float32),
+            self.transforms.influence(),
+            (
+                float(self.limits.hardness),
+                float(self.limits.total),
+                float(unit),
+                self.stiffness,
+                edges.levelled if edges else 0.0,
+                float(stencil[0]),
+                float(u_max / self.limits.total),
+            ),
+        )
+
+    def _take(
+        self, packed: Packed, pressure: Array, gap: Array, edges: BlendedEdges | None, aim: float
+    ) -> None:
+        """Set the vectors of the candidates and their indices."""
+        node = self.node
+        _solver_kernels.take_nodes(
+            node,
+            gap.shape[1],
+            self._block[:2],
+            (self.transforms.real.shape[1], packed.model.shape[2], self.transforms.influence_row),
+            pressure.ravel(),
+            gap.ravel(),
+            packed.vectors,
+            packed.indices,
+        )
+        if edges is None:
+            return
+        _solver_kernels.take_edges(
+            node,
+            edges.edge.ravel(),
+            edges.between_nodes(node),
+            packed.numbers[0],
+            self.stiffness,
+            packed.vectors,
+        )
+        # where no edge is expected, none may have to move
+        if packed.vectors[8].any():
+            self.first_goal = max(self.goal, aim * FIRST_EDGES * edges.u_max)
 
     @property
     def pressure(self) -> Array:
         """Pressures of the candidates [Pa]."""
-        return self.system.nodes.p
+        pressure: Array = self._vectors[0]
+        return pressure
 
     def lead(self, pressure_trend: Array, deflection_trend: Array) -> None:
         """Take the first direction from the extrapolation of the last solutions.
 
         Their trends on the window give the extrapolation.
         """
-        ahead = pressure_trend.ravel()[self.node], deflection_trend.ravel()[self.node]
-        self.direction = Direction(*_solver_kernels.lead(self.packed, *ahead))
+        self.direction = Direction(
+            *_solver_kernels.lead(
+                self.packed, pressure_trend, deflection_trend, self._block, FIRST_SWEEPS
+            )
+        )
 
     def iterate(self, effort: Effort) -> None:
         """Step until converged, stuck or out of iterations, with one convolution per step."""
         effort.rounds += 1
-        snap = 0.01 * self.allowed * self.system.stencil.stiffness if effort.snapping else 0.0
+        snap = 0.01 * self.allowed * self.stiffness if effort.snapping else 0.0
         # The snap is divided by the number of nodes, so that its sum makes no difference.
         share = self.node.size
         if self.direction.slope < 0:  # the direction of `lead`
@@ -249,7 +297,9 @@ class Descent:
         goal = self.first_goal
         while True:
             last = effort.iterations >= MAX_ITERATIONS
-            self._step(snap / share, np.inf if last else goal)
+            # After a state without a descent the model has no say.
+            sweeps = SWEEPS if effort.iterations < MODELLED and not effort.stuck else 0
+            self._step(snap / share, np.inf if last else goal, sweeps)
             if not last and self.blended and not self.step.worst > goal:
                 goal = self._move_edges(effort)
             if last or not self.step.worst > self.goal:
@@ -257,23 +307,25 @@ class Descent:
             share = max(self.step.bound, 1)
             effort.restarts += self.step.restarts
             effort.plain_steps += self.step.plain_steps
-            if not self.direction.slope < 0:
+            if not self.direction.slope < 0 or (sweeps and effort.iterations >= MODELLED - 1):
                 effort.iterations += 1
                 break
             effort.stuck = 0
             self._convolve(effort)
 
-    def _step(self, snap: float, goal: float) -> None:
+    def _step(self, snap: float, goal: float, sweeps: int) -> None:
         """Step along the direction, and find the next one unless the violation is within `goal`."""
-        step, direction = _solver_kernels.iterate(self.packed, tuple(self.direction), snap, goal)
+        step, direction = _solver_kernels.iterate(
+            self.packed, tuple(self.direction), snap, goal, sweeps
+        )
         self.step, self.direction = Step(*step), Direction(*direction)
 
     def _move_edges(self, effort: Effort) -> float:
         """Move the edges to the place that the present gaps give them; return the next goal [m]."""
         effort.moves += 1
         _solver_kernels.move_edges(self.packed)
-        self.direction = Direction(0.0, 0.0, 0.0, 1.0)
-        self._step(0.0, self.goal)
+        self.direction = Direction(0.0, 0.0, 0.0, _solver_kernels.FIRST_LENGTH)
+        self._step(0.0, self.goal, SWEEPS if effort.iterations < MODELLED else 0)
         if effort.moves > MAX_MOVES:
             return self.goal
         return max(self.goal, TO_GO * self.step.worst)
@@ -283,22 +335,31 @@ class Descent:
 
         Where no step descends, a feasible restart replaces them.
         """
-        (p, g, *_), work, step = self.system.nodes, self.system.work, self.step
+        p, g, step = self._vectors[0], self._vectors[1], self.step
         if not step.worst > self.goal:
-            # A node that was put on a bound took its share of the load along. The free nodes make
-            # up for it, or else the nodes that are nearest to moving.
-            if step.free:
+            # A node that was put on a bound took its share of the load along. The last step or the
+            # free nodes make up for it, or else the nodes that are nearest to moving.
+            finished = effort.iterations < MODELLED and self._finish()
+            if not finished and step.free:
                 _solver_kernels.carry_load(self.packed, step.approach, step.free)
-            elif abs(p.sum() / self.limits.total - 1) > 1e-13:
+            if abs(p.sum() / self.limits.total - 1) > 1e-13:
                 effort.snapping = False
                 _projection.settle_load(p, g, self.limits, 0.0)
         elif not self.direction.slope < 0:
             # Pressures of the order of rounding errors can pass for free nodes and set the
             # approach, so the projection becomes the state.
             effort.stuck += 1
-            p += work.d
+            p += self._vectors[3]
             _projection.settle_load(p, g, self.limits, 1e-9 * p.max())
+        else:
+            _projection.settle_load(p, g, self.limits, 0.0)
         np.clip(p, 0.0, self.limits.hardness, out=p)
+
+    def _finish(self) -> bool:
+        """Take a last step by the model; return whether it descends."""
+        return bool(
+            _solver_kernels.finish(self.packed, tuple(self.direction), self.step.approach, SWEEPS)
+        )
 
     def _convolve(self, effort: Effort) -> None:
         self.transforms.apply(self.rows, self._listed)

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact._compiled import njit
-from rolling.contact._system import Sets
 
 
 @njit(cache=True)
@@ -19,7 +18,7 @@ def project(p, g, approach, trial, sets, limits, d):
 
     Free nodes are shifted and clipped, bound nodes go to their bound, and all others stay. A common
     shift of the free nodes restores the load exactly. `trial` [Pa] holds unbounded pressures of the
-    free nodes before, and feasible pressures after.
+    free nodes before, and feasible pressures after; of the bound nodes it holds their bound.
 
     Returns the slope of the energy along d [Pa m] and the maximum step length within the bounds, or
     (inf, 0) where the free nodes cannot take up the load.
@@ -33,7 +32,7 @@ def project(p, g, approach, trial, sets, limits, d):
         target += p[active[a]]
     for a in range(sets.free, sets.free + sets.bound):
         k = active[a]
-        d[k] = (0.0 if g[k] > approach else hardness) - p[k]
+        d[k] = trial[k] - p[k]
         target -= d[k] + p[k]
     if sets.free == 0:
         if abs(target) > 1e-13 * total:
@@ -174,40 +173,3 @@ def settle_load(p, g, limits, trace):
         change = min(max(p[best] + missing, 0.0), hardness) - p[best]
         p[best] += change
         missing -= change
-
-
-@njit(cache=True)
-def extrapolate(p, trend, g, limits, work, q):
-    """Set q to p + trend within the bounds; return whether q can carry the load.
-
-    The free nodes are shifted to carry the load.
-
-    The trial, direction and active nodes of `work` are overwritten.
-    """
-    hardness, trial, active, d = limits.hardness, work.trial, work.active, work.d
-    free = 0
-    for k in range(p.size):
-        q[k] = min(max(p[k] + trend[k], 0.0), hardness)
-        trial[k] = q[k]
-        if 0.0 < q[k] < hardness:
-            active[free] = k
-            free += 1
-    slope, _ = project(q, g, 0.0, trial, Sets(active, free, 0), limits, d)
-    for k in range(p.size):
-        q[k] += d[k]
-    return slope < np.inf
-
-
-@njit(cache=True)
-def step_by_way_of(q, p, g, hardness, d):
-    """Turn d from a direction at q into a direction at p; return slope and maximum step there."""
-    slope = 0.0
-    longest = np.inf
-    for k in range(p.size):
-        d[k] = min(max(q[k] + d[k], 0.0), hardness) - p[k]
-        slope += g[k] * d[k]  # d carries no load, so the approach cancels
-        if d[k] < 0.0:
-            longest = min(longest, -p[k] / d[k])
-        elif d[k] > 0.0:
-            longest = min(longest, (hardness - p[k]) / d[k])
-    return slope, max(longest, 1.0)

@@ -3,8 +3,8 @@
 r is the residual, the remaining gap or overlap on a free node [m]; z is the preconditioned residual
 and d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
 direction. `violation`, `candidates` and `cell_ranges` read a whole window. All other passes read
-its candidates, the nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead` and
-`carry_load`.
+its candidates, the nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead`,
+`finish` and `carry_load`.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -13,8 +13,16 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact._compiled import njit
-from rolling.contact._projection import extrapolate, project, step_by_way_of
-from rolling.contact._system import Direction, Nodes, Sets, unpack
+from rolling.contact._model_kernels import (
+    extrapolate,
+    fill,
+    follow_model,
+    model_direction,
+    settle_model,
+    sort_nodes,
+)
+from rolling.contact._projection import project
+from rolling.contact._system import BORDER, Direction, Sets, unpack
 
 # The half range of gaps over a cell is at most so many times the range that pressures level.
 # Without this limit cliffs of many deflections made 2 % of random scenes too soft to converge.
@@ -23,10 +31,17 @@ STEEPEST = 100.0
 # After a step length alpha below it the direction is dropped, because nodes that were put on a
 # bound point the wrong way.
 LEAST_STEP = 1e-3
-# Share of the preconditioned residual that a direction takes. It follows the step lengths, across
-# restarts too: where compliances differ by orders of magnitude, or many nodes go to a bound, whole
-# directions overshoot again and again (0.1 % of random scenes with blended edges).
-SHORTEST, LONGEST = 0.1, 1.0
+# From this step length on a step is taken as a whole. The energy still falls, as it does up to
+# twice the best length.
+NEARLY_WHOLE = 0.8
+# Share of the model's change that the first direction takes, and the minimum share. The model
+# closes gaps that are long waves too far; each step corrects the share by its own length.
+FIRST_LENGTH = 0.5
+SHORTEST = 0.2
+# Limits of the share of the preconditioned residual that a direction takes without the model. The
+# share follows the step lengths, across restarts too: where compliances differ by orders of
+# magnitude, or many nodes go to a bound, whole directions overshoot again and again.
+SHARES = 0.1, 1.0
 
 
 @njit(cache=True)
@@ -133,20 +148,37 @@ def with_neighbours(p, e, u, highest, node):
 
 
 @njit(cache=True)
-def places(node, columns, corner, row_lengths, in_image, in_grid):
-    """Find the index of each candidate in the array of the transforms and in the grid.
-
-    The grid of the residual has a border of one node.
+def take_nodes(node, columns, corner, row_lengths, pressure, gap, vectors, indices):
+    """Set the pressures, the gaps and the indices of the candidates (see Packed).
 
     `corner` is the first row and column of the candidates' block in a window of `columns` columns;
-    `row_lengths` are the numbers of nodes in a row of the two arrays.
+    `row_lengths` are the numbers of nodes in a row of the transforms, of the grid and of the
+    coefficients by distance. The grid has a border of BORDER nodes.
     """
+    i = -1  # row on the block of the node, and the first node of the next row
+    following = corner[0] * columns
     for a in range(node.size):
-        i, j = divmod(node[a], columns)
-        i -= corner[0]
-        j -= corner[1]
-        in_image[a] = i * row_lengths[0] + j
-        in_grid[a] = (i + 1) * row_lengths[1] + j + 1
+        k = node[a]
+        vectors[0, a] = pressure[k]
+        vectors[1, a] = gap[k]
+        while k >= following:
+            i += 1
+            following += columns
+        j = k - (following - columns) - corner[1]
+        indices[1, a] = i * row_lengths[0] + j
+        indices[2, a] = (i + BORDER) * row_lengths[1] + j + BORDER
+        indices[3, a] = i * row_lengths[2] + j
+
+
+@njit(cache=True)
+def take_edges(node, edge, between_nodes, hardness, stiffness, vectors):
+    """Set the compliance, the softening and the edges of the candidates (see Packed)."""
+    for a in range(node.size):
+        k = node[a]
+        vectors[6, a] = edge[k] * (2.0 / hardness)
+        vectors[7, a] = 1.0 / np.sqrt(1.0 + vectors[6, a] * stiffness)
+        vectors[8, a] = edge[k]
+        vectors[9, a] = between_nodes[a]
 
 
 @njit(cache=True)
@@ -287,6 +319,9 @@ def find_direction(nodes, stencil, work, limits, approach, free, bound, directio
     precondition(stencil, nodes.softening, work, free)
     zr = 0.0
     change = 0.0
+    for a in range(free, free + bound):
+        k = active[a]
+        trial[k] = 0.0 if g[k] > approach else limits.hardness
     for a in range(free):
         k = active[a]
         zr += z[k] * r[k]
@@ -386,80 +421,124 @@ def scatter(transform, d):
 
 
 @njit(cache=True)
-def iterate(packed, direction, snap, allowed):
+def advance(system, direction):
+    """Step along the direction as far as the energy falls; return the step length alpha.
+
+    A step that is nearly whole becomes whole, so that nodes on their way to a bound arrive.
+    """
+    alpha = line_search(system, direction)
+    if NEARLY_WHOLE < alpha < 1.0:
+        alpha = 1.0
+    # A long step multiplies the rounding of the load.
+    take_step(system, min(alpha, direction.longest, 100.0))
+    return alpha
+
+
+@njit(cache=True)
+def iterate(packed, direction, snap, allowed, sweeps):
     """Step along the direction, and find the next direction unless converged.
 
     The step has converged if the violation is within `allowed` [m].
 
-    The deflection by the direction must be known. Nodes within `snap` [Pa] of the bound that they
-    approach are put on it.
+    The deflection by the direction must be known. The model, settled by so many sweeps, gives the
+    next direction. Without sweeps, or where the model has none that descends, the preconditioned
+    residual gives it, and nodes within `snap` [Pa] of the bound that they approach are put on it.
 
     Returns the fields of the Step that was taken and of the Direction to convolve. After a
     converged step the latter is unchanged.
     """
     system, direction = unpack(packed), Direction(*direction)
-    nodes, limits = system.nodes, system.limits
-    alpha = 1.0
-    if direction.slope < 0.0:
-        alpha = line_search(system, direction)
-        # A long step multiplies the rounding of the load.
-        take_step(system, min(alpha, direction.longest, 100.0))
+    nodes, limits, work = system.nodes, system.limits, system.work
+    alpha = advance(system, direction) if direction.slope < 0.0 else 1.0
     approach = approach_of(nodes.p, nodes.g, limits.hardness)
-    worst, free, bound = find_residual(
-        nodes, system.stencil, system.work, limits.hardness, approach, snap
-    )
-    restarts = 0
+    length = direction.length * min(max(alpha, 0.5), 2.0)
+    plain = alpha < LEAST_STEP
     plain_steps = 0
-    if worst > allowed:
-        length = min(max(direction.length * min(max(alpha, 0.5), 2.0), SHORTEST), LONGEST)
+    if sweeps and not plain:
+        length = min(max(length, SHORTEST), 1.0)
         last = Direction(direction.slope, direction.longest, direction.zr, length)
-        plain = alpha < LEAST_STEP
-        direction, restarts, plain_steps = find_direction(
-            nodes, system.stencil, system.work, limits, approach, free, bound, last, plain
+        worst, free, bound, restarts, following = follow_model(
+            system, approach, last, allowed, sweeps
         )
-        scatter(system.transform, system.work.d)
-    following = direction.slope, direction.longest, direction.zr, direction.length
-    return (approach, worst, free, bound, restarts, plain_steps), following
+        if worst <= allowed or following.slope < 0.0:
+            if worst > allowed:
+                scatter(system.transform, work.d)
+            return (approach, worst, free, bound, restarts, 0), tuple_of(following)
+        length = 1.0
+        direction = Direction(0.0, 0.0, 0.0, length)
+    worst, free, bound = find_residual(nodes, system.stencil, work, limits.hardness, approach, snap)
+    restarts = 0
+    if worst > allowed:
+        length = min(max(length, SHARES[0]), SHARES[1])
+        last = Direction(direction.slope, direction.longest, direction.zr, length)
+        direction, restarts, plain_steps = find_direction(
+            nodes, system.stencil, work, limits, approach, free, bound, last, plain
+        )
+        scatter(system.transform, work.d)
+    return (approach, worst, free, bound, restarts, plain_steps), tuple_of(direction)
 
 
 @njit(cache=True)
-def lead(packed, p_trend, u_trend):
-    """Find a first direction by way of the extrapolation q of the last solutions.
+def tuple_of(direction):
+    """Return the fields of a Direction, which cross to Python faster."""
+    return direction.slope, direction.longest, direction.zr, direction.length
 
-    The gradient at q enters as well.
 
-    The deflection at q is known except for the part that the bounds cut off. The step starts from
-    the exact pressures with an exact line search, so the missing part does no harm.
+@njit(cache=True)
+def lead(packed, p_trend, u_trend, block, sweeps):
+    """Find a first direction by way of the extrapolation of the last solutions.
+
+    The trends of pressure and deflection belong together, so the model settles from their sum with
+    the last solution, whether that is feasible or not. `block` is the first row and column of the
+    candidates' block on the window of the trends, and its numbers of rows and columns.
 
     Returns the fields of the Direction; its slope is 0 where no direction descends.
     """
     system = unpack(packed)
-    nodes, limits, work = system.nodes, system.limits, system.work
-    q = np.empty_like(nodes.p)
-    h = nodes.g + u_trend
-    for k in range(nodes.compliance.size):
-        h[k] += nodes.compliance[k] * p_trend[k]
-    if extrapolate(nodes.p, p_trend, nodes.g, limits, work, q):
-        at_q = Nodes(q, h, nodes.compliance, nodes.softening)
-        approach = approach_of(q, h, limits.hardness)
-        _, free, bound = find_residual(at_q, system.stencil, work, limits.hardness, approach, 0.0)
-        first = Direction(0.0, 0.0, 0.0, 1.0)
-        direction, _, _ = find_direction(
-            at_q, system.stencil, work, limits, approach, free, bound, first, False
-        )
-        if direction.slope < 0.0:
-            slope, longest = step_by_way_of(q, nodes.p, nodes.g, limits.hardness, work.d)
-            if slope < 0.0:
-                scatter(system.transform, work.d)
-                return slope, longest, 0.0, 1.0
+    nodes, limits, work, model = system.nodes, system.limits, system.work, system.model
+    present = approach_of(nodes.p, nodes.g, limits.hardness)
+    fill(model, nodes, limits.hardness, present)
+    approach = extrapolate(model, nodes, limits.hardness, present, p_trend, u_trend, block)
+    model.gap[:] -= np.float32((approach - present) * model.stiffness)
+    settle_model(model, sweeps, nodes.compliance.size > 0)
+    free, bound = sort_nodes(system)
+    work.r_before[:] = 0.0
+    sets = Sets(work.active, free, bound)
+    slope, longest = project(nodes.p, nodes.g, approach, work.trial, sets, limits, work.d)
+    if slope < 0.0:
+        scatter(system.transform, work.d)
+        return slope, longest, 0.0, FIRST_LENGTH
     work.d[:] = 0.0
-    return 0.0, 0.0, 0.0, 1.0
+    return 0.0, 0.0, 0.0, FIRST_LENGTH
+
+
+@njit(cache=True)
+def finish(packed, direction, approach, sweeps):
+    """Take a last whole step by the model, which needs no convolution before the final check.
+
+    The pressures then carry the load exactly. Returns whether such a step descends.
+    """
+    system, last = unpack(packed), Direction(*direction)
+    nodes, limits, model = system.nodes, system.limits, system.model
+    fill(model, nodes, limits.hardness, approach)
+    settle_model(model, sweeps, nodes.compliance.size > 0)
+    free, bound = sort_nodes(system)
+    following, _ = model_direction(system, approach, last, free, bound)
+    if not following.slope < 0.0:
+        return False
+    d = system.work.d
+    for k in range(d.size):
+        nodes.p[k] = min(max(nodes.p[k] + d[k], 0.0), limits.hardness)
+    return True
 
 
 @njit(cache=True)
 def carry_load(packed, approach, free):
-    """Shift the free nodes so that the pressures carry the load exactly."""
-    nodes, _, _, work, limits, _ = unpack(packed)
+    """Shift the free nodes so that the pressures carry the load exactly, where they can."""
+    system = unpack(packed)
+    nodes, work, limits = system.nodes, system.work, system.limits
     work.trial[:] = nodes.p
-    project(nodes.p, nodes.g, approach, work.trial, Sets(work.active, free, 0), limits, work.d)
-    nodes.p[:] += work.d
+    sets = Sets(work.active, free, 0)
+    slope, _ = project(nodes.p, nodes.g, approach, work.trial, sets, limits, work.d)
+    if slope < np.inf:
+        nodes.p[:] += work.d

@@ -1,13 +1,14 @@
 """Named tuples of the contact solve: the system of a descent, its direction and steps.
 
 They stay inside compiled code. Numba unpickles the class of each named tuple that crosses the
-boundary, which takes 1 us or more; plain tuples cross as fast as arguments (`pack`, `unpack`).
+boundary, which takes 1 us or more; plain tuples cross as fast as arguments, and each array takes
+0.1 us. A System therefore crosses as a plain tuple of few arrays (`Packed`, `unpack`).
 """
 
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from rolling._typing import Array
 from rolling.contact._compiled import njit
 
 Indices = NDArray[np.uint32]
+Singles = NDArray[np.float32]
+
+BORDER = 3  # open nodes around the candidates: one that moves, and the reach of a 5 x 5 stencil
 
 
 class Limits(NamedTuple):
@@ -116,6 +120,61 @@ class Stencil(NamedTuple):
     stiffness: float
 
 
+class Model(NamedTuple):
+    """Model problem with its grid (see _model_kernels).
+
+    The grid is the block of the candidates with a border of BORDER open nodes.
+
+    Parameters
+    ----------
+    values : (6,) array
+        Stencil of the inverse half-space over its centre: centre, side, corner, second side, beside
+        it, second corner.
+    change, gap, low, high : (rows, columns) arrays, Pa
+        Changes of pressure: that of the model, the one that opens the gap, and the bounds.
+    moved : (rows, columns) array, Pa
+        Moves of the gaps in a sweep.
+    sums : (3, rows, columns) array, Pa
+        Sums of moves along the columns of the stencil.
+    softening : (rows, columns) array
+        Share of a node's stiffness that its compliance leaves; empty where no node is compliant.
+    node : (n,) array of int
+        Index of each candidate in the grid.
+    stiffness : float, Pa/m
+        Centre of the stencil.
+    lift : float, m/Pa
+        Violation that counts for a missing sum of pressures.
+    """
+
+    values: Singles
+    change: Singles
+    gap: Singles
+    low: Singles
+    high: Singles
+    moved: Singles
+    sums: Singles
+    softening: Singles
+    node: Indices
+    stiffness: float
+    lift: float
+
+
+class Influence(NamedTuple):
+    """Deflection coefficients between the candidates.
+
+    Parameters
+    ----------
+    coefficients : flat array
+        Coefficients by distance along and across, both from negative to positive; empty where
+        nodes are not put on a bound without a convolution.
+    node : (n,) array of int
+        Index of each candidate in an array with rows of the same length.
+    """
+
+    coefficients: Singles
+    node: Indices
+
+
 class Work(NamedTuple):
     """Vectors that the passes overwrite, with one entry per candidate.
 
@@ -165,24 +224,80 @@ class System(NamedTuple):
     work: Work
     limits: Limits
     edges: Edges
+    model: Model
+    influence: Influence
 
 
-def pack(system: System) -> tuple[tuple[Any, ...], ...]:
-    """Turn a System into plain tuples, to be handed to compiled code."""
-    return tuple(tuple(part) for part in system)
+class Packed(NamedTuple):
+    """The arrays and numbers of a System, few enough to cross to compiled code fast.
+
+    Parameters
+    ----------
+    vectors : (6 or 10, n) array
+        Vectors of the candidates: pressure, gap, trial, direction and both residuals; where edges
+        are blended also compliance, softening, edge and the gap between nodes.
+    indices : (4, n) array
+        Indices of the candidates: active ones, in the array of the transforms, in the grid, by
+        distance.
+    image : flat array
+        Array of the transforms.
+    grids : (1 or 2, cells) array
+        Residual, and the gap as it runs within cells where edges are blended.
+    model : (8 or 9, rows, columns) array
+        Grids of the Model in its order, sums after moves, and softening where edges are blended.
+    stencil, model_stencil, coefficients : arrays
+        Those of Stencil, Model and Influence.
+    numbers : tuple
+        Hardness, total, deflection and stiffness of a cell, levelled range, and stiffness and lift
+        of the Model.
+    """
+
+    vectors: Array
+    indices: Indices
+    image: NDArray[np.floating]
+    grids: Array
+    model: Singles
+    stencil: Array
+    model_stencil: Singles
+    coefficients: Singles
+    numbers: tuple[float, ...]
 
 
 @njit(cache=True)
 def unpack(packed):
-    """Rebuild the System from its plain tuples."""
-    nodes, transform, stencil, work, limits, edges = packed
+    """Return the System of the fields of a Packed, as a plain tuple."""
+    vectors, indices, image, grids, model, stencil, model_stencil, coefficients, numbers = packed
+    hardness, total, unit, stiffness, levelled, model_stiffness, lift = numbers
+    # The rows that only blended edges have are else empty slices of others.
+    blended = vectors.shape[0] > 6
+    n = vectors.shape[1] if blended else 0
+    first = 6 if blended else 2
     return System(
-        Nodes(*nodes),
-        Transform(*transform),
-        Stencil(*stencil),
-        Work(*work),
-        Limits(*limits),
-        Edges(*edges),
+        Nodes(vectors[0], vectors[1], vectors[first][:n], vectors[first + 1][:n]),
+        Transform(image, indices[1], unit),
+        Stencil(stencil, grids[0], indices[2], model.shape[2], stiffness),
+        Work(vectors[2], vectors[3], vectors[4], vectors[5], indices[0]),
+        Limits(hardness, total),
+        Edges(
+            vectors[first + 2][:n],
+            vectors[first + 3][:n],
+            grids[grids.shape[0] - 1][: grids.shape[1] if blended else 0],
+            levelled,
+        ),
+        Model(
+            model_stencil,
+            model[0],
+            model[1],
+            model[2],
+            model[3],
+            model[4],
+            model[5:8],
+            model[7 + blended][: model.shape[1] if blended else 0],
+            indices[2],
+            model_stiffness,
+            lift,
+        ),
+        Influence(coefficients, indices[3]),
     )
 
 

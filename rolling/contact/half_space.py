@@ -14,53 +14,28 @@ from rolling._typing import Array
 from rolling.contact._compiled import njit
 from rolling.contact._fftw import pyfftw
 
-# These padded lengths are quick for their size, by a trial of the products of 2, 3, 5 and 7: any
-# length between two of them costs more than the longer one.
-_SHORT = (16, 20, 24, 32, 40, 48, 64, 80, 100, 128)
-_LONG = (1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
-_SINGLE_LENGTHS = (
-    *_SHORT,
-    144,
-    160,
-    192,
-    240,
-    256,
-    320,
-    384,
-    400,
-    512,
-    640,
-    768,
-    800,
-    864,
-    896,
-    1024,
-    1280,
-    *_LONG,
+# These padded lengths are quick for their size, by a trial of the even products of 2, 3, 5 and 7 up
+# to 650: any length between two of them costs more than the longer one, or hardly less.
+_SHORT = (16, 20, 32, 40, 48, 64, 72, 80)
+_LONG = (
+    *(640, 768, 800, 896, 1024, 1280, 1536, 2048, 2560, 3072),
+    *(4096, 5120, 6144, 8192, 10240, 12288, 16384),
 )
-_DOUBLE_LENGTHS = (
-    *_SHORT,
-    160,
-    200,
-    256,
-    320,
-    384,
-    400,
-    512,
-    640,
-    768,
-    800,
-    896,
-    1024,
-    1152,
-    1280,
-    *_LONG,
-)
+_SINGLE_LENGTHS = (*_SHORT, 100, 120, 128, 144, 160, 180, 200, 240, 256, 288, 320, 400, 512, *_LONG)
+_DOUBLE_LENGTHS = (*_SHORT, 96, 112, 128, 144, 160, 200, 256, 288, 320, 384, 400, 512, *_LONG)
+# Columns of these lengths are transformed in place, because that is quicker; columns of other
+# lengths go from one array to another. From 600 on one array saves memory.
+_SINGLE_IN_PLACE = (240, 400)
+_DOUBLE_IN_PLACE = (384, 400)
+_SAVING = 600
+
 MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
 # Bytes of transforms that a half-space keeps. A rough track asks for some hundred sizes; without a
 # limit they took 4 GB in each process. A step needs few sizes, which fit by far.
 KEPT_BYTES = 2**28
+
+MOST_INFLUENCE = 2**20  # maximum size of a transform that keeps coefficients by distance
 
 OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # coefficient of a unit square at its own centre
 
@@ -194,11 +169,11 @@ class HalfSpace:
         """
         m, n = pressure.shape
         convolution = self.convolution(*_reach(pressure))
-        convolution.clear(m)
-        convolution.real[:m, :n] = pressure
+        _load(pressure, convolution.head(m))
         convolution.apply(m)
         self.count += 1
-        deflection: Array = convolution.real[:m, :n] * self.unit
+        deflection = np.empty((m, n))
+        _scale(convolution.real, self.unit, deflection)
         return deflection
 
     def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
@@ -235,16 +210,47 @@ def _reach(pressure: Array) -> tuple[int, int]:
     rows, columns = pressure.shape
     first_row, last_row, first_column, last_column = rows, 0, columns, 0
     for i in range(rows):
-        for j in range(columns):
-            if pressure[i, j] != 0.0:
-                first_row = min(first_row, i)
-                last_row = i
-                first_column = min(first_column, j)
-                last_column = max(last_column, j)
+        row = pressure[i]
+        j = 0
+        while j < columns and row[j] == 0.0:
+            j += 1
+        if j == columns:
+            continue
+        first_row = min(first_row, i)
+        last_row = i
+        first_column = min(first_column, j)
+        k = columns - 1
+        while row[k] == 0.0:
+            k -= 1
+        last_column = max(last_column, k)
     return (
         max(last_row, rows - 1 - first_row, (rows + 1) // 2),
         max(last_column, columns - 1 - first_column, (columns + 1) // 2),
     )
+
+
+@njit(cache=True)
+def _load(pressure: Array, out: Array) -> None:
+    """Set the first rows and columns of `out` to the pressure, and the rest to 0."""
+    rows, columns = pressure.shape
+    for i in range(out.shape[0]):
+        line = out[i]
+        if i >= rows:
+            line[:] = 0.0
+            continue
+        row = pressure[i]
+        for j in range(columns):
+            line[j] = row[j]
+        line[columns:] = 0.0
+
+
+@njit(cache=True)
+def _scale(values: Array, unit: float, out: Array) -> None:
+    """Set `out` to the first rows and columns of the values times the unit."""
+    for i in range(out.shape[0]):
+        row, line = values[i], out[i]
+        for j in range(line.size):
+            line[j] = unit * row[j]
 
 
 @njit(cache=True)
@@ -282,9 +288,12 @@ class Convolution:
     def __init__(self, m: int, n: int, single: bool, spectrum: Array) -> None:
         real, both = ("float32", "complex64") if single else ("float64", "complex128")
         self.single = single
+        self._influence: NDArray[np.float32] | None = None
         self.real = self._image = pyfftw.zeros_aligned((m, n), real)
         self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
-        self._as_pairs = self._lines.view(real)
+        in_place = m >= _SAVING or m in (_SINGLE_IN_PLACE if single else _DOUBLE_IN_PLACE)
+        columns = self._lines if in_place else pyfftw.zeros_aligned(self._lines.shape, both)
+        self._as_pairs = columns.view(real)
         # Each coefficient stands twice, for the real and the imaginary part of its line. The
         # coefficients are even along the columns, so half of the rows suffices and leaves the cache
         # to the lines.
@@ -292,26 +301,44 @@ class Convolution:
         # FFTW_ESTIMATE is used because plans that are chosen by timing differ from run to run, and
         # the last digits with them.
         flags = ("FFTW_ESTIMATE",)
-        self._column_forward = pyfftw.FFTW(self._lines, self._lines, axes=(0,), flags=flags)
+        self._column_forward = pyfftw.FFTW(self._lines, columns, axes=(0,), flags=flags)
         self._column_backward = pyfftw.FFTW(
-            self._lines, self._lines, axes=(0,), direction="FFTW_BACKWARD", flags=flags
+            columns, self._lines, axes=(0,), direction="FFTW_BACKWARD", flags=flags
         )
         self._row_plans: dict[int, tuple[pyfftw.FFTW, pyfftw.FFTW]] = {}
 
     @property
     def nbytes(self) -> int:
-        """Memory of the arrays [bytes]."""
-        arrays = self._image, self._lines, self._coefficients
+        """Memory of the arrays [bytes], with all columns in arrays of their own."""
+        arrays = [self._image, self._lines, self._as_pairs, self._coefficients]
+        if self._influence is not None:
+            arrays.append(self._influence)
         return sum(int(array.nbytes) for array in arrays)
-
-    def clear(self, rows: int) -> None:
-        """Unload the first `rows` rows and the further rows that `apply` includes."""
-        self.head(rows)[:] = 0.0
 
     def head(self, rows: int) -> Array:
         """Return a view of the first `rows` rows and the further rows that `apply` includes."""
         view: Array = self.real[: rows + 8]
         return view
+
+    @property
+    def influence_row(self) -> int:
+        """Number of coefficients in a row of `influence`."""
+        return int(2 * (self._image.shape[1] // 2) + 1)
+
+    def influence(self) -> NDArray[np.float32]:
+        """Return the coefficients of nodes by distance, along and across, as a flat array.
+
+        Its middle is the distance zero. It is empty for large transforms, whose memory it would
+        add to.
+        """
+        if self._influence is None:
+            m, n = self._image.shape
+            small = m * n <= MOST_INFLUENCE
+            rows, columns = (
+                np.abs(np.arange(-(k // 2), k // 2 + 1.0)) if small else np.empty(0) for k in (m, n)
+            )
+            self._influence = love(rows, columns).astype(np.float32).ravel()
+        return self._influence
 
     def cells_of(
         self, node: NDArray[np.int64], columns: int, corner: tuple[int, int]

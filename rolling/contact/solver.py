@@ -2,10 +2,10 @@
 
 It minimizes 1/2 p.Cp + e.p over p subject to 0 <= p <= H and sum(p) dA = W, by conjugate gradients
 projected on both bounds, after Polonsky & Keer, Wear 231 (1999). The solver differs from the paper
-in three points: a short stencil of the inverse half-space operator preconditions, nodes that are
-about to reach a bound are put on it at once, and each trial pressure is made feasible before its
-single convolution, after which the step along it is exact. The energy therefore falls in every
-iteration, at the cost of one convolution.
+in four points: a sparse model problem preconditions and predicts which nodes go to a bound, these
+nodes are put on it at once, each trial pressure is made feasible before its single convolution,
+after which the step along it is exact, and the last step goes into the final check without a
+convolution of its own.
 
 The iteration runs in single precision on candidate nodes only. A solution is accepted after a
 double-precision check on the full window.
@@ -19,7 +19,7 @@ import numpy as np
 
 from rolling._typing import Array
 from rolling.contact import _projection, _solver_kernels
-from rolling.contact._descent import BlendedEdges, Candidates, Descent, Effort
+from rolling.contact._descent import AIM, AIM_FIRST, BlendedEdges, Candidates, Descent, Effort
 from rolling.contact._system import Limits, Sets
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
 
@@ -299,8 +299,10 @@ def solve_contact(
             e + v,
             edges,
             limits,
-            options.tolerance * u_max,
+            options.tolerance,
+            u_max,
             not precise,
+            AIM if effort.rounds else AIM_FIRST,
         )
         if start.trend is not None and not fresh:
             descent.lead(start.trend.pressure, start.trend.deflection)

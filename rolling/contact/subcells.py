@@ -142,6 +142,10 @@ class SubcellConvolution(Convolution):
         """Memory of the arrays [bytes]."""
         return super().nbytes + int(self.real.nbytes) + int(self._own.nbytes)
 
+    def influence(self) -> NDArray[np.float32]:
+        """Return no coefficients, because they depend on the place within a cell."""
+        return np.empty(0, np.float32)
+
     def head(self, rows: int) -> Array:
         """Return a view of the first `rows` rows of sub-cells."""
         view: Array = self.real[:rows]

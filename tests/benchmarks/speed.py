@@ -106,7 +106,7 @@ def clocked(half_space: HalfSpace) -> HalfSpace:
     def convolution(*args: Any, **kwargs: Any) -> Any:
         made = untimed(*args, **kwargs)
         if not hasattr(made, "clocked"):
-            made.clocked, made.clear, made.apply = True, timed(made.clear), timed(made.apply)
+            made.clocked, made.apply = True, timed(made.apply)
         return made
 
     half_space.seconds, half_space.busy = 0.0, False

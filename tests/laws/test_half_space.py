@@ -131,7 +131,7 @@ def test_single_precision_is_told_from_double_by_1e_7() -> None:
     space = HalfSpace(SPACING, STEEL)
     pressure = rng.random((40, 30)) * 1e9
     single = space.convolution(39, 29, single=True)
-    single.clear(40)
+    single.head(40)[:] = 0.0
     single.real[:40, :30] = pressure * space.unit
     single.apply(40)
     error = (

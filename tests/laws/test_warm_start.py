@@ -52,18 +52,24 @@ def test_pieces_agree_with_the_whole(first: int) -> None:
 
 @pytest.mark.law("Tolerance: the error of the release falls with it.")
 def test_release_error_falls_with_the_tolerance() -> None:
-    """Two decades of tolerance are at least 1.5 decades of error.
+    """Two decades of tolerance are at least a decade of error, four at least three.
 
-    The measured errors are 0.022 and 1.7e-4.
+    The measured errors are 0.005, 1.1e-4 and 7.6e-7. A solve ends with a step that no convolution
+    follows, which leaves less than a coarse tolerance asks for: at 1e-3 the error was 0.022 without
+    it, at 1e-5 1.7e-4. So the rate of 1.5 decades per two is asked of four decades.
     """
     signals = {}
-    for tolerance in (1e-10, 1e-5, 1e-3):
+    for tolerance in (1e-10, 1e-7, 1e-5, 1e-3):
         track = make_track(rough(60, 60, 2e-7), load=0.5, tolerance=tolerance)
         signals[tolerance] = releases(track, roll(track, 0, 16))
-    exact = signals[1e-10]
-    rms = [np.sqrt(np.mean((signals[t] - exact) ** 2)) / exact.std() for t in (1e-5, 1e-3)]
-    assert rms[1] < 0.1
-    assert rms[0] < rms[1] / 30
+    exact = signals.pop(1e-10)
+    rms = {
+        tolerance: np.sqrt(np.mean((signal - exact) ** 2)) / exact.std()
+        for tolerance, signal in signals.items()
+    }
+    assert rms[1e-3] < 0.01
+    assert rms[1e-5] < min(3e-4, rms[1e-3] / 10)
+    assert rms[1e-7] < min(rms[1e-5] / 10, rms[1e-3] / 30**2)
 
 
 def test_a_march_twice_is_the_same_to_the_bit() -> None:

@@ -1,0 +1,294 @@
+"""Compiled model problem of the contact solve, which predicts who bears load next.
+
+The model replaces the inverse of the half-space by a short stencil: a change c of a node's gap
+changes the pressures around it by the stencil times c. With it the contact problem is a sparse
+obstacle problem, and projected Jacobi sweeps settle it without a convolution. A node ends with the
+pressure that closes its gap, or on a bound. Deflection and pressure of the start need not be those
+of the model, only their changes are, so an extrapolation of both is a start as well.
+
+All arrays of the grid are changes of pressure since the present state in single precision: `change`
+is that of the model, `gap` the one that opens the gap, and `low` and `high` are the bounds.
+"""
+
+# mypy: disable-error-code="no-untyped-def"
+from __future__ import annotations
+
+import numpy as np
+
+from rolling.contact._compiled import njit
+from rolling.contact._projection import project
+from rolling.contact._system import BORDER, Direction, Sets
+
+# Up to so many nodes jump to their bound at once. Each takes a pass over the nodes, and so many
+# passes take as long as a convolution.
+JUMPS = 48
+
+
+@njit(cache=True)
+def fill(model, nodes, hardness, approach):
+    """Set the grid to the state of the nodes; return the maximum violation [m] and the load."""
+    p, g, compliance, place = nodes.p, nodes.g, nodes.compliance, model.node
+    gap, low, high = model.gap.reshape(-1), model.low.reshape(-1), model.high.reshape(-1)
+    softening, stiffness = model.softening.reshape(-1), model.stiffness
+    model.change[:] = 0.0
+    gap[:] = 0.0
+    worst = 0.0
+    load = 0.0
+    for k in range(p.size):
+        v = p[k]
+        r = g[k] - approach
+        load += v
+        worst = max(worst, -r if v <= 0.0 else (r if v >= hardness else abs(r)))
+        at = place[k]
+        low[at] = -v
+        high[at] = hardness - v
+        gap[at] = stiffness * r
+    if compliance.size:
+        softening[:] = 1.0
+        for k in range(p.size):
+            softening[place[k]] = 1.0 / (1.0 + compliance[k] * stiffness)
+    return worst, load
+
+
+@njit(cache=True)
+def extrapolate(model, nodes, hardness, present, p_trend, u_trend, block):
+    """Add the trends of pressure and deflection to the grid; return the approach they lead to.
+
+    `present` is the approach of the grid. `block` is the first row and column of the candidates'
+    block on the window of the trends, and its numbers of rows and columns.
+    """
+    p, compliance, place = nodes.p, nodes.compliance, model.node
+    change, gap, stiffness = model.change, model.gap, model.stiffness
+    for i in range(block[2]):
+        changed, opened = change[i + BORDER, BORDER:], gap[i + BORDER, BORDER:]
+        p_row, u_row = p_trend[block[0] + i, block[1] :], u_trend[block[0] + i, block[1] :]
+        for j in range(block[3]):
+            changed[j] = p_row[j]
+            opened[j] += stiffness * u_row[j]
+    changes, gaps = change.reshape(-1), gap.reshape(-1)
+    inside, total, lowest_open, highest_capped = 0, 0.0, np.inf, -np.inf
+    for k in range(p.size):
+        at = place[k]
+        h = present + gaps[at] / stiffness
+        q = p[k] + changes[at]
+        if compliance.size:
+            h += compliance[k] * changes[at]
+        if q <= 0.0:
+            lowest_open = min(lowest_open, h)
+        elif q >= hardness:
+            highest_capped = max(highest_capped, h)
+        else:
+            total += h
+            inside += 1
+    if inside:
+        return total / inside
+    middle = 0.5 * (lowest_open + highest_capped)
+    return middle if np.isfinite(middle) else highest_capped
+
+
+@njit(cache=True, fused=True)
+def moves(change, gap, low, high, out):
+    """Set `out` to the changes of gap that bring the nodes to zero gap or to a bound."""
+    for k in range(out.size):
+        out[k] = min(max(change[k] - gap[k], low[k]), high[k]) - change[k]
+
+
+@njit(cache=True, fused=True)
+def soft_moves(change, gap, low, high, softening, out):
+    """Set `out` as `moves` does, where nodes are compliant by themselves."""
+    for k in range(out.size):
+        closing = (change[k] - gap[k]) * softening[k]
+        out[k] = min(max(closing, low[k]), high[k]) - change[k]
+
+
+@njit(cache=True, fused=True)
+def sum_rows(own, above, below, second_above, second_below, values, sums):
+    """Sum the moves along each column of the stencil: its middle, its sides, its second sides."""
+    a, b, c, d, e, f = values[0], values[1], values[2], values[3], values[4], values[5]
+    middle, side, second = sums
+    for k in range(own.size):
+        once = above[k] + below[k]
+        twice = second_above[k] + second_below[k]
+        middle[k] = a * own[k] + b * once + d * twice
+        side[k] = b * own[k] + c * once + e * twice
+        second[k] = d * own[k] + e * once + f * twice
+
+
+@njit(cache=True, fused=True)
+def sum_columns(middle, left, right, second_left, second_right, moved, change, gap):
+    """Add the moves to the gaps, and their stencil to the changes of pressure."""
+    for k in range(moved.size):
+        change[k] += middle[k] + (left[k] + right[k]) + (second_left[k] + second_right[k])
+        gap[k] += moved[k]
+
+
+@njit(cache=True)
+def settle_model(model, sweeps, compliant):
+    """Settle the model problem by Jacobi sweeps.
+
+    A sweep passes over the grid as one long row, which is much faster than row by row. The border
+    never moves, so that the end of one row does not act on the beginning of the next.
+    """
+    rows, row = model.change.shape
+    # the first and last node that moves, and the nodes between them on the long row
+    first, last = 2 * row, (rows - 2) * row
+    change, gap = model.change.reshape(-1), model.gap.reshape(-1)
+    low, high = model.low.reshape(-1)[first:last], model.high.reshape(-1)[first:last]
+    moved = model.moved.reshape(-1)
+    middle, side, second = (
+        model.sums[0].reshape(-1),
+        model.sums[1].reshape(-1),
+        model.sums[2].reshape(-1),
+    )
+    own, inside, gaps = moved[first:last], change[first:last], gap[first:last]
+    for _ in range(sweeps):
+        if compliant:
+            softening = model.softening.reshape(-1)[first:last]
+            soft_moves(inside, gaps, low, high, softening, own)
+        else:
+            moves(inside, gaps, low, high, own)
+        for i in range(2, rows - 2):
+            model.moved[i, 0] = model.moved[i, 1] = 0.0
+            model.moved[i, row - 2] = model.moved[i, row - 1] = 0.0
+        sum_rows(
+            own,
+            moved[first - row : last - row],
+            moved[first + row : last + row],
+            moved[first - 2 * row : last - 2 * row],
+            moved[first + 2 * row : last + 2 * row],
+            model.values,
+            (middle[first:last], side[first:last], second[first:last]),
+        )
+        sum_columns(
+            middle[first:last],
+            side[first - 1 : last - 1],
+            side[first + 1 : last + 1],
+            second[first - 2 : last - 2],
+            second[first + 2 : last + 2],
+            own,
+            inside,
+            gaps,
+        )
+
+
+@njit(cache=True)
+def sort_nodes(system):
+    """List the free nodes and those that go to a bound, as the model says.
+
+    Their targets go into the trial pressures. Returns the numbers of both.
+    """
+    p, work, model, hardness = system.nodes.p, system.work, system.model, system.limits.hardness
+    active, trial, r_before, place = work.active, work.trial, work.r_before, model.node
+    change, gap = model.change.reshape(-1), model.gap.reshape(-1)
+    low, high, soft = model.low.reshape(-1), model.high.reshape(-1), model.softening.reshape(-1)
+    free = 0
+    bound = 0
+    for k in range(p.size):
+        at = place[k]
+        s = change[at] - gap[at]
+        if soft.size:
+            s *= soft[at]
+        if low[at] < s < high[at]:
+            trial[k] = min(max(p[k] + s, 0.0), hardness)
+            active[free] = k
+            free += 1
+            continue
+        r_before[k] = 0.0
+        w = 0.0 if s <= low[at] else hardness
+        if w != p[k]:
+            trial[k] = w
+            bound += 1
+            active[p.size - bound] = k
+    for i in range(bound):
+        # This order reads each entry before it is overwritten.
+        active[free + i] = active[p.size - bound + i]
+    return free, bound
+
+
+@njit(cache=True)
+def jump(system, free, bound):
+    """Put the bound nodes on their bound at once, and add the deflection by each to the gaps."""
+    nodes, work, unit = system.nodes, system.work, system.transform.unit
+    p, g, compliance, trial, active = nodes.p, nodes.g, nodes.compliance, work.trial, work.active
+    coefficients, place = system.influence
+    middle = coefficients.size // 2
+    for a in range(free, free + bound):
+        b = active[a]
+        change = trial[b] - p[b]
+        p[b] = trial[b]
+        if compliance.size:
+            g[b] += compliance[b] * change
+        change *= unit
+        from_b = middle - np.int64(place[b])
+        for k in range(p.size):
+            g[k] += change * coefficients[from_b + np.int64(place[k])]
+
+
+@njit(cache=True)
+def list_inside(p, hardness, active):
+    """List the nodes between the bounds in `active`; return their number."""
+    free = 0
+    for k in range(p.size):
+        if 0.0 < p[k] < hardness:
+            active[free] = k
+            free += 1
+    return free
+
+
+@njit(cache=True)
+def model_direction(system, approach, last, free, bound):
+    """Find the feasible direction to the targets, conjugate to the last direction.
+
+    Where it does not descend, the last direction is forgotten (a restart).
+
+    Returns the Direction and the number of restarts.
+    """
+    nodes, work, limits = system.nodes, system.work, system.limits
+    p, g, d = nodes.p, nodes.g, work.d
+    trial, active, r_before, target = work.trial, work.active, work.r_before, work.r
+    zr = 0.0
+    change = 0.0
+    for a in range(free):
+        k = active[a]
+        r = g[k] - approach
+        z = p[k] - trial[k]
+        zr += z * r
+        change += z * (r - r_before[k])
+        r_before[k] = r
+    length = last.length
+    beta = max(0.0, change / last.zr) if last.zr > 0.0 else 0.0
+    for a in range(free):
+        k = active[a]
+        target[k] = p[k] + length * (trial[k] - p[k])
+        trial[k] = target[k] + beta * d[k]
+    sets = Sets(active, free, bound)
+    slope, longest = project(p, g, approach, trial, sets, limits, d)
+    restarts = 0
+    if not slope < 0.0 and beta > 0.0:
+        restarts = 1
+        for a in range(free):
+            trial[active[a]] = target[active[a]]
+        slope, longest = project(p, g, approach, trial, sets, limits, d)
+    return Direction(slope, longest, max(zr, 0.0), length), restarts
+
+
+@njit(cache=True)
+def follow_model(system, approach, last, allowed, sweeps):
+    """Find the next direction by the model, unless the violation is within `allowed` [m].
+
+    Returns the violation [m], the numbers of free nodes, of nodes on their way to a bound and of
+    restarts, and the Direction. Its slope is not negative where none of the model descends.
+    """
+    nodes, limits, model = system.nodes, system.limits, system.model
+    worst, load = fill(model, nodes, limits.hardness, approach)
+    # Nodes that jumped to a bound left their load to the direction.
+    worst += model.lift * abs(limits.total - load)
+    if worst <= allowed:
+        return worst, list_inside(nodes.p, limits.hardness, system.work.active), 0, 0, last
+    settle_model(model, sweeps, nodes.compliance.size > 0)
+    free, bound = sort_nodes(system)
+    if 0 < bound <= min(JUMPS, free) and system.influence.coefficients.size:
+        jump(system, free, bound)
+        bound = 0
+    direction, restarts = model_direction(system, approach, last, free, bound)
+    return worst, free, bound, restarts, direction

@@ -1,0 +1,155 @@
+"""The model problem of the contact solve: its stencil, its sweeps and the projection.
+
+They run uncompiled as well: NUMBA_DISABLE_JIT=1, -m kernel.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rolling.contact import _model_kernels, _projection
+from rolling.contact._model import LONGEST_WAVE, inverse_stencil
+from rolling.contact._system import Limits, Model, Sets
+from rolling.contact.half_space import love
+
+pytestmark = pytest.mark.kernel
+
+SIDE = 14  # nodes along the side of a grid, with its border
+INNER = slice(2, -2)  # nodes that move
+
+
+def kernel() -> np.ndarray:
+    """Return the 5 x 5 stencil over its centre."""
+    centre, side, corner, second, beside, far = inverse_stencil() / inverse_stencil()[0]
+    quarter = np.array([[centre, side, second], [side, corner, beside], [second, beside, far]])
+    at = np.abs(np.arange(-2, 3))
+    return quarter[at[:, None], at]
+
+
+def pressures_of(moves: np.ndarray) -> np.ndarray:
+    """Return the changes of pressure by changes of gap, on the nodes that move."""
+    padded, stencil = np.pad(moves, 2), kernel()
+    n, m = moves.shape
+    return sum(stencil[a, b] * padded[a : a + n, b : b + m] for a in range(5) for b in range(5))
+
+
+def model(seed: int, compliant: bool = False) -> Model:
+    """Return a model problem of random gaps and bounds that enclose no change."""
+    rng = np.random.default_rng(seed)
+    change, gap, low, high, moved = np.zeros((5, SIDE, SIDE), np.float32)
+    gap[INNER, INNER] = rng.normal(size=(SIDE - 4, SIDE - 4))
+    low[3:-3, 3:-3] = -rng.random((SIDE - 6, SIDE - 6))
+    high[3:-3, 3:-3] = rng.random((SIDE - 6, SIDE - 6))
+    softening = rng.uniform(0.2, 1, (SIDE, SIDE)) if compliant else np.empty((0, SIDE))
+    return Model(
+        values=(inverse_stencil() / inverse_stencil()[0]).astype(np.float32),
+        change=change,
+        gap=gap,
+        low=low,
+        high=high,
+        moved=moved,
+        sums=np.zeros((3, SIDE, SIDE), np.float32),
+        softening=softening.astype(np.float32),
+        node=np.zeros(0, np.uint32),
+        stiffness=1.0,
+        lift=0.0,
+    )
+
+
+def energy(state: Model, start: np.ndarray) -> float:
+    """Return the energy of the gaps, which the solution of the model problem minimizes."""
+    gap, low, high = (x[INNER, INNER].astype(float) for x in (state.gap, state.low, state.high))
+    moves = gap - start
+    bounds = np.maximum(-low * gap, -high * gap)
+    return float(0.5 * np.sum(moves * pressures_of(moves)) + bounds.sum())
+
+
+@pytest.mark.parametrize(("shortest", "longest", "most"), [(3, 8, 0.11), (3, LONGEST_WAVE, 0.7)])
+def test_stencil_inverts_the_half_space(shortest: int, longest: int, most: float) -> None:
+    """Waves of 3 to 8 nodes come back within 10 %; long waves come back up to 60 % too high."""
+    nodes = 240
+    distance = np.minimum(np.arange(nodes), nodes - np.arange(nodes))
+    spectrum = np.fft.rfft2(love(distance, distance)).real
+    wrapped = np.zeros((nodes, nodes))
+    at = np.arange(-2, 3)
+    wrapped[at[:, None], at] = kernel() * inverse_stencil()[0]
+    frequency = np.hypot(np.fft.fftfreq(nodes)[:, None], np.fft.rfftfreq(nodes))
+    counted = (frequency >= 1 / longest) & (frequency <= 1 / shortest)
+    error = (np.fft.rfft2(wrapped).real * spectrum)[counted] - 1
+    assert np.abs(error).max() < most
+    assert np.sqrt(np.mean(error**2)) < 0.065
+
+
+def test_stencil_lets_sweeps_converge() -> None:
+    """Jacobi sweeps lower the energy where no eigenvalue of the stencil exceeds 2."""
+    wrapped = np.zeros((64, 64))
+    at = np.arange(-2, 3)
+    wrapped[at[:, None], at] = kernel()
+    symbol = np.fft.rfft2(wrapped).real
+    assert symbol.min() > 0
+    assert symbol.max() < 2
+
+
+@pytest.mark.parametrize("compliant", [False, True])
+def test_sweep_is_that_of_plain_arrays(compliant: bool) -> None:
+    """Sweeps over the grid as one long row equal sweeps in double precision to 1e-5."""
+    state = model(1, compliant)
+    change, gap = (x[INNER, INNER].astype(float) for x in (state.change, state.gap))
+    low, high = state.low[INNER, INNER], state.high[INNER, INNER]
+    share = state.softening[INNER, INNER] if compliant else 1.0
+    for _ in range(3):
+        moves = np.clip((change - gap) * share, low, high) - change
+        gap, change = gap + moves, change + pressures_of(moves)
+    _model_kernels.settle_model(state, 3, compliant)
+    np.testing.assert_allclose(state.change[INNER, INNER], change, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(state.gap[INNER, INNER], gap, rtol=0, atol=1e-5)
+    border = np.ones((SIDE, SIDE), bool)
+    border[INNER, INNER] = False
+    assert not state.gap[border].any()
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_sweeps_lower_the_energy_and_settle(seed: int) -> None:
+    """Each sweep lowers the energy; in the end each node has a closed gap or is on a bound."""
+    state = model(seed)
+    start = state.gap[INNER, INNER].astype(float)
+    energies = [energy(state, start)]
+    for _ in range(12):
+        _model_kernels.settle_model(state, 1, False)
+        energies.append(energy(state, start))
+    falls = -np.diff(energies)
+    assert (falls > -1e-5).all()
+    assert falls[0] > 0.1
+    _model_kernels.settle_model(state, 60, False)
+    change, gap = state.change[INNER, INNER], state.gap[INNER, INNER]
+    settled = np.clip(change - gap, state.low[INNER, INNER], state.high[INNER, INNER])
+    np.testing.assert_allclose(change, settled, rtol=0, atol=1e-4)
+    np.testing.assert_allclose(change, pressures_of(gap - start), rtol=0, atol=1e-5)
+
+
+def test_projection_is_the_nearest_feasible_pressure() -> None:
+    """It is the trial plus one shift within the bounds, carries the load, and spares the rest."""
+    rng = np.random.default_rng(5)
+    n, free, bound = 60, 40, 5
+    p = rng.uniform(0, 1, n)
+    limits, order = Limits(1.0, float(p.sum())), rng.permutation(n).astype(np.uint32)
+    trial, direction = rng.normal(0.4, 1, n), np.empty(n)
+    trial[order[free : free + bound]] = 1.0
+    asked, moving = trial.copy(), order[:free]
+    sets = Sets(order, free, bound)
+    slope, longest = _projection.project(p, rng.normal(size=n), 0.1, trial, sets, limits, direction)
+    assert np.isfinite(slope)
+    assert longest >= 1
+    after = p + direction
+    assert after.sum() == pytest.approx(limits.total, rel=1e-14)
+    assert after.min() >= -1e-15
+    assert after.max() <= 1 + 1e-15
+    assert not direction[order[free + bound :]].any()
+    np.testing.assert_allclose(after[order[free : free + bound]], 1.0, rtol=0, atol=1e-15)
+    inside = moving[(after[moving] > 1e-9) & (after[moving] < 1 - 1e-9)]
+    shift = after[inside] - asked[inside]
+    assert np.ptp(shift) < 1e-12
+    np.testing.assert_allclose(
+        after[moving], np.clip(asked[moving] + shift[0], 0, 1), rtol=0, atol=1e-12
+    )
