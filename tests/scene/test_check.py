@@ -257,7 +257,7 @@ def test_expected_time_follows_the_measured_solves(law: str, nodes: float, ms: f
     ],
 )
 def test_expected_time_knows_smooth_and_blended_scenes(overrides: list[str], law: str) -> None:
-    scene = loads(TEXT, overrides)
+    scene = loads(WIDE, overrides)
     assert cost.step_law(scene, roughness(scene)[0]) == law
 
 
