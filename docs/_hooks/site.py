@@ -33,7 +33,7 @@ ROOMS = {
     "acoustics": ("acoustics",),
 }
 # The command line is described by its own help.
-NOT_LISTED = {"rolling/actions.py", "rolling/cli.py", "rolling/commands.py"}
+NOT_LISTED = {"rolling/actions.py", "rolling/cli.py"}
 
 LINK = re.compile(r"(!?)\[([^\]]*)\]\((?:\.\./)+([^)#\s]+)(#[^)\s]*)?\)")
 OWN_LINK = re.compile(r"\]\(docs/([^)\s]+)\)")

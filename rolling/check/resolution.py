@@ -74,7 +74,12 @@ def findings(scene: Scene) -> list[Finding]:
             f" (rms, by a rule that is off by some 4 dB), {WANTED_DB:g} dB are wanted:"
             f" {advice(scene, error + MARGIN_DB)}"
         )
-    return [Finding(KEY, "error of the grid", f"about {error:.0f} dB of the fluctuation", warning)]
+    value = f"about {error:.0f} dB of the fluctuation"
+    if warning is None and error > BANDS_DB and isinstance(scene.surface, MadeSurface):
+        value += (
+            f"; third octaves within 1 dB up to 16 kHz take {spacing(scene, error, BANDS_DB):g} um"
+        )
+    return [Finding(KEY, "error of the grid", value, warning)]
 
 
 def measured(scene: Scene, error: float) -> str | None:
@@ -92,10 +97,7 @@ def advice(scene: Scene, error: float) -> str:
 
     A file cannot choose its spacing: it needs a finer measurement.
     """
-    wanted, bands = (
-        fitting_spacing(scene, scene.surface.spacing_um * 10 ** ((goal - error) / PER_SPACING_DB))
-        for goal in (WANTED_DB, BANDS_DB)
-    )
+    wanted, bands = (spacing(scene, error, goal) for goal in (WANTED_DB, BANDS_DB))
     blended = ""
     if math.isfinite(scene.hardness) and scene.numerics.edges == "sharp":
         blended = "choose numerics.edges: blended, or "
@@ -105,6 +107,12 @@ def advice(scene: Scene, error: float) -> str:
         f"{blended}choose a surface.spacing_um of at most {wanted:g}, or {bands:g} for third"
         " octaves within 1 dB up to 16 kHz"
     )
+
+
+def spacing(scene: Scene, error: float, goal: float) -> float:
+    """Return the spacing [um] that brings an error of the grid [dB] down to a goal [dB]."""
+    factor = 10 ** ((goal - error) / PER_SPACING_DB)
+    return fitting_spacing(scene, scene.surface.spacing_um * factor)
 
 
 def fitting_spacing(scene: Scene, spacing_um: float) -> float:

@@ -88,7 +88,7 @@ def _errors(scene: Scene, rq: float) -> list[Finding]:
     if not scene.numerics.error_estimate:
         return []
     nodes, law = cost.window_nodes(scene, rq), cost.step_law(scene, rq)
-    step_ms = cost.expected_step_ms(nodes, law=law)
+    step_ms = cost.expected_step_ms(nodes, cost.subcells(scene), law)
     share = error_cost.cost_share(scene)
     seconds = share * error_cost.marched_steps(scene) * step_ms * 1e-3 / cost.cores()
     if not share:

@@ -32,7 +32,7 @@ _SAVING = 600
 MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
 # Bytes of transforms that a half-space keeps. A rough track asks for some hundred sizes; without a
-# limit they took 4 GB in each process. A step needs few sizes, which fit by far.
+# limit they took 4 GB in each process. A step needs few sizes, which fit up to 1,000 nodes across.
 KEPT_BYTES = 2**28
 
 MOST_INFLUENCE = 2**20  # maximum size of a transform that keeps coefficients by distance
@@ -187,7 +187,8 @@ class HalfSpace:
             convolution = self._make(*key)
             room = KEPT_BYTES - convolution.nbytes
             sizes = [kept.nbytes for kept in self._convolutions.values()]
-            while sizes and sum(sizes) > room:
+            # The last size is kept in any case: solves take turns in both precisions.
+            while len(sizes) > 1 and sum(sizes) > room:
                 del self._convolutions[next(iter(self._convolutions))], sizes[0]
         self._convolutions[key] = convolution  # the last is the one that was used last
         return convolution
@@ -309,8 +310,10 @@ class Convolution:
 
     @property
     def nbytes(self) -> int:
-        """Memory of the arrays [bytes], with all columns in arrays of their own."""
-        arrays = [self._image, self._lines, self._as_pairs, self._coefficients]
+        """Memory of the arrays [bytes]."""
+        arrays = [self._image, self._lines, self._coefficients]
+        if not np.may_share_memory(self._lines, self._as_pairs):
+            arrays.append(self._as_pairs)
         if self._influence is not None:
             arrays.append(self._influence)
         return sum(int(array.nbytes) for array in arrays)

@@ -172,9 +172,12 @@ def link_latest(folder: Path) -> None:
     if link.exists() and not link.is_symlink():
         return
     temporary = _temporary(link)
-    with suppress(OSError, NotImplementedError):  # Windows asks for a privilege
+    try:
         temporary.symlink_to(folder.name, target_is_directory=True)
         temporary.replace(link)
+    except (OSError, NotImplementedError):  # Windows asks for a privilege
+        with suppress(OSError):
+            temporary.unlink()
 
 
 def previous(folder: Path) -> Path:

@@ -52,7 +52,6 @@ SECTIONS = {  # by their places on the page
     "again": "Make it again",
 }
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
-# pictures of single runs, even if several are compared
 # Maps keep their colours, which have a scale; ground, axes and letters around them turn dark.
 MAPS = ("spectrogram", "surface", "contact")
 DARK = (
@@ -62,6 +61,7 @@ DARK = (
     b' [style*="stroke: #000000"] { stroke: #e6e8eb !important; } }</style>'
 )
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
+# pictures of single runs, even if several are compared
 OWN = (*TIMELINES, "surface", "contact", "recovery_events", *VIBRATION)
 
 

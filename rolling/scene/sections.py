@@ -272,7 +272,7 @@ class Numerics(Section):
     error_estimate: bool = Field(
         default=False,
         description="Whether the run estimates the errors that its grid and its tolerance leave"
-        " in every level, for at most 25 % more time",
+        " in every level, for about a quarter more time",
     )
 
 

@@ -261,7 +261,8 @@ class _Work:
         """
         self._look(waiting)
         if future in self.running:
-            self._submit(*self.running.pop(future))
+            self._submit(*self.running[future])
+            del self.running[future]  # after it, because a lost connection ends `_submit`
 
     def _answer(self, task: Task, worker: str, answer: Answer, waiting: deque[Task]) -> None:
         """Act on the answer of a worker."""

@@ -48,6 +48,14 @@ def test_release_is_the_closed_form(spacing: float, tolerance: float) -> None:
     assert abs(released / PER_METRE - 1).max() < 2e-4
 
 
+@pytest.mark.law("Blended edges: a smooth elastic sphere releases 3 W v a / (16 R).")
+def test_blended_edges_leave_the_smooth_release() -> None:
+    """No edge is blended below the hardness, which is 1.5 times the maximum pressure here."""
+    track = replace(smooth_track(tolerance=1e-8, hardness=3e9), blended=True)
+    released = releases(track, roll(track, 0, 3)) / track.step
+    assert abs(released / PER_METRE - 1).max() < 2e-4
+
+
 @pytest.mark.law(
     "Smooth release: the error of the release falls with the square of the node spacing."
 )

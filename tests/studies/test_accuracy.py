@@ -24,7 +24,7 @@ from rolling.folders import own_files, run_record
 from rolling.scene import file
 from rolling.surface import heights as surface
 from rolling.surface import refined
-from rolling.verification import judge
+from rolling.verification import hard_report
 
 pytestmark = pytest.mark.slow
 
@@ -356,7 +356,7 @@ def test_refined_by_powers_of_two_only(capsys: pytest.CaptureFixture[str]) -> No
 
 def test_hard_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple] = []
-    monkeypatch.setattr(judge, "main_report", lambda *arguments: asked.append(arguments) or 1)
+    monkeypatch.setattr(hard_report, "main_report", lambda *arguments: asked.append(arguments) or 1)
     assert (
         cli.main(
             [

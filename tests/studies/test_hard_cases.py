@@ -21,8 +21,8 @@ from helpers import STEEL, make_track, roll, rough
 from rolling.contact import closed_forms
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
+from rolling.verification import hard_report, optimality
 from rolling.verification import judge as hard_cases
-from rolling.verification import optimality
 from rolling.verification.hard_cases import CAPACITY, CASES, EXTREMES, SOLVED, WIDTH, HardCase
 from rolling.verification.judge import Outcome, judge
 from rolling.verification.random_cases import FAILED_ONCE, found_cases, random_case
@@ -350,7 +350,7 @@ def test_report_shows_failures_and_counts(
     assert [failure["scene"] for failure in data["failures"]] == ["first touch in no time"]
     counted = sum(g["solved"] + g["failed"] + sum(g["refused"].values()) for g in data["groups"])
     assert counted == sum(g["scenes"] for g in data["groups"]) == 8
-    text = hard_cases.table(report)
+    text = hard_report.table(report)
     assert "first touch in no time: position 0: iterations: 0, budget -1" in text
     for condition in hard_cases.MUST_HOLD:
         assert condition in text
@@ -359,10 +359,10 @@ def test_report_shows_failures_and_counts(
 def test_report_files_and_exit_code(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(hard_cases, "CASES", [NAMED["seam"]])
-    monkeypatch.setattr(hard_cases, "found_cases", list)
-    assert hard_cases.main_report(tmp_path / "new", random=4) == 0
+    monkeypatch.setattr(hard_report, "CASES", [NAMED["seam"]])
+    monkeypatch.setattr(hard_report, "found_cases", list)
+    assert hard_report.main_report(tmp_path / "new", random=4) == 0
     assert json.loads((tmp_path / "new" / "hard.json").read_text())["total"]["success_rate"] == 1
     assert (tmp_path / "new" / "hard.md").read_text() == capsys.readouterr().out[:-1]
-    monkeypatch.setattr(hard_cases, "CASES", [replace(NAMED["seam"], budget=0)])
-    assert hard_cases.main_report(tmp_path / "failed", random=0) == 1
+    monkeypatch.setattr(hard_report, "CASES", [replace(NAMED["seam"], budget=0)])
+    assert hard_report.main_report(tmp_path / "failed", random=0) == 1
