@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from rolling.check import tolerance
 from rolling.folders.files import FolderError, Keeper, write_bytes
 from rolling.scene import file
 from rolling.scene import sweep as sweeps
@@ -291,7 +292,11 @@ def refuse_other_scene(run: Run) -> None:
     if not run.values or not path.is_file():
         return
     # Heights are compared with the result, by their digest.
-    own, swept = (Identity.of(scene, None) for scene in (file.read_scene(path), run.scene))
+    there = file.read_scene(path)
+    scene = run.scene
+    if tolerance.is_open(scene):  # another process may just have chosen it
+        scene = scene.with_({"numerics.tolerance": there.numerics.tolerance})
+    own, swept = (Identity.of(each, None) for each in (there, scene))
     for key, (there, here) in changes(own, swept).items():
         raise FolderError(
             f"{path}: {key}: got {said(there)}, the sweep of the folder above makes {said(here)} "

@@ -11,16 +11,18 @@ import numpy as np
 
 from rolling.folders import run_record
 
-TIMES = ("seconds", "step_ms")  # ends of the columns that hold times of the machine
+# Ends of the columns that hold times of the machine. A run that was killed just after the choice of
+# its tolerance finds it in resolved.yaml, and takes it as given.
+LEFT_OUT = ("seconds", "step_ms", "tolerance_chosen")
 TABLES = ("runs.csv", "bands.csv", "statistics.csv")  # of `rolling table`
 SERIES = ("release_energy", "approach", "residual", "sound/pressure")
 
 
 def table(path: Path) -> bytes:
-    """Return a table of a sweep without the columns of times."""
+    """Return a table of a sweep without the columns that are left out."""
     with path.open(newline="") as stream:
         rows = list(csv.DictReader(stream))
-    kept = [name for name in rows[0] if not name.endswith(TIMES)]
+    kept = [name for name in rows[0] if not name.endswith(LEFT_OUT)]
     written = io.StringIO()
     writer = csv.DictWriter(written, kept, extrasaction="ignore")
     writer.writeheader()
