@@ -92,6 +92,7 @@ const MAKERS = { record: () => [], extended: makeExtended, row: async () => [awa
 async function setSource(source) {
   const goesOn = state.wanted;
   pause();
+  if (source === "row") endTest(); // which needs one run at a time
   $("#length").disabled = $("#save-extended").disabled = source !== "extended";
   const samples = 2 ** Number($("#length").value);
   const made = await MAKERS[source](samples);
