@@ -146,9 +146,10 @@ function stopFilm() {
 }
 
 /** The event at its own pace: the record from a quarter of a second before it. */
-function realTime() {
+async function realTime() {
   stopFilm();
   if (state.wanted) pause();
+  await toRecords(); // nothing of the film is in an extended one
   seek(Math.max(0, filmOf().times[film.at] - 0.25));
   play();
 }

@@ -25,13 +25,6 @@ async function makeRow() {
   return buffer;
 }
 
-/** Goes back to the records, of which one is heard at a time. */
-async function leaveRow() {
-  if (!$("input[name=source][value=row]:checked")) return;
-  $("input[name=source][value=record]").checked = true;
-  await setSource("record");
-}
-
 /** Names the record that is heard in the row. */
 function showRow() {
   const number = Math.max(0, state.row.findLastIndex((begin) => begin <= sharedTime()));
