@@ -196,8 +196,8 @@ def unrepeated_seconds(run: RunResult) -> float:
 
 def _drawn_levels(run: RunResult, levels: Mapping[str, float | None]) -> list[float | None]:
     """Return the levels of the bands [dB], and the levels less their errors if there are any."""
-    corrected = run.errors.corrected_db(levels).values() if run.errors else ()
-    return [*levels.values(), *corrected]
+    corrected = run.errors.corrected_db(levels) if run.errors else {}
+    return [*levels.values(), *corrected.values()]
 
 
 def _level(mean_square: Array) -> Array:

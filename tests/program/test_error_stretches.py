@@ -362,7 +362,8 @@ def test_the_common_axis_has_room_for_levels_less_their_errors(runs) -> None:
     levels.grid_db[band] = -20.0
     off = replace(run, errors=RunErrors(levels, Effort(4, 64, 0.2, True, 0.1, []), 0.0, ""))
     before, after = (CurveScales.of([each]).third_octaves["Z"] for each in (run, off))
-    assert before[1] < own[BAND_NAMES[band]] + 20 <= after[1] - 2.5
+    level = own[BAND_NAMES[band]]
+    assert level is not None and before[1] < level + 20 <= after[1] - 2.5
 
 
 def test_a_measured_error_of_the_grid_stands_for_the_rule(finished: Path) -> None:
