@@ -142,7 +142,8 @@ def third_octaves(
     curves : sequence of triples. Label with the weighting, levels in dB re 20 uPa and their
         standard uncertainty in dB, both by nominal frequency; None is a gap.
     duration_s : float, s. Duration T of the record; the shortest of several.
-    limits_db : pair of float, dB. Limits of the level axis. Default: `level_limits` of the curves.
+    limits_db : pair of float, dB. Limits of the level axis. Default: `level_limits` of the curves
+        and their diamonds.
     errors : sequence of pairs. Errors of the levels of each curve in dB, too loud is positive, and
         their standard uncertainty, both by nominal frequency; None for a curve without. Up to three
         curves have a diamond at the level less its error, and bands off by more than 1 dB are
@@ -175,6 +176,7 @@ def third_octaves(
         _band_curve(ax, label, level, spread, first, look, len(curves) <= FEW)
         if number < len(errors) and (of_curve := errors[number]) and len(curves) <= FEW:
             _error_marks(ax, level, of_curve, look)
+            seen += _corrected(levels, of_curve[0])
     if first > 0:
         ax.axvspan(
             EDGES_HZ[0],
@@ -189,6 +191,17 @@ def third_octaves(
     ax.set_xticks(MID_HZ, [short_name(name) for name in BAND_NAMES], rotation=90, fontsize="small")
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
     return finish(ax, "sound pressure level [dB re 20 µPa]")
+
+
+def _corrected(
+    levels: Mapping[str, float | None], errors: Mapping[str, float | None]
+) -> list[float]:
+    """Return the known levels less their errors [dB], both by nominal frequency."""
+    return [
+        level - error
+        for name, level in levels.items()
+        if level is not None and (error := errors[name]) is not None
+    ]
 
 
 def _audible(ax: Axes) -> None:

@@ -155,7 +155,7 @@ class CurveScales:
             )
         bands = {
             weighting: sound_plots.level_limits(
-                level for run in runs for level in levels_of(run).values()
+                level for run in runs for level in _drawn_levels(run, levels_of(run))
             )
             for weighting, levels_of in WEIGHTINGS.items()
         }
@@ -192,6 +192,12 @@ class TimeScales:
 def unrepeated_seconds(run: RunResult) -> float:
     """Return the duration of the part of a record that does not repeat itself [s]."""
     return run.sound.duration * min(1.0, run.result.solved_steps / run.result.done_steps)
+
+
+def _drawn_levels(run: RunResult, levels: Mapping[str, float | None]) -> list[float | None]:
+    """Return the levels of the bands [dB], and the levels less their errors if there are any."""
+    corrected = run.errors.corrected_db(levels) if run.errors else {}
+    return [*levels.values(), *corrected.values()]
 
 
 def _level(mean_square: Array) -> Array:

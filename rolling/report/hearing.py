@@ -17,6 +17,18 @@ from rolling.report.assumed import surface_words
 from rolling.scene.surfaces import Gaussian
 from rolling.simulation.run_result import RunResult
 
+VIBRATION_WORDS = [
+    (
+        "q that equals them",
+        "the share of the released power that would have to become sound for the release to be as"
+        " loud as the vibration in LAeq. The two are not added: above 1 no share would do.",
+    ),
+    (
+        "F/W",
+        "the force between sphere and plate over the load. It fluctuates about 1; at 0 the sphere"
+        " flies.",
+    ),
+]
 MOST = 0.8  # share of the A-weighted power that counts as most of it
 ALIKE = 0.05  # relative difference of pitch that is not named
 MOST_KINDS = 3  # of a part of the situation that are all named
@@ -59,17 +71,17 @@ def _weighted(run: RunResult) -> tuple[Array, Array]:
 
 def situation(runs: Sequence[RunResult]) -> str:
     """Say what rolls over what; a part that differs between the runs is said with all its kinds."""
-    body, diameter, speed, plate, surface, distance = (
+    body, diameter, speed, load, thickness, plate, surface, distance = (
         _kinds(list(dict.fromkeys(part))) for part in zip(*map(_parts, runs), strict=True)
     )
     return (
-        f"{body} sphere of {diameter} diameter rolls{speed} over a plate of {plate}: {surface}."
-        f" It is heard from {distance}."
+        f"{body} sphere of {diameter} diameter rolls{speed} under {load} over"
+        f" {thickness} of {plate}: {surface}. It is heard from {distance}."
     )
 
 
-def _parts(run: RunResult) -> tuple[str, str, str, str, str, str]:
-    """Return sphere, diameter, speed, plate, surface and distance of a run in words."""
+def _parts(run: RunResult) -> tuple[str, ...]:
+    """Return sphere, diameter, speed, load, thickness, plate, surface and distance in words."""
     scene = run.scene
     yields = f" that yields at {scene.plate.hardness_gpa:g} GPa" if scene.plate.hardness_gpa else ""
     speed = ""
@@ -79,6 +91,8 @@ def _parts(run: RunResult) -> tuple[str, str, str, str, str, str]:
         "An elastic" if scene.sphere.youngs_modulus_gpa else "A rigid",
         f"{2 * scene.sphere.radius_mm:g} mm",
         speed,
+        f"{scene.load:g} N",
+        f"a {thickness:g} mm thick plate" if (thickness := scene.plate.thickness_mm) else "a plate",
         f"{scene.plate.youngs_modulus_gpa:g} GPa{yields}",
         surface_words(scene),
         f"{scene.sound.distance_m:g} m",
@@ -194,17 +208,23 @@ def percent(share: float) -> str:
 
 def explanations(runs: Sequence[RunResult]) -> list[tuple[str, str]]:
     """Explain the words of the table of levels at which a stranger stumbles."""
-    texts = [
-        (
-            "steady level",
-            "the level of the mean released power. A constant power makes no sound: it is the"
-            " energy that is there, not what is heard.",
-        ),
+    texts = []
+    if any(run.sound.source != "vibration" for run in runs):
+        texts.append(
+            (
+                "steady level",
+                "the level of the mean released power. A constant power makes no sound: it is the"
+                " energy that is there, not what is heard.",
+            )
+        )
+    if any("equivalent_q" in run.summary for run in runs):
+        texts += VIBRATION_WORDS
+    texts.append(
         (
             "plastic ratio",
             "the area that yields at the hardness over the area of Hertz's smooth elastic contact.",
-        ),
-    ]
+        )
+    )
     levels = [(run.summary["laeq_db"], run.summary["level_db"]) for run in runs]
     if any(a is not None and z is not None and a > z for a, z in levels):
         texts.append(

@@ -249,6 +249,17 @@ def test_curves_with_an_order_go_from_dark_to_light(ax) -> None:
     assert [each.get_color() for each in two.get_lines()] == list(plots.COLOURS[:2])
 
 
+@pytest.mark.parametrize("error", [8.0, -8.0])
+def test_marks_of_levels_less_their_errors_lie_on_the_axis(error: float) -> None:
+    levels, spread = dict.fromkeys(BAND_NAMES, 50.0), dict.fromkeys(BAND_NAMES, 0.5)
+    errors = dict.fromkeys(BAND_NAMES, 0.0) | {"8000": error, "20": None}
+    ax = plots.third_octaves(
+        Figure().subplots(), [("a", levels, spread)], 10.0, errors=[(errors, spread)]
+    )
+    low, high = ax.get_ylim()
+    assert low + 2.5 <= min(50.0, 50.0 - error) and max(50.0, 50.0 - error) <= high - 2.5
+
+
 def test_third_octaves_mark_levels_less_their_errors_and_hatch_bands_that_are_off() -> None:
     levels, spread = dict.fromkeys(BAND_NAMES, 50.0), dict.fromkeys(BAND_NAMES, 0.5)
     errors = dict.fromkeys(BAND_NAMES, 0.4) | {"8000": 2.0, "20": None}
@@ -264,4 +275,5 @@ def test_third_octaves_mark_levels_less_their_errors_and_hatch_bands_that_are_of
     assert len(hatched) == 1
     assert hatched[0].get_x() == pytest.approx(EDGES_HZ[BAND_NAMES.index("8000")])
     plain = plots.third_octaves(Figure().subplots(), [("a", levels, spread)], 10.0, errors=[None])
+    assert plain.get_ylim() == (45, 55)
     assert not [patch for patch in plain.patches if patch.get_hatch()]

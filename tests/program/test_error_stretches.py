@@ -5,11 +5,13 @@ import io
 import json
 import os
 import signal
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from report_runs import run_results
 from scene_text import BODIES, NARROW
 
 from acoustics.bands import BAND_NAMES
@@ -19,6 +21,7 @@ from rolling.check.findings import findings
 from rolling.commands import Wanted, report, resound, resume, run
 from rolling.commands.interface import simulate as simulate_in_memory
 from rolling.contact.solver import ContactError
+from rolling.figures.sound_views import CurveScales
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
 from rolling.simulation import (
@@ -349,6 +352,18 @@ def test_bands_off_by_more_than_1_db_are_a_warning() -> None:
     assert errors.corrected_db(values)["16000"] == -1.5
     (caveat,) = caveats._of_errors(scene_of(), errors)
     assert caveat.key == "band_errors" and "20000 Hz (-3.0)" in caveat.text
+
+
+def test_the_common_axis_has_room_for_levels_less_their_errors(runs) -> None:
+    (run,) = run_results(runs.lap())
+    levels = LevelErrors(1.0, True, *np.zeros((3, 31)), 0.0, 0.0, 0.0, -20.0, -40.0)  # type: ignore[arg-type]
+    own = run.sound.levels.third_octave_db
+    band = max(range(31), key=lambda k: own[BAND_NAMES[k]] or -np.inf)
+    levels.grid_db[band] = -20.0
+    off = replace(run, errors=RunErrors(levels, Effort(4, 64, 0.2, True, 0.1, []), 0.0, ""))
+    before, after = (CurveScales.of([each]).third_octaves["Z"] for each in (run, off))
+    level = own[BAND_NAMES[band]]
+    assert level is not None and before[1] < level + 20 <= after[1] - 2.5
 
 
 def test_a_measured_error_of_the_grid_stands_for_the_rule(finished: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from report_runs import run_results
 
-from rolling.report import hearing
+from rolling.report import hearing, text
 from rolling.simulation.run_result import RunResult
 
 
@@ -60,8 +60,8 @@ def test_widths_and_rates_are_of_the_contact(heard) -> None:
     (place,) = hearing.sentences([run])
     assert f"{width * 1e6:.3g} µm, once in {width / 0.1 * 1e3:.2g} ms" in place
     assert hearing.situation(heard).startswith(
-        "A rigid sphere of 10 mm diameter rolls at 0.1 m/s over a plate of 210 GPa that yields at"
-        " 2.1 GPa: heights of"
+        "A rigid sphere of 10 mm diameter rolls at 0.1 m/s under 0.5 N, 1 N or 2 N over a plate"
+        " of 210 GPa that yields at 2.1 GPa: heights of"
     )
 
 
@@ -69,11 +69,24 @@ def test_what_differs_between_runs_is_named_with_all_its_kinds(heard) -> None:
     run = heard[0]
     runs = [replace(run, scene=run.scene.with_(radius_mm=r, distance_m=2)) for r in (1, 2, 3, 4)]
     said = hearing.situation(runs[:2])
-    assert said.startswith("A rigid sphere of 2 mm or 4 mm diameter rolls at 0.1 m/s over a plate")
+    assert said.startswith(
+        "A rigid sphere of 2 mm or 4 mm diameter rolls at 0.1 m/s under 0.5 N over"
+    )
     assert said.endswith("It is heard from 2 m.")
     assert "of 2 mm to 8 mm (4 kinds) diameter" in hearing.situation(runs)
     fast = replace(run, scene=run.scene.with_(speed_m_s=0.3))
-    assert "rolls at 0.1 m/s or at 0.3 m/s over" in hearing.situation([run, fast])
+    assert "rolls at 0.1 m/s or at 0.3 m/s under" in hearing.situation([run, fast])
+
+
+def test_the_thickness_of_the_plate_is_said_where_it_is_given(heard) -> None:
+    run = heard[0]
+    plates = [run.scene.plate.model_copy(update={"thickness_mm": mm}) for mm in (1, 10)]
+    thin, thick = (
+        replace(run, scene=run.scene.model_copy(update={"plate": plate})) for plate in plates
+    )
+    assert "under 0.5 N over a 10 mm thick plate of 210 GPa" in hearing.situation([thick])
+    assert "over a 1 mm thick plate or a 10 mm thick plate of" in hearing.situation([thin, thick])
+    assert "over a plate or a 1 mm thick plate of" in hearing.situation([run, thin])
 
 
 def test_a_vibrating_ball_rings_and_flies(runs) -> None:
@@ -107,4 +120,13 @@ def test_weighting_is_explained_where_it_raises_a_level(heard) -> None:
     assert ("LAeq above LZeq" in words) == raised
     above = replace(heard[0], summary=heard[0].summary | {"laeq_db": 61.0, "level_db": 60.0})
     assert "LAeq above LZeq" in dict(hearing.explanations([above]))
-    assert {"steady level", "plastic ratio"} <= set(words)
+    assert {"steady level", "plastic ratio"} == set(words) - {"LAeq above LZeq"}
+
+
+def test_runs_heard_by_their_vibration_have_the_words_of_their_own_columns(runs) -> None:
+    flying = run_results(runs.flying())
+    words = dict(hearing.explanations(flying))
+    heads = text.levels(flying).heads
+    assert "steady level" not in words
+    for word in ("q that equals them", "F/W"):
+        assert word in words and any(word in head for head in heads)

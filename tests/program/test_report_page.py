@@ -169,6 +169,31 @@ def test_targets_are_large_enough_and_boxes_scroll_by_keyboard(pages, opened) ->
         assert page.locator(".paper[tabindex]").count() == 0
 
 
+def test_tables_of_many_runs_scroll_below_their_heads_and_print_whole(pages, opened) -> None:
+    """Three runs, repeated to twelve rows: the box takes the focus, arrows scroll it."""
+    with opened(pages("three")) as page:
+        box = page.locator(".scroll:has(.players)")
+        assert box.get_attribute("tabindex") is None
+        page.locator(".players tbody").evaluate(
+            """(body) => { for (const row of [...body.rows, ...body.rows, ...body.rows])
+            body.append(row.cloneNode(true)); }"""
+        )
+        until(page, "document.querySelector('.scroll:has(.players)').tabIndex === 0")
+        assert box.get_attribute("aria-label") == "scrolls down"
+        box.focus()
+        page.keyboard.press("ArrowDown")
+        until(page, "document.activeElement.scrollTop > 0")
+        top = "(e) => e.getBoundingClientRect().top"
+        head = page.locator(".players thead th").first.evaluate(top)
+        assert head == pytest.approx(box.evaluate(top), abs=1)
+        page.emulate_media(media="print")
+        assert box.evaluate("(b) => getComputedStyle(b).maxHeight") == "none"
+        assert (
+            page.locator(".players thead th").nth(1).evaluate("(e) => getComputedStyle(e).position")
+            == "static"
+        )
+
+
 def test_a_silent_run_says_so_and_is_not_chosen_first(pages, opened) -> None:
     with opened(pages("smooth", "one")) as page:
         assert page.input_value("#choose") == "1"

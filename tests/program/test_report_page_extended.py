@@ -126,6 +126,29 @@ def test_seeds_play_in_a_row_and_blend_without_a_step(seeds, opened) -> None:
         assert page.text_content("#row-run") == "now: seed 2"
 
 
+def test_a_blind_test_leaves_the_row_and_the_row_ends_the_test(seeds, opened) -> None:
+    """In a row A, B and X would sound the same, so the row and the test exclude each other."""
+    heard = "tap.gains.slice(-3).map((node) => node.gain.value > 0.01)"
+    with opened(seeds) as page:
+        page.check("input[name=source][value=row]")
+        until(page, "!document.querySelector('#row').hidden")
+        page.click("#play")
+        until(page, "tap.sources.length === 1")
+        page.click("#abx-begin")
+        until(page, "tap.sources.length === 4")
+        assert page.is_checked("input[name=source][value=record]")
+        assert not page.locator("#row").is_visible()
+        page.click("[data-abx=a]")
+        page.wait_for_timeout(60)  # the crossfade takes 10 ms
+        assert page.evaluate(heard) == [True, False, False]
+        page.click("[data-abx=b]")
+        page.wait_for_timeout(60)
+        assert page.evaluate(heard) == [False, False, True]
+        page.check("input[name=source][value=row]")
+        until(page, "!document.querySelector('#row').hidden")
+        assert page.is_disabled("[data-abx=x]") and page.text_content("#abx-result") == ""
+
+
 def test_runs_of_other_loads_have_no_row(pages, opened) -> None:
     with opened(pages("three")) as page:
         assert page.locator("input[value=row]").count() == 0

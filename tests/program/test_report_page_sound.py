@@ -160,6 +160,9 @@ def test_silence_is_said_and_played(pages, opened) -> None:
 def test_a_short_record_does_not_loop_unasked_and_says_why(pages, opened) -> None:
     """A record of 6 ms repeats 167 times a second: it ends, and goes on only with Loop on."""
     with opened(pages("lap")) as page:
+        until(page, "!document.querySelector('#extension').hidden")
+        page.check("input[name=source][value=record]")
+        until(page, "document.querySelector('#extension').hidden")
         assert not page.is_checked("#loop")
         said = page.locator("[data-repeats]")
         assert said.count() == 1 and said.is_visible()
@@ -172,6 +175,21 @@ def test_a_short_record_does_not_loop_unasked_and_says_why(pages, opened) -> Non
         page.click("#play")
         page.wait_for_timeout(150)
         assert page.text_content("#play") == "Pause"
+
+
+def test_a_page_of_short_records_begins_with_what_lasts(pages, opened) -> None:
+    """Records of 6 ms are blips: the page opens with the extended one, also if Play comes first."""
+    with opened(pages("lap")) as page:
+        page.click("#play")
+        until(page, "parseFloat(document.querySelector('#seek').value) > 0.2")
+        assert page.is_checked("input[name=source][value=extended]") and page.is_checked("#loop")
+        assert page.text_content("#time").endswith("/ 10.923 s")
+        assert page.evaluate("tap.sources.at(-1).buffer.length") == 2**19
+        page.check("input[name=source][value=record]")
+        until(page, "document.querySelector('#play').textContent === 'Play'")
+        assert time_of(page) == pytest.approx(0.006)
+    with opened(pages("one")) as page:
+        assert page.is_checked("input[name=source][value=record]")
 
 
 def test_a_short_record_among_long_ones_goes_round_only_when_asked_to(pages, opened) -> None:
@@ -189,6 +207,7 @@ def test_a_short_record_among_long_ones_goes_round_only_when_asked_to(pages, ope
       return maximum;
     }"""
     with opened(path) as page:
+        assert page.is_checked("input[name=source][value=record]")
         assert not page.is_checked("#loop")
         page.check("input[name=run][value='2']")
         assert (

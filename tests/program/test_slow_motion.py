@@ -151,6 +151,9 @@ def test_the_page_plays_the_film_once_and_scrubs_it(pages, opened) -> None:
         loudest = int(np.argmax(film["power_uw"]))
         assert int(page.input_value("#film-seek")) == loudest
         assert f"{1e3 * film['times'][loudest]:.3f} ms" in page.text_content("#film-time")
+        milliseconds = 1e3 * (film["times"][-1] - film["times"][0])
+        said = page.text_content("#film-length")
+        assert said == f"It shows {milliseconds:.2g} ms of the record in {last + 1} maps."
         page.wait_for_timeout(100)  # for its pictures
         shown = page.evaluate(LUMINANCE)
         frames = np.array(shown["frames"])
@@ -173,6 +176,7 @@ def test_the_page_plays_the_film_once_and_scrubs_it(pages, opened) -> None:
         assert source == pytest.approx([1e-3])
         page.click("#film-real")
         until(page, "tap.starts === 2")  # the whole record of 6 ms
+        assert page.evaluate("tap.sources.at(-1).buffer.length") == 288
 
 
 def test_reduced_motion_leaves_the_slider_alone(pages, opened) -> None:

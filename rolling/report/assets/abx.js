@@ -19,7 +19,9 @@ function hearBlind(number) {
   else play();
 }
 
-function beginTest() {
+/** Begins on records or extended ones: in a row all runs sound, and A, B and X would be the same. */
+async function beginTest() {
+  if (choice("row")?.checked) await toRecords();
   Object.assign(abx, { trials: 0, right: 0 });
   drawLots();
   $("#abx-result").textContent = "Listen, then say what X is.";

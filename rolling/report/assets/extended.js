@@ -89,14 +89,26 @@ function trims(buffers) {
 
 const MAKERS = { record: () => [], extended: makeExtended, row: async () => [await makeRow()] };
 
+const choice = (source) => $(`input[name=source][value=${source}]`);
+
+/** Goes back to the records as they are, one of which is heard at a time. */
+async function toRecords() {
+  if (!choice("record") || choice("record").checked) return;
+  choice("record").checked = true;
+  await setSource("record");
+}
+
 async function setSource(source) {
-  const goesOn = state.wanted;
+  let goesOn = state.wanted;
   pause();
+  if (source === "row") endTest(); // which needs one run at a time
   $("#length").disabled = $("#save-extended").disabled = source !== "extended";
   const samples = 2 ** Number($("#length").value);
   const made = await MAKERS[source](samples);
   $("#extending").textContent = "";
   if ($("input[name=source]:checked").value !== source || (made.length && 2 ** Number($("#length").value) !== samples)) return;
+  goesOn ||= state.wanted; // begun while they were made
+  pause();
   Object.assign(state, { source, extended: made, trim: source === "extended" ? trims(made) : { calibrated: 1, equal: 1 }, drawn: "" });
   Object.assign(state, { at: 0, from: 0, end: total() });
   $("#seek").max = total();

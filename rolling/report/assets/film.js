@@ -15,6 +15,8 @@ function picturesOf(number) {
 
 const watts = (uw) => (uw < 1000 ? `${Number(uw.toPrecision(3))} µW` : `${Number((uw / 1000).toPrecision(3))} mW`);
 
+const lengthOf = ({ times }) => `${Number((1e3 * (times[times.length - 1] - times[0])).toPrecision(2))} ms`;
+
 function showFilm() {
   if (!$("#film")) return;
   stopFilm();
@@ -26,6 +28,7 @@ function showFilm() {
   canvas.width = $("#film-power").width = Math.min(1200, 2 * canvas.clientWidth || 1200); // small print stays legible
   canvas.height = Math.round((canvas.width * shown.size[1]) / shown.size[0]);
   $("#film-seek").max = shown.times.length - 1;
+  $("#film-length").textContent = `It shows ${lengthOf(shown)} of the record in ${shown.times.length} maps.`;
   prepareMotion(shown, canvas.width);
   seekFilm(hardestMap(shown) ?? shown.power_uw.indexOf(Math.max(...shown.power_uw)));
 }
@@ -143,9 +146,10 @@ function stopFilm() {
 }
 
 /** The event at its own pace: the record from a quarter of a second before it. */
-function realTime() {
+async function realTime() {
   stopFilm();
   if (state.wanted) pause();
+  await toRecords(); // nothing of the film is in an extended one
   seek(Math.max(0, filmOf().times[film.at] - 0.25));
   play();
 }

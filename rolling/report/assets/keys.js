@@ -56,12 +56,14 @@
     for (const player of $$("audio")) player.addEventListener("play", () => playAlone(player));
   }
 
-  /** Boxes that are wider than the page can be scrolled by keyboard, the others are no stop of Tab. */
+  /** Boxes that hold more than they show can be scrolled by keyboard, the others are no stop of Tab. */
 function markScrolling() {
   for (const box of $$(".paper, .scroll")) {
     const wide = box.scrollWidth > box.clientWidth + 1;
-    for (const [name, value] of [["tabindex", "0"], ["role", "group"], ["aria-label", "scrolls sideways"]]) {
-      if (wide) box.setAttribute(name, value);
+    const long = box.scrollHeight > box.clientHeight + 1;
+    const label = !long ? "scrolls sideways" : wide ? "scrolls" : "scrolls down";
+    for (const [name, value] of [["tabindex", "0"], ["role", "group"], ["aria-label", label]]) {
+      if (wide || long) box.setAttribute(name, value);
       else box.removeAttribute(name);
     }
   }
