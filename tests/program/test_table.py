@@ -15,7 +15,7 @@ from rolling import cli
 from rolling.commands import table, work
 from rolling.figures import sweep_figures
 from rolling.folders import own_files, run_record
-from rolling.simulation import seed_statistics
+from rolling.simulation import runs_table, seed_statistics
 
 SCENE = f"""\
 {TINY}sweep:
@@ -83,6 +83,24 @@ def test_statistics_are_those_of_the_summaries(sweep: Path) -> None:
         if each["level"] == "third_octave_a_db" and each["band_hz"] == "12500"
     ]
     assert [each["runs"] for each in bands] == ["3", "3", "3", "2"]  # a run is not solved
+
+
+@pytest.mark.parametrize("total", [2.5, None])
+def test_the_record_and_the_total_have_their_own_uncertainty(total: float | None) -> None:
+    """The statistics state the uncertainty of the record, whatever the error estimate found."""
+    summary = {
+        "laeq_db": 60.0,
+        "uncertainty_db": {"laeq": 0.5},
+        "laeq_uncertainty_db": total,
+        "laeq_uncertainty_parts_db": {"record": 0.5, "grid": 2.4},
+    }
+    columns = runs_table.numbers(summary)
+    assert columns["laeq_uncertainty_db"] == 0.5
+    assert columns["laeq_total_uncertainty_db"] == total
+    run = runs_table.Row("seed 1", "seed=1", {"surface.seed": 1}, summary)
+    (group,) = seed_statistics.groups([run])
+    level = group.of("laeq_db", seed_statistics.LEVELS["laeq_db"])
+    assert level is not None and level.stated == 0.5
 
 
 def test_tables_have_every_run_and_every_band(sweep: Path) -> None:
