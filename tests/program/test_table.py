@@ -140,6 +140,21 @@ def test_plots_hold_the_means(sweep: Path, capsys: pytest.CaptureFixture[str]) -
     assert own_files.foreign(sweep, run_record.read(sweep)) == []
 
 
+def test_a_number_that_one_run_lacks_can_be_plotted(
+    sweep: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first run has no vibration, say, and all others have one."""
+    known = table.read_rows(sweep)
+    for number, row in enumerate(known[1:11]):
+        assert row.summary is not None
+        row.summary["vibration_laeq_db"] = 40.0 + number
+    monkeypatch.setattr(table, "read_rows", lambda _: known)
+    table.tabulate(sweep, ["vibration_laeq_db"])
+    lines = rows(sweep / "plot_vibration_laeq_db_against_rolling.load_n.csv")
+    # The first of three seeds has no number.
+    assert float(lines[0]["vibration_laeq_db_mean"]) == 40.5
+
+
 def test_many_curves_are_drawn_as_their_median(
     sweep: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
