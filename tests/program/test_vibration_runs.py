@@ -268,6 +268,32 @@ def test_the_check_names_the_key_and_falls_silent() -> None:
     assert "force_ratio" not in still
 
 
+PLAIN_KEYS = """
+caveats complete contact_area_mean_m2 convolutions_mean duration_s energy_balance_error
+factor_pa_per_w_m2 hertz_area_m2 highest_frequency_hz iterations_mean laeq_db laf_max_db las_max_db
+level_db levelling load_n loops lz_peak_db max_pressure_pa name plastic_area_mean_m2 plastic_ratio
+release_power_audible_rms_w release_power_mean_w release_power_resolved_rms_w release_power_rms_w
+residual_max seconds sound_seconds steady_level_db step_ms steps surface third_octave_a_db
+third_octave_db third_octave_uncertainty_db tolerance tolerance_chosen tolerance_trial
+uncertainty_db
+"""
+
+
+def test_a_scene_without_dynamics_is_unchanged() -> None:
+    """The constant load solves the same contact bit by bit; the plain run knows no vibration."""
+    changes = ["rolling.distance_mm=0.1", "sound.source=release"]
+    without = ["dynamics=", "plate.thickness_mm=", "plate.loss_factor="]
+    plain = simulate(loads(TEXT, [*changes, *without]), 1, False)
+    vibrating = simulate(loads(TEXT, [*changes, "dynamics.release=false"]), 1, False)
+    assert vibrating.vibration is not None and plain.vibration is None
+    assert set(plain.series) == set(vibrating.series)
+    for name in set(plain.series) - {"step_time"}:  # a time of the clock
+        assert np.array_equal(plain.series[name], vibrating.series[name]), name
+    assert np.array_equal(plain.sound.pressure, vibrating.sound.pressure)
+    assert set(plain.summary) == set(PLAIN_KEYS.split())
+    assert vibrating.summary["laeq_db"] == plain.summary["laeq_db"]
+
+
 @pytest.mark.parametrize(
     ("change", "key", "words"),
     [
