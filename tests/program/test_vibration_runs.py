@@ -303,11 +303,13 @@ def test_a_scene_without_dynamics_is_unchanged() -> None:
         ("sound.distance_m=0.2", "coincidence", "pressure on the axis holds from"),
         ("rolling.speed_m_s=0.05", "resonance_wave", "the grid decides"),
         ("surface.roughness_ra_um=2", "force_ratio", "loses contact"),
+        ("surface.roughness_ra_um=0.05", "force_ratio", "marched down to 0.25 of it"),
     ],
 )
 def test_validity_has_numbers(change: str, key: str, words: str) -> None:
-    plain = {each.key: each for each in check_scene(loads(TEXT), False).runs[0].findings}
-    changed = check_scene(loads(TEXT, [change]), False).runs[0].findings
+    calm = "surface.roughness_ra_um=0.04"
+    plain = {each.key: each for each in check_scene(loads(TEXT, [calm]), False).runs[0].findings}
+    changed = check_scene(loads(TEXT, [calm, change]), False).runs[0].findings
     assert plain[key].warning is None
     assert words in str({each.key: each for each in changed}[key].warning)
 
