@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import h5py
 import numpy as np
@@ -12,17 +13,20 @@ import pytest
 
 from rolling.check import demand
 from rolling.check.findings import check_scene
-from rolling.commands import Wanted, resound, resume, run
+from rolling.commands import Wanted, resound, resume, run, run_tasks
 from rolling.commands.interface import open_run, simulate
 from rolling.contact.solver import ContactError
 from rolling.dynamics import of_scene
+from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError
 from rolling.scene.file import loads, read_scene
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.simulation import batch, force_law, moving_release, result_file, solving
 from rolling.simulation import simulate as pieces
+from rolling.simulation.batch import Run
 from rolling.simulation.moving_load import moving_key
+from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import hear
 from rolling.simulation.stored_runs import read_runs
@@ -392,6 +396,25 @@ def test_release_under_the_moving_load(tmp_path: Path, capsys: pytest.CaptureFix
     numbers = json.loads((still / "summary.json").read_text())
     assert "force_law_error_m" not in numbers
     assert "constant_load_release" in {caveat["key"] for caveat in numbers["caveats"]}
+
+
+def test_runs_that_are_tasks_tell_their_releases(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A sweep of many runs, a part of it and a cluster say so before they start as well."""
+    monkeypatch.setattr(run_tasks, "_work", lambda *_: Outcome())
+    held = cast(Claim, None)  # it marks runs that fail, and none is solved here
+    still = loads(TEXT, ["dynamics.release=false"])
+    runs = [
+        Run({"surface.seed": seed}, scene, tmp_path / str(seed))
+        for seed, scene in enumerate([loads(TEXT, MOVING), loads(TEXT, MOVING), still])
+    ]
+    with progress.begin(progress.Level.NORMAL):
+        run_tasks.solve(held, runs, replace(ALONE, pictures=False), False)
+    assert "release under the moving load: 2 marches, about" in capsys.readouterr().err
+    with progress.begin(progress.Level.NORMAL):
+        run_tasks.solve(held, runs, replace(ALONE, pictures=False), False, [2])
+    assert "moving load" not in capsys.readouterr().err
 
 
 def test_a_killed_march_under_the_moving_load_goes_on() -> None:
