@@ -1,4 +1,4 @@
-"""Sound from a released power: levels, spectra, weighting, uncertainty, sound files and plots.
+"""Sound from a released power or a force: levels, spectra, weighting, uncertainty, WAVs, plots.
 
 The package works on arrays and sample rates and knows nothing about contact. Every name below is
 imported when it is first used, so ``import acoustics`` takes no time.

@@ -84,6 +84,8 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
 
 def _marched_alone(scenes: Sequence[Scene]) -> set[int]:
     """Return the numbers of the runs that are marched; other runs share one of their marches."""
+    if len(scenes) > demand.PAGE_RUNS:  # each run is a task of its own, which shares nothing
+        return set(range(len(scenes)))
     first: dict[str, int] = {}
     for number, scene in enumerate(scenes):
         shared = not scene.numerics.error_estimate or scene.dynamics is not None

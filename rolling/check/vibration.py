@@ -12,6 +12,7 @@ from rolling.check.finding import Finding, clock, on_cores, rounded_down, rounde
 from rolling.check.sampling import HEARING
 from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
+from rolling.dynamics.force_law import LOWEST
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
 
@@ -54,7 +55,19 @@ def _force(scene: Scene) -> Finding:
             " contact: impacts need a small step, and the forces leave the marched loads; choose"
             " a lower rolling.speed_m_s or a higher rolling.load_n"
         )
+    elif low < (least := _least_marched(scene)):  # a force above the highest has lost contact, too
+        warning = (
+            f"the contact force falls to about {low:.2g} of the load, and loads are marched down to"
+            f" {least:.2g} of it: the force below may be extrapolated; choose a lower"
+            " rolling.speed_m_s or a higher rolling.load_n"
+        )
     return Finding("force_ratio", "contact force over load", value, warning)
+
+
+def _least_marched(scene: Scene) -> float:
+    """Return the minimum load that a force law may have, over the load of the scene."""
+    assert scene.dynamics is not None
+    return min(LOWEST, scene.dynamics.span ** -(scene.dynamics.loads // 2))
 
 
 def _fed(scene: Scene) -> Finding:

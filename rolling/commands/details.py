@@ -57,11 +57,23 @@ def tell_releases(scenes: Sequence[Scene], results: Sequence[Result]) -> int:
     -------
     missing : The number of them.
     """
-    missing = [
-        scene
-        for scene, result in zip(scenes, results, strict=True)
-        if moving_release.is_missing(scene, result)
-    ]
+    return tell_marches(
+        [
+            scene
+            for scene, result in zip(scenes, results, strict=True)
+            if moving_release.is_missing(scene, result)
+        ]
+    )
+
+
+def tell_marches(scenes: Sequence[Scene]) -> int:
+    """Say how many scenes that are to be solved ask for a release under the moving load.
+
+    Returns
+    -------
+    missing : The number of them.
+    """
+    missing = [scene for scene in scenes if scene.moves_release]
     if missing:
         seconds = sum(map(cost.expected_seconds, missing)) / cost.cores()
         marches = "one march" if len(missing) == 1 else f"{len(missing)} marches"

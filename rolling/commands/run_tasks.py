@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from rolling.check import cost
-from rolling.commands import whole_runs
+from rolling.commands import details, whole_runs
 from rolling.commands.run_files import Wanted
 from rolling.commands.whole_runs import Done, Order
 from rolling.folders import run_record
@@ -116,6 +116,7 @@ def solve(
             seconds = cost.expected_seconds(run.scene)
             tasks.append(pool.Task(number, whole_runs.do_run, (order,), seconds))
     tasks.sort(key=lambda task: -task.cost)
+    details.tell_marches([runs[task.run].scene for task in tasks])
     outcome = _work(tasks, wanted, runs[0].scene.name, ends)
     for number, reason in outcome.failures.items():  # such as that its worker was killed
         held.mark(runs[number].folder, "failed", reason)

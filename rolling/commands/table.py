@@ -58,10 +58,11 @@ def tabulate(
         )
     for key in against:
         _refuse_unknown(key, keys, "swept key")
-    columns = runs_table.numbers(solved[0].summary or {})
-    known = [name for name, value in columns.items() if name != "caveats"]
+    # A number may belong to some of the runs alone, such as those with dynamics.
+    known = dict.fromkeys(name for row in solved for name in runs_table.numbers(row.summary or {}))
+    known.pop("caveats", None)
     for name in numbers:
-        _refuse_unknown(name, known, "number of runs.csv")
+        _refuse_unknown(name, [*known], "number of runs.csv")
     groups = seed_statistics.groups(solved, over)
     contents = {
         "runs": runs_table.csv(rows),

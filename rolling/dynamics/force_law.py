@@ -13,6 +13,9 @@ from rolling.dynamics import _law_kernels
 from rolling.dynamics._law_kernels import LawTable
 
 EQUAL = 1e-6  # relative; positions that differ less from equal distances count as equally spaced
+# Loads of a law are added up to these multiples of the scene's. A force beyond them is
+# extrapolated, and the share of time that it lasts is reported.
+HIGHEST, LOWEST = 8.0, 0.25
 SOFTEST = 0.5  # minimum slope da/ds at lift-off over the slope at the lowest load: F stays convex
 
 

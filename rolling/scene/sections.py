@@ -68,7 +68,7 @@ class Sphere(Section):
 
 
 class Plate(Section):
-    """Half-space that the sphere rolls on."""
+    """Plate that the sphere rolls on, a half-space to the contact."""
 
     SECTION: ClassVar[str] = "plate"
 

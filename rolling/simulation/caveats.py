@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from acoustics.bands import OFF_DB
 from rolling.check import resolution
 from rolling.check.finding import Finding
@@ -17,6 +19,7 @@ from rolling.sound import error_estimate, solver_error
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import Vibration
 
+BENT = 0.1  # range of the plate's displacement over its thickness up to which it is small
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 # these stand beside every level
 HEADLINE = (
@@ -180,7 +183,7 @@ def _of_load(scene: Scene, vibration: Vibration | None, moving: MovingRelease | 
 
 
 def _of_vibration(scene: Scene, vibration: Vibration) -> list[Caveat]:
-    """List the warnings of a vibration: forces beyond the law, flight, and a motion that drifts."""
+    """List the warnings of a vibration: extrapolated forces, flight, drift, a plate far bent."""
     motion, result = vibration.motion, list[Caveat]()
     if motion.outside_share > 0:
         text = (
@@ -204,6 +207,13 @@ def _of_vibration(scene: Scene, vibration: Vibration) -> list[Caveat]:
             else ""
         )
         result.append(Caveat("not_settled", text))
+    thickness = scene.plate.thickness_mm
+    if thickness is not None and (bent := 1e3 * np.ptp(motion.plate_m) / thickness) > BENT:
+        text = (
+            f"plate: it sinks and rises by {bent:.2g} of its thickness; thin-plate theory wants a"
+            f" deflection that is small against it, at most about {BENT:g}"
+        )
+        result.append(Caveat("plate_deflection", text))
     return result
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from rolling._typing import Array
 from rolling.contact.march import march
 from rolling.contact.solver import ContactError
-from rolling.dynamics.force_law import ForceLaw
+from rolling.dynamics.force_law import HIGHEST, LOWEST, ForceLaw
 from rolling.scene.scene import Scene
 from rolling.simulation import pool, simulate
 from rolling.simulation.load_marches import LoadMarches, LoadPiece
@@ -26,9 +26,6 @@ from rolling.simulation.moving_load import moving_key
 from rolling.simulation.result import Result
 from rolling.surface.contact_of_scene import rolling_contact
 
-# Loads are added up to these multiples of the scene's. A force beyond them is extrapolated, and the
-# share of time that it lasts is reported.
-HIGHEST, LOWEST = 8.0, 0.25
 JUDGED_STEPS = 200  # maximum length of the stretch that is marched at loads between the others
 
 

@@ -10,6 +10,8 @@ from rolling import tables
 from rolling.scene.sweep import Value
 
 _METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
+# Numbers of a summary whose key is already the column of another number.
+_COLUMNS = {"laeq_uncertainty_db": "laeq_total_uncertainty_db"}
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,11 @@ def csv(runs: Sequence[Row]) -> bytes:
 
 
 def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the numbers of a summary by the names of their columns."""
+    """Return the numbers of a summary by the names of their columns.
+
+    The uncertainty of LAeq from the length of the record has the column `laeq_uncertainty_db`, like
+    that of any other level; the one with grid and solver has `laeq_total_uncertainty_db`.
+    """
     cells: dict[str, Any] = {}
     for key, value in summary.items():
         if key == "caveats":
@@ -56,7 +62,7 @@ def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
             if key == "levelling":
                 cells |= {f"levelling_{name}": _cell(inner) for name, inner in value.items()}
         elif key not in ("name", "levelling"):
-            cells[key] = _cell(value)
+            cells[_COLUMNS.get(key, key)] = _cell(value)
     return cells
 
 

@@ -7,6 +7,8 @@ import io
 import json
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -20,6 +22,7 @@ from rolling.scene import file
 from rolling.simulation import caveats, summary
 from rolling.simulation.caveats import Caveat, Remark
 from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.sound.vibration_sound import Vibration
 
 STEP = 2e-6  # 0.1 m/s: 50,000 steps a second
 
@@ -102,6 +105,21 @@ def test_a_short_track_gone_round_many_times_says_its_pitch(runs: Runs) -> None:
     assert (
         "0.006 s repeats 167 times a second" in texts["short_loop"] and "short_track" not in texts
     )
+
+
+@pytest.mark.parametrize(("thickness", "bent"), [(0.9, True), (1.1, False), (None, False)])
+def test_a_plate_that_bends_by_a_tenth_of_its_thickness(
+    thickness: float | None, bent: bool
+) -> None:
+    """It moves by 0.1 mm: from -0.04 to 0.06 mm."""
+    scene = scene_of(0.01, "dynamics={}", "sphere.density_kg_m3=7850", "plate.density_kg_m3=7850")
+    scene = scene.with_({"plate.thickness_mm": thickness})
+    motion = SimpleNamespace(
+        plate_m=np.array([0.0, -4e-5, 6e-5]), outside_share=0.0, flight_share=0.0, settled=True
+    )
+    given = caveats._of_vibration(scene, cast(Vibration, SimpleNamespace(motion=motion)))
+    assert [each.key for each in given] == ["plate_deflection"] * bent
+    assert not bent or "sinks and rises by 0.11 of its thickness" in given[0].text
 
 
 def test_warnings_of_the_check_keep_their_keys() -> None:

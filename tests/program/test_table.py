@@ -15,7 +15,7 @@ from rolling import cli
 from rolling.commands import table, work
 from rolling.figures import sweep_figures
 from rolling.folders import own_files, run_record
-from rolling.simulation import seed_statistics
+from rolling.simulation import runs_table, seed_statistics
 
 SCENE = f"""\
 {TINY}sweep:
@@ -85,6 +85,24 @@ def test_statistics_are_those_of_the_summaries(sweep: Path) -> None:
     assert [each["runs"] for each in bands] == ["3", "3", "3", "2"]  # a run is not solved
 
 
+@pytest.mark.parametrize("total", [2.5, None])
+def test_the_record_and_the_total_have_their_own_uncertainty(total: float | None) -> None:
+    """The statistics state the uncertainty of the record, whatever the error estimate found."""
+    summary = {
+        "laeq_db": 60.0,
+        "uncertainty_db": {"laeq": 0.5},
+        "laeq_uncertainty_db": total,
+        "laeq_uncertainty_parts_db": {"record": 0.5, "grid": 2.4},
+    }
+    columns = runs_table.numbers(summary)
+    assert columns["laeq_uncertainty_db"] == 0.5
+    assert columns["laeq_total_uncertainty_db"] == total
+    run = runs_table.Row("seed 1", "seed=1", {"surface.seed": 1}, summary)
+    (group,) = seed_statistics.groups([run])
+    level = group.of("laeq_db", seed_statistics.LEVELS["laeq_db"])
+    assert level is not None and level.stated == 0.5
+
+
 def test_tables_have_every_run_and_every_band(sweep: Path) -> None:
     written = table.tabulate(sweep)
     assert [path.name for path in written if path.suffix == ".csv"] == [
@@ -120,6 +138,21 @@ def test_plots_hold_the_means(sweep: Path, capsys: pytest.CaptureFixture[str]) -
     assert len(spectra) == 4 * 31
     # All of these are this program's own files.
     assert own_files.foreign(sweep, run_record.read(sweep)) == []
+
+
+def test_a_number_that_one_run_lacks_can_be_plotted(
+    sweep: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first run has no vibration, say, and all others have one."""
+    known = table.read_rows(sweep)
+    for number, row in enumerate(known[1:11]):
+        assert row.summary is not None
+        row.summary["vibration_laeq_db"] = 40.0 + number
+    monkeypatch.setattr(table, "read_rows", lambda _: known)
+    table.tabulate(sweep, ["vibration_laeq_db"])
+    lines = rows(sweep / "plot_vibration_laeq_db_against_rolling.load_n.csv")
+    # The first of three seeds has no number.
+    assert float(lines[0]["vibration_laeq_db_mean"]) == 40.5
 
 
 def test_many_curves_are_drawn_as_their_median(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import h5py
 import numpy as np
@@ -12,17 +13,20 @@ import pytest
 
 from rolling.check import demand
 from rolling.check.findings import check_scene
-from rolling.commands import Wanted, resound, resume, run
+from rolling.commands import Wanted, resound, resume, run, run_tasks
 from rolling.commands.interface import open_run, simulate
 from rolling.contact.solver import ContactError
 from rolling.dynamics import of_scene
+from rolling.folders.claim import Claim
 from rolling.folders.files import FolderError
 from rolling.scene.file import loads, read_scene
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.simulation import batch, force_law, moving_release, result_file, solving
 from rolling.simulation import simulate as pieces
+from rolling.simulation.batch import Run
 from rolling.simulation.moving_load import moving_key
+from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import hear
 from rolling.simulation.stored_runs import read_runs
@@ -268,6 +272,32 @@ def test_the_check_names_the_key_and_falls_silent() -> None:
     assert "force_ratio" not in still
 
 
+PLAIN_KEYS = """
+caveats complete contact_area_mean_m2 convolutions_mean duration_s energy_balance_error
+factor_pa_per_w_m2 hertz_area_m2 highest_frequency_hz iterations_mean laeq_db laf_max_db las_max_db
+level_db levelling load_n loops lz_peak_db max_pressure_pa name plastic_area_mean_m2 plastic_ratio
+release_power_audible_rms_w release_power_mean_w release_power_resolved_rms_w release_power_rms_w
+residual_max seconds sound_seconds steady_level_db step_ms steps surface third_octave_a_db
+third_octave_db third_octave_uncertainty_db tolerance tolerance_chosen tolerance_trial
+uncertainty_db
+"""
+
+
+def test_a_scene_without_dynamics_is_unchanged() -> None:
+    """The constant load solves the same contact bit by bit; the plain run knows no vibration."""
+    changes = ["rolling.distance_mm=0.1", "sound.source=release"]
+    without = ["dynamics=", "plate.thickness_mm=", "plate.loss_factor="]
+    plain = simulate(loads(TEXT, [*changes, *without]), 1, False)
+    vibrating = simulate(loads(TEXT, [*changes, "dynamics.release=false"]), 1, False)
+    assert vibrating.vibration is not None and plain.vibration is None
+    assert set(plain.series) == set(vibrating.series)
+    for name in set(plain.series) - {"step_time"}:  # a time of the clock
+        assert np.array_equal(plain.series[name], vibrating.series[name]), name
+    assert np.array_equal(plain.sound.pressure, vibrating.sound.pressure)
+    assert set(plain.summary) == set(PLAIN_KEYS.split())
+    assert vibrating.summary["laeq_db"] == plain.summary["laeq_db"]
+
+
 @pytest.mark.parametrize(
     ("change", "key", "words"),
     [
@@ -277,11 +307,13 @@ def test_the_check_names_the_key_and_falls_silent() -> None:
         ("sound.distance_m=0.2", "coincidence", "pressure on the axis holds from"),
         ("rolling.speed_m_s=0.05", "resonance_wave", "the grid decides"),
         ("surface.roughness_ra_um=2", "force_ratio", "loses contact"),
+        ("surface.roughness_ra_um=0.05", "force_ratio", "marched down to 0.25 of it"),
     ],
 )
 def test_validity_has_numbers(change: str, key: str, words: str) -> None:
-    plain = {each.key: each for each in check_scene(loads(TEXT), False).runs[0].findings}
-    changed = check_scene(loads(TEXT, [change]), False).runs[0].findings
+    calm = "surface.roughness_ra_um=0.04"
+    plain = {each.key: each for each in check_scene(loads(TEXT, [calm]), False).runs[0].findings}
+    changed = check_scene(loads(TEXT, [calm, change]), False).runs[0].findings
     assert plain[key].warning is None
     assert words in str({each.key: each for each in changed}[key].warning)
 
@@ -364,6 +396,25 @@ def test_release_under_the_moving_load(tmp_path: Path, capsys: pytest.CaptureFix
     numbers = json.loads((still / "summary.json").read_text())
     assert "force_law_error_m" not in numbers
     assert "constant_load_release" in {caveat["key"] for caveat in numbers["caveats"]}
+
+
+def test_runs_that_are_tasks_tell_their_releases(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A sweep of many runs, a part of it and a cluster say so before they start as well."""
+    monkeypatch.setattr(run_tasks, "_work", lambda *_: Outcome())
+    held = cast(Claim, None)  # it marks runs that fail, and none is solved here
+    still = loads(TEXT, ["dynamics.release=false"])
+    runs = [
+        Run({"surface.seed": seed}, scene, tmp_path / str(seed))
+        for seed, scene in enumerate([loads(TEXT, MOVING), loads(TEXT, MOVING), still])
+    ]
+    with progress.begin(progress.Level.NORMAL):
+        run_tasks.solve(held, runs, replace(ALONE, pictures=False), False)
+    assert "release under the moving load: 2 marches, about" in capsys.readouterr().err
+    with progress.begin(progress.Level.NORMAL):
+        run_tasks.solve(held, runs, replace(ALONE, pictures=False), False, [2])
+    assert "moving load" not in capsys.readouterr().err
 
 
 def test_a_killed_march_under_the_moving_load_goes_on() -> None:

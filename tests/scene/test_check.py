@@ -10,6 +10,7 @@ from scene_text import WIDE
 
 from acoustics import wav
 from rolling.check import cost, demand, finishing, machine
+from rolling.check import findings as check
 from rolling.check.cost import expected_step_ms, roughness
 from rolling.check.finding import Finding
 from rolling.check.findings import check_scene, findings
@@ -283,6 +284,17 @@ def test_expected_time_is_shared_by_the_cores(monkeypatch: pytest.MonkeyPatch) -
     )
     checked = check_scene(loads(WIDE), solve=False)
     assert of_all not in str(checked) and "of it for start, sound and pictures" in str(checked)
+
+
+def test_runs_share_a_march_up_to_the_number_that_is_solved_in_pieces(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each of more runs is a task, which marches alone."""
+    sweep = "sweep.sound.q=[0.1, 0.2, 0.3]"
+    scenes = [single for _, single in loads(WIDE, [sweep]).runs()]
+    assert check._marched_alone(scenes) == {0}
+    monkeypatch.setattr(demand, "PAGE_RUNS", 2)
+    assert check._marched_alone(scenes) == {0, 1, 2}
 
 
 def test_pictures_of_many_runs_take_no_time_of_each() -> None:
