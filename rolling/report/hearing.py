@@ -75,7 +75,7 @@ def situation(runs: Sequence[RunResult]) -> str:
         _kinds(list(dict.fromkeys(part))) for part in zip(*map(_parts, runs), strict=True)
     )
     return (
-        f"{body} sphere of {diameter} diameter rolls{speed} under {load} over"
+        f"{body[0].upper()}{body[1:]} sphere of {diameter} diameter rolls at {speed} under {load} over"
         f" {thickness} of {plate}: {surface}. It is heard from {distance}."
     )
 
@@ -84,11 +84,11 @@ def _parts(run: RunResult) -> tuple[str, ...]:
     """Return sphere, diameter, speed, load, thickness, plate, surface and distance in words."""
     scene = run.scene
     yields = f" that yields at {scene.plate.hardness_gpa:g} GPa" if scene.plate.hardness_gpa else ""
-    speed = ""
+    speed = "changing speed"
     if run.sound.constant_speed:
-        speed = f" at {scene.motion.fastest(run.sound.duration):.3g} m/s"
+        speed = f"{scene.motion.fastest(run.sound.duration):.3g} m/s"
     return (
-        "An elastic" if scene.sphere.youngs_modulus_gpa else "A rigid",
+        "an elastic" if scene.sphere.youngs_modulus_gpa else "a rigid",
         f"{2 * scene.sphere.radius_mm:g} mm",
         speed,
         f"{scene.load:g} N",
@@ -102,9 +102,9 @@ def _parts(run: RunResult) -> tuple[str, ...]:
 def _kinds(words: Sequence[str]) -> str:
     """Join the kinds of a part; of many kinds the first and the last stand for all."""
     if len(words) > MOST_KINDS:
-        return f"{words[0]} to {words[-1].strip()} ({len(words)} kinds)"
-    head = ", ".join([words[0], *(word.strip() for word in words[1:-1])])
-    return f"{head} or {words[-1].strip()}" if len(words) > 1 else head
+        return f"{words[0]} to {words[-1]} ({len(words)} kinds)"
+    head = ", ".join(words[:-1])
+    return f"{head} or {words[-1]}" if head else words[-1]
 
 
 def sentences(runs: Sequence[RunResult]) -> list[str]:
@@ -180,7 +180,7 @@ def _shaken(run: RunResult) -> str:
     if summary["flight_share"] > 0:
         flies = (
             f" It flies for {percent(summary['flight_share'])} of the time, and hits the plate"
-            f" {summary['impacts']} times."
+            f" {summary['impacts']} {'time' if summary['impacts'] == 1 else 'times'}."
         )
     return (
         f"The ball rings on its contact at {kilohertz(summary['resonance_hz'])}, where waves of the"

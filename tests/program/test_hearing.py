@@ -75,7 +75,7 @@ def test_what_differs_between_runs_is_named_with_all_its_kinds(heard) -> None:
     assert said.endswith("It is heard from 2 m.")
     assert "of 2 mm to 8 mm (4 kinds) diameter" in hearing.situation(runs)
     fast = replace(run, scene=run.scene.with_(speed_m_s=0.3))
-    assert "rolls at 0.1 m/s or at 0.3 m/s under" in hearing.situation([run, fast])
+    assert "rolls at 0.1 m/s or 0.3 m/s under" in hearing.situation([run, fast])
 
 
 def test_the_thickness_of_the_plate_is_said_where_it_is_given(heard) -> None:
