@@ -75,8 +75,8 @@ def situation(runs: Sequence[RunResult]) -> str:
         _kinds(list(dict.fromkeys(part))) for part in zip(*map(_parts, runs), strict=True)
     )
     return (
-        f"{body[0].upper()}{body[1:]} sphere of {diameter} diameter rolls at {speed} under {load} over"
-        f" {thickness} of {plate}: {surface}. It is heard from {distance}."
+        f"{body[0].upper()}{body[1:]} sphere of {diameter} diameter rolls at {speed} under {load}"
+        f" over {thickness} of {plate}: {surface}. It is heard from {distance}."
     )
 
 
