@@ -175,8 +175,9 @@ def _finer(table: Table) -> list[str]:
         for key, judgement, finer in checked
         if finer.turns
     ]
+    plural = "" if len(checked) == 1 else "s"
     words = (
-        f"Twice the error of the grid could turn {len(checked)} verdicts. The {len(places)} cases"
+        f"Twice the error of the grid could turn {len(checked)} verdict{plural}. The {len(places)} cases"
         " that decide them were solved again at half the spacing, on an eighth of the track of"
         f" their first surface. {len(turned) or 'None'} of the verdicts"
         f" change{'s' if len(turned) == 1 else ''} with these numbers"
