@@ -178,8 +178,8 @@ def _finer(table: Table) -> list[str]:
     plural = "" if len(checked) == 1 else "s"
     words = (
         f"Twice the error of the grid could turn {len(checked)} verdict{plural}. The"
-        f" {len(places)} cases that decide them were solved again at half the spacing, on an eighth of the track of"
-        f" their first surface. {len(turned) or 'None'} of the verdicts"
+        f" {len(places)} cases that decide them were solved again at half the spacing, on an"
+        f" eighth of the track of their first surface. {len(turned) or 'None'} of the verdicts"
         f" change{'s' if len(turned) == 1 else ''} with these numbers"
         f"{f' ({TURNS})' if turned else ''}."
     )
