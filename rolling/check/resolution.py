@@ -30,6 +30,7 @@ SHARP_DB = 27.5
 SHARP_FLAT_DB = 5.8
 SUBCELLS_DB = -6.0  # per doubling of the sub-cells beyond the number of `auto`
 PER_SPACING_DB = -PER_LENGTH_DB - 2 * PER_AREA_DB  # per decade of the spacing
+MOST_TRIED = 10_000  # numbers of nodes that a search for a spacing of few digits tries
 
 
 def grid_signal_db(scene: Scene) -> float | None:
@@ -121,7 +122,8 @@ def fitting_spacing(scene: Scene, spacing_um: float) -> float:
         return float(f"{math.floor(spacing_um * 100) / 100 or spacing_um:.2g}")
     width = scene.surface.width_um
     least = math.ceil(width / spacing_um - 1e-9)
-    for nodes in range(least, 2 * least):
+    # Among millions of nodes no spacing of few digits need fit, and the search would take seconds.
+    for nodes in range(least, min(2 * least, least + MOST_TRIED)):
         spacing = float(f"{width / nodes:.3g}")
         if abs(width / spacing - nodes) <= 1e-7 * nodes:
             return spacing

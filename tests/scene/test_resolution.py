@@ -1,5 +1,6 @@
 """The rule for the error of the grid, and the spacing that it names."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -90,3 +91,10 @@ def test_the_rule_holds_for_marches_at_a_quarter_of_the_spacing(overrides: list[
     measured = 20 * np.log10(np.std(off) / np.std(fine))
     assert measured == pytest.approx(resolution.grid_signal_db(scene), abs=10)
     assert (measured > resolution.WANTED_DB) == (warning_of(scene) is not None)
+
+
+def test_a_spacing_for_millions_of_nodes_is_found_at_once() -> None:
+    scene = loads(TEXT, ["surface.width_um=60000", "surface.spacing_um=1"])
+    began = time.process_time()
+    assert resolution.fitting_spacing(scene, 1.2345678e-3) <= 1.2345678e-3
+    assert time.process_time() - began < 1.0
