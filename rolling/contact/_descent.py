@@ -141,6 +141,35 @@ class BlendedEdges:
         return difference
 
 
+@dataclass(frozen=True)
+class Goal:
+    """Violation of the contact conditions that a descent leaves.
+
+    Parameters
+    ----------
+    tolerance : float
+        Maximum allowed violation over the maximum deflection.
+    u_max : float, m
+        Maximum deflection.
+    share : float
+        Share of the allowed violation at which the descent ends.
+    """
+
+    tolerance: float
+    u_max: float
+    share: float = AIM
+
+    @property
+    def allowed(self) -> float:
+        """Maximum allowed violation [m]."""
+        return self.tolerance * self.u_max
+
+    @property
+    def violation(self) -> float:
+        """Violation at which the descent ends [m]."""
+        return self.share * self.allowed
+
+
 class Descent:
     """Conjugate gradients on the candidates, until they satisfy the contact conditions.
 
@@ -156,14 +185,10 @@ class Descent:
         Edges within cells, which `gap` contains.
     limits : Limits
         Hardness and sum of pressures.
-    tolerance : float
-        Maximum allowed violation of the contact conditions over the maximum deflection.
-    u_max : float, m
-        Maximum deflection.
+    goal : Goal
+        Violation that the descent leaves.
     single : bool
         If true, transforms are in single precision.
-    aim : float
-        Share of the allowed violation at which the descent ends.
 
     Attributes
     ----------
@@ -185,14 +210,12 @@ class Descent:
         gap: Array,
         edges: BlendedEdges | None,
         limits: Limits,
-        tolerance: float,
-        u_max: float,
+        goal: Goal,
         single: bool,
-        aim: float,
     ) -> None:
         self.half_space, self.node, self.limits = half_space, candidates.node, limits
-        self.allowed = tolerance * u_max
-        self.goal = self.first_goal = aim * self.allowed
+        self.allowed = goal.allowed
+        self.goal = self.first_goal = goal.violation
         self.rows = candidates.rows
         self.transforms = half_space.convolution(
             candidates.rows - 1, candidates.columns - 1, single=single
@@ -206,8 +229,8 @@ class Descent:
         self._listed = self.transforms.cells_of(self.node, gap.shape[1], self._block[:2])
         self.blended = edges is not None
         self._vectors = np.zeros((10 if edges else 6, self.node.size))
-        packed = self._pack(half_space.unit, u_max, edges)
-        self._take(packed, pressure, gap, edges, aim)
+        packed = self._pack(half_space.unit, goal.u_max, edges)
+        self._take(packed, pressure, gap, edges, goal.share)
         self.packed = tuple(packed)
         self.direction = Direction(0.0, 0.0, 0.0, _solver_kernels.FIRST_LENGTH)
         self.step = Step(np.nan, np.nan, 0, 0, 0, 0)
@@ -241,7 +264,7 @@ class Descent:
         )
 
     def _take(
-        self, packed: Packed, pressure: Array, gap: Array, edges: BlendedEdges | None, aim: float
+        self, packed: Packed, pressure: Array, gap: Array, edges: BlendedEdges | None, share: float
     ) -> None:
         """Set the vectors of the candidates and their indices."""
         node = self.node
@@ -267,7 +290,7 @@ class Descent:
         )
         # where no edge is expected, none may have to move
         if packed.vectors[8].any():
-            self.first_goal = max(self.goal, aim * FIRST_EDGES * edges.u_max)
+            self.first_goal = max(self.goal, share * FIRST_EDGES * edges.u_max)
 
     @property
     def pressure(self) -> Array:

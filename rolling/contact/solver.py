@@ -19,7 +19,7 @@ import numpy as np
 
 from rolling._typing import Array
 from rolling.contact import _projection, _solver_kernels
-from rolling.contact._descent import AIM, AIM_FIRST, BlendedEdges, Candidates, Descent, Effort
+from rolling.contact._descent import AIM, AIM_FIRST, BlendedEdges, Candidates, Descent, Effort, Goal
 from rolling.contact._system import Limits, Sets
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
 
@@ -129,6 +129,11 @@ class SolverOptions:
 
     tolerance: float = 1e-5
     single: bool = True
+
+    @property
+    def serves_single(self) -> bool:
+        """Whether a solve may iterate in single precision."""
+        return self.single and self.tolerance >= SINGLE_TOLERANCE
 
 
 def own_deflection(half_space: HalfSpace, hardness: float) -> float:
@@ -259,12 +264,7 @@ def solve_contact(
     options = options or SolverOptions()
     start = start or _cold_start(half_space, gap, load, hardness)
     limits = Limits(float(hardness), float(load / half_space.spacing**2))
-    gap, p = np.ascontiguousarray(gap, dtype=float), np.array(start.pressure, dtype=float)
-    if p.shape != gap.shape:
-        raise ValueError(
-            f"the start has pressures of shape {p.shape}, the gap has shape {gap.shape}"
-        )
-    u = half_space.deflection(p) if start.deflection is None else start.deflection
+    gap, p, u = _begin(half_space, gap, start)
     edges = None
     if shape is not None:
         edges = BlendedEdges(gap, shape, levelled_range(half_space, hardness))
@@ -274,11 +274,8 @@ def solve_contact(
     while True:
         e, v = (gap, u) if edges is None else _shared(gap, u, p, edges.edge, hardness)
         approach, u_max, worst = _state(p, e, u, v, limits, fresh)
-        if (
-            fresh
-            and worst <= options.tolerance * u_max
-            and abs(p.sum() / limits.total - 1) <= 1e-12
-        ):
+        goal = Goal(options.tolerance, u_max, AIM if effort.rounds else AIM_FIRST)
+        if fresh and worst <= goal.allowed and abs(p.sum() / limits.total - 1) <= 1e-12:
             edge = None if edges is None else edges.edge
             return Contact(p, u, float(approach), float(worst / u_max), effort.iterations, edge)
         if effort.is_spent:
@@ -287,23 +284,10 @@ def solve_contact(
         highest = approach + near * u_max
         candidates = Candidates.below(p, e, v, highest, half_space.subcells, edges is not None)
         # Without convergence and without new candidates single precision does not suffice.
-        precise = (
-            not options.single
-            or options.tolerance < SINGLE_TOLERANCE
-            or (fresh and candidates.node.size <= seen and (edges is None or effort.rounds > 4))
+        single = options.serves_single and not (
+            fresh and candidates.node.size <= seen and (edges is None or effort.rounds > 4)
         )
-        descent = Descent(
-            half_space,
-            candidates,
-            p,
-            e + v,
-            edges,
-            limits,
-            options.tolerance,
-            u_max,
-            not precise,
-            AIM if effort.rounds else AIM_FIRST,
-        )
+        descent = Descent(half_space, candidates, p, e + v, edges, limits, goal, single)
         if start.trend is not None and not fresh:
             descent.lead(start.trend.pressure, start.trend.deflection)
         descent.iterate(effort)
@@ -313,6 +297,16 @@ def solve_contact(
         near, seen = NEAR, candidates.node.size
         if edges is not None:
             edges.find(u)
+
+
+def _begin(half_space: HalfSpace, gap: Array, start: WarmStart) -> tuple[Array, Array, Array]:
+    """Return the gap [m], the pressure [Pa] and its deflection [m] that a solve begins with."""
+    gap, p = np.ascontiguousarray(gap, dtype=float), np.array(start.pressure, dtype=float)
+    if p.shape != gap.shape:
+        raise ValueError(
+            f"the start has pressures of shape {p.shape}, the gap has shape {gap.shape}"
+        )
+    return gap, p, half_space.deflection(p) if start.deflection is None else start.deflection
 
 
 def _shared(gap: Array, u: Array, p: Array, edge: Array, hardness: float) -> tuple[Array, Array]:
