@@ -138,12 +138,15 @@ class _Problem:
         return replace(self, window=window, gap=self.contact.gap(self.k, window))
 
 
-def _solve(problem: _Problem, start: WarmStart, tolerance: float) -> ContactState:
+def _solve(
+    problem: _Problem, start: WarmStart, tolerance: float, sphere_share: float = 0.0
+) -> ContactState:
     """Solve the problem, again on a larger window where the overlap leaves the window.
 
-    The overlap at the solved approach counts.
+    The overlap at the solved approach counts. The share of the start that moved with the sphere
+    goes into the state.
     """
-    iterations, convolutions = 0, problem.half_space.count
+    iterations, before = 0, problem.half_space.count
     while True:
         solved = problem.solve(start, tolerance)
         iterations += solved.iterations
@@ -152,13 +155,13 @@ def _solve(problem: _Problem, start: WarmStart, tolerance: float) -> ContactStat
             break
         start = WarmStart(problem.window.moved(solved.pressure, wider.window), close=True)
         problem = wider
-    state = _state(problem, solved)
-    return replace(
-        state, iterations=iterations, convolutions=problem.half_space.count - convolutions
-    )
+    convolutions = problem.half_space.count - before
+    return _state(problem, solved, iterations, convolutions, sphere_share)
 
 
-def _state(problem: _Problem, solved: Contact) -> ContactState:
+def _state(
+    problem: _Problem, solved: Contact, iterations: int, convolutions: int, sphere_share: float
+) -> ContactState:
     """Measure a solved contact: its loaded block, areas, maxima and energy."""
     contact, window = problem.contact, problem.window
     count, capped, maximum, work, *block = _march_kernels.loaded(
@@ -189,9 +192,10 @@ def _state(problem: _Problem, solved: Contact) -> ContactState:
         max_deflection=float(solved.deflection.max()),
         stored_energy=0.5 * float(work) * cell,
         residual=solved.residual,
-        iterations=solved.iterations,
-        convolutions=0,
+        iterations=iterations,
+        convolutions=convolutions,
         edge=solved.edge,
+        sphere_share=sphere_share,
     )
 
 
@@ -250,10 +254,8 @@ def _follow(
     if before is not None and deflection is not None:
         trend = _trend(pressure, deflection, window, before)
     problem = _Problem(contact, k, half_space, window, gap, approach)
-    following = _solve(
-        problem, WarmStart(pressure, deflection, trend, close=True), contact.tolerance
-    )
-    return replace(following, sphere_share=sphere_share)
+    start = WarmStart(pressure, deflection, trend, close=True)
+    return _solve(problem, start, contact.tolerance, sphere_share)
 
 
 def _trend(pressure: Array, deflection: Array, window: Window, before: ContactState) -> Trend:

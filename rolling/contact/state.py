@@ -138,7 +138,7 @@ class RollingContact:
         With blended edges a node may bear part of its cell. The gap then is that of the top of each
         cell, and a border of one node allows for the slope that the sphere adds.
         """
-        block = _march_kernels.overlap_block(
+        row, last_row, column, last_column = _march_kernels.overlap_block(
             self.tops,
             self.row_highest,
             self.highest,
@@ -148,9 +148,9 @@ class RollingContact:
             self.mid_width,
             approach,
         )
-        if block[1] < block[0]:
+        if last_row < row:
             return None
-        window = Window.spanning([block])
+        window = Window(row, column, last_row - row + 1, last_column - column + 1)
         return window.bordered() if self.has_blended_edges else window
 
     def gap(self, k: int, window: Window) -> Array:

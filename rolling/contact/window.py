@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,21 +29,12 @@ class Window:
     columns: int
 
     @classmethod
-    def spanning(cls, blocks: list[tuple[int, int, int, int]]) -> Window:
-        """Return the minimum window over blocks.
-
-        A block is (first row, last row, first column, last column).
-        """
-        row, last_row = min(b[0] for b in blocks), max(b[1] for b in blocks)
-        column, last_column = min(b[2] for b in blocks), max(b[3] for b in blocks)
-        return cls(row, column, last_row - row + 1, last_column - column + 1)
-
-    @classmethod
-    def around(cls, windows: Iterable[Window]) -> Window:
+    def around(cls, windows: Sequence[Window]) -> Window:
         """Return the minimum window that covers all given windows."""
-        return cls.spanning(
-            [(w.row, w.row + w.rows - 1, w.column, w.column + w.columns - 1) for w in windows]
-        )
+        row, column = min([w.row for w in windows]), min([w.column for w in windows])
+        end = max([w.row + w.rows for w in windows])
+        column_end = max([w.column + w.columns for w in windows])
+        return cls(row, column, end - row, column_end - column)
 
     def covers(self, other: Window) -> bool:
         """Tell whether all nodes of another window lie in this window."""

@@ -228,7 +228,7 @@ def _shots(
 
 def _shot(states: list[ContactState], works: list[StepEnergy], subcells: int) -> _Shot:
     """Return the last state, and the releases of all steps up to it."""
-    window = Window.around(state.loaded.whole(subcells).cells(subcells) for state in states)
+    window = Window.around([state.loaded.whole(subcells).cells(subcells) for state in states])
     last = states[-1]
     pressure = last.window.cells(subcells).moved(cell_means(last.pressure, subcells), window)
     release = np.zeros_like(pressure)
@@ -241,7 +241,7 @@ def _shot(states: list[ContactState], works: list[StepEnergy], subcells: int) ->
 
 def _assembled(contact: RollingContact, part: Stretch, shots: list[_Shot]) -> SlowMotion:
     """Put the shots on a common part of the plate, with few enough cells."""
-    whole = Window.around(shot.window for shot in shots)
+    whole = Window.around([shot.window for shot in shots])
     nodes = -(-max(max(shot.window.rows, shot.window.columns) for shot in shots) // CELLS)
     rows, columns = (-(-count // nodes) for count in (whole.rows, whole.columns))
     border = MARGIN * nodes

@@ -60,7 +60,8 @@ def test_overlap_holds_every_node_below_the_approach() -> None:
         if not near.any():
             assert found is None
         else:
-            assert found == Window.spanning([(i.min(), i.max(), j.min(), j.max())])
+            rows, columns = np.ptp(i) + 1, np.ptp(j) + 1
+            assert found == Window(i.min(), j.min(), rows, columns)
 
 
 @pytest.mark.law("Window: a detached island of contact is found.")
