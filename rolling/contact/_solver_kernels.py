@@ -17,6 +17,7 @@ from rolling.contact._model_kernels import (
     extrapolate,
     fill,
     follow_model,
+    list_inside,
     model_direction,
     settle_model,
     sort_nodes,
@@ -385,12 +386,11 @@ def cell_ranges(shape, u, levelled, out):
 
 
 @njit(cache=True)
-def move_edges(packed):
+def move_edges(system):
     """Move the edges of the candidates to the place that the present gaps give them.
 
     The edge of a node beside a node that is no candidate stays.
     """
-    system = unpack(packed)
     p, g, compliance, softening = system.nodes
     edge, between_nodes, field, levelled = system.edges
     place, row_length = system.stencil.node, system.stencil.row_length
@@ -435,10 +435,11 @@ def advance(system, direction):
 
 
 @njit(cache=True)
-def iterate(packed, direction, snap, allowed, sweeps):
+def iterate(packed, direction, snap, allowed, sweeps, edges_move):
     """Step along the direction, and find the next direction unless converged.
 
-    The step has converged if the violation is within `allowed` [m].
+    The step has converged if the violation is within `allowed` [m]. Where `edges_move`, the edges
+    follow the gaps before the violation is measured.
 
     The deflection by the direction must be known. The model, settled by so many sweeps, gives the
     next direction. Without sweeps, or where the model has none that descends, the preconditioned
@@ -450,6 +451,8 @@ def iterate(packed, direction, snap, allowed, sweeps):
     system, direction = unpack(packed), Direction(*direction)
     nodes, limits, work = system.nodes, system.limits, system.work
     alpha = advance(system, direction) if direction.slope < 0.0 else 1.0
+    if edges_move:
+        move_edges(system)
     approach = approach_of(nodes.p, nodes.g, limits.hardness)
     length = direction.length * min(max(alpha, 0.5), 2.0)
     plain = alpha < LEAST_STEP
@@ -466,6 +469,8 @@ def iterate(packed, direction, snap, allowed, sweeps):
             return (approach, worst, free, bound, restarts, 0), tuple_of(following)
         length = 1.0
         direction = Direction(0.0, 0.0, 0.0, length)
+        # The model may have put nodes on their bound.
+        approach = approach_of(nodes.p, nodes.g, limits.hardness)
     worst, free, bound = find_residual(nodes, system.stencil, work, limits.hardness, approach, snap)
     restarts = 0
     if worst > allowed:
@@ -533,10 +538,13 @@ def finish(packed, direction, approach, sweeps):
 
 
 @njit(cache=True)
-def carry_load(packed, approach, free):
-    """Shift the free nodes so that the pressures carry the load exactly, where they can."""
+def carry_load(packed, approach):
+    """Shift the nodes between the bounds so that the load is exact, where they can carry it."""
     system = unpack(packed)
     nodes, work, limits = system.nodes, system.work, system.limits
+    free = list_inside(nodes.p, limits.hardness, work.active)
+    if free == 0:
+        return
     work.trial[:] = nodes.p
     sets = Sets(work.active, free, 0)
     slope, _ = project(nodes.p, nodes.g, approach, work.trial, sets, limits, work.d)

@@ -270,11 +270,12 @@ def solve_contact(
         edges = BlendedEdges(gap, shape, levelled_range(half_space, hardness))
         edges.find(u, None if start.trend is None else start.trend.deflection)
     near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
-    effort = Effort()
+    effort, exhausted = Effort(), False
     while True:
         e, v = (gap, u) if edges is None else _shared(gap, u, p, edges.edge, hardness)
         approach, u_max, worst = _state(p, e, u, v, limits, fresh)
-        goal = Goal(options.tolerance, u_max, AIM if effort.rounds else AIM_FIRST)
+        share = AIM if effort.rounds or edges is not None else AIM_FIRST
+        goal = Goal(options.tolerance, u_max, share)
         if fresh and worst <= goal.allowed and abs(p.sum() / limits.total - 1) <= 1e-12:
             edge = None if edges is None else edges.edge
             return Contact(p, u, float(approach), float(worst / u_max), effort.iterations, edge)
@@ -283,15 +284,17 @@ def solve_contact(
             raise _not_converged(effort, worst / u_max, options.tolerance, limit)
         highest = approach + near * u_max
         candidates = Candidates.below(p, e, v, highest, half_space.subcells, edges is not None)
-        # Without convergence and without new candidates single precision does not suffice.
+        # Where a descent went as far as it could and left no new candidates, single precision does
+        # not suffice.
         single = options.serves_single and not (
-            fresh and candidates.node.size <= seen and (edges is None or effort.rounds > 4)
+            exhausted and candidates.node.size <= seen and (edges is None or effort.rounds > 4)
         )
         descent = Descent(half_space, candidates, p, e + v, edges, limits, goal, single)
         if start.trend is not None and not fresh:
             descent.lead(start.trend.pressure, start.trend.deflection)
         descent.iterate(effort)
         descent.settle(effort)
+        exhausted = descent.is_exhausted
         p.ravel()[candidates.node] = descent.pressure
         u, fresh = half_space.deflection(p), True
         near, seen = NEAR, candidates.node.size

@@ -1,0 +1,70 @@
+"""A descent of the contact solve keeps its precision and survives a last step that fails."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers import assert_solved, make_track, roll, rough
+
+from rolling.contact import _solver_kernels
+from rolling.contact._descent import Descent, Effort
+from rolling.contact.state import RollingContact
+
+
+@pytest.fixture(scope="module")
+def track() -> RollingContact:
+    return make_track(rough(100, 100, 3e-7), load=0.5, hardness=2.1e9, tolerance=1e-4)
+
+
+@pytest.fixture
+def descents(monkeypatch: pytest.MonkeyPatch) -> list[Descent]:
+    """Descents of all solves, in the order in which they iterate."""
+    listed: list[Descent] = []
+    iterate = Descent.iterate
+
+    def listing(self: Descent, effort: Effort) -> None:
+        listed.append(self)
+        iterate(self, effort)
+
+    monkeypatch.setattr(Descent, "iterate", listing)
+    return listed
+
+
+def test_a_second_descent_stays_in_single_precision(
+    track: RollingContact, descents: list[Descent]
+) -> None:
+    """A first descent that the final check refuses tells nothing about precision."""
+    states = roll(track, 0, 11)
+    assert len(descents) > len(states)
+    assert all(descent.transforms.single for descent in descents)
+
+
+def test_a_tight_tolerance_ends_in_double_precision(
+    track: RollingContact, descents: list[Descent]
+) -> None:
+    """Near the error of single precision, descents that end there leave too much to the check."""
+    states = roll(replace(track, tolerance=1.2e-6), 0, 5)
+    assert not all(descent.transforms.single for descent in descents)
+    assert max(state.residual for state in states) <= 1.2e-6
+
+
+@pytest.mark.parametrize("blended", [False, True])
+def test_a_last_step_that_fails_leaves_an_exact_load(
+    track: RollingContact, monkeypatch: pytest.MonkeyPatch, blended: bool
+) -> None:
+    """The nodes that carry the load are listed anew, whatever the failed step left in the list."""
+
+    def failing(packed: tuple, *_: object) -> bool:
+        packed[1][0] = 0
+        return False
+
+    track = replace(track, blended=blended)
+    monkeypatch.setattr(_solver_kernels, "finish", lambda *_: False)
+    undisturbed = roll(track, 0, 6)
+    monkeypatch.setattr(_solver_kernels, "finish", failing)
+    states = roll(track, 0, 6)
+    for state, other in zip(states, undisturbed, strict=True):
+        assert_solved(track, state)
+        assert np.array_equal(state.pressure, other.pressure)
