@@ -76,3 +76,12 @@ def test_a_march_twice_is_the_same_to_the_bit() -> None:
     track = make_track(rough(60, 60, 2e-7), load=0.5, hardness=2.1e9, tolerance=1e-4)
     one, other = roll(track, 0, 5), roll(replace(track), 0, 5)
     assert all(np.array_equal(a.pressure, b.pressure) for a, b in zip(one, other, strict=True))
+
+
+@pytest.mark.parametrize(("roughness", "most"), [(0.0, 3.0), (1e-9, 6.0), (1e-8, 6.5)])
+def test_smooth_plates_take_few_convolutions(roughness: float, most: float) -> None:
+    """Perfectly smooth plates start from pressures that move along, others by extrapolation."""
+    heights = rough(100, 100, roughness) if roughness else np.zeros((100, 100))
+    states = roll(make_track(heights, load=2.0, tolerance=1e-4), 0, 14)[3:]
+    counts = [state.convolutions for state in states]
+    assert np.mean(counts) <= most, counts
