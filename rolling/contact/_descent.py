@@ -83,7 +83,6 @@ class Candidates:
         cls,
         pressure: Array,
         gap: Array,
-        deflection: Array,
         highest: float,
         subcells: int = 1,
         neighbours: bool = False,
@@ -95,9 +94,7 @@ class Candidates:
         """
         find = _solver_kernels.with_neighbours if neighbours else _solver_kernels.candidates
         listed = np.empty(pressure.size, dtype=np.int64)
-        count, first_row, last_row, first_column, last_column = find(
-            pressure, gap, deflection, highest, listed
-        )
+        count, first_row, last_row, first_column, last_column = find(pressure, gap, highest, listed)
         first_row, first_column = (k // subcells * subcells for k in (first_row, first_column))
         rows, columns = (
             -(-(last - first + 1) // subcells) * subcells

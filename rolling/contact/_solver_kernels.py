@@ -2,7 +2,7 @@
 
 r is the residual, the remaining gap or overlap on a free node [m]; z is the preconditioned residual
 and d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
-direction. `violation`, `candidates` and `cell_ranges` read a whole window. All other passes read
+direction. `state_of`, `candidates` and `cell_ranges` read a whole window. All other passes read
 its candidates, the nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead`,
 `finish` and `carry_load`.
 """
@@ -59,44 +59,49 @@ def find_approach(inside, gap_sum, lowest_open, highest_capped):
 
 
 @njit(cache=True)
-def state_of(p, e, u, hardness):
-    """Return approach [m] and maximum deflection [m] of a state.
+def shared_gap(gap, u, p, edge, hardness, out):
+    """Set `out` to the deformed gap [m] in which shared cells are nodes with a compliance.
 
-    The state has pressures p and deflections u over undeformed gaps e, as flat arrays.
+    A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives
+    2 edge / H by itself. All arrays are flat.
     """
-    inside, gap_sum, lowest_open, highest_capped, u_max = 0, 0.0, np.inf, -np.inf, 0.0
+    per_hardness = 2.0 / hardness
+    for k in range(out.size):
+        out[k] = (gap[k] - edge[k]) + (u[k] + edge[k] * (p[k] * per_hardness))
+
+
+@njit(cache=True)
+def state_of(p, g, u, hardness):
+    """Return approach [m], maximum deflection [m] and maximum violation [m] of a state.
+
+    The state has pressures p, gaps g before the approach is subtracted, and deflections u, as flat
+    arrays. The violation of the contact conditions is infinite where numbers are not finite.
+    """
+    inside, gap_sum, u_max, finite = 0, 0.0, 0.0, True
+    lowest, lowest_open, highest, highest_capped = np.inf, np.inf, -np.inf, -np.inf
     for k in range(p.size):
-        g = e[k] + u[k]
+        v = g[k]
         u_max = max(u_max, u[k])
+        finite = finite and v == v
         if p[k] <= 0.0:
-            lowest_open = min(lowest_open, g)
+            lowest_open = min(lowest_open, v)
         elif p[k] >= hardness:
-            highest_capped = max(highest_capped, g)
+            highest_capped = max(highest_capped, v)
         else:
-            gap_sum += g
+            gap_sum += v
             inside += 1
-    return find_approach(inside, gap_sum, lowest_open, highest_capped), u_max
+            lowest = min(lowest, v)
+            highest = max(highest, v)
+    approach = find_approach(inside, gap_sum, lowest_open, highest_capped)
+    if not finite:
+        return approach, u_max, np.inf
+    overlap = approach - min(lowest, lowest_open)
+    opening = max(highest, highest_capped) - approach
+    return approach, u_max, max(overlap, opening, 0.0)
 
 
 @njit(cache=True)
-def violation(p, e, u, hardness, approach):
-    """Return the maximum violation of the contact conditions [m].
-
-    It is infinite where numbers are not finite.
-    """
-    worst = 0.0
-    for k in range(p.size):
-        g = e[k] + u[k] - approach
-        if p[k] <= 0.0:
-            g = -g
-        elif p[k] < hardness:
-            g = abs(g)
-        worst = max(worst, g) if g == g else np.inf
-    return worst
-
-
-@njit(cache=True)
-def candidates(p, e, u, highest, node):
+def candidates(p, g, highest, node):
     """List the nodes of a window that are loaded or lie lower than `highest` [m].
 
     Their flat indices go into `node`.
@@ -110,7 +115,7 @@ def candidates(p, e, u, highest, node):
     for i in range(rows):
         before = count
         for j in range(columns):
-            if p[i, j] > 0.0 or e[i, j] + u[i, j] < highest:
+            if p[i, j] > 0.0 or g[i, j] < highest:
                 node[count] = i * columns + j
                 count += 1
         if count > before:
@@ -122,13 +127,13 @@ def candidates(p, e, u, highest, node):
 
 
 @njit(cache=True)
-def with_neighbours(p, e, u, highest, node):
+def with_neighbours(p, g, highest, node):
     """List the nodes as `candidates` does, and the neighbours of each along and across."""
     rows, columns = p.shape
     listed = np.zeros((rows + 2, columns + 2), np.uint8)
     for i in range(rows):
         for j in range(columns):
-            if p[i, j] > 0.0 or e[i, j] + u[i, j] < highest:
+            if p[i, j] > 0.0 or g[i, j] < highest:
                 listed[i + 1, j + 1] |= 1
                 listed[i, j + 1] |= 2
                 listed[i + 2, j + 1] |= 2

@@ -272,8 +272,8 @@ def solve_contact(
     near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
     effort, exhausted = Effort(), False
     while True:
-        e, v = (gap, u) if edges is None else _shared(gap, u, p, edges.edge, hardness)
-        approach, u_max, worst = _state(p, e, u, v, limits, fresh)
+        g = gap + u if edges is None else _shared(gap, u, p, edges.edge, hardness)
+        approach, u_max, worst = _state(p, g, u, limits, fresh)
         share = AIM if effort.rounds or edges is not None else AIM_FIRST
         goal = Goal(options.tolerance, u_max, share)
         if fresh and worst <= goal.allowed and abs(p.sum() / limits.total - 1) <= 1e-12:
@@ -283,13 +283,13 @@ def solve_contact(
             limit = _rounding_limit(gap, u_max, options)
             raise _not_converged(effort, worst / u_max, options.tolerance, limit)
         highest = approach + near * u_max
-        candidates = Candidates.below(p, e, v, highest, half_space.subcells, edges is not None)
+        candidates = Candidates.below(p, g, highest, half_space.subcells, edges is not None)
         # Where a descent went as far as it could and left no new candidates, single precision does
         # not suffice.
         single = options.serves_single and not (
             exhausted and candidates.node.size <= seen and (edges is None or effort.rounds > 4)
         )
-        descent = Descent(half_space, candidates, p, e + v, edges, limits, goal, single)
+        descent = Descent(half_space, candidates, p, g, edges, limits, goal, single)
         if start.trend is not None and not fresh:
             descent.lead(start.trend.pressure, start.trend.deflection)
         descent.iterate(effort)
@@ -312,43 +312,39 @@ def _begin(half_space: HalfSpace, gap: Array, start: WarmStart) -> tuple[Array, 
     return gap, p, half_space.deflection(p) if start.deflection is None else start.deflection
 
 
-def _shared(gap: Array, u: Array, p: Array, edge: Array, hardness: float) -> tuple[Array, Array]:
-    """Return gap and deflection [m] in which shared cells are nodes with a compliance.
+def _shared(gap: Array, u: Array, p: Array, edge: Array, hardness: float) -> Array:
+    """Return the deformed gap [m] in which shared cells are nodes with a compliance."""
+    out = np.empty_like(gap)
+    flat = gap.ravel(), u.ravel(), p.ravel(), edge.ravel()
+    _solver_kernels.shared_gap(*flat, hardness, out.ravel())
+    return out
 
-    A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives
-    2 edge / H by itself.
-    """
-    return gap - edge, u + edge * (p * (2 / hardness))
 
-
-def _state(
-    p: Array, gap: Array, u: Array, v: Array, limits: Limits, fresh: bool
-) -> tuple[float, float, float]:
-    """Return approach [m], maximum deflection [m] and worst violation [m] of a pressure.
+def _state(p: Array, g: Array, u: Array, limits: Limits, fresh: bool) -> tuple[float, float, float]:
+    """Return approach [m], maximum deflection [m] and maximum violation [m] of a pressure.
 
     Parameters
     ----------
     p : (m, n) array, Pa
         Pressure.
-    gap : (m, n) array, m
-        Undeformed gap.
-    u, v : (m, n) arrays, m
-        Deflection without and with the share of partial cells; the same array without any.
+    g : (m, n) array, m
+        Gap before the approach is subtracted.
+    u : (m, n) array, m
+        Deflection.
     limits : Limits
         Hardness and load.
     fresh : bool
-        Whether the deflection is computed afresh. If not, the violation is NaN.
+        Whether the deflection is computed afresh. If not, the violation means nothing.
 
     Raises
     ------
     ContactError
         A number is not finite.
     """
-    flat = p.ravel(), gap.ravel(), v.ravel(), limits.hardness
-    approach, u_max = _solver_kernels.state_of(*flat)
-    u_max = u_max if v is u else float(u.max())
-    worst = _solver_kernels.violation(*flat, approach) if fresh else np.nan
-    if not np.isfinite(approach) or not 0 < u_max < np.inf or worst == np.inf:
+    approach, u_max, worst = _solver_kernels.state_of(
+        p.ravel(), g.ravel(), u.ravel(), limits.hardness
+    )
+    if not np.isfinite(approach) or not 0 < u_max < np.inf or (fresh and worst == np.inf):
         raise ContactError(
             "the contact solve met numbers that are not finite: check units of load, modulus"
             " and heights"
