@@ -92,9 +92,9 @@ def _do_claimed(
 ) -> Done:
     """Do a run that this process has claimed."""
     run = with_chosen_tolerance(order.run)
-    result = batch.stored(run) or Result.empty(run.scene.track, run.scene.start)
+    result = batch.stored_or_empty(run)
     try:
-        run = batch.choose_tolerance(run, result, stopped)
+        run = batch.choose_tolerance(run, result, stopped, held.note_trial)
     except Interrupted:
         held.mark(run.folder, "waiting", claim.INTERRUPTED)
         return Done(None, False, False)

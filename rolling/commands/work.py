@@ -101,7 +101,7 @@ def work_on(
             warn_of_other_program(held.folder, before, before.state != "done")
         return Work(held, runs, [], wanted, take_over)
     results = [
-        (batch.stored(each) if before else None) or Result.empty(each.scene.track, each.scene.start)
+        batch.stored_or_empty(each) if before else Result.empty(each.scene.track, each.scene.start)
         for each in runs
     ]
     if before is not None:
@@ -117,7 +117,8 @@ def solve(work: Work) -> Report:
         if not work.results:
             outcome, ends = run_tasks.solve(work.held, work.runs, work.wanted, work.take_over)
             return finish(work, ends, outcome)
-        if batch.choose_tolerances(work.runs, work.results, work.wanted.solvers):
+        noted = work.held.note_trial
+        if batch.choose_tolerances(work.runs, work.results, work.wanted.solvers, noted):
             return finish(work, make_sounds(work, {}), Outcome(interrupted=True))
         details.tell_releases([each.scene for each in work.runs], work.results)
         outcome, ends = _solve_pieces(work, work.wanted.shows_each(len(work.runs)))

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
 
 from rolling.check import tolerance
+from rolling.folders import run_record
 from rolling.folders.files import FolderError, Keeper, write_bytes
 from rolling.scene import file
 from rolling.scene import sweep as sweeps
@@ -27,6 +32,7 @@ from rolling.simulation import (
 from rolling.simulation.lacking import lacks_marches
 from rolling.simulation.pool import Outcome, Workers
 from rolling.simulation.result import Result
+from rolling.simulation.stretches import Trial
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import Vibration
 
@@ -37,12 +43,15 @@ __all__ = [
     "choose_tolerances",
     "keep",
     "other_surface",
+    "recorded_trial",
     "refuse_other_scene",
     "seen_from",
     "solve",
     "stored",
+    "stored_or_empty",
 ]
 
+_TRIAL = TypeAdapter(Trial)
 RESULT, RESOLVED = "result.h5", "resolved.yaml"
 
 
@@ -68,7 +77,12 @@ class Run:
         return labels.labels([self])[0]
 
 
-def choose_tolerances(runs: list[Run], results: Sequence[Result], workers: Workers) -> bool:
+def choose_tolerances(
+    runs: list[Run],
+    results: Sequence[Result],
+    workers: Workers,
+    noted: Callable[[Path, dict[str, Any]], object],
+) -> bool:
     """Choose the tolerances that scenes leave open, and keep each in the folder of its run.
 
     Parameters
@@ -76,6 +90,7 @@ def choose_tolerances(runs: list[Run], results: Sequence[Result], workers: Worke
     runs : list of Run. Runs that are open get scenes with their tolerances.
     results : sequence of Result. One result per run, which gets the trial.
     workers : int or Cluster. Number of processes; 0: one per core.
+    noted : callable. It keeps the choice of the run in a folder, before anything else is written.
 
     Returns
     -------
@@ -84,14 +99,21 @@ def choose_tolerances(runs: list[Run], results: Sequence[Result], workers: Worke
 
     def chosen(number: int, scene: Scene) -> None:
         runs[number] = replace(runs[number], scene=scene)
-        _keep_choice(runs[number], results[number])
+        _keep_choice(runs[number], results[number], noted)
 
     scenes = [run.scene for run in runs]
     return tolerance_trial.choose(scenes, results, workers, chosen=chosen).interrupted
 
 
-def choose_tolerance(run: Run, result: Result, stopped: Callable[[], bool]) -> Run:
+def choose_tolerance(
+    run: Run,
+    result: Result,
+    stopped: Callable[[], bool],
+    noted: Callable[[Path, dict[str, Any]], object],
+) -> Run:
     """Choose the tolerance of a run in this process, and keep it in the folder of the run.
+
+    `noted` keeps the choice, as in `choose_tolerances`.
 
     Raises
     ------
@@ -101,17 +123,17 @@ def choose_tolerance(run: Run, result: Result, stopped: Callable[[], bool]) -> R
     if scene is run.scene:
         return run
     chosen = replace(run, scene=scene)
-    _keep_choice(chosen, result)
+    _keep_choice(chosen, result, noted)
     return chosen
 
 
-def _keep_choice(run: Run, result: Result) -> None:
+def _keep_choice(run: Run, result: Result, noted: Callable[[Path, dict[str, Any]], object]) -> None:
     """Keep the tolerance that was chosen for a run in its folder."""
     resolved = run.folder / RESOLVED
     assert result.trial is not None
+    noted(run.folder, vars(result.trial))
     if resolved.is_file():
         write_bytes(resolved, file.dump(seen_from(run.folder, run.scene)).encode())
-    # A run of four files has its scene in result.h5 alone; without a trial it is chosen again.
     if result.trial.stretches:
         keep(run, result)
 
@@ -253,6 +275,41 @@ def identify(run: Run, result: Result) -> None:
         result.identity = simulate.identity_of(run.scene)
 
 
+def stored_or_empty(run: Run) -> Result:
+    """Load the stored result of a run, or return an empty one with the choice of its tolerance.
+
+    Raises
+    ------
+    FolderError, SceneError : as in `stored`, or the record of the run is damaged.
+    """
+    result = stored(run)
+    if result is None:
+        result = Result.empty(run.scene.track, run.scene.start)
+        trial = recorded_trial(run.folder)
+        if trial is not None and trial.tolerance == run.scene.numerics.tolerance:
+            result.trial = trial
+    return result
+
+
+def recorded_trial(folder: Path) -> Trial | None:
+    """Return the choice of a tolerance in the record of a run, or None.
+
+    Raises
+    ------
+    FolderError : the record is damaged.
+    """
+    record = run_record.read(folder)
+    if record is None or record.trial is None:
+        return None
+    try:
+        return _TRIAL.validate_json(json.dumps(record.trial), strict=True)
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        raise FolderError(
+            f"{folder / run_record.FILE}: damaged: trial.{fault['loc'][0]}: {fault['msg']}"
+        ) from error
+
+
 def stored(run: Run) -> Result | None:
     """Load the stored result of a run, or return None if the run has none.
 
@@ -294,6 +351,8 @@ def refuse_other_scene(run: Run) -> None:
     # Heights are compared with the result, by their digest.
     there = file.read_scene(path)
     scene = run.scene
+    if tolerance.is_open(there):  # a kill came before the number was written into it
+        there = there.with_({"numerics.tolerance": scene.numerics.tolerance})
     if tolerance.is_open(scene):  # another process may just have chosen it
         scene = scene.with_({"numerics.tolerance": there.numerics.tolerance})
     own, swept = (Identity.of(each, None) for each in (there, scene))

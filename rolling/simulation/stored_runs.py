@@ -72,6 +72,9 @@ def with_chosen_tolerance(run: Run) -> Run:
         chosen = file.read_scene(resolved).numerics.tolerance
     elif result.is_file():
         chosen = result_file.physics(result).get("numerics.tolerance")
+    if chosen in (None, "auto"):  # a kill came before they were written
+        trial = batch.recorded_trial(run.folder)
+        chosen = None if trial is None else trial.tolerance
     if chosen is None:
         return run
     return replace(run, scene=run.scene.with_({"numerics.tolerance": chosen}))
