@@ -55,10 +55,10 @@ def level_cost(scene: Scene, level: str, power: float = COST_POWER) -> float:
         The cost grows with this power of the nodes along a side. Default: COST_POWER.
     """
     if level == "coarse":  # at twice the spacing and the scene's own tolerance
-        return 2.0**-power
+        return math.pow(2.0, -power)
     # The number of iterations is proportional to the logarithm of the tolerance.
     tighter = math.log(tight_tolerance(scene)) / math.log(scene.tolerance)
-    return tighter * (2.0**power if level == "fine" else 1.0)
+    return tighter * (math.pow(2.0, power) if level == "fine" else 1.0)
 
 
 def stretch_cost(scene: Scene, steps: int, power: float = COST_POWER) -> float:
