@@ -268,8 +268,9 @@ def resound(
             f"{folder} is as it was; give the command again, with --force if {held.folder} is in "
             "the way"
         )
-        with told_on_error(lambda: again):
-            return finish(work, make_sounds(work, {}), Outcome())
+        with told_on_error(held.folder, lambda: again):
+            outcome = Outcome()
+            return finish(work, make_sounds(work, {}, outcome), outcome)
 
 
 def save_run(finished: RunResult, folder: Path, force: bool = False, report: bool = True) -> Path:
@@ -292,7 +293,8 @@ def save_run(finished: RunResult, folder: Path, force: bool = False, report: boo
         (alone,) = plan.runs(held.folder)
         work = Work(held, [alone], [finished.result], Wanted(report))
         with told_on_error(
-            lambda: f"the run is still in memory; save it to another folder than {held.folder}"
+            held.folder,
+            lambda: f"the run is still in memory; save it to another folder than {held.folder}",
         ):
             saved = replace(finished, folder=alone.folder, label=alone.label, values={})
             write_run(saved, saved.result, work.whole_folders)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,9 +13,9 @@ from rolling.commands.run_files import Wanted, page_of, write_run, write_sweep
 from rolling.commands.run_tasks import Ends
 from rolling.folders import claim, files, new_folder
 from rolling.folders.claim import Claim
-from rolling.folders.files import Stopped
+from rolling.folders.files import FolderError, Stopped, Unwritable
 from rolling.folders.run_record import RunRecord
-from rolling.simulation import batch, labels
+from rolling.simulation import batch, chosen_tolerances, labels
 from rolling.simulation.batch import Run
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
@@ -101,7 +101,9 @@ def work_on(
             warn_of_other_program(held.folder, before, before.state != "done")
         return Work(held, runs, [], wanted, take_over)
     results = [
-        batch.stored_or_empty(each) if before else Result.empty(each.scene.track, each.scene.start)
+        chosen_tolerances.stored_or_empty(each)
+        if before
+        else Result.empty(each.scene.track, each.scene.start)
         for each in runs
     ]
     if before is not None:
@@ -113,13 +115,14 @@ def work_on(
 def solve(work: Work) -> Report:
     """Solve the missing steps of the runs, then write everything else."""
     work.wanted.begun(work.folder)
-    with told_on_error(lambda: _way_on(work)):
+    with told_on_error(work.folder, lambda: _way_on(work)):
         if not work.results:
             outcome, ends = run_tasks.solve(work.held, work.runs, work.wanted, work.take_over)
             return finish(work, ends, outcome)
         noted = work.held.note_trial
-        if batch.choose_tolerances(work.runs, work.results, work.wanted.solvers, noted):
-            return finish(work, make_sounds(work, {}), Outcome(interrupted=True))
+        if chosen_tolerances.choose_tolerances(work.runs, work.results, work.wanted.solvers, noted):
+            outcome = Outcome(interrupted=True)
+            return finish(work, make_sounds(work, {}, outcome), outcome)
         details.tell_releases([each.scene for each in work.runs], work.results)
         outcome, ends = _solve_pieces(work, work.wanted.shows_each(len(work.runs)))
         details.tell(work.runs, work.results)
@@ -129,7 +132,7 @@ def solve(work: Work) -> Report:
 def solve_releases(work: Work) -> Report:
     """Solve the releases under the moving load that stored runs lack, then write everything."""
     work.wanted.begun(work.folder)
-    with told_on_error(lambda: _way_on(work)):
+    with told_on_error(work.folder, lambda: _way_on(work)):
         outcome, ends = _solve_pieces(work, filmed=False)
         return finish(work, ends, outcome)
 
@@ -153,14 +156,21 @@ def _solve_pieces(work: Work, filmed: bool) -> tuple[Outcome, Ends]:
         complete=complete,
         filmed=filmed,
     )
-    return outcome, make_sounds(work, sounds)
+    return outcome, make_sounds(work, sounds, outcome)
 
 
 @contextmanager
-def told_on_error(way_on: Callable[[], str]) -> Iterator[None]:
-    """Add instructions for continuing to an error of the system, such as a full disk."""
+def told_on_error(folder: Path, way_on: Callable[[], str]) -> Iterator[None]:
+    """Add instructions for continuing to an error of the system, such as a full disk.
+
+    Parameters
+    ----------
+    folder : The folder into which the work is written.
+    way_on : It returns the instructions.
+    """
     try:
-        yield
+        with files.writing(folder):
+            yield
     except OSError as error:
         raise Stopped(error, way_on()) from error
 
@@ -182,13 +192,16 @@ def _way_on(work: Work) -> str:
     )
 
 
-def make_sounds(work: Work, made: Mapping[int, RunResult | None]) -> Ends:
+def make_sounds(work: Work, made: Mapping[int, RunResult | None], outcome: Outcome) -> Ends:
     """Make the sound of each run and write its files.
+
+    A run of a sweep fails alone whose folder cannot be written.
 
     Parameters
     ----------
     work : The runs and their results.
     made : The runs that have their sound already, by number.
+    outcome : The outcome of solving, which gets the failures.
     """
     names = labels.labels(work.runs)
     sounds: list[RunResult | None] = []
@@ -196,11 +209,23 @@ def make_sounds(work: Work, made: Mapping[int, RunResult | None]) -> Ends:
         for number, label in enumerate(names):
             run, result = work.runs[number], work.results[number]
             if number not in made:
-                sounds.append(_sound(work, number, label))
+                sounds.append(_sound_or_failure(work, number, label, outcome))
             else:  # pictures read the heights once more
                 sounds.append(None if batch.other_surface(run, result) else made[number])
             bar.update(1)
     return Ends.of(work.runs, work.results, sounds)
+
+
+def _sound_or_failure(work: Work, number: int, label: str, outcome: Outcome) -> RunResult | None:
+    """Make the sound of a run and write its files; None where they cannot be written alone."""
+    try:
+        with files.writing(work.runs[number].folder):
+            return _sound(work, number, label)
+    except Unwritable as error:
+        if error.everywhere or len(work.runs) == 1:
+            raise
+        outcome.failures.setdefault(number, str(error))
+        return None
 
 
 def _sound(work: Work, number: int, label: str) -> RunResult | None:
@@ -263,7 +288,8 @@ def _mark_all(work: Work, ends: Ends, outcome: Outcome) -> Path | None:
         if each.folder == held.folder:
             continue
         if number in failures:
-            held.mark(each.folder, "failed", failures[number])
+            with suppress(OSError, FolderError):  # a folder that cannot be written says so
+                held.mark(each.folder, "failed", failures[number])
         elif ends.complete[number]:
             held.mark(each.folder, "done")
         elif ends.begun[number] or outcome.interrupted:

@@ -20,7 +20,7 @@ from typing import Any, cast
 from rolling.scene.messages import SceneError
 from rolling.simulation import cluster_address, cluster_worker
 from rolling.simulation.cluster_worker import Answer
-from rolling.simulation.pool import Listener, Outcome, Task
+from rolling.simulation.pool import Listener, Outcome, Task, begin, finish
 from rolling.terminal import progress as terminal
 
 CONNECT_SECONDS = 10.0
@@ -226,7 +226,7 @@ class _Work:
 
     def _submit(self, task: Task, worker: str) -> None:
         """Hand a task to a worker."""
-        if task.run in self.outcome.failures:
+        if task.run in self.outcome.failures or not begin(task, self.listener, self.outcome):
             return
         self.submitted += 1
         future = self.client.submit(
@@ -239,7 +239,6 @@ class _Work:
             workers=[worker],
         )
         self.running[future] = task, worker
-        self.listener.begun(task.run)
         future.add_done_callback(self.ended.put)
 
     def _take(self, future: Any, waiting: deque[Task]) -> None:
@@ -292,7 +291,7 @@ class _Work:
         elif answer.kind == "stopped" and not self.stopping:  # its worker closes
             waiting.append(task)
         elif answer.value is not None:
-            following = self.listener.finished(task.run, answer.value) or ()
+            following = finish(task, answer.value, self.listener, self.outcome)
             waiting.extend(() if self.stopping else following)
             self.listener.progress(task.cost)
 

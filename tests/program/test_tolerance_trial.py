@@ -25,7 +25,13 @@ from rolling.folders.files import FolderError
 from rolling.report import text
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
-from rolling.simulation import _result_reading, batch, error_stretches, tolerance_trial
+from rolling.simulation import (
+    _result_reading,
+    batch,
+    chosen_tolerances,
+    error_stretches,
+    tolerance_trial,
+)
 from rolling.simulation.error_stretches import Grid, march_grid
 from rolling.simulation.result import Result
 from rolling.simulation.simulate import Order
@@ -331,7 +337,7 @@ def test_a_kill_before_the_first_result_does_not_forget_who_chose(
 
     alone = replace(NO_PICTURES, workers=1)
     with monkeypatch.context() as patch, suppress(KeyboardInterrupt):
-        patch.setattr(batch, killed, kill)
+        patch.setattr(chosen_tolerances if killed == "write_bytes" else batch, killed, kill)
         run(path, out=out, wanted=alone)
     chosen = [path.parent for path in out.rglob("run.json") if run_record.read(path.parent).trial]
     assert chosen and not [*out.rglob("result.h5")]
@@ -350,7 +356,7 @@ def test_a_damaged_record_of_a_trial_is_named(tmp_path: Path) -> None:
     for trial in ({"tolerance": "loose", "reason": ""}, {"tolerance": 1e-4}):
         run_record.write(tmp_path, replace(record, trial=trial))
         with pytest.raises(FolderError, match=r"run\.json: damaged: trial\.(tolerance|reason): "):
-            batch.recorded_trial(tmp_path)
+            chosen_tolerances.recorded_trial(tmp_path)
 
 
 def test_a_sweep_over_the_tolerance_pins_it(
