@@ -41,6 +41,7 @@ class Report:
     solved : bool. Whether any step is solved.
     previous : Path. Folder of an earlier run that stays beside this run; None without it.
     finished_before : str. Time at which the run was finished before the command; None otherwise.
+    unmade : list of str. Pictures and pages that could not be made, with their errors.
     """
 
     folder: Path
@@ -51,11 +52,12 @@ class Report:
     solved: bool
     previous: Path | None
     finished_before: str | None = None
+    unmade: Sequence[str] = ()
 
     @property
     def exit_code(self) -> int:
-        """The exit code of the command: 0, 1 for a run that failed, 130 for an interruption."""
-        return 130 if self.interrupted else 1 if self.failures else 0
+        """The exit code of the command: 0, 1 where something failed, 130 for an interruption."""
+        return 130 if self.interrupted else 1 if self.failures or self.unmade else 0
 
 
 @dataclass(frozen=True)
@@ -248,36 +250,59 @@ def finish(work: Work, ends: Ends, outcome: Outcome) -> Report:
     ends : The runs with their sound, whose files are written.
     outcome : The outcome of solving.
     """
-    finished = [each for each in ends.sounds if each is not None]
     names = labels.labels(work.runs)
+    unmade: list[str] = []
     if len(work.runs) > 1:
         rows = write_sweep(work.folder, work.runs, names, ends.summaries)
         if run_tasks.are_summarized(work.runs, work.wanted):
-            with progress.step("drawing the means"):
+            with progress.step("drawing the means"), _told("plots of the means", unmade):
                 table.summarize(work.folder, rows)
-    exhibits = []
-    if finished and work.wanted.pictures is not False:
-        exhibits = write_pictures(work.folder, finished, work.wanted)
-    if exhibits:
-        unsolved = [label for label, each in zip(names, ends.sounds, strict=True) if each is None]
-        with progress.step("writing the page"):
-            files.write_bytes(work.folder / PAGE, page_of(finished, exhibits, unsolved))
-    previous = _mark_all(work, ends, outcome)
+    page = _write_page(work, ends, unmade)
+    previous = _mark_all(work, ends, outcome, unmade)
     return Report(
         work.folder,
         list(zip(work.runs, ends.summaries, strict=True)),
         {names[number]: reason for number, reason in outcome.failures.items()},
         outcome.interrupted,
-        work.folder / PAGE if exhibits else None,
+        page,
         any(ends.begun),
         previous,
+        unmade=unmade,
     )
 
 
-def _mark_all(work: Work, ends: Ends, outcome: Outcome) -> Path | None:
+def _write_page(work: Work, ends: Ends, unmade: list[str]) -> Path | None:
+    """Draw the pictures of the runs and write the page; return its file, or None without one."""
+    finished = [each for each in ends.sounds if each is not None]
+    exhibits: list[tuple[RunResult | None, Exhibit]] = []
+    if finished and work.wanted.pictures is not False:
+        with _told("pictures", unmade):
+            exhibits = write_pictures(work.folder, finished, work.wanted)
+    if not exhibits:
+        return None
+    names = labels.labels(work.runs)
+    unsolved = [label for label, each in zip(names, ends.sounds, strict=True) if each is None]
+    with progress.step("writing the page"), _told("page", unmade):
+        files.write_bytes(work.folder / PAGE, page_of(finished, exhibits, unsolved))
+        return work.folder / PAGE
+    return None
+
+
+@contextmanager
+def _told(made: str, unmade: list[str]) -> Iterator[None]:
+    """Note an error, because the numbers of solved runs are worth more than their pictures."""
+    try:
+        yield
+    except OSError as error:  # it says itself that a disk is full, or a process was killed
+        unmade.append(f"{made}: {error}")
+    except Exception as error:
+        unmade.append(f"{made}: {type(error).__name__}: {error}")
+
+
+def _mark_all(work: Work, ends: Ends, outcome: Outcome, unmade: Sequence[str]) -> Path | None:
     """Write the state of each run and of the folder.
 
-    The folder is done when all runs are done, and failed when any run has failed.
+    The folder is done when all runs are done, and failed when any run or picture has failed.
 
     Returns
     -------
@@ -303,6 +328,8 @@ def _mark_all(work: Work, ends: Ends, outcome: Outcome) -> Path | None:
             "failed",
             first if runs == 1 else f"{len(failures)} of {runs} runs: {first}",
         )
+    elif unmade:
+        held.mark(held.folder, "failed", unmade[0])
     elif all(ends.complete):
         held.mark(held.folder, "done")
         return new_folder.drop_previous(held)

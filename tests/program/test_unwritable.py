@@ -145,7 +145,7 @@ def test_a_run_alone_names_its_folder(
 def test_the_error_of_a_folder_passes_between_processes(tmp_path: Path) -> None:
     error = pickle.loads(pickle.dumps(Unwritable("here: cannot be written", True)))
     assert str(error) == "here: cannot be written" and error.everywhere
-    with pytest.raises(ConnectionError, match="^gone$"), files.writing(tmp_path):
+    with pytest.raises(ConnectionError, match=r"^gone$"), files.writing(tmp_path):
         raise ConnectionError("gone")
     with pytest.raises(FileNotFoundError), files.writing(tmp_path / "run"):
         (tmp_path / "heights.npy").read_bytes()
