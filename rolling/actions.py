@@ -163,6 +163,8 @@ def _reported(report: Report) -> int:
     _print_levels(report)
     if report.exit_code == OK:
         _print_files(report)
+    elif report.unmade and not (report.failures or report.interrupted):
+        say(f"all runs are solved; `rolling resume {report.folder}` makes the rest")
     else:
         solved = (
             f"the solved part is in {report.folder}" if report.solved else "nothing is solved yet"
@@ -184,6 +186,8 @@ def _print_levels(report: Report) -> None:
         print(_levels(report))
     for label, reason in report.failures.items():
         say(f"failed: {label}: {reason}")
+    for text in report.unmade:
+        say(f"not made: {text}")
 
 
 def _levels(report: Report) -> str:

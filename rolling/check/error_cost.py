@@ -21,8 +21,10 @@ START_STEPS = 7
 TIGHTER = 10.0  # the scene's tolerance over the tight tolerance
 LEAST_TOLERANCE = 1e-10  # rounding does not let a solve come closer
 LINES = 2  # lines of a stretch in the third octave of 1 kHz, if the cost allows
-FINER_COST = 2.0**1.95  # cost of a step at half the spacing over that at the spacing
-COARSER_COST = 2.0**-1.95  # the same at twice the spacing, at the scene's own tolerance
+# The cost of a step, as it is counted here, grows with this power of the nodes along a side. It
+# does not follow `cost.STEP_LAWS`, whose powers are 1.6 to 2.2: when they are measured anew, the
+# stretches of a scene, and all numbers that follow from them, have to stay.
+COST_POWER = 1.95
 LEVELS = ("tight", "fine", "coarse")  # marches of a stretch, beside the run itself
 
 
@@ -44,18 +46,24 @@ def tight_tolerance(scene: Scene) -> float:
     return min(own, max(own / TIGHTER, LEAST_TOLERANCE))
 
 
-def level_cost(scene: Scene, level: str) -> float:
-    """Return the expected cost of a step on a level, in steps of the run."""
-    if level == "coarse":
-        return COARSER_COST
+def level_cost(scene: Scene, level: str, power: float = COST_POWER) -> float:
+    """Return the expected cost of a step on a level, in steps of the run.
+
+    Parameters
+    ----------
+    power : float
+        The cost grows with this power of the nodes along a side. Default: COST_POWER.
+    """
+    if level == "coarse":  # at twice the spacing and the scene's own tolerance
+        return math.pow(2.0, -power)
     # The number of iterations is proportional to the logarithm of the tolerance.
     tighter = math.log(tight_tolerance(scene)) / math.log(scene.tolerance)
-    return tighter * (FINER_COST if level == "fine" else 1.0)
+    return tighter * (math.pow(2.0, power) if level == "fine" else 1.0)
 
 
-def stretch_cost(scene: Scene, steps: int) -> float:
-    """Return the cost of all marches of a stretch, in steps of the run."""
-    return (steps + START_STEPS) * sum(level_cost(scene, level) for level in LEVELS)
+def stretch_cost(scene: Scene, steps: int, power: float = COST_POWER) -> float:
+    """Return the cost of all marches of a stretch, in steps of the run, as in `level_cost`."""
+    return (steps + START_STEPS) * sum(level_cost(scene, level, power) for level in LEVELS)
 
 
 def marched_steps(scene: Scene) -> int:
@@ -124,10 +132,16 @@ def too_short(scene: Scene) -> str | None:
     )
 
 
-def cost_share(scene: Scene) -> float:
-    """Return the maximum cost of the estimate over the cost of the run; 0 without an estimate."""
+def cost_share(scene: Scene, power: float = COST_POWER) -> float:
+    """Return the maximum cost of the estimate over the cost of the run; 0 without an estimate.
+
+    Parameters
+    ----------
+    power : float
+        As in `level_cost`; the power of `cost.STEP_LAWS` makes it a share of time.
+    """
     steps = stretch_steps(scene) if scene.numerics.error_estimate else 0
     if not steps or scene.surface.kind == "smooth":
         return 0.0
     count = len(layout(scene, steps).firsts)
-    return count * stretch_cost(scene, steps) / marched_steps(scene)
+    return count * stretch_cost(scene, steps, power) / marched_steps(scene)

@@ -89,7 +89,7 @@ def _errors(scene: Scene, rq: float) -> list[Finding]:
         return []
     nodes, law = cost.window_nodes(scene, rq), cost.step_law(scene, rq)
     step_ms = cost.expected_step_ms(nodes, cost.subcells(scene), law)
-    share = error_cost.cost_share(scene)
+    share = error_cost.cost_share(scene, cost.STEP_LAWS[law][1])
     seconds = share * error_cost.marched_steps(scene) * step_ms * 1e-3 / cost.cores()
     if not share:
         reason = error_cost.too_short(scene) or "a smooth surface makes no sound"

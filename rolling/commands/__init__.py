@@ -169,17 +169,24 @@ def resume(folder: Path, wanted: Wanted = ALL_FILES, take_over: bool = False) ->
     wanted = wanted.counted()
     report = _resumed(folder, runs, wanted, take_over)
     if sweep := details.sweep_to_finish(folder):
-        _finish_sweep(sweep, replace(wanted, begun=ignore), take_over)
+        unmade = _finish_sweep(sweep, replace(wanted, begun=ignore), take_over)
+        report = replace(report, unmade=[*report.unmade, *unmade])
     return report
 
 
-def _finish_sweep(sweep: Path, wanted: Wanted, take_over: bool) -> None:
-    """Write table, figures, page and state of a sweep whose runs are done."""
+def _finish_sweep(sweep: Path, wanted: Wanted, take_over: bool) -> Sequence[str]:
+    """Write table, figures, page and state of a sweep whose runs are done.
+
+    Returns
+    -------
+    unmade : Pictures and pages that could not be made, with their errors.
+    """
     progress.line(f"that was the last run of {sweep}, whose table, figures and page follow")
     try:
-        _resumed(sweep, read_runs(sweep), wanted, take_over)
+        return _resumed(sweep, read_runs(sweep), wanted, take_over).unmade
     except FolderError as error:  # such as another process that does the same; the run is done
         progress.line(f"not finished: {error}")
+        return ()
 
 
 def _resumed(folder: Path, runs: list[Run], wanted: Wanted, take_over: bool) -> Report:
@@ -268,8 +275,9 @@ def resound(
             f"{folder} is as it was; give the command again, with --force if {held.folder} is in "
             "the way"
         )
-        with told_on_error(lambda: again):
-            return finish(work, make_sounds(work, {}), Outcome())
+        with told_on_error(held.folder, lambda: again):
+            outcome = Outcome()
+            return finish(work, make_sounds(work, {}, outcome), outcome)
 
 
 def save_run(finished: RunResult, folder: Path, force: bool = False, report: bool = True) -> Path:
@@ -292,12 +300,14 @@ def save_run(finished: RunResult, folder: Path, force: bool = False, report: boo
         (alone,) = plan.runs(held.folder)
         work = Work(held, [alone], [finished.result], Wanted(report))
         with told_on_error(
-            lambda: f"the run is still in memory; save it to another folder than {held.folder}"
+            held.folder,
+            lambda: f"the run is still in memory; save it to another folder than {held.folder}",
         ):
             saved = replace(finished, folder=alone.folder, label=alone.label, values={})
             write_run(saved, saved.result, work.whole_folders)
             ends = Ends.of(work.runs, work.results, [saved])
-            finish(work, ends, Outcome())
+            if unmade := finish(work, ends, Outcome()).unmade:
+                raise OSError(f"{held.folder}: not made: {'; '.join(unmade)}")
     return held.folder
 
 

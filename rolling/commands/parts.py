@@ -77,7 +77,7 @@ def do_part(
     with claim.take_part(out, part.name, [plan.names[k] for k in own], take_over) as held:
         wanted.begun(out)
         progress.line(f"{part}: {len(own)} of {len(runs)} runs")
-        with told_on_error(lambda: f"the same command goes on with {part}"):
+        with told_on_error(out, lambda: f"the same command goes on with {part}"):
             outcome, ends = run_tasks.solve(held, runs, wanted, take_over, own)
         failed = f"{len(outcome.failures)} of {len(own)} runs" if outcome.failures else None
         held.end(outcome.interrupted, failed)
@@ -143,7 +143,8 @@ def _finished(folder: Path, wanted: Wanted) -> Report | None:
             batch.stored(run) or Result.empty(run.scene.track, run.scene.start) for run in runs
         ]
         work = Work(held, runs, results, wanted)
-        return finish(work, make_sounds(work, {}), Outcome(failures))
+        outcome = Outcome(failures)
+        return finish(work, make_sounds(work, {}, outcome), outcome)
 
 
 def _refuse_other_scene(folder: Path, scene: Scene) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -119,7 +120,8 @@ def solve(
     details.tell_marches([runs[task.run].scene for task in tasks])
     outcome = _work(tasks, wanted, runs[0].scene.name, ends)
     for number, reason in outcome.failures.items():  # such as that its worker was killed
-        held.mark(runs[number].folder, "failed", reason)
+        with suppress(OSError, FolderError):  # a folder that cannot be written says so
+            held.mark(runs[number].folder, "failed", reason)
     if drawn:
         _hear(runs, names, ends, whole)
     return outcome, ends

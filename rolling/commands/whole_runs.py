@@ -12,11 +12,11 @@ from typing import Any
 
 from rolling.commands.run_files import write_run
 from rolling.contact.solver import ContactError
-from rolling.folders import claim
+from rolling.folders import claim, files
 from rolling.folders.claim import Claim
-from rolling.folders.files import FolderError, Keeper
+from rolling.folders.files import FolderError, Keeper, Unwritable
 from rolling.scene.messages import SceneError
-from rolling.simulation import batch, error_stretches, solving
+from rolling.simulation import batch, chosen_tolerances, error_stretches, solving
 from rolling.simulation.batch import Run
 from rolling.simulation.pool import Interrupted
 from rolling.simulation.result import Result
@@ -65,15 +65,21 @@ class Done:
 def do_run(order: Order, stopped: Callable[[], bool], progress: Callable[[float], object]) -> Done:
     """Solve the missing steps of a run, make its sound, and write its files and states.
 
-    A run that another process works on, or whose folder has another scene, has failed.
+    A run that another process works on, or whose folder has another scene or cannot be written,
+    has failed.
 
     Raises
     ------
-    OSError : a file cannot be written.
+    OSError : no file can be written, in the folder of the run or beside it.
     """
+    folder = order.run.folder
     try:
-        with claim.take_run(order.run.folder, order.take_over) as held:
+        with files.writing(folder), claim.take_run(folder, order.take_over) as held:
             return _do_claimed(order, held, stopped, progress)
+    except Unwritable as error:
+        if error.everywhere:
+            raise
+        return Done(None, False, False, str(error))
     except (FolderError, SceneError) as error:
         return Done(None, False, False, str(error))
 
@@ -92,9 +98,9 @@ def _do_claimed(
 ) -> Done:
     """Do a run that this process has claimed."""
     run = with_chosen_tolerance(order.run)
-    result = batch.stored(run) or Result.empty(run.scene.track, run.scene.start)
+    result = chosen_tolerances.stored_or_empty(run)
     try:
-        run = batch.choose_tolerance(run, result, stopped)
+        run = chosen_tolerances.choose_tolerance(run, result, stopped, held.note_trial)
     except Interrupted:
         held.mark(run.folder, "waiting", claim.INTERRUPTED)
         return Done(None, False, False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,9 +13,9 @@ from rolling.commands.run_files import Wanted, page_of, write_run, write_sweep
 from rolling.commands.run_tasks import Ends
 from rolling.folders import claim, files, new_folder
 from rolling.folders.claim import Claim
-from rolling.folders.files import Stopped
+from rolling.folders.files import FolderError, Stopped, Unwritable
 from rolling.folders.run_record import RunRecord
-from rolling.simulation import batch, labels
+from rolling.simulation import batch, chosen_tolerances, labels
 from rolling.simulation.batch import Run
 from rolling.simulation.pool import Outcome
 from rolling.simulation.result import Result
@@ -41,6 +41,7 @@ class Report:
     solved : bool. Whether any step is solved.
     previous : Path. Folder of an earlier run that stays beside this run; None without it.
     finished_before : str. Time at which the run was finished before the command; None otherwise.
+    unmade : list of str. Pictures and pages that could not be made, with their errors.
     """
 
     folder: Path
@@ -51,11 +52,12 @@ class Report:
     solved: bool
     previous: Path | None
     finished_before: str | None = None
+    unmade: Sequence[str] = ()
 
     @property
     def exit_code(self) -> int:
-        """The exit code of the command: 0, 1 for a run that failed, 130 for an interruption."""
-        return 130 if self.interrupted else 1 if self.failures else 0
+        """The exit code of the command: 0, 1 where something failed, 130 for an interruption."""
+        return 130 if self.interrupted else 1 if self.failures or self.unmade else 0
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,9 @@ def work_on(
             warn_of_other_program(held.folder, before, before.state != "done")
         return Work(held, runs, [], wanted, take_over)
     results = [
-        (batch.stored(each) if before else None) or Result.empty(each.scene.track, each.scene.start)
+        chosen_tolerances.stored_or_empty(each)
+        if before
+        else Result.empty(each.scene.track, each.scene.start)
         for each in runs
     ]
     if before is not None:
@@ -113,12 +117,14 @@ def work_on(
 def solve(work: Work) -> Report:
     """Solve the missing steps of the runs, then write everything else."""
     work.wanted.begun(work.folder)
-    with told_on_error(lambda: _way_on(work)):
+    with told_on_error(work.folder, lambda: _way_on(work)):
         if not work.results:
             outcome, ends = run_tasks.solve(work.held, work.runs, work.wanted, work.take_over)
             return finish(work, ends, outcome)
-        if batch.choose_tolerances(work.runs, work.results, work.wanted.solvers):
-            return finish(work, make_sounds(work, {}), Outcome(interrupted=True))
+        noted = work.held.note_trial
+        if chosen_tolerances.choose_tolerances(work.runs, work.results, work.wanted.solvers, noted):
+            outcome = Outcome(interrupted=True)
+            return finish(work, make_sounds(work, {}, outcome), outcome)
         details.tell_releases([each.scene for each in work.runs], work.results)
         outcome, ends = _solve_pieces(work, work.wanted.shows_each(len(work.runs)))
         details.tell(work.runs, work.results)
@@ -128,7 +134,7 @@ def solve(work: Work) -> Report:
 def solve_releases(work: Work) -> Report:
     """Solve the releases under the moving load that stored runs lack, then write everything."""
     work.wanted.begun(work.folder)
-    with told_on_error(lambda: _way_on(work)):
+    with told_on_error(work.folder, lambda: _way_on(work)):
         outcome, ends = _solve_pieces(work, filmed=False)
         return finish(work, ends, outcome)
 
@@ -152,14 +158,21 @@ def _solve_pieces(work: Work, filmed: bool) -> tuple[Outcome, Ends]:
         complete=complete,
         filmed=filmed,
     )
-    return outcome, make_sounds(work, sounds)
+    return outcome, make_sounds(work, sounds, outcome)
 
 
 @contextmanager
-def told_on_error(way_on: Callable[[], str]) -> Iterator[None]:
-    """Add instructions for continuing to an error of the system, such as a full disk."""
+def told_on_error(folder: Path, way_on: Callable[[], str]) -> Iterator[None]:
+    """Add instructions for continuing to an error of the system, such as a full disk.
+
+    Parameters
+    ----------
+    folder : The folder into which the work is written.
+    way_on : It returns the instructions.
+    """
     try:
-        yield
+        with files.writing(folder):
+            yield
     except OSError as error:
         raise Stopped(error, way_on()) from error
 
@@ -181,13 +194,16 @@ def _way_on(work: Work) -> str:
     )
 
 
-def make_sounds(work: Work, made: Mapping[int, RunResult | None]) -> Ends:
+def make_sounds(work: Work, made: Mapping[int, RunResult | None], outcome: Outcome) -> Ends:
     """Make the sound of each run and write its files.
+
+    A run of a sweep fails alone whose folder cannot be written.
 
     Parameters
     ----------
     work : The runs and their results.
     made : The runs that have their sound already, by number.
+    outcome : The outcome of solving, which gets the failures.
     """
     names = labels.labels(work.runs)
     sounds: list[RunResult | None] = []
@@ -195,11 +211,23 @@ def make_sounds(work: Work, made: Mapping[int, RunResult | None]) -> Ends:
         for number, label in enumerate(names):
             run, result = work.runs[number], work.results[number]
             if number not in made:
-                sounds.append(_sound(work, number, label))
+                sounds.append(_sound_or_failure(work, number, label, outcome))
             else:  # pictures read the heights once more
                 sounds.append(None if batch.other_surface(run, result) else made[number])
             bar.update(1)
     return Ends.of(work.runs, work.results, sounds)
+
+
+def _sound_or_failure(work: Work, number: int, label: str, outcome: Outcome) -> RunResult | None:
+    """Make the sound of a run and write its files; None where they cannot be written alone."""
+    try:
+        with files.writing(work.runs[number].folder):
+            return _sound(work, number, label)
+    except Unwritable as error:
+        if error.everywhere or len(work.runs) == 1:
+            raise
+        outcome.failures.setdefault(number, str(error))
+        return None
 
 
 def _sound(work: Work, number: int, label: str) -> RunResult | None:
@@ -222,36 +250,59 @@ def finish(work: Work, ends: Ends, outcome: Outcome) -> Report:
     ends : The runs with their sound, whose files are written.
     outcome : The outcome of solving.
     """
-    finished = [each for each in ends.sounds if each is not None]
     names = labels.labels(work.runs)
+    unmade: list[str] = []
     if len(work.runs) > 1:
         rows = write_sweep(work.folder, work.runs, names, ends.summaries)
         if run_tasks.are_summarized(work.runs, work.wanted):
-            with progress.step("drawing the means"):
+            with progress.step("drawing the means"), _told("plots of the means", unmade):
                 table.summarize(work.folder, rows)
-    exhibits = []
-    if finished and work.wanted.pictures is not False:
-        exhibits = write_pictures(work.folder, finished, work.wanted)
-    if exhibits:
-        unsolved = [label for label, each in zip(names, ends.sounds, strict=True) if each is None]
-        with progress.step("writing the page"):
-            files.write_bytes(work.folder / PAGE, page_of(finished, exhibits, unsolved))
-    previous = _mark_all(work, ends, outcome)
+    page = _write_page(work, ends, unmade)
+    previous = _mark_all(work, ends, outcome, unmade)
     return Report(
         work.folder,
         list(zip(work.runs, ends.summaries, strict=True)),
         {names[number]: reason for number, reason in outcome.failures.items()},
         outcome.interrupted,
-        work.folder / PAGE if exhibits else None,
+        page,
         any(ends.begun),
         previous,
+        unmade=unmade,
     )
 
 
-def _mark_all(work: Work, ends: Ends, outcome: Outcome) -> Path | None:
+def _write_page(work: Work, ends: Ends, unmade: list[str]) -> Path | None:
+    """Draw the pictures of the runs and write the page; return its file, or None without one."""
+    finished = [each for each in ends.sounds if each is not None]
+    exhibits: list[tuple[RunResult | None, Exhibit]] = []
+    if finished and work.wanted.pictures is not False:
+        with _told("pictures", unmade):
+            exhibits = write_pictures(work.folder, finished, work.wanted)
+    if not exhibits:
+        return None
+    names = labels.labels(work.runs)
+    unsolved = [label for label, each in zip(names, ends.sounds, strict=True) if each is None]
+    with progress.step("writing the page"), _told("page", unmade):
+        files.write_bytes(work.folder / PAGE, page_of(finished, exhibits, unsolved))
+        return work.folder / PAGE
+    return None
+
+
+@contextmanager
+def _told(made: str, unmade: list[str]) -> Iterator[None]:
+    """Note an error, because the numbers of solved runs are worth more than their pictures."""
+    try:
+        yield
+    except OSError as error:  # it says itself that a disk is full, or a process was killed
+        unmade.append(f"{made}: {error}")
+    except Exception as error:
+        unmade.append(f"{made}: {type(error).__name__}: {error}")
+
+
+def _mark_all(work: Work, ends: Ends, outcome: Outcome, unmade: Sequence[str]) -> Path | None:
     """Write the state of each run and of the folder.
 
-    The folder is done when all runs are done, and failed when any run has failed.
+    The folder is done when all runs are done, and failed when any run or picture has failed.
 
     Returns
     -------
@@ -262,7 +313,8 @@ def _mark_all(work: Work, ends: Ends, outcome: Outcome) -> Path | None:
         if each.folder == held.folder:
             continue
         if number in failures:
-            held.mark(each.folder, "failed", failures[number])
+            with suppress(OSError, FolderError):  # a folder that cannot be written says so
+                held.mark(each.folder, "failed", failures[number])
         elif ends.complete[number]:
             held.mark(each.folder, "done")
         elif ends.begun[number] or outcome.interrupted:
@@ -276,6 +328,8 @@ def _mark_all(work: Work, ends: Ends, outcome: Outcome) -> Path | None:
             "failed",
             first if runs == 1 else f"{len(failures)} of {runs} runs: {first}",
         )
+    elif unmade:
+        held.mark(held.folder, "failed", unmade[0])
     elif all(ends.complete):
         held.mark(held.folder, "done")
         return new_folder.drop_previous(held)

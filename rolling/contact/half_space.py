@@ -5,12 +5,11 @@ Love's influence coefficients are convolved with the pressure by zero-padded FFT
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
+from rolling.contact import spectra
 from rolling.contact._compiled import njit
 from rolling.contact._fftw import pyfftw
 
@@ -89,16 +88,6 @@ def love(rows: Array, columns: Array) -> Array:
     x, y = rows[:, None].astype(float), columns[None, :].astype(float)
     h = 0.5
     return corner(x + h, y + h) + corner(x - h, y - h) - corner(x + h, y - h) - corner(x - h, y + h)
-
-
-@lru_cache(maxsize=32)
-def _love_spectrum(m: int, n: int) -> Array:
-    """Compute the transform (m, n // 2 + 1) of the wrapped coefficients.
-
-    It is real, because they are even in both directions.
-    """
-    distances = [np.minimum(np.arange(k), k - np.arange(k)) for k in (m, n)]
-    return np.ascontiguousarray(np.fft.rfft2(love(*distances)).real)
 
 
 class HalfSpace:
@@ -195,7 +184,7 @@ class HalfSpace:
 
     def _make(self, m: int, n: int, single: bool) -> Convolution:
         """Make the transforms of a padded size."""
-        return Convolution(m, n, single, _love_spectrum(m, n))
+        return Convolution(m, n, single, spectra.half_spectrum(m, n, 1, love))
 
     def _length(self, reach: int, single: bool) -> int:
         """Return the padded length for nodes up to `reach` spacings from one another."""
@@ -276,8 +265,8 @@ class Convolution:
     single : bool
         If true, transforms are in single precision: their error is about 1e-7 of the maximum
         deflection, and they are up to twice as fast.
-    spectrum : (m, n // 2 + 1) array
-        Transform of the wrapped coefficients.
+    spectrum : (m // 2 + 1, n // 2 + 1) array
+        Transform of the wrapped coefficients, the first half of its rows.
 
     Attributes
     ----------
@@ -298,7 +287,7 @@ class Convolution:
         # Each coefficient stands twice, for the real and the imaginary part of its line. The
         # coefficients are even along the columns, so half of the rows suffices and leaves the cache
         # to the lines.
-        self._coefficients = np.repeat(spectrum[: m // 2 + 1] / (m * n), 2, axis=1).astype(real)
+        self._coefficients = np.repeat(spectrum / (m * n), 2, axis=1).astype(real)
         # FFTW_ESTIMATE is used because plans that are chosen by timing differ from run to run, and
         # the last digits with them.
         flags = ("FFTW_ESTIMATE",)

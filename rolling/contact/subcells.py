@@ -9,13 +9,13 @@ symmetric and positive.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import _subcell_kernels
+from rolling.contact import _subcell_kernels, spectra
 from rolling.contact.half_space import Convolution, HalfSpace, love, padded_length
 
 
@@ -77,13 +77,6 @@ def own_block(subcells: int) -> Array:
     return np.ascontiguousarray(exact - both @ between @ both.T / r**2)
 
 
-@lru_cache(maxsize=32)
-def _mean_spectrum(m: int, n: int, subcells: int) -> Array:
-    """Compute the transform (m, n // 2 + 1) of the wrapped coefficients between cells."""
-    rows, columns = (np.minimum(np.arange(k), k - np.arange(k)).astype(float) for k in (m, n))
-    return np.ascontiguousarray(np.fft.rfft2(mean_coefficients(rows, columns, subcells)).real)
-
-
 class SubcellSpace(HalfSpace):
     """A half-space under pressures on sub-cells, with transforms of whole cells.
 
@@ -130,7 +123,9 @@ class SubcellConvolution(Convolution):
     """
 
     def __init__(self, m: int, n: int, single: bool, subcells: int) -> None:
-        super().__init__(m, n, single, _mean_spectrum(m, n, subcells))
+        coefficients = partial(mean_coefficients, subcells=subcells)
+        spectrum = spectra.half_spectrum(m, n, subcells, coefficients)
+        super().__init__(m, n, single, spectrum)
         self._cells, self._subcells = self.real, subcells
         self.real = np.zeros(((m - 2) * subcells, (n - 2) * subcells), self._cells.dtype)
         self._weights = interpolation(subcells).astype(self.real.dtype)

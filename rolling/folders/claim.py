@@ -13,6 +13,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 from rolling.folders import run_record
 from rolling.folders.files import FolderError
@@ -115,6 +116,22 @@ class Claim:
         else:
             _held.discard(record.id)
             self._running.pop(folder, None)
+
+    def note_trial(self, folder: Path, trial: dict[str, Any]) -> None:
+        """Write the choice of a tolerance into the record of the folder, or of a run in it.
+
+        Raises
+        ------
+        OSError
+            The record cannot be written.
+        """
+        if folder == self.folder:
+            self.record = replace(self.record, trial=trial)
+            self._before = replace(self._before, trial=trial)
+            run_record.write(folder, self.record)
+            return
+        before = run_record.read(folder) or run_record.new("run", adopted=self.record.adopted)
+        run_record.write(folder, replace(before, trial=trial))
 
     def forget_replaced(self) -> None:
         """Write that the replaced folder is gone."""

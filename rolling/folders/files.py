@@ -5,12 +5,70 @@ from __future__ import annotations
 import json
 import os
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from errno import (
+    EACCES,
+    EDQUOT,
+    EFBIG,
+    EIO,
+    EISDIR,
+    ELOOP,
+    ENAMETOOLONG,
+    ENOENT,
+    ENOSPC,
+    ENOTDIR,
+    EPERM,
+    EROFS,
+)
 from pathlib import Path
 from typing import Any
+
+_OF_A_FOLDER = (EACCES, EPERM, ENOENT, ENOTDIR, EISDIR, ELOOP, ENAMETOOLONG)
+_OF_A_DISK = (ENOSPC, EDQUOT, EROFS, EIO, EFBIG)
 
 
 class FolderError(Exception):
     """Error of a folder that cannot be written or read, with the way out."""
+
+
+class Unwritable(OSError):
+    """Error of a folder that cannot be written, which its message names with the cause.
+
+    everywhere : bool. Whether the folders beside it cannot be written either.
+    """
+
+    def __init__(self, message: str, everywhere: bool) -> None:
+        super().__init__(message)
+        self.everywhere = everywhere
+
+    def __reduce__(self) -> tuple[type[Unwritable], tuple[str, bool]]:
+        return Unwritable, (str(self), self.everywhere)  # as it comes from another process
+
+
+@contextmanager
+def writing(folder: Path) -> Iterator[None]:
+    """Turn an error of the system in writing into a folder into one line.
+
+    Raises
+    ------
+    Unwritable : a file in the folder cannot be written.
+    """
+    try:
+        yield
+    except Unwritable:
+        raise
+    except OSError as error:
+        first: OSError = error
+        while first.errno is None and isinstance(first.__cause__, OSError):
+            first = first.__cause__
+        is_inside = first.filename and folder in Path(os.fsdecode(first.filename)).parents
+        if not (is_inside or first.filename is None) or (
+            first.errno not in (*_OF_A_FOLDER, *_OF_A_DISK)
+        ):
+            raise
+        everywhere = first.errno in _OF_A_DISK or not os.access(folder.parent, os.W_OK)
+        raise Unwritable(f"{folder}: cannot be written ({first.strerror})", everywhere) from error
 
 
 class Stopped(OSError):

@@ -83,6 +83,9 @@ class RunRecord:
         If true, version 0.1.0 made the folder, and it is never replaced.
     starts : int
         Number of times that work on it began.
+    trial : dict or None
+        Choice of a tolerance that the scene left open (`stretches.Trial`), from before there is a
+        result.
     """
 
     kind: Kind
@@ -101,6 +104,7 @@ class RunRecord:
     replaces: str | None = None
     adopted: bool = False
     starts: Annotated[int, Field(ge=0)] = 0
+    trial: dict[str, Any] | None = None
 
     @model_validator(mode="after")
     def _consistent(self) -> RunRecord:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from rolling.check import tolerance
-from rolling.folders.files import FolderError, Keeper, write_bytes
+from rolling.folders.files import FolderError, Keeper, Unwritable, writing
 from rolling.scene import file
 from rolling.scene import sweep as sweeps
 from rolling.scene.identity import Identity, changes, differences, said
@@ -22,7 +22,6 @@ from rolling.simulation import (
     simulate,
     slow_march,
     solving,
-    tolerance_trial,
 )
 from rolling.simulation.lacking import lacks_marches
 from rolling.simulation.pool import Outcome, Workers
@@ -33,8 +32,6 @@ from rolling.sound.vibration_sound import Vibration
 __all__ = [
     "RESULT",
     "Run",
-    "choose_tolerance",
-    "choose_tolerances",
     "keep",
     "other_surface",
     "refuse_other_scene",
@@ -66,54 +63,6 @@ class Run:
         `labels.labels` names several runs together.
         """
         return labels.labels([self])[0]
-
-
-def choose_tolerances(runs: list[Run], results: Sequence[Result], workers: Workers) -> bool:
-    """Choose the tolerances that scenes leave open, and keep each in the folder of its run.
-
-    Parameters
-    ----------
-    runs : list of Run. Runs that are open get scenes with their tolerances.
-    results : sequence of Result. One result per run, which gets the trial.
-    workers : int or Cluster. Number of processes; 0: one per core.
-
-    Returns
-    -------
-    interrupted : Whether the trials were interrupted, so that some runs are still open.
-    """
-
-    def chosen(number: int, scene: Scene) -> None:
-        runs[number] = replace(runs[number], scene=scene)
-        _keep_choice(runs[number], results[number])
-
-    scenes = [run.scene for run in runs]
-    return tolerance_trial.choose(scenes, results, workers, chosen=chosen).interrupted
-
-
-def choose_tolerance(run: Run, result: Result, stopped: Callable[[], bool]) -> Run:
-    """Choose the tolerance of a run in this process, and keep it in the folder of the run.
-
-    Raises
-    ------
-    ContactError, Interrupted : as in the tasks of the run.
-    """
-    scene = tolerance_trial.choose_here(run.scene, result, stopped)
-    if scene is run.scene:
-        return run
-    chosen = replace(run, scene=scene)
-    _keep_choice(chosen, result)
-    return chosen
-
-
-def _keep_choice(run: Run, result: Result) -> None:
-    """Keep the tolerance that was chosen for a run in its folder."""
-    resolved = run.folder / RESOLVED
-    assert result.trial is not None
-    if resolved.is_file():
-        write_bytes(resolved, file.dump(seen_from(run.folder, run.scene)).encode())
-    # A run of four files has its scene in result.h5 alone; without a trial it is chosen again.
-    if result.trial.stretches:
-        keep(run, result)
 
 
 def solve(
@@ -149,7 +98,7 @@ def solve(
         workers,
         name,
         mapped,
-        begun=lambda leader: [begun(runs[number]) for number in work.members[leader]],
+        begun=lambda leader: work.each(leader, lambda number: begun(runs[number])),
         added=work.added,
         filmed=filmed,
     )
@@ -168,6 +117,7 @@ class _Work:
     members : dict. Numbers of the runs that share a result, by their leader.
     keepers : dict. The time of writing of each result that is not complete, by its leader.
     unkept : set. Leaders of results that have steps which are not written.
+    unwritable : dict. Errors of runs whose folder cannot be written, by their number.
     """
 
     def __init__(
@@ -186,6 +136,31 @@ class _Work:
         self.members = shared.members(results)
         self.keepers = {leader: Keeper() for leader in self.members if self.lacks(leader)}
         self.unkept: set[int] = set()
+        self.unwritable: dict[int, Unwritable] = {}
+
+    def each(self, leader: int, write: Callable[[int], object]) -> None:
+        """Write into the folder of each run that shares a result, unless it cannot be written.
+
+        Raises
+        ------
+        Unwritable : none of them can be written, or no folder at all.
+        """
+        members = self.members[leader]
+        for number in members:
+            if number not in self.unwritable:
+                self._write(number, write)
+        if all(number in self.unwritable for number in members):
+            raise self.unwritable[leader]
+
+    def _write(self, number: int, write: Callable[[int], object]) -> None:
+        """Write into the folder of a run; note that it cannot be written alone."""
+        try:
+            with writing(self.runs[number].folder):
+                write(number)
+        except Unwritable as error:
+            if error.everywhere or not self.runs[number].values:
+                raise
+            self.unwritable[number] = error
 
     def lacks(self, leader: int) -> bool:
         """Return whether a result lacks a march of one of its runs, or its slow motion."""
@@ -204,13 +179,19 @@ class _Work:
         at_once = self.complete is not None and last and result.solved_steps <= simulate.PIECE_STEPS
         if not at_once and (self.keepers[leader].due() or last):
             start = time.monotonic()
-            keep(self.runs[leader], result)
+            self._keep(leader)
             self.keepers[leader].wrote(time.monotonic() - start)
             self.unkept.discard(leader)
         if last:
-            for number in self.members[leader]:
-                self._end_run(number, number == leader and not at_once)
+            self.each(
+                leader, lambda number: self._end_run(number, number == leader and not at_once)
+            )
             self.unkept.discard(leader)
+
+    def _keep(self, leader: int) -> None:
+        """Write the result of a run, unless its folder cannot be written."""
+        if leader not in self.unwritable:
+            self._write(leader, lambda number: keep(self.runs[number], self.results[number]))
 
     def _end_run(self, number: int, kept: bool) -> None:
         """Complete a run, or keep its result where nobody completes it or that fails."""
@@ -225,14 +206,15 @@ class _Work:
             keep(self.runs[number], self.results[number])
 
     def end(self, outcome: Outcome) -> None:
-        """Write the results that are not written, and note runs whose surface was replaced."""
+        """Write the results that are not written, and note runs that failed by their files."""
         for leader in self.keepers:
             if leader in self.unkept:
-                keep(self.runs[leader], self.results[leader])
+                self._keep(leader)
             # Statistics and figures of the surface read the heights once more.
             for number in self.members[leader]:
                 if fault := other_surface(self.runs[number], self.results[number]):
                     outcome.failures.setdefault(number, fault)
+        outcome.failures |= {number: str(error) for number, error in self.unwritable.items()}
 
 
 def keep(
@@ -294,6 +276,8 @@ def refuse_other_scene(run: Run) -> None:
     # Heights are compared with the result, by their digest.
     there = file.read_scene(path)
     scene = run.scene
+    if tolerance.is_open(there):  # a kill came before the number was written into it
+        there = there.with_({"numerics.tolerance": scene.numerics.tolerance})
     if tolerance.is_open(scene):  # another process may just have chosen it
         scene = scene.with_({"numerics.tolerance": there.numerics.tolerance})
     own, swept = (Identity.of(each, None) for each in (there, scene))

@@ -20,7 +20,7 @@ from typing import Any, cast
 from rolling.scene.messages import SceneError
 from rolling.simulation import cluster_address, cluster_worker
 from rolling.simulation.cluster_worker import Answer
-from rolling.simulation.pool import Listener, Outcome, Task
+from rolling.simulation.pool import Listener, Outcome, Task, begin, finish
 from rolling.terminal import progress as terminal
 
 CONNECT_SECONDS = 10.0
@@ -153,27 +153,45 @@ class _Work:
         self.avoided: dict[str, str] = {}  # reasons by worker
         self.lost_since: float | None = None
         self.stopping = 0.0  # time of the request to stop
+        self.has_stopped = False  # whether the workers have the request
 
     def do(self, waiting: deque[Task], asked: Callable[[], bool]) -> None:
         """Do tasks until none waits or runs, or until a stop is asked for."""
+        from distributed.client import ClosedClientError
         from distributed.comm.core import CommClosedError
 
+        lost = CommClosedError, ClosedClientError
         try:
             self.usable = _usable(self.client, self.cluster, told=False)
-        except CommClosedError as error:
+        except lost as error:
             raise self._gone() from error
         while waiting or self.running:
             try:
                 self._go_on(waiting)
-                if asked() and not self.stopping:
-                    self.stopping = time.monotonic()
-                    waiting.clear()
-                    self.client.run(cluster_worker.stop, self.token, on_error="ignore")
-            except CommClosedError:  # in the middle of a question; `_is_connected` tells more
+            except lost:  # in the middle of a question; `_is_connected` tells more
                 time.sleep(WAIT_SECONDS)
+            if asked():
+                waiting.clear()
+                # A failure is no reason to lose the ends of tasks at hand: the question is asked
+                # again, and `_is_connected` says when nobody is left to ask.
+                with suppress(OSError, ClosedClientError):
+                    self._stop()
             if self.stopping and time.monotonic() - self.stopping > STOP_SECONDS:
-                self.client.cancel(list(self.running), force=True)
+                with suppress(OSError, ClosedClientError):  # a lost connection cancels as well
+                    self.client.cancel(list(self.running), force=True)
                 return
+
+    def _stop(self) -> None:
+        """Ask the workers once to stop after the steps at hand.
+
+        Raises
+        ------
+        OSError, ClosedClientError : they cannot be asked.
+        """
+        self.stopping = self.stopping or time.monotonic()
+        if not self.has_stopped and self.client.status == "running":
+            self.client.run(cluster_worker.stop, self.token, on_error="ignore")
+            self.has_stopped = True
 
     def _go_on(self, waiting: deque[Task]) -> None:
         """Look at the workers where it is time, hand out tasks, and take the end of one."""
@@ -208,7 +226,7 @@ class _Work:
 
     def _submit(self, task: Task, worker: str) -> None:
         """Hand a task to a worker."""
-        if task.run in self.outcome.failures:
+        if task.run in self.outcome.failures or not begin(task, self.listener, self.outcome):
             return
         self.submitted += 1
         future = self.client.submit(
@@ -221,7 +239,6 @@ class _Work:
             workers=[worker],
         )
         self.running[future] = task, worker
-        self.listener.begun(task.run)
         future.add_done_callback(self.ended.put)
 
     def _take(self, future: Any, waiting: deque[Task]) -> None:
@@ -274,7 +291,7 @@ class _Work:
         elif answer.kind == "stopped" and not self.stopping:  # its worker closes
             waiting.append(task)
         elif answer.value is not None:
-            following = self.listener.finished(task.run, answer.value) or ()
+            following = finish(task, answer.value, self.listener, self.outcome)
             waiting.extend(() if self.stopping else following)
             self.listener.progress(task.cost)
 

@@ -56,10 +56,8 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     """Return force and approach of the motion at each position of a lap.
 
     A fault stands in their place where the sphere passes a position under more than one load, or
-    under none.
+    under none. A motion of fewer than two positions has the constant load of the scene.
     """
-    from scipy.interpolate import CubicSpline  # slow to import, for motions only
-
     steps = result.solved_steps
     loads = force_law.loads_of(scene, result, of_scene.extremes).marched
     motion = of_scene.motion(scene, force_law.force_law(scene, result, loads))
@@ -76,22 +74,29 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     count = round(len(motion.force_n) * steps / result.steps)
     # A sphere that rests stays at its position.
     moved = np.flatnonzero(np.diff(motion.position_m[:count], prepend=-np.inf) > 0)
+    if len(moved) < 2:  # it rests, or passes the lap before its force changes
+        load, mean = np.full(steps + 1, scene.load), motion.approach_m.mean()
+        return MovingRelease(load, np.full(steps + 1, mean))
     places = motion.position_m[moved]
-    positions = np.arange(steps + 1) * result.step
-    series = []
-    for values in (motion.force_n[moved], motion.approach_m[moved]):
-        if repeats:
-            lap = np.append(places, places[0] + steps * result.step)
-            curve = CubicSpline(lap, np.append(values, values[0]), bc_type="periodic")
-        else:
-            curve = CubicSpline(places, values)
-        series.append(np.asarray(curve(positions)))
-    force, approach = series
+    lap = steps * result.step if repeats else None
+    positions = np.arange(steps + 1, dtype=float) * result.step
+    force = _at(positions, places, motion.force_n[moved], lap)
+    approach = _at(positions, places, motion.approach_m[moved], lap)
     if repeats:
         force[-1] = force[0]  # to the last digit
     if not force.min() > 0:
         return MovingRelease.impossible(steps, "the contact force falls to zero")
     return MovingRelease(force, approach)
+
+
+def _at(positions: Array, places: Array, values: Array, lap: float | None) -> Array:
+    """Interpolate values between places [m]; they repeat after a lap [m], unless it is None."""
+    from scipy.interpolate import CubicSpline  # slow to import, for motions only
+
+    if lap is None:
+        return np.asarray(CubicSpline(places, values)(positions))
+    around, again = np.append(places, places[0] + lap), np.append(values, values[0])
+    return np.asarray(CubicSpline(around, again, bc_type="periodic")(positions))
 
 
 def tasks(

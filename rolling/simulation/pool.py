@@ -18,6 +18,7 @@ from typing import Any, Protocol
 
 from rolling.contact import compiling
 from rolling.contact.solver import ContactError
+from rolling.folders.files import Unwritable
 from rolling.simulation import lifeline, spawning
 from rolling.terminal import progress as terminal
 
@@ -146,14 +147,16 @@ def _work_here(
         task = waiting.popleft()
         if task.run in outcome.failures:
             continue
-        listener.begun(task.run)
+        if not begin(task, listener, outcome):
+            continue
         try:
             done = task.function(*task.arguments, asked, listener.progress)
-            waiting.extend(listener.finished(task.run, done) or ())
         except ContactError as error:
             outcome.failures[task.run] = str(error)
         except Interrupted:
             break
+        else:
+            waiting.extend(finish(task, done, listener, outcome))
 
 
 def _work_in_parallel(
@@ -213,10 +216,9 @@ def _work_until_a_kill(
             while waiting or running:
                 while waiting and len(running) < 2 * workers:
                     task = waiting[0]
-                    if task.run not in outcome.failures:
+                    if task.run not in outcome.failures and begin(task, listener, outcome):
                         future = pool.submit(_in_worker, task)
                         running[future] = task
-                        listener.begun(task.run)
                     waiting.popleft()
                 done, _ = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
                 for future in done:
@@ -239,13 +241,41 @@ def _collect(
 ) -> Sequence[Task]:
     """Pass on the result of a task, or record the failure of its run; return tasks that follow."""
     try:
-        following = listener.finished(task.run, future.result())
-        listener.progress(task.cost)
-        return following or ()
+        done = future.result()
     except ContactError as error:
         outcome.failures.setdefault(task.run, str(error))
+        return ()
     except Interrupted:
-        pass
+        return ()
+    following = finish(task, done, listener, outcome)
+    listener.progress(task.cost)
+    return following
+
+
+def begin(task: Task, listener: Listener, outcome: Outcome) -> bool:
+    """Say that a task begins; return false where its run has failed by that.
+
+    A run fails alone whose folder cannot be written, where the folders beside it can.
+    """
+    try:
+        listener.begun(task.run)
+    except Unwritable as error:
+        if error.everywhere:
+            raise
+        outcome.failures.setdefault(task.run, str(error))
+    return task.run not in outcome.failures
+
+
+def finish(task: Task, done: Any, listener: Listener, outcome: Outcome) -> Sequence[Task]:
+    """Pass on the result of a task and return the tasks that follow; its run may fail by that."""
+    try:
+        return listener.finished(task.run, done) or ()
+    except ContactError as error:
+        outcome.failures.setdefault(task.run, str(error))
+    except Unwritable as error:
+        if error.everywhere:
+            raise
+        outcome.failures.setdefault(task.run, str(error))
     return ()
 
 

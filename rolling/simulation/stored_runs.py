@@ -19,7 +19,7 @@ from rolling.scene import file
 from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
-from rolling.simulation import batch, result_file
+from rolling.simulation import batch, chosen_tolerances, result_file
 from rolling.simulation.batch import Run
 from rolling.simulation.result import Result
 
@@ -72,6 +72,9 @@ def with_chosen_tolerance(run: Run) -> Run:
         chosen = file.read_scene(resolved).numerics.tolerance
     elif result.is_file():
         chosen = result_file.physics(result).get("numerics.tolerance")
+    if chosen in (None, "auto"):  # a kill came before they were written
+        trial = chosen_tolerances.recorded_trial(run.folder)
+        chosen = None if trial is None else trial.tolerance
     if chosen is None:
         return run
     return replace(run, scene=run.scene.with_({"numerics.tolerance": chosen}))

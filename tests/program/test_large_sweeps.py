@@ -14,7 +14,7 @@ from scene_text import TINY
 
 from rolling import cli
 from rolling.check import demand
-from rolling.commands import drawing, work
+from rolling.commands import drawing, table, work
 from rolling.commands.interface import open_run
 from rolling.folders import files, run_record
 from rolling.report import page
@@ -93,6 +93,46 @@ def test_very_many_runs_share_pictures_of_their_means_without_a_page(
     printed = capsys.readouterr().out
     assert "load 0.005 N" in printed and "load 0.02 N" not in printed
     assert "2 more runs, a row each in runs.csv" in printed
+
+
+def test_plots_of_the_means_that_fail_hide_no_result(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(defaults, "MOST_RUNS_COMPARED", 2)
+    out = tmp_path / "out"
+
+    def fail(*_: object) -> None:
+        raise ValueError("an empty third octave")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(table, "summarize", fail)
+        assert run(scene, out) == 1
+    said = capsys.readouterr()
+    assert "seed 1" in said.out and (out / "runs.csv").is_file()
+    assert said.err.splitlines()[-2:] == [
+        "not made: plots of the means: ValueError: an empty third octave",
+        f"all runs are solved; `rolling resume {out}` makes the rest",
+    ]
+    assert {run_record.read(out / f"seed={k}").state for k in (1, 2, 3)} == {"done"}
+    assert run_record.read(out).state == "failed"
+    with monkeypatch.context() as patch:
+        patch.setattr(simulate, "simulate_piece", None)  # all is solved
+        assert cli.main(["resume", str(out)]) == 0
+    assert (out / "mean_third_octaves.png").is_file() and run_record.read(out).state == "done"
+
+
+def test_a_page_that_fails_hides_no_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = tmp_path / "alone.yaml", tmp_path / "out"
+    path.write_text(TINY)
+    monkeypatch.setattr(work, "write_pictures", lambda *_: [(None, None)])
+    monkeypatch.setattr(work, "page_of", lambda *_: {}["picture"])
+    assert run(path, out) == 1
+    said = capsys.readouterr()
+    assert "not made: page: KeyError: 'picture'" in said.err and "LAeq" in said.out
+    with pytest.raises(OSError, match="not made: page: KeyError"):
+        open_run(out).save(tmp_path / "saved")
 
 
 def test_a_run_of_four_files_is_read_like_any_other(

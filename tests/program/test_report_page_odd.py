@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from report_browser import until
 from report_runs import run_results
 
 from rolling import commands
@@ -183,3 +184,16 @@ def test_maps_turn_dark_on_the_page_and_stay_light_when_saved(pages, opened) -> 
             figure.locator("[data-save=png]").click()
         shown = np.asarray(Image.open(download.value.path()).convert("RGB"))
         assert shown[3, 3].min() > 250
+
+
+def test_a_picture_that_cannot_be_drawn_is_saved_as_svg(pages, opened) -> None:
+    """The PNG needs a picture that the browser draws, the SVG needs its text alone."""
+    with opened(pages("one"), accept_downloads=True) as page:
+        page.evaluate("() => { Image.prototype.decode = () => Promise.reject('too large'); }")
+        figure = page.locator(".exhibit:has([data-file=third_octaves])")
+        figure.locator("[data-save=png]").click()
+        until(page, "document.querySelector('#said').textContent.includes('take the SVG')")
+        assert figure.locator("[data-save=png]").text_content() == "no PNG here"
+        with page.expect_download(timeout=5000) as download:
+            figure.locator("[data-save=svg]").click()
+        assert b"</svg>" in Path(download.value.path()).read_bytes()

@@ -4,6 +4,8 @@ import json
 import os
 import signal
 from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +20,18 @@ from rolling.check.findings import findings
 from rolling.commands import Wanted, resound, resume, run
 from rolling.commands.interface import open_run, simulate, simulate_sweep
 from rolling.contact.solver import ContactError
+from rolling.folders import run_record
+from rolling.folders.files import FolderError
 from rolling.report import text
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
-from rolling.simulation import _result_reading, error_stretches, tolerance_trial
+from rolling.simulation import (
+    _result_reading,
+    batch,
+    chosen_tolerances,
+    error_stretches,
+    tolerance_trial,
+)
 from rolling.simulation.error_stretches import Grid, march_grid
 from rolling.simulation.result import Result
 from rolling.simulation.simulate import Order
@@ -293,8 +303,60 @@ def test_each_run_of_a_sweep_has_its_own(
         (folders[0] / "run.json").read_text().replace('"done"', '"waiting"')
     )
     resume(out, wanted=NO_PICTURES)
-    assert len(marches) == tried + (8 if brief else 0)
+    assert len(marches) == tried
     assert summary(folders[0])["tolerance"] == numbers[0]["tolerance"]
+
+
+@pytest.mark.parametrize(
+    ("sweep", "killed"),
+    [
+        *(("", killed) for killed in ("write_bytes", "keep", "identify")),
+        ("whole", "write_bytes"),
+        ("whole", "keep"),
+        ("brief", "identify"),
+    ],
+)
+@pytest.mark.parametrize("seconds", [0.004, 0.0018], ids=["tried", "too short to try"])
+def test_a_kill_before_the_first_result_does_not_forget_who_chose(
+    killed: str,
+    sweep: str,
+    seconds: float,
+    tmp_path: Path,
+    few_steps: None,
+    marches: list[tuple[str, int]],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The record has the choice before scene and result have it."""
+    if sweep == "brief":
+        monkeypatch.setattr("rolling.check.demand.PAGE_RUNS", 1)
+    text = (SWEEP if sweep else TEXT).replace("0.04}", f"{seconds}}}")
+    path, out = written(tmp_path, text), tmp_path / "out"
+
+    def kill(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    alone = replace(NO_PICTURES, workers=1)
+    with monkeypatch.context() as patch, suppress(KeyboardInterrupt):
+        patch.setattr(chosen_tolerances if killed == "write_bytes" else batch, killed, kill)
+        run(path, out=out, wanted=alone)
+    chosen = [path.parent for path in out.rglob("run.json") if run_record.read(path.parent).trial]
+    assert chosen and not [*out.rglob("result.h5")]
+    tried = len(marches)
+    assert resume(out, wanted=alone).exit_code == 0
+    runs = [path.parent for path in out.rglob("summary.json")]
+    assert len(runs) == (2 if sweep else 1)
+    assert all(summary(folder)["tolerance_chosen"] for folder in runs)
+    # A run that had its number is not tried again.
+    again = 8 * (len(runs) - len(chosen)) if seconds > 0.002 else 0
+    assert len(marches) == tried + again
+
+
+def test_a_damaged_record_of_a_trial_is_named(tmp_path: Path) -> None:
+    record = run_record.new("run")
+    for trial in ({"tolerance": "loose", "reason": ""}, {"tolerance": 1e-4}):
+        run_record.write(tmp_path, replace(record, trial=trial))
+        with pytest.raises(FolderError, match=r"run\.json: damaged: trial\.(tolerance|reason): "):
+            chosen_tolerances.recorded_trial(tmp_path)
 
 
 def test_a_sweep_over_the_tolerance_pins_it(

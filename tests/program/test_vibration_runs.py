@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import cast
 
 import h5py
@@ -479,6 +480,32 @@ def test_a_sphere_that_gets_faster_passes_each_place_under_one_load() -> None:
     positions = np.arange(1, len(moving.force) - 1) * run.result.step
     between = np.interp(positions, motion.position_m, motion.force_n)
     assert np.allclose(moving.force[1:-1], between, rtol=0, atol=0.01)
+
+
+@pytest.mark.parametrize("faster", [[], ["rolling.speed_m_s=[[0, 0.5], [4e-4, 0.8]]"]])
+@pytest.mark.parametrize("samples", [0, 1, 5])
+def test_a_sphere_that_stays_has_the_constant_load(
+    samples: int, faster: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A spline needs two positions; a sphere at rest, or faster than its motion, has fewer."""
+    once = [*MOVING[:1], *MOVING[2:], "rolling.distance_mm=0.25"]
+    scene = loads(TEXT, [*once, *faster] if faster else MOVING)
+    result = Result.empty(scene.track, scene.start)
+    still = SimpleNamespace(
+        settled=True,
+        flight_share=0.0,
+        force_n=np.full(samples, 1.0),
+        approach_m=np.full(max(samples, 1), 2e-7),
+        position_m=np.zeros(samples),
+    )
+    marched = SimpleNamespace(marched=None)
+    monkeypatch.setattr(force_law, "loads_of", lambda *_: marched)
+    monkeypatch.setattr(force_law, "force_law", lambda *_: None)
+    monkeypatch.setattr(of_scene, "motion", lambda *_: still)
+    moving = moving_release.load_along(scene, result)
+    assert not moving.fault and moving.repeats
+    np.testing.assert_array_equal(moving.force, np.full(result.solved_steps + 1, scene.load))
+    np.testing.assert_array_equal(moving.motion_approach, np.full(result.solved_steps + 1, 2e-7))
 
 
 def test_the_check_counts_the_steps_in_a_period() -> None:

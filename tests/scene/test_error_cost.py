@@ -1,10 +1,13 @@
 """The stretches of the error estimate and their cost, as functions of the scene alone."""
 
+import math
+
 import numpy as np
 import pytest
 from scene_text import PLAIN
 
-from rolling.check import error_cost
+from rolling.check import cost, error_cost
+from rolling.check.findings import check_scene
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 
@@ -72,3 +75,29 @@ def test_the_tight_tolerance_stays_above_rounding() -> None:
 def test_no_estimate_costs_nothing() -> None:
     assert error_cost.cost_share(scene()) == 0.0
     assert error_cost.cost_share(scene("numerics.error_estimate=true")) > 0.0
+
+
+def test_the_check_expects_the_time_of_the_estimate_by_the_laws_of_a_step(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The stretches stay where the laws are measured anew, and their expected time follows."""
+    given = scene("numerics.error_estimate=true", "surface.width_um=256")
+
+    def seconds() -> tuple[str, float, float]:
+        found = {each.key: each for each in check_scene(given, False).runs[0].findings}
+        estimate, run = found["error_estimate"], found["expected_time"]
+        assert estimate.seconds and run.seconds
+        return estimate.value.split(",")[0], estimate.seconds, run.seconds
+
+    law = cost.step_law(given, cost.roughness(given)[0])
+    stretches, before, of_run = seconds()
+    at_100, power = cost.STEP_LAWS[law]
+    steps = error_cost.stretch_steps(given)
+    levels = 4 ** (power / 2), 4 ** (-power / 2)
+    tighter = math.log(error_cost.tight_tolerance(given)) / math.log(given.tolerance)
+    of_stretch = (steps + error_cost.START_STEPS) * (tighter * (1 + levels[0]) + levels[1])
+    count = len(error_cost.layout(given, steps).firsts)
+    assert before == pytest.approx(count * of_stretch * of_run / given.track.steps)
+    monkeypatch.setitem(cost.STEP_LAWS, law, (at_100, power + 1))
+    again, after, of_run_after = seconds()
+    assert again == stretches and after / of_run_after > 1.5 * before / of_run

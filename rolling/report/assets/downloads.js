@@ -8,19 +8,27 @@ function download(content, type, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-/** A picture without its style for dark pages: on paper it is light. */
-async function lightOf(image) {
-  const text = new TextDecoder().decode(bytesOf(image.src)).replace(/<style class="dark">.*?<\/style>/, "");
-  const light = Object.assign(new Image(), { src: URL.createObjectURL(new Blob([text], { type: "image/svg+xml" })) });
-  await light.decode();
-  URL.revokeObjectURL(light.src);
-  return { text, light };
+/** The text of a picture without its style for dark pages: on paper it is light. */
+function lightOf(image) {
+  return new TextDecoder().decode(bytesOf(image.src)).replace(/<style class="dark">.*?<\/style>/, "");
 }
 
-async function save(button) {
-  const { text, light: image } = await lightOf(button.closest("figure").querySelector("img"));
+function save(button) {
+  const text = lightOf(button.closest("figure").querySelector("img"));
   const name = `${button.dataset.file}.${button.dataset.save}`;
-  if (button.dataset.save === "svg") return download(text, "image/svg+xml", name);
+  return button.dataset.save === "svg" ? download(text, "image/svg+xml", name) : savePixels(text, name, button);
+}
+
+async function savePixels(text, name, button) {
+  const image = Object.assign(new Image(), { src: URL.createObjectURL(new Blob([text], { type: "image/svg+xml" })) });
+  try {
+    await image.decode();
+  } catch { // a browser may refuse a large picture
+    say("this browser cannot draw the picture; take the SVG");
+    return flash(button, "no PNG here");
+  } finally {
+    URL.revokeObjectURL(image.src);
+  }
   const canvas = document.createElement("canvas");
   canvas.width = 1700; // 2 pixels for each of a page this wide
   canvas.height = Math.round((1700 * image.naturalHeight) / image.naturalWidth);
@@ -39,8 +47,13 @@ async function copy(text, button) {
     area.remove();
   }
   say("copied");
+  flash(button, "Copied");
+}
+
+/** Show a text on a button for a while. */
+function flash(button, text) {
   const before = button.dataset.label ??= button.textContent;
-  button.textContent = "Copied";
+  button.textContent = text;
   setTimeout(() => { button.textContent = before; }, 2000);
 }
 
