@@ -281,9 +281,10 @@ class Descent:
             node,
             edges.edge.ravel(),
             edges.between_nodes(node),
-            packed.numbers[0],
-            self.stiffness,
+            packed.numbers,
             packed.vectors,
+            packed.indices[2],
+            packed.model[8].ravel(),
         )
 
     @property

@@ -27,9 +27,8 @@ JUMPS = 48
 @njit(cache=True)
 def fill(model, nodes, hardness, approach):
     """Set the grid to the state of the nodes; return the maximum violation [m] and the load."""
-    p, g, compliance, place = nodes.p, nodes.g, nodes.compliance, model.node
+    p, g, place, stiffness = nodes.p, nodes.g, model.node, model.stiffness
     gap, low, high = model.gap.reshape(-1), model.low.reshape(-1), model.high.reshape(-1)
-    softening, stiffness = model.softening.reshape(-1), model.stiffness
     model.change[:] = 0.0
     gap[:] = 0.0
     worst = 0.0
@@ -43,10 +42,6 @@ def fill(model, nodes, hardness, approach):
         low[at] = -v
         high[at] = hardness - v
         gap[at] = stiffness * r
-    if compliance.size:
-        softening[:] = 1.0
-        for k in range(p.size):
-            softening[place[k]] = 1.0 / (1.0 + compliance[k] * stiffness)
     return worst, load
 
 

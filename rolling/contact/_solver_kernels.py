@@ -177,14 +177,21 @@ def take_nodes(node, columns, corner, row_lengths, pressure, gap, vectors, indic
 
 
 @njit(cache=True)
-def take_edges(node, edge, between_nodes, hardness, stiffness, vectors):
-    """Set the compliance, the softening and the edges of the candidates (see Packed)."""
+def take_edges(node, edge, between_nodes, numbers, vectors, place, left):
+    """Set the compliance, the softening and the edges of the candidates (see Packed).
+
+    `left`, the softening of the Model, has each candidate at its `place`.
+    """
+    per_hardness, stiffness, of_model = 2.0 / numbers[0], numbers[3], numbers[5]
+    left[:] = 1.0
     for a in range(node.size):
         k = node[a]
-        vectors[6, a] = edge[k] * (2.0 / hardness)
-        vectors[7, a] = 1.0 / np.sqrt(1.0 + vectors[6, a] * stiffness)
+        compliance = edge[k] * per_hardness
+        vectors[6, a] = compliance
+        vectors[7, a] = 1.0 / np.sqrt(1.0 + compliance * stiffness)
         vectors[8, a] = edge[k]
         vectors[9, a] = between_nodes[a]
+        left[place[a]] = 1.0 / (1.0 + compliance * of_model)
 
 
 @njit(cache=True)
@@ -402,16 +409,20 @@ def move_edges(system):
     for k in range(p.size):
         field[place[k]] = g[k] + edge[k] - compliance[k] * p[k] + between_nodes[k]
     per_hardness = 2.0 / system.limits.hardness
+    left, stiffness = system.model.softening.reshape(-1), system.model.stiffness
     for k in range(p.size):
         at = place[k]
         along = field[at + row_length] - field[at - row_length]
         across = field[at + 1] - field[at - 1]
         if along == along and across == across:
             moved = half_range(along, across, levelled)
+            if moved == edge[k]:  # most often both are zero
+                continue
             g[k] += (edge[k] - moved) * (1.0 - per_hardness * p[k])
             edge[k] = moved
             compliance[k] = per_hardness * moved
             softening[k] = 1.0 / np.sqrt(1.0 + compliance[k] * system.stencil.stiffness)
+            left[at] = 1.0 / (1.0 + compliance[k] * stiffness)
 
 
 @njit(cache=True)
