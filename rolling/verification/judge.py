@@ -12,6 +12,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from rolling.verification.random_cases import GENERATORS, random_case
 
 # Maximum time of solving a scene [s], a hundred times the slowest; the long march has more.
 TIME_LIMIT = 60.0
+COMPILING_SCENES = 3  # of each generator, of which one at least is solved
 LEDGER_ERROR = (
     1e-12  # share of the stored energy; the energy ledger is an identity except for rounding
 )
@@ -169,6 +171,23 @@ def judge(case: HardCase, keep: list[ContactState] | None = None) -> Outcome:
 
     The states are appended to `keep`.
     """
+    _compile_kernels()
+    return _judge(case, keep)
+
+
+@cache
+def _compile_kernels() -> None:
+    """March small scenes of each generator, once in a process.
+
+    Without a cache compilation takes up to a minute, which no case may be charged with.
+    """
+    for generator in GENERATORS:
+        for seed in range(COMPILING_SCENES):
+            _judge(random_case(generator, seed), None)
+
+
+def _judge(case: HardCase, keep: list[ContactState] | None) -> Outcome:
+    """March a case as `judge` does, where kernels are compiled."""
     trial, result, message = _Trial(case, keep), SOLVED, ""
     track = case.build()
     try:

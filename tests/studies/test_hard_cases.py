@@ -25,7 +25,7 @@ from rolling.verification import hard_report, optimality
 from rolling.verification import judge as hard_cases
 from rolling.verification.hard_cases import CAPACITY, CASES, EXTREMES, SOLVED, WIDTH, HardCase
 from rolling.verification.judge import Outcome, judge
-from rolling.verification.random_cases import FAILED_ONCE, found_cases, random_case
+from rolling.verification.random_cases import FAILED_ONCE, GENERATORS, found_cases, random_case
 
 NAMED = {case.name: case for case in CASES}
 BUILT = {name: lru_cache(case.build) for name, case in NAMED.items()}
@@ -48,6 +48,24 @@ def names(pattern: str) -> list[str]:
     found = [name for name in NAMED if re.fullmatch(pattern, name)]
     assert found, pattern
     return found
+
+
+def test_no_case_is_charged_the_compilation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Scenes of each generator are marched before the first case, and one of each is solved."""
+    names: list[tuple[str, str]] = []
+    march = hard_cases._judge
+
+    def listing(case: HardCase, keep: list[ContactState] | None) -> Outcome:
+        outcome = march(case, keep)
+        names.append((case.group, outcome.result))
+        return outcome
+
+    monkeypatch.setattr(hard_cases, "_judge", listing)
+    hard_cases._compile_kernels.cache_clear()
+    for _ in range(2):
+        judge(random_case("random", 5))
+    assert {group for group, result in names[:-2] if result == SOLVED} == set(GENERATORS)
+    assert len(names) == hard_cases.COMPILING_SCENES * len(GENERATORS) + 2
 
 
 @pytest.mark.slow
