@@ -35,6 +35,8 @@ LEAST_STEP = 1e-3
 # From this step length on a step is taken as a whole. The energy still falls, as it does up to
 # twice the best length.
 NEARLY_WHOLE = 0.8
+# Edges that would move by less than this share of the allowed violation stay.
+EDGE_SLACK = 0.01
 # Share of the model's change that the first direction takes, and the minimum share. The model
 # closes gaps that are long waves too far; each step corrects the share by its own length.
 FIRST_LENGTH = 0.5
@@ -178,20 +180,19 @@ def take_nodes(node, columns, corner, row_lengths, pressure, gap, vectors, indic
 
 @njit(cache=True)
 def take_edges(node, edge, between_nodes, numbers, vectors, place, left):
-    """Set the compliance, the softening and the edges of the candidates (see Packed).
+    """Set the compliance and the edges of the candidates (see Packed).
 
     `left`, the softening of the Model, has each candidate at its `place`.
     """
-    per_hardness, stiffness, of_model = 2.0 / numbers[0], numbers[3], numbers[5]
+    per_hardness, stiffness = 2.0 / numbers[0], numbers[5]
     left[:] = 1.0
     for a in range(node.size):
         k = node[a]
         compliance = edge[k] * per_hardness
         vectors[6, a] = compliance
-        vectors[7, a] = 1.0 / np.sqrt(1.0 + compliance * stiffness)
         vectors[8, a] = edge[k]
         vectors[9, a] = between_nodes[a]
-        left[place[a]] = 1.0 / (1.0 + compliance * of_model)
+        left[place[a]] = 1.0 / (1.0 + compliance * stiffness)
 
 
 @njit(cache=True)
@@ -259,7 +260,7 @@ def find_residual(nodes, stencil, work, hardness, approach, snap):
     their bound but never onto it; within `snap` [Pa], too little to change a deflection, they are
     put there.
     """
-    p, g, softening = nodes.p, nodes.g, nodes.softening
+    p, g, compliance, softening = nodes
     grid, place, stiffness = stencil.grid, stencil.node, stencil.stiffness
     r, active = work.r, work.active
     worst = 0.0
@@ -271,7 +272,10 @@ def find_residual(nodes, stencil, work, hardness, approach, snap):
         grid[place[k]] = 0.0
         if (p[k] <= 0.0 and gap >= 0.0) or (p[k] >= hardness and gap <= 0.0):
             continue
-        own = softening[k] * softening[k] if softening.size else 1.0
+        own = 1.0
+        if compliance.size:
+            own = 1.0 / (1.0 + compliance[k] * stiffness)
+            softening[k] = np.sqrt(own)
         closing = p[k] - own * stiffness * gap
         if closing <= 0.0 and 0.0 < p[k] <= snap:
             p[k] = 0.0
@@ -398,12 +402,13 @@ def cell_ranges(shape, u, levelled, out):
 
 
 @njit(cache=True)
-def move_edges(system):
+def move_edges(system, slack):
     """Move the edges of the candidates to the place that the present gaps give them.
 
-    The edge of a node beside a node that is no candidate stays.
+    The edge of a node beside a node that is no candidate stays, and so does an edge that would move
+    by less than `slack` [m].
     """
-    p, g, compliance, softening = system.nodes
+    p, g, compliance = system.nodes.p, system.nodes.g, system.nodes.compliance
     edge, between_nodes, field, levelled = system.edges
     place, row_length = system.stencil.node, system.stencil.row_length
     for k in range(p.size):
@@ -416,12 +421,11 @@ def move_edges(system):
         across = field[at + 1] - field[at - 1]
         if along == along and across == across:
             moved = half_range(along, across, levelled)
-            if moved == edge[k]:  # most often both are zero
+            if abs(moved - edge[k]) <= slack:  # most often both are zero
                 continue
             g[k] += (edge[k] - moved) * (1.0 - per_hardness * p[k])
             edge[k] = moved
             compliance[k] = per_hardness * moved
-            softening[k] = 1.0 / np.sqrt(1.0 + compliance[k] * system.stencil.stiffness)
             left[at] = 1.0 / (1.0 + compliance[k] * stiffness)
 
 
@@ -468,7 +472,7 @@ def iterate(packed, direction, snap, allowed, sweeps, edges_move):
     nodes, limits, work = system.nodes, system.limits, system.work
     alpha = advance(system, direction) if direction.slope < 0.0 else 1.0
     if edges_move:
-        move_edges(system)
+        move_edges(system, EDGE_SLACK * allowed)
     approach = approach_of(nodes.p, nodes.g, limits.hardness)
     length = direction.length * min(max(alpha, 0.5), 2.0)
     plain = alpha < LEAST_STEP

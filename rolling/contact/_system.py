@@ -69,7 +69,8 @@ class Nodes(NamedTuple):
     compliance : (n,) array, m/Pa
         Closing of a node's gap by its own pressure in addition to the deflection.
     softening : (n,) array
-        Square root of the share of a node's stiffness that its compliance leaves.
+        Square root of the share of a node's stiffness that its compliance leaves; the residual sets
+        it.
     """
 
     p: Array
