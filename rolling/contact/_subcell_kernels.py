@@ -1,7 +1,9 @@
 """Compiled passes between sub-cells and cells.
 
 Arrays of cells have a border of one cell around those that hold sub-cells. A list of cells holds
-flat indices without that border.
+flat indices without that border. `side` is a tuple with an entry for each sub-cell along the side
+of a cell: the compiler knows its length and unrolls the loops, which take half to a quarter of the
+time.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -51,22 +53,20 @@ def loaded_cells(fine, subcells, listed):
 
 
 @njit(cache=True)
-def spread(fine, listed, weights, cells, own):
+def spread(fine, listed, weights, side, cells, own):
     """Set the pressures of cells from the sub-cells of listed cells.
 
     The adjoint of the interpolation spreads them. `own` receives the pressures of the sub-cells, a
     row for each listed cell.
     """
-    r = weights.shape[0]
+    r = len(side)
     columns = fine.shape[1] // r
     part = np.empty((3, r), fine.dtype)
     share = fine.dtype.type(1.0 / (r * r))
     cells[:] = 0.0
     for c in range(listed.size):
         i, j = divmod(listed[c], columns)
-        for k in range(3):
-            for b in range(r):
-                part[k, b] = 0.0
+        part[:] = 0.0
         for a in range(r):
             for b in range(r):
                 p = fine[i * r + a, j * r + b]
@@ -100,13 +100,23 @@ def gather_all(cells, weights, fine):
 
 
 @njit(cache=True)
-def gather(cells, listed, weights, fine):
-    """Interpolate the deflections of cells on the sub-cells of listed cells."""
-    r = weights.shape[0]
+def gather(cells, listed, weights, block, own, side, fine):
+    """Set the deflections of the sub-cells of listed cells.
+
+    They are interpolated from the deflections of cells, plus those by pressures within the same
+    cell.
+    """
+    r = len(side)
     columns = fine.shape[1] // r
     part = np.empty(3, fine.dtype)
+    within = np.empty(r * r, fine.dtype)
     for c in range(listed.size):
         i, j = divmod(listed[c], columns)
+        within[:] = 0.0
+        for t in range(r * r):
+            p = own[c, t]
+            for s in range(r * r):
+                within[s] += block[t, s] * p  # the block is symmetric
         for a in range(r):
             for m in range(3):
                 part[m] = (
@@ -115,20 +125,21 @@ def gather(cells, listed, weights, fine):
                     + weights[a, 2] * cells[i + 2, j + m]
                 )
             for b in range(r):
-                fine[i * r + a, j * r + b] = (
+                fine[i * r + a, j * r + b] = within[a * r + b] + (
                     weights[b, 0] * part[0] + weights[b, 1] * part[1] + weights[b, 2] * part[2]
                 )
 
 
 @njit(cache=True)
-def add_own(own, listed, block, subcells, fine):
+def add_own(own, listed, block, side, fine):
     """Add the deflections of the sub-cells of listed cells by pressures within the same cell."""
-    r = subcells
+    r = len(side)
     columns = fine.shape[1] // r
     for c in range(listed.size):
         i, j = divmod(listed[c], columns)
-        for s in range(r * r):
-            total = fine[i * r + s // r, j * r + s % r]
-            for t in range(r * r):
-                total += block[s, t] * own[c, t]
-            fine[i * r + s // r, j * r + s % r] = total
+        for a in range(r):
+            for b in range(r):
+                total = fine[i * r + a, j * r + b]
+                for t in range(r * r):
+                    total += block[a * r + b, t] * own[c, t]
+                fine[i * r + a, j * r + b] = total

@@ -160,13 +160,16 @@ class SubcellConvolution(Convolution):
             loaded = loaded[: _subcell_kernels.loaded_cells(fine, r, loaded)]
         if len(self._own) < loaded.size:
             self._own = np.empty((2 * loaded.size, r * r), fine.dtype)
-        _subcell_kernels.spread(fine, loaded, self._weights, cells, self._own)
+        side = (0,) * r
+        _subcell_kernels.spread(fine, loaded, self._weights, side, cells, self._own)
         self._transform(count)
-        if listed is None:
-            _subcell_kernels.gather_all(cells, self._weights, fine)
-        else:
-            _subcell_kernels.gather(cells, listed, self._weights, fine)
-        _subcell_kernels.add_own(self._own, loaded, self._block, r, fine)
+        if listed is not None:
+            _subcell_kernels.gather(
+                cells, listed, self._weights, self._block, self._own, side, fine
+            )
+            return
+        _subcell_kernels.gather_all(cells, self._weights, fine)
+        _subcell_kernels.add_own(self._own, loaded, self._block, side, fine)
 
     def cells_of(
         self, node: NDArray[np.int64], columns: int, corner: tuple[int, int]
