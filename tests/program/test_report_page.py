@@ -219,8 +219,7 @@ def test_on_paper_tables_keep_their_heads_and_controls_go(pages, opened) -> None
         assert page.locator("#levels-table thead button").first.is_visible()
         for selector in ("#transport", "nav", ".tools", ".ear", "#film-play"):
             assert not page.locator(f"{selector} >> visible=true").count(), selector
-        page.wait_for_timeout(50)
-        assert page.evaluate("document.scrollingElement.scrollWidth") <= 690
+        until(page, "document.scrollingElement.scrollWidth <= 690")
 
 
 def test_any_title_is_text_in_the_style_sheet() -> None:

@@ -25,11 +25,12 @@ from pathlib import Path
 from rolling.simulation import simulate
 
 HERE = Path(__file__).parent
-march, begun = simulate._ordered_piece, []
+march, begun, latest = simulate._ordered_piece, [], []
 
 
 def piece(*arguments):
     begun.append(arguments[1])
+    latest[:] = [arguments]
     happen(arguments[-2])
     result = march(*arguments)
     (HERE / f"done-{{arguments[1]}}").touch()
@@ -55,6 +56,13 @@ simulate._ordered_piece = piece
 KILL = "if len(begun) == 2: os.kill(os.getpid(), signal.SIGKILL)"
 KILL_ONE = "if len(begun) == 2 and once(): os.kill(os.getpid(), signal.SIGKILL)"
 STOP = "if len(begun) == 2: os.kill(os.getpid(), signal.SIGSTOP)"
+# Each process marches its second piece until it is killed, and says so in a file of its number.
+ENDLESS = """\
+if len(begun) == 2:
+        (HERE / "marching").mkdir(exist_ok=True)
+        (HERE / "marching" / str(os.getpid())).touch()
+        while True:
+            march(*latest[0])"""
 # The first piece of the track is done, and no other is begun before the process has understood.
 CTRL_C = """\
 if len(begun) == 2:
@@ -84,19 +92,28 @@ def run(words: Sequence[object], happening: str, folder: Path) -> subprocess.Com
 
 
 @contextmanager
-def stopped(words: Sequence[object], folder: Path) -> Iterator[subprocess.Popen[bytes]]:
-    """Start a command that stops itself before its second piece, and kill it in the end."""
-    command, environment = _prepared(words, STOP, folder)
+def started(
+    words: Sequence[object], happening: str, folder: Path
+) -> Iterator[subprocess.Popen[bytes]]:
+    """Start a command, to which the happening happens, and kill it in the end."""
+    command, environment = _prepared(words, happening, folder)
     with (folder / "said").open("wb") as said:
         process = subprocess.Popen(command, env=environment, stdout=said, stderr=said)
     try:
-        ended = os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
-        assert ended is not None
-        assert ended.si_code == os.CLD_STOPPED, (folder / "said").read_text()
         yield process
     finally:
         process.kill()
         process.wait()
+
+
+@contextmanager
+def stopped(words: Sequence[object], folder: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """Start a command, which stops itself before its second piece, and kill it in the end."""
+    with started(words, STOP, folder) as process:
+        ended = os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
+        assert ended is not None
+        assert ended.si_code == os.CLD_STOPPED, (folder / "said").read_text()
+        yield process
 
 
 def _prepared(
