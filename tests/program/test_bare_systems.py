@@ -46,7 +46,7 @@ def compiled(environment: dict[str, str], before: str = "") -> tuple[list[str], 
         text=True,
         env=environment,
         cwd=environment["PYTHONPATH"],
-        timeout=300,
+        timeout=900,
     )
     assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
     return done.stdout.splitlines(), done.stderr
@@ -125,7 +125,7 @@ def test_a_run_without_shared_memory_is_done(tmp_path: Path) -> None:
         text=True,
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
-        timeout=300,
+        timeout=900,
     )
     assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
     assert done.stderr.count("warning: no worker processes") == 1

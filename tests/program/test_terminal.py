@@ -9,7 +9,7 @@ import os
 import re
 import subprocess
 import sys
-import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -54,7 +54,7 @@ def shell(command: str, folder: Path, **environment: str) -> subprocess.Complete
         text=True,
         cwd=folder,
         env=os.environ | environment,
-        timeout=600,
+        timeout=900,
     )
 
 

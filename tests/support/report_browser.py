@@ -34,7 +34,7 @@ PATIENCE = 120.0  # [s] until something surely does not happen
 MINUS = "\N{MINUS SIGN}"
 RATE = wav.SAMPLE_RATE_HZ
 # Counts what the page starts, keeps its gains, pictures and last look at the clock, and listens at
-# its way out. Work that the page puts off by a second or more waits in `later` until a test does it.
+# its way out. Work that the page puts off by a second or more waits in `later` for the test.
 TAP = """
   window.tap = {
     starts: 0, offsets: [], gains: [], sources: [], images: [], later: [],
