@@ -118,7 +118,7 @@ def test_a_run_without_shared_memory_is_done(tmp_path: Path) -> None:
         "rolling: {load_n: 0.2, speed_m_s: 0.1, duration_s: 0.002}\n"
         "sweep: {rolling.load_n: [0.2, 0.3]}\n"
     )
-    run = f"{sys.executable} -m rolling.cli run s.yaml --out out --workers 2 --no-report"
+    run = f"{sys.executable} -m rolling.cli run s.yaml --out out --workers 2 --no-pictures"
     done = subprocess.run(
         [*IN_A_CONTAINER, f"mount -t tmpfs -o ro none /dev/shm && {run}"],
         capture_output=True,

@@ -31,10 +31,15 @@ STEPS = 450
 
 
 @pytest.fixture
-def scene(tmp_path: Path) -> Path:
+def drawn(tmp_path: Path) -> Path:
     path = tmp_path / "small.yaml"
     path.write_text(SCENE)
     return path
+
+
+@pytest.fixture
+def scene(drawn: Path, undrawn: None) -> Path:
+    return drawn
 
 
 def series(folder: Path, name: str = "release_energy") -> np.ndarray:
@@ -72,10 +77,10 @@ def test_same_numbers_whatever_the_workers(scene: Path, tmp_path: Path, subcells
 
 
 @pytest.mark.slow
-def test_sweep_makes_a_folder_per_run_and_a_table(scene: Path, tmp_path: Path, capsys) -> None:
+def test_sweep_makes_a_folder_per_run_and_a_table(drawn: Path, tmp_path: Path, capsys) -> None:
     out = tmp_path / "out"
     settings = ["--set", "rolling.duration_s=0.002", "--set", "sweep.rolling.load_n=[0.5, 2]"]
-    assert cli.main(["run", str(scene), *settings, "--out", str(out), "--workers", "1"]) == 0
+    assert cli.main(["run", str(drawn), *settings, "--out", str(out), "--workers", "1"]) == 0
     assert sorted(f.name for f in out.iterdir() if f.is_dir()) == ["load_n=0.5", "load_n=2"]
     for picture in ("spectrum.png", "third_octaves.png", "levels.png"):
         assert (out / picture).stat().st_size > 5000
@@ -165,7 +170,7 @@ NARROW = (
 
 
 def run_until(happening: str, scene: Path, out: Path, *more: str) -> subprocess.CompletedProcess:
-    words = ["run", scene, "--out", out, *NARROW, *more]
+    words = ["run", scene, "--out", out, "--no-pictures", *NARROW, *more]
     return happenings.run(words, happening, scene.parent)
 
 
@@ -315,7 +320,7 @@ def test_laps_of_a_file_are_solved_once(scene: Path, tmp_path: Path, subcells: s
     assert approach[40] == pytest.approx(approach[0], rel=1e-3)
 
 
-def test_a_smooth_ball_that_accelerates_is_silent(tmp_path: Path) -> None:
+def test_a_smooth_ball_that_accelerates_is_silent(tmp_path: Path, undrawn: None) -> None:
     path = tmp_path / "s.yaml"
     path.write_text(
         "name: s\nsphere: {radius_mm: 5}\nplate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n"

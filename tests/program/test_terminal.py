@@ -393,7 +393,7 @@ def test_quiet_prints_the_folder_and_a_finished_run_is_left_alone(
 
 
 def test_the_last_run_that_is_resumed_finishes_its_sweep(
-    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    scene: Path, tmp_path: Path, undrawn: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
     command = ["run", str(scene), "--set", "sweep.rolling.load_n=[0.3, 0.5]", "--out", str(out)]
