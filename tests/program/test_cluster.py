@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import resource
@@ -13,6 +14,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -26,7 +28,9 @@ from rolling import cli
 from rolling.commands import table
 from rolling.folders import run_record
 from rolling.folders.run_record import RunRecord
+from rolling.scene.messages import SceneError
 from rolling.simulation import cluster as cluster_module
+from rolling.simulation import cluster_address
 from rolling.simulation.cluster import _Work
 
 pytest.importorskip("distributed", reason="a cluster needs Dask")
@@ -354,6 +358,19 @@ def test_a_lost_scheduler_ends_in_a_sentence_and_resume_finishes(
     wait_for(lambda: all(each.state != "running" for each in begun()))
     assert cli.main(["resume", str(out), "--workers", "1", "--no-pictures"]) == 0
     assert {record(out, each).state for each in (1, 2, seed)} == {"done"}
+
+
+def test_a_running_loop_is_in_nobodys_way() -> None:
+    """Notebooks run a loop of events in the thread of their cells."""
+
+    async def cell() -> str:
+        with pytest.raises(SceneError) as error:
+            cluster_address.answering("tcp://127.0.0.1:9", 1.0)
+        return str(error.value)
+
+    with ThreadPoolExecutor(1) as thread:
+        said = thread.submit(lambda: asyncio.run(cell())).result()
+    assert "no scheduler answers" in said and "not one of Dask" not in said
 
 
 def test_no_scheduler_is_refused_before_anything_is_written(
