@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import json
 import re
-from collections.abc import Coroutine
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, cast
@@ -44,16 +43,16 @@ def answering(text: str, seconds: float) -> str:
         )
     address += "" if parts["port"] else f":{PORT}"
     try:
-        _run(_ask(address, seconds), seconds + 1)
+        with ThreadPoolExecutor(1) as thread:  # a notebook has a loop of its own in this one
+            thread.submit(_answer, address, seconds).result()
     except Exception as error:  # of any kind where another program answers
         raise SceneError([f"--cluster: {text}: no scheduler answers ({_reason(error)})"]) from error
     return address
 
 
-def _run(question: Coroutine[Any, Any, None], seconds: float) -> None:
-    """Run a question in a thread of its own, because a notebook runs a loop in this thread."""
-    with ThreadPoolExecutor(1) as thread:
-        thread.submit(asyncio.run, asyncio.wait_for(question, seconds)).result()
+def _answer(address: str, seconds: float) -> None:
+    """Wait for the answer of an address, in a thread without a loop of events."""
+    asyncio.run(asyncio.wait_for(_ask(address, seconds), seconds + 1))
 
 
 def _reason(error: Exception) -> str:

@@ -90,7 +90,7 @@ def test_silence_and_what_has_no_loudness(mosqito):
 
 
 @pytest.mark.slow
-def test_a_scene_gets_what_it_asks_for(mosqito, scene: Path, tmp_path: Path):
+def test_a_scene_gets_what_it_asks_for(mosqito, scene: Path, tmp_path: Path, undrawn: None):
     first, again, without = tmp_path / "first", tmp_path / "again", tmp_path / "without"
     assert cli.main(["run", str(scene), "--out", str(first), "--workers", "1"]) == 0
     found = json.loads((first / "summary.json").read_text())
@@ -113,7 +113,7 @@ def test_a_scene_gets_what_it_asks_for(mosqito, scene: Path, tmp_path: Path):
 
 @pytest.mark.slow
 def test_without_the_package_the_scene_is_refused_before_anything_is_done(
-    scene: Path, tmp_path: Path, monkeypatch, capsys
+    scene: Path, tmp_path: Path, undrawn: None, monkeypatch, capsys
 ):
     there = importlib.util.find_spec
     monkeypatch.setattr(

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from report_browser import (
     FLAGS,
+    PATIENCE,
     TAP,
     browser_path,
     without_browser,
@@ -59,6 +60,7 @@ def opened(browser):
     @contextmanager
     def open_page(path: Path, **settings):
         context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **settings})
+        context.set_default_timeout(1000 * PATIENCE)
         page = context.new_page()
         complaints: list[str] = []
         page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))

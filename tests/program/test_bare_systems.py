@@ -46,7 +46,7 @@ def compiled(environment: dict[str, str], before: str = "") -> tuple[list[str], 
         text=True,
         env=environment,
         cwd=environment["PYTHONPATH"],
-        timeout=300,
+        timeout=900,
     )
     assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
     return done.stdout.splitlines(), done.stderr
@@ -118,14 +118,14 @@ def test_a_run_without_shared_memory_is_done(tmp_path: Path) -> None:
         "rolling: {load_n: 0.2, speed_m_s: 0.1, duration_s: 0.002}\n"
         "sweep: {rolling.load_n: [0.2, 0.3]}\n"
     )
-    run = f"{sys.executable} -m rolling.cli run s.yaml --out out --workers 2 --no-report"
+    run = f"{sys.executable} -m rolling.cli run s.yaml --out out --workers 2 --no-pictures"
     done = subprocess.run(
         [*IN_A_CONTAINER, f"mount -t tmpfs -o ro none /dev/shm && {run}"],
         capture_output=True,
         text=True,
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
-        timeout=300,
+        timeout=900,
     )
     assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
     assert done.stderr.count("warning: no worker processes") == 1

@@ -421,7 +421,7 @@ def test_comparing_costs_little(scene: Path, tmp_path: Path) -> None:
     """A comparison takes 0.3 ms before a piece of 60 ms or more."""
     one = read_scene(scene)
     scene_surface.heights(one)
-    began = time.perf_counter()
+    began = time.process_time()
     for _ in range(20):
         simulate.surface_fault(one, None)
-    assert (time.perf_counter() - began) / 20 < 0.02
+    assert (time.process_time() - began) / 20 < 0.02

@@ -92,7 +92,7 @@ def executed(arguments: list[str], folder: Path, given: str | None = None) -> st
         input=given,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=900,
     )
     assert done.returncode == 0, done.stderr
     assert not done.stderr, done.stderr  # no progress where nobody looks

@@ -36,12 +36,6 @@ def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return path
 
 
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leave out the pictures, which take longer than the rest."""
-    monkeypatch.setattr(work, "write_pictures", lambda *_: [])
-
-
 def run(scene: Path, out: Path, *more: str) -> int:
     return cli.main(["run", str(scene), "--out", str(out), "--workers", "1", *more])
 
@@ -249,8 +243,11 @@ def test_an_unsolved_run_names_the_sweep_to_resume(
 def test_pictures_are_the_same_from_any_number_of_processes(
     scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    out = tmp_path / "out"
-    assert run(scene, out, "--pictures", "--no-report") == 0
+    """Two runs are many here."""
+    monkeypatch.setattr(demand, "PAGE_RUNS", 1)
+    monkeypatch.setattr(page, "MOST_RUNS", 1)
+    out, two = tmp_path / "out", ["--set", "sweep.surface.seed=[1, 2]"]
+    assert run(scene, out, *two, "--pictures", "--no-report") == 0
     assert not (out / "report.html").exists()
     inside = out / "seed=2"
     before = {

@@ -6,24 +6,12 @@ import webbrowser
 from pathlib import Path
 
 import pytest
+from scene_text import TINY
 
 from rolling import cli
 from rolling.folders import new_folder
 
-SCENE = """\
-name: tiny
-sphere: {radius_mm: 5}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}
-surface:
-  kind: gaussian
-  roughness_ra_um: 0.1
-  correlation_length_um: 10
-  spacing_um: 2
-  width_um: 128
-  seed: 1
-rolling: {load_n: 0.1, speed_m_s: 0.1, duration_s: 0.002}
-title: "Ball & plate <b>: 5 N"
-"""
+SCENE = TINY + 'title: "Ball & plate <b>: 5 N"\n'
 
 
 def test_the_link_points_to_the_newest_folder(tmp_path: Path) -> None:

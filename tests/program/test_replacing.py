@@ -5,12 +5,10 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import subprocess
-import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
+import happenings
 import numpy as np
 import pytest
 
@@ -31,7 +29,7 @@ spacing_um: 2, width_um: 128, seed: 3}
 rolling: {load_n: 0.2, speed_m_s: 0.1, duration_s: 0.002}
 """
 PAGE = f'<!doctype html><meta name="generator" content="{report.GENERATOR}">'.encode()
-LONG = ("--set", "rolling.duration_s=2", "--workers", "1")
+LONG = ("--set", "rolling.duration_s=0.016", "--workers", "1")  # four pieces
 
 
 @pytest.fixture(autouse=True)
@@ -247,23 +245,16 @@ def test_a_page_replaces_pages_only(out, tmp_path, refused, monkeypatch) -> None
 def test_a_run_in_progress_is_left_alone_by_all_commands(scene, tmp_path, refused) -> None:
     """A second resume and --force name the working process; once killed, it blocks nobody."""
     out = tmp_path / "long"
-    command = [sys.executable, "-m", "rolling.cli", "run", str(scene), "--out", str(out), *LONG]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 120
-    while not (out / "result.h5").is_file():
-        assert process.poll() is None and time.monotonic() < deadline, process.communicate()
-        time.sleep(0.02)
     # stopped, so that its files do not change while this test compares them
-    os.kill(process.pid, 19)
-    assert record(out).state == "running"
-    name = (
-        f"in use by process {process.pid} on host {os.uname().nodename} since {record(out).changed}"
-    )
-    assert name in refused("resume", out)
-    assert name in refused("run", scene, "--out", out, "--force")
-    assert name in refused("run", scene, "--out", out)
-    process.kill()
-    process.communicate()
+    with happenings.stopped(["run", scene, "--out", out, *LONG], tmp_path) as process:
+        assert (out / "result.h5").is_file() and record(out).state == "running"
+        name = (
+            f"in use by process {process.pid} on host {os.uname().nodename}"
+            f" since {record(out).changed}"
+        )
+        assert name in refused("resume", out)
+        assert name in refused("run", scene, "--out", out, "--force")
+        assert name in refused("run", scene, "--out", out)
     assert record(out).state == "running"  # as it was left
     assert cli.main(["run", str(scene), "--out", str(out), "--force", "--workers", "1"]) == 0
     assert record(out).state == "done" and not (tmp_path / "long.previous").exists()

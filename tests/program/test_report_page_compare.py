@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from report_browser import MINUS, until
+from report_browser import MINUS, hear, until
 
 from rolling import commands
 
@@ -22,7 +22,7 @@ def test_a_blind_test_counts_and_says_what_chance_gives(pages, opened) -> None:
         for trial in range(1, 4):
             page.click("[data-abx=x]")
             until(page, "tap.gains.length > 0 && tap.gains.some((node) => node.gain.value > 0)")
-            page.wait_for_timeout(60)  # the crossfade takes 10 ms
+            hear(page)
             gains = page.evaluate("tap.gains.slice(-3).map((node) => node.gain.value)")
             x = int(np.argmax(gains))
             assert x in (0, 2) and sum(gain > 0 for gain in gains) == 1
@@ -32,7 +32,7 @@ def test_a_blind_test_counts_and_says_what_chance_gives(pages, opened) -> None:
             assert result.startswith(f"Right. {trial} of {trial} right")
         assert "in 13 % of tests" in result  # 1/8, with two digits
         page.click("[data-abx=x]")
-        page.wait_for_timeout(60)
+        hear(page)
         gains = page.evaluate("tap.gains.slice(-3).map((node) => node.gain.value)")
         page.click("[data-abx=is-b]" if int(np.argmax(gains)) == 0 else "[data-abx=is-a]")
         result = page.text_content("#abx-result")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import soundfile
-from report_browser import RATE, data_of, embedded_record, until
+from report_browser import RATE, data_of, embedded_record, hear, until
 from report_runs import run_results
 
 from acoustics.extension import extend, kurtosis
@@ -139,10 +139,10 @@ def test_a_blind_test_leaves_the_row_and_the_row_ends_the_test(seeds, opened) ->
         assert page.is_checked("input[name=source][value=record]")
         assert not page.locator("#row").is_visible()
         page.click("[data-abx=a]")
-        page.wait_for_timeout(60)  # the crossfade takes 10 ms
+        hear(page)
         assert page.evaluate(heard) == [True, False, False]
         page.click("[data-abx=b]")
-        page.wait_for_timeout(60)
+        hear(page)
         assert page.evaluate(heard) == [False, False, True]
         page.check("input[name=source][value=row]")
         until(page, "!document.querySelector('#row').hidden")

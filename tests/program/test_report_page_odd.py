@@ -157,12 +157,10 @@ def test_dark_pages_print_light(pages, opened) -> None:
         canvas = page.locator("#difference")
         assert canvas.evaluate(ink) > 150
         page.emulate_media(media="print", color_scheme="light")
-        page.wait_for_timeout(100)
-        assert canvas.evaluate(ink) < 80
+        until(page, f"({ink})(document.querySelector('#difference')) < 80")
         assert not page.locator("#listen").is_visible()
         page.emulate_media(media="screen", color_scheme="dark")
-        page.wait_for_timeout(100)
-        assert canvas.evaluate(ink) > 150
+        until(page, f"({ink})(document.querySelector('#difference')) > 150")
 
 
 def test_maps_turn_dark_on_the_page_and_stay_light_when_saved(pages, opened) -> None:

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from report_browser import data_of, until
+from report_browser import data_of, hear, until
 from report_runs import run_results
 
 from rolling.report import films
@@ -154,7 +154,7 @@ def test_the_page_plays_the_film_once_and_scrubs_it(pages, opened) -> None:
         milliseconds = 1e3 * (film["times"][-1] - film["times"][0])
         said = page.text_content("#film-length")
         assert said == f"It shows {milliseconds:.2g} ms of the record in {last + 1} maps."
-        page.wait_for_timeout(100)  # for its pictures
+        until(page, "tap.images.every((image) => image.complete)")
         shown = page.evaluate(LUMINANCE)
         frames = np.array(shown["frames"])
         assert np.abs(np.diff(frames, axis=0)).max(axis=1).min() > 0.05  # every map moves
@@ -170,7 +170,7 @@ def test_the_page_plays_the_film_once_and_scrubs_it(pages, opened) -> None:
             "document.querySelector('#film-play').textContent === 'Play slowly'"
             f" && document.querySelector('#film-seek').value === '{last}'",
         )
-        page.wait_for_timeout(100)
+        hear(page)
         assert page.input_value("#film-seek") == str(last)  # it does not begin again
         source = page.evaluate("tap.sources.map((s) => s.playbackRate.value)")
         assert source == pytest.approx([1e-3])

@@ -32,7 +32,7 @@ def fault_of(path: Path) -> str:
 
     thread = threading.Thread(target=read, daemon=True)
     thread.start()
-    thread.join(20)
+    thread.join(200)
     assert caught, "still waiting"
     return caught[0]
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 BROWSERS = ("firefox-esr", "firefox")
-PATIENCE = 60.0  # [s] until the browser listens
+PATIENCE = 300.0  # [s] until something surely does not happen
 
 
 def path() -> str | None:
@@ -32,7 +32,7 @@ class Session:
     """
 
     def __init__(self, port: int) -> None:
-        self._socket = socket.create_connection(("127.0.0.1", port), timeout=30.0)
+        self._socket = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE)
         key = base64.b64encode(os.urandom(16)).decode()
         self._socket.sendall(
             f"GET /session HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\n"
@@ -71,7 +71,7 @@ class Session:
 
     def until(self, condition: str) -> None:
         """Wait until an expression is true."""
-        end = time.monotonic() + 20
+        end = time.monotonic() + PATIENCE
         while not self.evaluate(condition):
             assert time.monotonic() < end, f"never: {condition}"
             time.sleep(0.02)
@@ -151,7 +151,7 @@ def session(executable: str, profile: Path) -> Iterator[Session]:
         opened.close()
     finally:
         browser.terminate()
-        browser.wait(timeout=30)
+        browser.wait(timeout=PATIENCE)
 
 
 def _port(browser: subprocess.Popen, log: Path) -> int:

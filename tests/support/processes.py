@@ -20,7 +20,7 @@ class Child:
         self.pid = os.fork()
         if self.pid == 0:
             self._read, self._write = down[0], up[1]
-            signal.alarm(120)  # it does not outlive a test that fails
+            signal.alarm(900)  # it does not outlive a test that fails
             code = 1
             with suppress(BaseException):
                 try:

@@ -30,14 +30,31 @@ FLAGS = [
     "--disable-sync",
     "--autoplay-policy=no-user-gesture-required",
 ]
+PATIENCE = 120.0  # [s] until something surely does not happen
 MINUS = "\N{MINUS SIGN}"
 RATE = wav.SAMPLE_RATE_HZ
-# Counts what the page starts, keeps its gains, and listens at its way out.
+# Counts what the page starts, keeps its gains, pictures and last look at the clock, and listens at
+# its way out. Work that the page puts off by a second or more waits in `later` for the test.
 TAP = """
-  window.tap = { starts: 0, gains: [], sources: [], analyser: null };
+  window.tap = {
+    starts: 0, offsets: [], gains: [], sources: [], images: [], later: [],
+    analyser: null, context: null, now: 0,
+  };
+  const now = performance.now.bind(performance);
+  performance.now = () => (tap.now = now());
+  window.Image = class extends Image {
+    constructor(...a) {
+      super(...a);
+      tap.images.push(this);
+    }
+  };
+  const soon = window.setTimeout;
+  window.setTimeout = (work, ms, ...rest) =>
+    ms >= 1000 ? tap.later.push(work) : soon(work, ms, ...rest);
   const start = AudioBufferSourceNode.prototype.start;
   AudioBufferSourceNode.prototype.start = function (...a) {
     tap.starts++;
+    tap.offsets.push(a[1]);
     return start.apply(this, a);
   };
   const connect = AudioNode.prototype.connect;
@@ -47,6 +64,7 @@ TAP = """
       tap.sources.push(this);
     }
     if (to instanceof AudioDestinationNode) {
+      tap.context = this.context;
       tap.analyser = new AnalyserNode(this.context, { fftSize: 2048 });
       connect.call(this, tap.analyser);
     }
@@ -105,10 +123,16 @@ def until(page, condition: str) -> None:
 
     Playwright's own way evaluates text in the page, which the page forbids.
     """
-    end = time.monotonic() + 10
+    end = time.monotonic() + PATIENCE
     while not page.evaluate(condition):
         assert time.monotonic() < end, f"never: {condition}"
         page.wait_for_timeout(5)
+
+
+def hear(page, seconds: float = 0.1) -> None:
+    """Wait until so much more has sounded; crossfades take 10 ms."""
+    clock = "tap.context.currentTime"
+    until(page, f"{clock} > {page.evaluate(clock) + seconds}")
 
 
 def play(page) -> None:

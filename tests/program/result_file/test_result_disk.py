@@ -36,7 +36,7 @@ FREE = "from rolling.check import machine; machine.free_disk = lambda folder: 1e
 
 def limited(arguments: list[str], limit: str = "") -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-c", COMMAND.replace("LIMIT", limit), *arguments, "--workers", "1"]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120)
+    return subprocess.run(command, capture_output=True, text=True, timeout=900)
 
 
 @pytest.mark.slow
@@ -113,7 +113,7 @@ def test_a_long_run_is_kept_in_bounded_time_memory_and_space(whole: Path, tmp_pa
     began = time.process_time()
     batch.keep(one, result)
     written = time.process_time() - began
-    assert written < 5  # 1 s measured; the Keeper writes for a twentieth of the time at most
+    assert written < 10  # 1 s measured; the Keeper writes for a twentieth of the time at most
     size = (tmp_path / "result.h5").stat().st_size
     values = 19 * 8 * steps  # of the series, without coordinates
     assert size < 1.1 * values
