@@ -21,6 +21,13 @@ SWEEPS = 4
 # After so many iterations the preconditioned residual leads instead of the model, whose steps are
 # fewer but need not lower the energy.
 MODELLED = 15
+# From this step length on a step is taken as a whole, so that nodes on their way to a bound arrive.
+# The energy still falls, as it does up to twice the best length.
+NEARLY_WHOLE = 0.8
+# On wide contacts hundreds of nodes stay on their way while the violation stalls, at more than this
+# share of its minimum so far. Shorter steps are then taken as a whole.
+STALLED = 0.9
+NEARLY_WHOLE_STALLED = 0.55
 MAX_MOVES = 100  # of the edges in a solve, one in each iteration, before they stay
 # The descent aims at this share of the tolerance. The rest allows for the difference between the
 # updated deflection and a recomputed deflection.
@@ -322,12 +329,16 @@ class Descent:
         share = self.node.size
         if self.direction.slope < 0:  # the direction of `lead`
             self._convolve(effort)
+        minimum, nearly = np.inf, NEARLY_WHOLE
         while True:
             last, sweeps = effort.iterations >= MAX_ITERATIONS, effort.sweeps
             effort.moves += self.blended
-            self._step(snap / share, np.inf if last else self.goal, sweeps, effort.moves)
+            self._step(nearly, snap / share, np.inf if last else self.goal, sweeps, effort.moves)
             if last or not self.step.worst > self.goal:
                 break
+            stalled = self.step.worst > STALLED * minimum
+            nearly = NEARLY_WHOLE_STALLED if stalled else NEARLY_WHOLE
+            minimum = min(minimum, self.step.worst)
             share = max(self.step.bound, 1)
             effort.restarts += self.step.restarts
             effort.plain_steps += self.step.plain_steps
@@ -337,10 +348,11 @@ class Descent:
             effort.stuck = 0
             self._convolve(effort)
 
-    def _step(self, snap: float, goal: float, sweeps: int, moves: int) -> None:
+    def _step(self, nearly: float, snap: float, goal: float, sweeps: int, moves: int) -> None:
         """Step along the direction, and find the next one unless the violation is within `goal`."""
+        edges_move = 0 < moves <= MAX_MOVES
         step, direction = _solver_kernels.iterate(
-            self.packed, tuple(self.direction), snap, goal, sweeps, 0 < moves <= MAX_MOVES
+            self.packed, tuple(self.direction), nearly, snap, goal, sweeps, edges_move
         )
         self.step, self.direction = Step(*step), Direction(*direction)
 
@@ -352,8 +364,9 @@ class Descent:
         p, g, step = self._vectors[0], self._vectors[1], self.step
         if not step.worst > self.goal:
             # A node that was put on a bound took its share of the load along. The last step or the
-            # free nodes make up for it, or else the nodes that are nearest to moving.
-            finished = effort.iterations < MODELLED and self._finish()
+            # free nodes make up for it, or else the nodes that are nearest to moving. Where the
+            # check refused the last step once, the residual has waves too long for the model.
+            finished = effort.rounds == 1 and effort.iterations < MODELLED and self._finish()
             if not finished:
                 _solver_kernels.carry_load(self.packed, step.approach)
             if abs(p.sum() / self.limits.total - 1) > 1e-13:

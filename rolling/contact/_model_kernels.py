@@ -202,7 +202,10 @@ def sort_nodes(system):
 
 @njit(cache=True)
 def jump(system, free, bound):
-    """Put the bound nodes on their bound at once, and add the deflection by each to the gaps."""
+    """Put the bound nodes on their bound at once, and add the deflection by each to the gaps.
+
+    Their trial pressures become the pressures before, so that a second jump takes the first back.
+    """
     nodes, work, unit = system.nodes, system.work, system.transform.unit
     p, g, compliance, trial, active = nodes.p, nodes.g, nodes.compliance, work.trial, work.active
     coefficients, place = system.influence
@@ -210,7 +213,7 @@ def jump(system, free, bound):
     for a in range(free, free + bound):
         b = active[a]
         change = trial[b] - p[b]
-        p[b] = trial[b]
+        p[b], trial[b] = trial[b], p[b]
         if compliance.size:
             g[b] += compliance[b] * change
         change *= unit
@@ -282,8 +285,11 @@ def follow_model(system, approach, last, allowed, sweeps):
         return worst, list_inside(nodes.p, limits.hardness, system.work.active), 0, 0, last
     settle_model(model, sweeps, nodes.compliance.size > 0)
     free, bound = sort_nodes(system)
+    jumped = 0
     if 0 < bound <= min(JUMPS, free) and system.influence.coefficients.size:
         jump(system, free, bound)
-        bound = 0
+        jumped, bound = bound, 0
     direction, restarts = model_direction(system, approach, last, free, bound)
+    if jumped and not direction.slope < 0.0:
+        jump(system, free, jumped)
     return worst, free, bound, restarts, direction

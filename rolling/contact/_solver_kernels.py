@@ -32,9 +32,6 @@ STEEPEST = 100.0
 # After a step length alpha below it the direction is dropped, because nodes that were put on a
 # bound point the wrong way.
 LEAST_STEP = 1e-3
-# From this step length on a step is taken as a whole. The energy still falls, as it does up to
-# twice the best length.
-NEARLY_WHOLE = 0.8
 # Edges that would move by less than this share of the allowed violation stay.
 EDGE_SLACK = 0.01
 # Share of the model's change that the first direction takes, and the minimum share. The model
@@ -441,13 +438,13 @@ def scatter(transform, d):
 
 
 @njit(cache=True)
-def advance(system, direction):
+def advance(system, direction, nearly):
     """Step along the direction as far as the energy falls; return the step length alpha.
 
-    A step that is nearly whole becomes whole, so that nodes on their way to a bound arrive.
+    A step longer than `nearly` becomes whole, so that nodes on their way to a bound arrive.
     """
     alpha = line_search(system, direction)
-    if NEARLY_WHOLE < alpha < 1.0:
+    if nearly < alpha < 1.0:
         alpha = 1.0
     # A long step multiplies the rounding of the load.
     take_step(system, min(alpha, direction.longest, 100.0))
@@ -455,7 +452,7 @@ def advance(system, direction):
 
 
 @njit(cache=True)
-def iterate(packed, direction, snap, allowed, sweeps, edges_move):
+def iterate(packed, direction, nearly, snap, allowed, sweeps, edges_move):
     """Step along the direction, and find the next direction unless converged.
 
     The step has converged if the violation is within `allowed` [m]. Where `edges_move`, the edges
@@ -470,7 +467,7 @@ def iterate(packed, direction, snap, allowed, sweeps, edges_move):
     """
     system, direction = unpack(packed), Direction(*direction)
     nodes, limits, work = system.nodes, system.limits, system.work
-    alpha = advance(system, direction) if direction.slope < 0.0 else 1.0
+    alpha = advance(system, direction, nearly) if direction.slope < 0.0 else 1.0
     if edges_move:
         move_edges(system, EDGE_SLACK * allowed)
     approach = approach_of(nodes.p, nodes.g, limits.hardness)
@@ -489,8 +486,6 @@ def iterate(packed, direction, snap, allowed, sweeps, edges_move):
             return (approach, worst, free, bound, restarts, 0), tuple_of(following)
         length = 1.0
         direction = Direction(0.0, 0.0, 0.0, length)
-        # The model may have put nodes on their bound.
-        approach = approach_of(nodes.p, nodes.g, limits.hardness)
     worst, free, bound = find_residual(nodes, system.stencil, work, limits.hardness, approach, snap)
     restarts = 0
     if worst > allowed:

@@ -47,6 +47,7 @@ FOUND = {
         ),
         17370,  # steps shrink to nothing
         19687,  # contact exactly one period away is overlooked
+        970100,  # nodes put on a bound took a fifth of the load along
     ),
     # whole directions overshoot again and again, or the area of a shared cell rounds
     "blended": (77, 208, 246, 982, 986, 1010, 1986),
