@@ -6,6 +6,7 @@ are bars on a terminal and in a notebook, and no lines.
 
 from __future__ import annotations
 
+import math
 import sys
 import threading
 import time
@@ -183,7 +184,11 @@ class _Clocked:
         self._shown.__exit__(*error)
 
     def update(self, share: float) -> object:
-        """Add to the progress."""
+        """Add to the progress, up to its sum, which rounded shares may exceed."""
+        done, total = self._shown.n, self._shown.total
+        share = max(min(share, total - done), 0)
+        while done + share > total:  # by the last bit, of which tqdm warns
+            share = math.nextafter(share, 0.0)
         return self._shown.update(share)
 
     def grow(self, share: float) -> None:
@@ -203,7 +208,7 @@ class _Lines:
 
     def __init__(self, total: float, name: str) -> None:
         self.disable = is_quiet()
-        self.total, self._name, self._done = total, name, 0.0
+        self.total, self._name, self.n = total, name, 0.0
         self._began = time.monotonic()
         self._next = self._began + FIRST_LINE
         self._lock = threading.Lock()
@@ -216,7 +221,7 @@ class _Lines:
 
     def update(self, share: float) -> None:
         """Add to the progress, and say a line if it is time."""
-        self._done += share
+        self.n += share
         self.refresh()
 
     def refresh(self) -> None:
@@ -226,7 +231,7 @@ class _Lines:
             if now < self._next or self.total <= 0:
                 return
             self._next = now + NEXT_LINE
-        part, passed = min(1.0, self._done / self.total), now - self._began
+        part, passed = self.n / self.total, now - self._began
         left = f", {_clock(passed / part - passed)} left" if part > 0 else ""
         line(f"{self._name}: {100 * part:.0f} %, {_clock(passed)} passed{left}")
 

@@ -328,6 +328,15 @@ def test_a_long_step_says_its_line(
     assert capsys.readouterr().err == "fast: 0.00 s\n"
 
 
+def test_rounded_shares_do_not_exceed_their_sum() -> None:
+    """The sum of n shares of 1/n exceeds 1 for some n, at which tqdm warns."""
+    assert max(sum([1 / n] * n) for n in range(2, 40)) > 1
+    for n in range(2, 40):
+        with progress.bar(1.0, "solving", True) as bar:
+            for _ in range(n + 1):
+                bar.update(1 / n)
+
+
 def test_a_bar_that_nobody_watches_is_a_line_now_and_then(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

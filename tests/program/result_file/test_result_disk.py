@@ -46,7 +46,7 @@ def test_a_file_that_may_not_grow_ends_in_one_message(whole: Path, tmp_path: Pat
     limit = f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size // 2}, {size // 2}))"
     done = limited(["run", str(whole.parent / "s.yaml"), "--out", str(tmp_path / "out")], limit)
     assert done.returncode == 1, done.stderr
-    assert done.stderr.count("could not be written") == 1 and "resume" in done.stderr
+    assert done.stderr.count("cannot be written (File too large)") == 1 and "resume" in done.stderr
     assert "Traceback" not in done.stderr and "HDF5" not in done.stderr
     # The limit is below the size of any part, so nothing is there, and nothing half written.
     assert not (tmp_path / "out" / "result.h5").exists()
