@@ -24,7 +24,7 @@ LOOK_AHEAD = 4
 # This is the minimum useful weight of the sphere-fixed start at the second position. Below it the
 # plate-fixed start converges as fast and needs no mixing.
 LEAST_SHARE = 0.2
-# Later positions mix above this weight only, which perfectly smooth plates reach. Below it the
+# Later positions mix above this weight only, which plates of Ra 1 nm or less reach. Below it the
 # extrapolation of two positions takes fewer convolutions: 5 instead of 7 or 8 per step at weights
 # of 0.3 to 0.7, as many at 0.97, but 5 instead of 3 at 1.
 STEADY_SHARE = 0.98

@@ -78,9 +78,12 @@ def test_a_march_twice_is_the_same_to_the_bit() -> None:
     assert all(np.array_equal(a.pressure, b.pressure) for a, b in zip(one, other, strict=True))
 
 
-@pytest.mark.parametrize(("roughness", "most"), [(0.0, 3.0), (1e-9, 6.0), (1e-8, 6.5)])
+@pytest.mark.parametrize(("roughness", "most"), [(0.0, 1.5), (3e-9, 6.0), (1e-8, 5.8)])
 def test_smooth_plates_take_few_convolutions(roughness: float, most: float) -> None:
-    """Perfectly smooth plates start from pressures that move along, others by extrapolation."""
+    """Perfectly smooth plates start from pressures that move along, others by extrapolation.
+
+    Measured 1.0, 5.3 and 5.0; starts that move along take 1.0, 6.8 and 6.4.
+    """
     heights = rough(100, 100, roughness) if roughness else np.zeros((100, 100))
     states = roll(make_track(heights, load=2.0, tolerance=1e-4), 0, 14)[3:]
     counts = [state.convolutions for state in states]
