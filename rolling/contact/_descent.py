@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rolling._typing import Array
 from rolling.contact import _projection, _solver_kernels
-from rolling.contact._model import inverse_stencil
+from rolling.contact._model import far_field, half_space_of_stencil, inverse_stencil, square_stencil, tile_of
 from rolling.contact._system import BORDER, Direction, Limits, Packed, Step
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace, love
 
@@ -37,7 +37,7 @@ AIM = 0.98
 # convolutions less, but leaves more error of the release on smooth surfaces than a descent to the
 # tolerance without that step. With blended edges 1.4 takes 0.3 convolutions less than AIM, but
 # leaves 1 to 4 dB more error.
-AIM_FIRST = 1.4
+AIM_FIRST = 3.0
 
 
 @lru_cache(maxsize=1)
@@ -244,6 +244,8 @@ class Descent:
         rows, columns = (length + 2 * BORDER for length in self._block[2:])
         stencil = inverse_stencil() / unit
         self.stiffness = float(1 / (unit * OWN_COEFFICIENT))
+        tile = tile_of(rows, columns)
+        coarse_rows, coarse_columns = ((length - 1) // tile + 2 for length in (rows, columns))
         grids = np.zeros((2 if edges else 1, rows * columns))
         if edges:
             grids[1] = np.nan
@@ -253,8 +255,10 @@ class Descent:
             self.transforms.head(self.rows).ravel(),
             grids,
             np.zeros((9 if edges else 8, rows, columns), np.float32),
+            np.zeros((7, coarse_rows, 2 * coarse_columns - 1), np.float32),
             _inverse_stencil() / unit,
             (stencil / stencil[0]).astype(np.float32),
+            far_field(coarse_rows, coarse_columns, tile),
             self.transforms.influence(),
             (
                 float(self.limits.hardness),
@@ -264,7 +268,10 @@ class Descent:
                 edges.levelled if edges else 0.0,
                 float(stencil[0]),
                 float(u_max / self.limits.total),
+                float(half_space_of_stencil()[0, 0]),
+                float(1 / square_stencil().sum()),
             ),
+            tile,
         )
 
     def _take(

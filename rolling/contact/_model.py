@@ -1,10 +1,11 @@
-"""Model problem of the contact solve: its stencil and its grid (see _model_kernels)."""
+"""Model problem of the contact solve: its stencil and its far field (see _model_kernels)."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rolling._typing import Array
 from rolling.contact.half_space import love
@@ -12,6 +13,11 @@ from rolling.contact.half_space import love
 # Waves up to this many nodes long count in the fit of the stencil. Contacts are some ten to a
 # hundred nodes wide.
 LONGEST_WAVE = 40
+# Nodes from a coarse node of the far field to the next, at least. The far field is smooth over
+# that length.
+SHORTEST_TILE = 8
+# Beyond so many nodes the half-space of the stencil is forgotten (1e-9 of its centre).
+FORGOTTEN = 64
 
 
 @lru_cache(maxsize=1)
@@ -41,3 +47,69 @@ def inverse_stencil() -> Array:
     columns = np.stack([(ring(a, b) * spectrum)[waves] for a, b in pairs], axis=1)
     weights: Array = np.linalg.lstsq(columns, np.ones(len(columns)), rcond=None)[0]
     return weights
+
+
+@lru_cache(maxsize=1)
+def half_space_of_stencil() -> Array:
+    """Return the coefficients by distance that the stencil inverts, along and across.
+
+    They are those of a large periodic grid, for unit spacing and pi E* = 1.
+
+    Returns
+    -------
+    (FORGOTTEN, FORGOTTEN) array
+        Coefficients; the sum over all nodes of the plane is `1 / sum(stencil)`.
+    """
+    nodes = 4 * FORGOTTEN
+    wrapped, at = np.zeros((nodes, nodes)), np.arange(-2, 3)
+    wrapped[at[:, None], at] = square_stencil()
+    coefficients: Array = np.fft.irfft2(1.0 / np.fft.rfft2(wrapped).real)[:FORGOTTEN, :FORGOTTEN]
+    return coefficients
+
+
+def square_stencil() -> Array:
+    """Return the stencil of the inverse as a (5, 5) array."""
+    centre, side, corner, second, beside, far = inverse_stencil()
+    quarter = np.array([[centre, side, second], [side, corner, beside], [second, beside, far]])
+    at = np.abs(np.arange(-2, 3))
+    square: Array = quarter[at[:, None], at]
+    return square
+
+
+def tile_of(rows: int, columns: int) -> int:
+    """Return the number of nodes between coarse nodes on a grid of the model.
+
+    It grows with the root of the grid, so that sums over all pairs of coarse nodes take no longer
+    than a pass over the nodes.
+    """
+    return max(SHORTEST_TILE, round(max(rows, columns) ** 0.5))
+
+
+@lru_cache(maxsize=64)
+def far_field(rows: int, columns: int, tile: int) -> NDArray[np.float32]:
+    """Return the coefficients of the far field by distance on a coarse grid.
+
+    They are Love's coefficients less those that the stencil inverts, for unit spacing and
+    pi E* = 1.
+
+    Parameters
+    ----------
+    rows, columns : int
+        Coarse nodes along and across.
+    tile : int
+        Nodes from a coarse node to the next.
+
+    Returns
+    -------
+    flat array
+        Rows of 2 columns - 1 coefficients, from negative to positive distances along and across,
+        and as many zeros as columns at the end.
+    """
+    along, across = np.arange(rows) * tile, np.arange(columns) * tile
+    coefficients = love(along, across)
+    near = half_space_of_stencil()[:: tile, :: tile][:rows, :columns]
+    coefficients[: near.shape[0], : near.shape[1]] -= near
+    by_distance = coefficients[
+        np.abs(np.arange(1 - rows, rows))[:, None], np.abs(np.arange(1 - columns, columns))
+    ]
+    return np.append(by_distance.ravel(), np.zeros(columns)).astype(np.float32)

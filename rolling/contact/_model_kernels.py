@@ -16,9 +16,12 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact._compiled import njit
+from rolling.contact._far_field_kernels import answer, mark_free, mark_soft, prolong, restrict
 from rolling.contact._projection import project
 from rolling.contact._system import BORDER, Direction, Sets
 
+# Sweeps that settle the model after its far field is known.
+LAST_SWEEPS = 1
 # Up to so many nodes jump to their bound at once. Each takes a pass over the nodes, and so many
 # passes take as long as a convolution.
 JUMPS = 48
@@ -167,6 +170,31 @@ def settle_model(model, sweeps, compliant):
 
 
 @njit(cache=True)
+def add_far_field(system):
+    """Add the far field to the gaps of the model: that of its changes and of the answer to it."""
+    model, far = system.model, system.far
+    loads, stiffness, field, known = far.grids[0], far.grids[1], far.grids[2], far.grids[3]
+    arrays = model.change.reshape(-1), model.gap.reshape(-1), model.low.reshape(-1), model.high.reshape(-1)
+    if model.softening.size:
+        mark_soft(*arrays, model.softening.reshape(-1), model.moved.reshape(-1))
+    else:
+        mark_free(*arrays, model.moved.reshape(-1))
+    restrict(model.moved, far.tile, far.row_length, stiffness)
+    restrict(model.change, far.tile, far.row_length, loads)
+    answer(far, known)
+    prolong(field, np.float32(system.transform.unit * model.stiffness), far.tile, far.row_length, model.gap)
+
+
+@njit(cache=True)
+def settle(system, sweeps):
+    """Settle the model by so many sweeps, its far field, and the last sweeps."""
+    compliant = system.nodes.compliance.size > 0
+    settle_model(system.model, sweeps, compliant)
+    add_far_field(system)
+    settle_model(system.model, LAST_SWEEPS, compliant)
+
+
+@njit(cache=True)
 def sort_nodes(system):
     """List the free nodes and those that go to a bound, as the model says.
 
@@ -283,7 +311,8 @@ def follow_model(system, approach, last, allowed, sweeps):
     worst += model.lift * abs(limits.total - load)
     if worst <= allowed:
         return worst, list_inside(nodes.p, limits.hardness, system.work.active), 0, 0, last
-    settle_model(model, sweeps, nodes.compliance.size > 0)
+    system.far.grids[3][:] = 0.0
+    settle(system, sweeps)
     free, bound = sort_nodes(system)
     jumped = 0
     if 0 < bound <= min(JUMPS, free) and system.influence.coefficients.size:

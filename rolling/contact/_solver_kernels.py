@@ -13,13 +13,14 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact._compiled import njit
+from rolling.contact._far_field_kernels import restrict
 from rolling.contact._model_kernels import (
     extrapolate,
     fill,
     follow_model,
     list_inside,
     model_direction,
-    settle_model,
+    settle,
     sort_nodes,
 )
 from rolling.contact._projection import project
@@ -520,7 +521,8 @@ def lead(packed, p_trend, u_trend, block, sweeps):
     fill(model, nodes, limits.hardness, present)
     approach = extrapolate(model, nodes, limits.hardness, present, p_trend, u_trend, block)
     model.gap[:] -= np.float32((approach - present) * model.stiffness)
-    settle_model(model, sweeps, nodes.compliance.size > 0)
+    restrict(model.change, system.far.tile, system.far.row_length, system.far.grids[3])
+    settle(system, sweeps)
     free, bound = sort_nodes(system)
     work.r_before[:] = 0.0
     sets = Sets(work.active, free, bound)
@@ -541,7 +543,8 @@ def finish(packed, direction, approach, sweeps):
     system, last = unpack(packed), Direction(*direction)
     nodes, limits, model = system.nodes, system.limits, system.model
     fill(model, nodes, limits.hardness, approach)
-    settle_model(model, sweeps, nodes.compliance.size > 0)
+    system.far.grids[3][:] = 0.0
+    settle(system, sweeps)
     free, bound = sort_nodes(system)
     following, _ = model_direction(system, approach, last, free, bound)
     if not following.slope < 0.0:

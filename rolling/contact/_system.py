@@ -160,6 +160,32 @@ class Model(NamedTuple):
     lift: float
 
 
+class FarField(NamedTuple):
+    """Far field of the model problem on a coarse grid (see _far_field_kernels).
+
+    Parameters
+    ----------
+    tile : int
+        Nodes from a coarse node to the next.
+    row_length : int
+        Coarse nodes in a row, half of them padding.
+    table : flat array
+        Coefficients by distance, with rows of the same length.
+    grids : (6, cells) array
+        Loads, stiffness, field, residual, direction, and field of the direction.
+    own, common : float
+        Gap of a node by a unit of its own pressure, and by a unit of pressure all over, as the
+        stencil has them.
+    """
+
+    tile: int
+    row_length: int
+    table: Singles
+    grids: Singles
+    own: float
+    common: float
+
+
 class Influence(NamedTuple):
     """Deflection coefficients between the candidates.
 
@@ -226,6 +252,7 @@ class System(NamedTuple):
     limits: Limits
     edges: Edges
     model: Model
+    far: FarField
     influence: Influence
 
 
@@ -246,11 +273,15 @@ class Packed(NamedTuple):
         Residual, and the gap as it runs within cells where edges are blended.
     model : (8 or 9, rows, columns) array
         Grids of the Model in its order, sums after moves, and softening where edges are blended.
-    stencil, model_stencil, coefficients : arrays
-        Those of Stencil, Model and Influence.
+    coarse : (6, rows, columns) array
+        Grids of the FarField, with their padding.
+    stencil, model_stencil, table, coefficients : arrays
+        Those of Stencil, Model, FarField and Influence.
     numbers : tuple
-        Hardness, total, deflection and stiffness of a cell, levelled range, and stiffness and lift
-        of the Model.
+        Hardness, total, deflection and stiffness of a cell, levelled range, stiffness and lift of
+        the Model, own and common gap of the FarField.
+    tile : int
+        That of the FarField.
     """
 
     vectors: Array
@@ -258,17 +289,21 @@ class Packed(NamedTuple):
     image: NDArray[np.floating]
     grids: Array
     model: Singles
+    coarse: Singles
     stencil: Array
     model_stencil: Singles
+    table: Singles
     coefficients: Singles
     numbers: tuple[float, ...]
+    tile: int
 
 
 @njit(cache=True)
 def unpack(packed):
     """Return the System of the fields of a Packed, as a plain tuple."""
-    vectors, indices, image, grids, model, stencil, model_stencil, coefficients, numbers = packed
-    hardness, total, unit, stiffness, levelled, model_stiffness, lift = numbers
+    vectors, indices, image, grids, model, coarse = packed[:6]
+    stencil, model_stencil, table, coefficients, numbers, tile = packed[6:]
+    hardness, total, unit, stiffness, levelled, model_stiffness, lift, own, common = numbers
     # The rows that only blended edges have are else empty slices of others.
     blended = vectors.shape[0] > 6
     n = vectors.shape[1] if blended else 0
@@ -298,6 +333,7 @@ def unpack(packed):
             model_stiffness,
             lift,
         ),
+        FarField(tile, coarse.shape[2], table, coarse.reshape((7, -1)), own, common),
         Influence(coefficients, indices[3]),
     )
 

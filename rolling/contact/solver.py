@@ -274,7 +274,7 @@ def solve_contact(
     while True:
         g = gap + u if edges is None else _shared(gap, u, p, edges.edge, hardness)
         approach, u_max, worst = _state(p, g, u, limits, fresh)
-        share = AIM if effort.rounds or edges is not None else AIM_FIRST
+        share = AIM if effort.rounds else AIM_FIRST
         goal = Goal(options.tolerance, u_max, share)
         if fresh and worst <= goal.allowed and abs(p.sum() / limits.total - 1) <= 1e-12:
             edge = None if edges is None else edges.edge

@@ -1,0 +1,171 @@
+"""Compiled far field of the model problem: the part of the half-space that its stencil leaves out.
+
+The stencil stands for a half-space that forgets what is some ten nodes away. The rest of Love's
+coefficients is smooth, so loads on a coarse grid tell it, with bilinear weights between coarse
+nodes (multilevel summation, Brandt & Lubrecht, J. Comput. Phys. 90, 1990). The far field of a
+change meets free nodes that answer to it, and the far field of their answer changes the answers:
+a linear system on the coarse grid, solved by conjugate gradients.
+"""
+
+# mypy: disable-error-code="no-untyped-def"
+from __future__ import annotations
+
+import numpy as np
+
+from rolling.contact._compiled import njit
+from rolling.contact._system import BORDER
+
+# Conjugate gradients on the coarse grid end after so many iterations, or when the square of the
+# preconditioned residual has fallen to this share.
+ITERATIONS = 8
+ENOUGH = 1e-2
+
+
+@njit(cache=True, fused=True)
+def add_line(factor, line, out):
+    """Add a multiple of a line to another line."""
+    for k in range(out.size):
+        out[k] += factor * line[k]
+
+
+@njit(cache=True, fused=True)
+def add_lines(first, line, second, other, out):
+    """Add multiples of two lines to a third line."""
+    for k in range(out.size):
+        out[k] += first * line[k] + second * other[k]
+
+
+@njit(cache=True)
+def restrict(values, tile, row_length, out):
+    """Sum values of the nodes (rows, columns) on the coarse grid, with bilinear weights.
+
+    `out` is the flat coarse grid with rows of `row_length`.
+    """
+    rows, row = values.shape
+    here, below = np.zeros(row, np.float32), np.zeros(row, np.float32)
+    out[:] = 0.0
+    for i in range((rows - 1) // tile + 2):
+        for k in range(max(i * tile, BORDER), min((i + 1) * tile, rows - BORDER)):
+            share = np.float32((k - i * tile) / tile)
+            add_line(np.float32(1.0) - share, values[k], here)
+            add_line(share, values[k], below)
+        coarse = out[i * row_length :]
+        for j in range((row - 1) // tile + 1):
+            for k in range(max(j * tile, BORDER), min((j + 1) * tile, row - BORDER)):
+                right = here[k] * np.float32((k - j * tile) / tile)
+                coarse[j] += here[k] - right
+                coarse[j + 1] += right
+        here, below = below, here
+        below[:] = 0.0
+
+
+@njit(cache=True)
+def prolong(field, factor, tile, row_length, out):
+    """Add a multiple of the bilinear interpolation of a flat coarse grid to the nodes."""
+    rows, row = out.shape
+    here, below = np.zeros(row, np.float32), np.zeros(row, np.float32)
+    for i in range((rows - 1) // tile + 2):
+        coarse = field[i * row_length :]
+        for j in range((row - 1) // tile + 1):
+            for k in range(j * tile, min((j + 1) * tile, row)):
+                share = np.float32((k - j * tile) / tile)
+                below[k] = coarse[j] + share * (coarse[j + 1] - coarse[j])
+        for k in range(max((i - 1) * tile, BORDER), min(i * tile, rows - BORDER)):
+            share = np.float32((k - (i - 1) * tile) / tile)
+            add_lines(factor * (np.float32(1.0) - share), here, factor * share, below, out[k])
+        here, below = below, here
+
+
+@njit(cache=True)
+def field_of(loads, table, out):
+    """Set `out` to the far field of loads, both flat on the coarse grid.
+
+    Rows of the grid are as long as rows of the table, so that all nodes follow from a load in a
+    single line. Their second halves are padding.
+    """
+    middle = table.size - loads.size - 1
+    out[:] = 0.0
+    for k in range(loads.size):
+        if loads[k] != 0.0:
+            first = middle - k
+            add_line(loads[k], table[first : first + loads.size], out)
+
+
+@njit(cache=True, fused=True)
+def mark_free(change, gap, low, high, out):
+    """Set `out` to 1 at nodes that the model leaves between their bounds, else to 0."""
+    for k in range(out.size):
+        closing = change[k] - gap[k]
+        out[k] = 1.0 if low[k] < closing < high[k] else 0.0
+
+
+@njit(cache=True, fused=True)
+def mark_soft(change, gap, low, high, softening, out):
+    """Set `out` as `mark_free` does, to the share of stiffness where nodes are compliant."""
+    for k in range(out.size):
+        closing = (change[k] - gap[k]) * softening[k]
+        out[k] = softening[k] if low[k] < closing < high[k] else 0.0
+
+
+@njit(cache=True)
+def answer(far, known):
+    """Set the far field to that of the loads and of the answer of all free nodes.
+
+    `known` are loads whose far field the gaps have already. The approach answers as well, so that
+    the sum of loads stays.
+    """
+    loads, stiffness, field = far.grids[0], far.grids[1], far.grids[2]
+    residual, direction, image = far.grids[4], far.grids[5], far.grids[6]
+    table = far.table
+    for k in range(loads.size):
+        loads[k] -= known[k]
+    field_of(loads, table, field)
+    total = 0.0
+    for k in range(loads.size):
+        # The answers of free nodes to a common gap, as they share it with their neighbours.
+        answering = stiffness[k]
+        stiffness[k] /= far.own + answering / far.tile**2 * (far.common - far.own)
+        total += stiffness[k]
+        residual[k] = field[k]
+        direction[k] = 0.0
+        loads[k] = 0.0
+    if not total > 0.0:
+        field[:] = 0.0
+        return
+    before, first = 0.0, 0.0
+    for _ in range(ITERATIONS):
+        mean = 0.0
+        for k in range(loads.size):
+            mean += stiffness[k] * residual[k]
+        mean /= total
+        square = 0.0
+        for k in range(loads.size):
+            square += stiffness[k] * (residual[k] - mean) ** 2
+        first = max(first, square)
+        if not square > ENOUGH * first:
+            break
+        factor = square / before if before > 0.0 else 0.0
+        before = square
+        for k in range(loads.size):
+            direction[k] = factor * direction[k] - stiffness[k] * (residual[k] - mean)
+        field_of(direction, table, image)
+        curvature = 0.0
+        for k in range(loads.size):
+            curvature += direction[k] * image[k]
+            if stiffness[k] > 0.0:
+                curvature += direction[k] * direction[k] / stiffness[k]
+        if not curvature > 0.0:
+            break
+        length = square / curvature
+        for k in range(loads.size):
+            loads[k] += length * direction[k]
+            field[k] += length * image[k]
+            residual[k] += length * image[k]
+            if stiffness[k] > 0.0:
+                residual[k] += length * direction[k] / stiffness[k]
+    mean = 0.0
+    for k in range(loads.size):
+        mean += stiffness[k] * field[k]
+    mean /= total
+    for k in range(loads.size):
+        field[k] -= mean
