@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
 from rolling.contact import _projection, _solver_kernels
-from rolling.contact._model import far_field, half_space_of_stencil, inverse_stencil, square_stencil, tile_of
+from rolling.contact._model import coarse_grid, far_field, stencils
 from rolling.contact._system import BORDER, Direction, Limits, Packed, Step
-from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace, love
+from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
 
 MAX_ITERATIONS = 1000
 # Sweeps that settle the model, first from the extrapolation, then in each iteration.
@@ -38,17 +37,6 @@ AIM = 0.98
 # tolerance without that step. With blended edges 1.4 takes 0.3 convolutions less than AIM, but
 # leaves 1 to 4 dB more error.
 AIM_FIRST = 3.0
-
-
-@lru_cache(maxsize=1)
-def _inverse_stencil() -> Array:
-    """Return the 3 x 3 centre of the inverse of Love's coefficients.
-
-    It holds on a large periodic grid, for unit spacing and pi E* = 1.
-    """
-    distance = np.minimum(np.arange(256), 256 - np.arange(256))
-    inverse = np.fft.irfft2(1.0 / np.fft.rfft2(love(distance, distance)).real)
-    return np.ascontiguousarray(np.roll(inverse, (1, 1), axis=(0, 1))[:3, :3])
 
 
 @dataclass
@@ -242,10 +230,9 @@ class Descent:
     def _pack(self, unit: float, u_max: float, edges: BlendedEdges | None) -> Packed:
         """Make the arrays of the compiled passes."""
         rows, columns = (length + 2 * BORDER for length in self._block[2:])
-        stencil = inverse_stencil() / unit
+        inverse = stencils(unit)
         self.stiffness = float(1 / (unit * OWN_COEFFICIENT))
-        tile = tile_of(rows, columns)
-        coarse_rows, coarse_columns = ((length - 1) // tile + 2 for length in (rows, columns))
+        coarse_rows, coarse_columns, tile = coarse_grid(rows, columns)
         grids = np.zeros((2 if edges else 1, rows * columns))
         if edges:
             grids[1] = np.nan
@@ -256,8 +243,8 @@ class Descent:
             grids,
             np.zeros((9 if edges else 8, rows, columns), np.float32),
             np.zeros((7, coarse_rows, 2 * coarse_columns - 1), np.float32),
-            _inverse_stencil() / unit,
-            (stencil / stencil[0]).astype(np.float32),
+            inverse.preconditioner,
+            inverse.model,
             far_field(coarse_rows, coarse_columns, tile),
             self.transforms.influence(),
             (
@@ -266,10 +253,10 @@ class Descent:
                 float(unit),
                 self.stiffness,
                 edges.levelled if edges else 0.0,
-                float(stencil[0]),
+                inverse.stiffness,
                 float(u_max / self.limits.total),
-                float(half_space_of_stencil()[0, 0]),
-                float(1 / square_stencil().sum()),
+                inverse.own,
+                inverse.common,
             ),
             tile,
         )

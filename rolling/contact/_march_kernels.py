@@ -19,19 +19,28 @@ def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
     """
     along, across = heights.shape
     curvature = 0.5 / radius
+    rises = np.empty(out.shape[1])
+    for j in range(rises.size):
+        dy = (column + j) * spacing - y
+        rises[j] = dy * dy * curvature
     for i in range(out.shape[0]):
         dx = (row + i) * spacing - x
         rise = dx * dx * curvature
-        z = heights[(row + i) % along]
+        z, line = heights[(row + i) % along], out[i]
         node = column % across
         j = 0
-        while j < out.shape[1]:  # each turn handles a stretch within one period
-            stretch = min(out.shape[1] - j, across - node)
-            for k in range(stretch):
-                dy = (column + j + k) * spacing - y
-                out[i, j + k] = rise + dy * dy * curvature - z[node + k]
+        while j < line.size:  # each turn handles a stretch within one period
+            stretch = min(line.size - j, across - node)
+            above(rise, rises[j : j + stretch], z[node : node + stretch], line[j : j + stretch])
             j += stretch
             node = 0
+
+
+@njit(cache=True)
+def above(rise, rises, z, out):
+    """Set `out` to the height of a row of the sphere above the plate."""
+    for k in range(out.size):
+        out[k] = (rise + rises[k]) - z[k]
 
 
 @njit(cache=True)
@@ -67,30 +76,70 @@ def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach
     reach = min(reach, (along + 0.5) * spacing)
     low = int(np.ceil((x - reach) / spacing))
     high = int(np.floor((x + reach) / spacing))
-    for i in range(low, high + 1):
-        dx = i * spacing - x
-        width2 = 2 * radius * (approach + row_highest[i % along]) - dx * dx
-        if width2 <= 0.0:
-            continue
-        width = min(np.sqrt(width2), (across + 0.5) * spacing)
-        left = int(np.ceil((y - width) / spacing))
-        right = int(np.floor((y + width) / spacing))
-        z = heights[i % along]
-        rise = dx * dx / (2 * radius) - approach
-        j = left
-        while j <= right and rise + (j * spacing - y) ** 2 / (2 * radius) - z[j % across] >= 0.0:
-            j += 1
-        if j > right:
-            continue
-        k = right
-        while rise + (k * spacing - y) ** 2 / (2 * radius) - z[k % across] >= 0.0:
-            k -= 1
-        if last_row < first_row:
-            first_row, first_column, last_column = i, j, k
-        last_row = i
-        first_column = min(first_column, j)
-        last_column = max(last_column, k)
+    # The first and the last row with an overlap, then all nodes outside the columns so far
+    first_row = low
+    while first_row <= high:
+        first_column, last_column = overlap_of_row(
+            heights, row_highest, spacing, radius, x, y, approach, first_row, 1, 0
+        )
+        if first_column <= last_column:
+            break
+        first_row += 1
+    if first_row > high:
+        return 1, 0, 1, 0
+    last_row = high
+    while last_row > first_row:
+        left, right = overlap_of_row(
+            heights, row_highest, spacing, radius, x, y, approach, last_row, 1, 0
+        )
+        if left <= right:
+            first_column, last_column = min(first_column, left), max(last_column, right)
+            break
+        last_row -= 1
+    for i in range(first_row + 1, last_row):
+        first_column, last_column = overlap_of_row(
+            heights, row_highest, spacing, radius, x, y, approach, i, first_column, last_column
+        )
     return first_row, last_row, first_column, last_column
+
+
+@njit(cache=True)
+def overlap_of_row(
+    heights, row_highest, spacing, radius, x, y, approach, i, first_column, last_column
+):
+    """Widen columns (first, last) to those of the nodes of row i whose gap is below the approach.
+
+    Columns are empty where the first is beyond the last.
+    """
+    along, across = heights.shape
+    dx = i * spacing - x
+    width2 = 2 * radius * (approach + row_highest[i % along]) - dx * dx
+    if width2 <= 0.0:
+        return first_column, last_column
+    width = min(np.sqrt(width2), (across + 0.5) * spacing)
+    left = int(np.ceil((y - width) / spacing))
+    right = int(np.floor((y + width) / spacing))
+    z = heights[i % along]
+    rise = dx * dx / (2 * radius) - approach
+    empty = first_column > last_column
+    end = right + 1 if empty else min(right + 1, first_column)
+    node = left % across
+    for j in range(left, end):
+        if rise + (j * spacing - y) ** 2 / (2 * radius) - z[node] < 0.0:
+            first_column = j
+            if empty:
+                last_column = j
+            break
+        node = node + 1 if node < across - 1 else 0
+    if first_column > last_column:
+        return first_column, last_column
+    node = right % across
+    for j in range(right, max(last_column, left - 1), -1):
+        if rise + (j * spacing - y) ** 2 / (2 * radius) - z[node] < 0.0:
+            last_column = j
+            break
+        node = node - 1 if node > 0 else across - 1
+    return first_column, last_column
 
 
 @njit(cache=True)
@@ -127,11 +176,20 @@ def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend
     """
     p_trend[:] = p
     u_trend[:] = 0.0
+    first = max(0, -column_offset)
+    end = max(first, min(p_before.shape[1], p.shape[1] - column_offset))
+    a, b = first + column_offset, end + column_offset
     for i in range(max(0, -row_offset), min(p_before.shape[0], p.shape[0] - row_offset)):
-        for j in range(max(0, -column_offset), min(p_before.shape[1], p.shape[1] - column_offset)):
-            a, b = i + row_offset, j + column_offset
-            p_trend[a, b] -= p_before[i, j]
-            u_trend[a, b] = u[a, b] - u_before[i, j]
+        k = i + row_offset
+        subtract(p[k, a:b], p_before[i, first:end], p_trend[k, a:b])
+        subtract(u[k, a:b], u_before[i, first:end], u_trend[k, a:b])
+
+
+@njit(cache=True)
+def subtract(values, others, out):
+    """Set `out` to the difference of two lines."""
+    for k in range(out.size):
+        out[k] = values[k] - others[k]
 
 
 @njit(cache=True)
@@ -179,8 +237,8 @@ def copy_block(source, target, row_offset, column_offset):
     The target is 0 elsewhere.
     """
     target[:] = 0.0
+    first = max(0, -column_offset)
+    end = max(first, min(source.shape[1], target.shape[1] - column_offset))
     for i in range(max(0, -row_offset), min(source.shape[0], target.shape[0] - row_offset)):
-        for j in range(
-            max(0, -column_offset), min(source.shape[1], target.shape[1] - column_offset)
-        ):
-            target[i + row_offset, j + column_offset] = source[i, j]
+        line = target[i + row_offset, first + column_offset : end + column_offset]
+        line[:] = source[i, first:end]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,13 +77,26 @@ def square_stencil() -> Array:
     return square
 
 
-def tile_of(rows: int, columns: int) -> int:
-    """Return the number of nodes between coarse nodes on a grid of the model.
+def coarse_grid(rows: int, columns: int) -> tuple[int, int, int]:
+    """Choose the coarse grid of the far field for a grid of the model.
 
-    It grows with the root of the grid, so that sums over all pairs of coarse nodes take no longer
-    than a pass over the nodes.
+    The tile grows with the root of the grid, so that sums over all pairs of coarse nodes take no
+    longer than a few passes over the nodes.
+
+    Parameters
+    ----------
+    rows, columns : int
+        Nodes of the model along and across.
+
+    Returns
+    -------
+    rows, columns : int
+        Coarse nodes along and across.
+    tile : int
+        Nodes from a coarse node to the next.
     """
-    return max(SHORTEST_TILE, round(max(rows, columns) ** 0.5))
+    tile = max(SHORTEST_TILE, round(max(rows, columns) ** 0.5))
+    return (rows - 1) // tile + 2, (columns - 1) // tile + 2, tile
 
 
 @lru_cache(maxsize=64)
@@ -107,9 +121,48 @@ def far_field(rows: int, columns: int, tile: int) -> NDArray[np.float32]:
     """
     along, across = np.arange(rows) * tile, np.arange(columns) * tile
     coefficients = love(along, across)
-    near = half_space_of_stencil()[:: tile, :: tile][:rows, :columns]
+    near = half_space_of_stencil()[::tile, ::tile][:rows, :columns]
     coefficients[: near.shape[0], : near.shape[1]] -= near
     by_distance = coefficients[
         np.abs(np.arange(1 - rows, rows))[:, None], np.abs(np.arange(1 - columns, columns))
     ]
     return np.append(by_distance.ravel(), np.zeros(columns)).astype(np.float32)
+
+
+class Stencils(NamedTuple):
+    """Stencils of the inverse half-space in the units of a half-space.
+
+    Parameters
+    ----------
+    preconditioner : (3, 3) array, Pa/m
+        Stencil of the preconditioner: the centre of the inverse.
+    model : (6,) array
+        Stencil of the model problem over its centre.
+    stiffness : float, Pa/m
+        Centre of the stencil of the model problem.
+    own, common : float
+        Gap of a node by a unit of its own pressure, and by a unit of pressure all over, that the
+        stencil of the model problem stands for.
+    """
+
+    preconditioner: Array
+    model: NDArray[np.float32]
+    stiffness: float
+    own: float
+    common: float
+
+
+@lru_cache(maxsize=8)
+def stencils(unit: float) -> Stencils:
+    """Return the stencils for a half-space with a deflection of `unit` [m/Pa] per coefficient."""
+    distance = np.minimum(np.arange(256), 256 - np.arange(256))
+    inverse = np.fft.irfft2(1.0 / np.fft.rfft2(love(distance, distance)).real)
+    centre = np.ascontiguousarray(np.roll(inverse, (1, 1), axis=(0, 1))[:3, :3])
+    model = inverse_stencil()
+    return Stencils(
+        centre / unit,
+        (model / model[0]).astype(np.float32),
+        float(model[0] / unit),
+        float(half_space_of_stencil()[0, 0]),
+        float(1.0 / square_stencil().sum()),
+    )
