@@ -233,6 +233,7 @@ class Descent:
         inverse = stencils(unit)
         self.stiffness = float(1 / (unit * OWN_COEFFICIENT))
         coarse_rows, coarse_columns, tile = coarse_grid(rows, columns)
+        row_length = 2 * coarse_columns - 1
         grids = np.zeros((2 if edges else 1, rows * columns))
         if edges:
             grids[1] = np.nan
@@ -242,7 +243,7 @@ class Descent:
             self.transforms.head(self.rows).ravel(),
             grids,
             np.zeros((9 if edges else 8, rows, columns), np.float32),
-            np.zeros((7, coarse_rows, 2 * coarse_columns - 1), np.float32),
+            np.zeros((7, coarse_rows * row_length), np.float32),
             inverse.preconditioner,
             inverse.model,
             far_field(coarse_rows, coarse_columns, tile),
@@ -258,7 +259,7 @@ class Descent:
                 inverse.own,
                 inverse.common,
             ),
-            tile,
+            (tile, row_length),
         )
 
     def _take(

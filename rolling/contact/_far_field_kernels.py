@@ -1,10 +1,10 @@
 """Compiled far field of the model problem: the part of the half-space that its stencil leaves out.
 
-The stencil stands for a half-space that forgets what is some ten nodes away. The rest of Love's
-coefficients is smooth, so loads on a coarse grid tell it, with bilinear weights between coarse
-nodes (multilevel summation, Brandt & Lubrecht, J. Comput. Phys. 90, 1990). The far field of a
-change meets free nodes that answer to it, and the far field of their answer changes the answers:
-a linear system on the coarse grid, solved by conjugate gradients.
+The stencil stands for a half-space that forgets loads some ten nodes away. The rest of Love's
+coefficients is smooth, so loads on a coarse grid give it, with bilinear weights between coarse
+nodes (multilevel summation, Brandt & Lubrecht, J. Comput. Phys. 90, 1990). Free nodes answer to the
+far field of a change, and their answers have a far field themselves: a linear system on the coarse
+grid, which conjugate gradients solve.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -15,10 +15,11 @@ import numpy as np
 from rolling.contact._compiled import njit
 from rolling.contact._system import BORDER
 
-# Conjugate gradients on the coarse grid end after so many iterations, or when the square of the
-# preconditioned residual has fallen to this share.
-ITERATIONS = 8
-ENOUGH = 1e-2
+# Conjugate gradients on the coarse grid end when the square of the preconditioned residual has
+# fallen to this share. Where they ended at 0.1, or after 8 iterations, elastic contacts 300 and 500
+# nodes wide took 20 convolutions instead of 3.
+ENOUGH = 1e-3
+ITERATIONS = 100
 
 
 @njit(cache=True, fused=True)
@@ -108,64 +109,67 @@ def mark_soft(change, gap, low, high, softening, out):
 
 
 @njit(cache=True)
-def answer(far, known):
-    """Set the far field to that of the loads and of the answer of all free nodes.
+def mean_of(weights, values):
+    """Return the weighted mean of values on the coarse grid."""
+    total, sum_of_weights = 0.0, 0.0
+    for k in range(weights.size):
+        total += weights[k] * values[k]
+        sum_of_weights += weights[k]
+    return total / sum_of_weights
 
-    `known` are loads whose far field the gaps have already. The approach answers as well, so that
-    the sum of loads stays.
+
+@njit(cache=True)
+def answer(far):
+    """Set the far field to that of the loads and of the answer of all free nodes [Pa].
+
+    `far.stiffness` holds the numbers of free nodes before and their stiffness after. The approach
+    answers as well, so that the sum of all loads stays.
     """
-    loads, stiffness, field = far.grids[0], far.grids[1], far.grids[2]
-    residual, direction, image = far.grids[4], far.grids[5], far.grids[6]
-    table = far.table
+    loads, known, stiffness, field = far.loads, far.known, far.stiffness, far.field
+    residual, direction, image, table = far.residual, far.direction, far.image, far.table
+    free = 0.0
     for k in range(loads.size):
         loads[k] -= known[k]
+        # Nodes close a common gap together: the more of them are free, the less each has to bear.
+        share = stiffness[k] / far.tile**2
+        free += stiffness[k]
+        stiffness[k] /= far.own + share * (far.common - far.own)
     field_of(loads, table, field)
-    total = 0.0
-    for k in range(loads.size):
-        # The answers of free nodes to a common gap, as they share it with their neighbours.
-        answering = stiffness[k]
-        stiffness[k] /= far.own + answering / far.tile**2 * (far.common - far.own)
-        total += stiffness[k]
-        residual[k] = field[k]
-        direction[k] = 0.0
-        loads[k] = 0.0
-    if not total > 0.0:
+    if not free > 0.0:
         field[:] = 0.0
         return
+    answers = loads  # from here on
+    answers[:] = 0.0
+    direction[:] = 0.0
+    residual[:] = field
     before, first = 0.0, 0.0
     for _ in range(ITERATIONS):
-        mean = 0.0
-        for k in range(loads.size):
-            mean += stiffness[k] * residual[k]
-        mean /= total
+        mean = mean_of(stiffness, residual)
         square = 0.0
-        for k in range(loads.size):
+        for k in range(residual.size):
             square += stiffness[k] * (residual[k] - mean) ** 2
         first = max(first, square)
         if not square > ENOUGH * first:
             break
         factor = square / before if before > 0.0 else 0.0
         before = square
-        for k in range(loads.size):
+        for k in range(residual.size):
             direction[k] = factor * direction[k] - stiffness[k] * (residual[k] - mean)
         field_of(direction, table, image)
         curvature = 0.0
-        for k in range(loads.size):
-            curvature += direction[k] * image[k]
+        for k in range(residual.size):
             if stiffness[k] > 0.0:
-                curvature += direction[k] * direction[k] / stiffness[k]
+                image[k] += direction[k] / stiffness[k]
+                curvature += direction[k] * image[k]
         if not curvature > 0.0:
             break
         length = square / curvature
-        for k in range(loads.size):
-            loads[k] += length * direction[k]
-            field[k] += length * image[k]
+        for k in range(residual.size):
+            answers[k] += length * direction[k]
             residual[k] += length * image[k]
-            if stiffness[k] > 0.0:
-                residual[k] += length * direction[k] / stiffness[k]
-    mean = 0.0
-    for k in range(loads.size):
-        mean += stiffness[k] * field[k]
-    mean /= total
-    for k in range(loads.size):
-        field[k] -= mean
+    mean = mean_of(stiffness, residual)
+    for k in range(field.size):
+        if stiffness[k] > 0.0:
+            field[k] = -answers[k] / stiffness[k]
+        else:  # no node is free here; the residual is the field of all loads and answers
+            field[k] = residual[k] - mean

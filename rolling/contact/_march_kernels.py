@@ -65,18 +65,16 @@ def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach
     because an island may lie outside any earlier window. An empty block has its last row before its
     first.
     """
-    along, across = heights.shape
-    first_row, last_row, first_column, last_column = 1, 0, 1, 0
     reach2 = 2 * radius * (approach + highest)
     if reach2 <= 0.0:
-        return first_row, last_row, first_column, last_column
-    reach = np.sqrt(reach2)
+        return 1, 0, 1, 0
     # The reach is half a node more than a period, so that rounding does not hide the image of a
     # node right below the sphere.
-    reach = min(reach, (along + 0.5) * spacing)
+    reach = min(np.sqrt(reach2), (heights.shape[0] + 0.5) * spacing)
     low = int(np.ceil((x - reach) / spacing))
     high = int(np.floor((x + reach) / spacing))
-    # The first and the last row with an overlap, then all nodes outside the columns so far
+    # The first and the last row give the first columns. Of all rows between them only the nodes
+    # beyond the columns so far can widen the block.
     first_row = low
     while first_row <= high:
         first_column, last_column = overlap_of_row(

@@ -119,7 +119,7 @@ def far_field(rows: int, columns: int, tile: int) -> NDArray[np.float32]:
         Rows of 2 columns - 1 coefficients, from negative to positive distances along and across,
         and as many zeros as columns at the end.
     """
-    along, across = np.arange(rows) * tile, np.arange(columns) * tile
+    along, across = np.arange(float(rows)) * tile, np.arange(float(columns)) * tile
     coefficients = love(along, across)
     near = half_space_of_stencil()[::tile, ::tile][:rows, :columns]
     coefficients[: near.shape[0], : near.shape[1]] -= near

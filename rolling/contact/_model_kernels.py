@@ -170,19 +170,27 @@ def settle_model(model, sweeps, compliant):
 
 
 @njit(cache=True)
-def add_far_field(system):
-    """Add the far field to the gaps of the model: that of its changes and of the answer to it."""
-    model, far = system.model, system.far
-    loads, stiffness, field, known = far.grids[0], far.grids[1], far.grids[2], far.grids[3]
-    arrays = model.change.reshape(-1), model.gap.reshape(-1), model.low.reshape(-1), model.high.reshape(-1)
+def know_far_field(model, far):
+    """Take the far field of the changes so far as known: the gaps have it already."""
+    restrict(model.change, far.tile, far.row_length, far.known)
+
+
+@njit(cache=True)
+def add_far_field(model, far, unit):
+    """Add the far field to the gaps: that of the changes and of the answer of all free nodes.
+
+    `unit` is the deflection per pressure and coefficient [m/Pa].
+    """
+    change, gap = model.change.reshape(-1), model.gap.reshape(-1)
+    low, high, free = model.low.reshape(-1), model.high.reshape(-1), model.moved.reshape(-1)
     if model.softening.size:
-        mark_soft(*arrays, model.softening.reshape(-1), model.moved.reshape(-1))
+        mark_soft(change, gap, low, high, model.softening.reshape(-1), free)
     else:
-        mark_free(*arrays, model.moved.reshape(-1))
-    restrict(model.moved, far.tile, far.row_length, stiffness)
-    restrict(model.change, far.tile, far.row_length, loads)
-    answer(far, known)
-    prolong(field, np.float32(system.transform.unit * model.stiffness), far.tile, far.row_length, model.gap)
+        mark_free(change, gap, low, high, free)
+    restrict(model.moved, far.tile, far.row_length, far.stiffness)
+    restrict(model.change, far.tile, far.row_length, far.loads)
+    answer(far)
+    prolong(far.field, np.float32(unit * model.stiffness), far.tile, far.row_length, model.gap)
 
 
 @njit(cache=True)
@@ -190,7 +198,7 @@ def settle(system, sweeps):
     """Settle the model by so many sweeps, its far field, and the last sweeps."""
     compliant = system.nodes.compliance.size > 0
     settle_model(system.model, sweeps, compliant)
-    add_far_field(system)
+    add_far_field(system.model, system.far, system.transform.unit)
     settle_model(system.model, LAST_SWEEPS, compliant)
 
 
@@ -311,7 +319,7 @@ def follow_model(system, approach, last, allowed, sweeps):
     worst += model.lift * abs(limits.total - load)
     if worst <= allowed:
         return worst, list_inside(nodes.p, limits.hardness, system.work.active), 0, 0, last
-    system.far.grids[3][:] = 0.0
+    system.far.known[:] = 0.0
     settle(system, sweeps)
     free, bound = sort_nodes(system)
     jumped = 0

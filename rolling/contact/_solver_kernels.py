@@ -13,11 +13,11 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact._compiled import njit
-from rolling.contact._far_field_kernels import restrict
 from rolling.contact._model_kernels import (
     extrapolate,
     fill,
     follow_model,
+    know_far_field,
     list_inside,
     model_direction,
     settle,
@@ -521,7 +521,7 @@ def lead(packed, p_trend, u_trend, block, sweeps):
     fill(model, nodes, limits.hardness, present)
     approach = extrapolate(model, nodes, limits.hardness, present, p_trend, u_trend, block)
     model.gap[:] -= np.float32((approach - present) * model.stiffness)
-    restrict(model.change, system.far.tile, system.far.row_length, system.far.grids[3])
+    know_far_field(model, system.far)
     settle(system, sweeps)
     free, bound = sort_nodes(system)
     work.r_before[:] = 0.0
@@ -543,7 +543,7 @@ def finish(packed, direction, approach, sweeps):
     system, last = unpack(packed), Direction(*direction)
     nodes, limits, model = system.nodes, system.limits, system.model
     fill(model, nodes, limits.hardness, approach)
-    system.far.grids[3][:] = 0.0
+    system.far.known[:] = 0.0
     settle(system, sweeps)
     free, bound = sort_nodes(system)
     following, _ = model_direction(system, approach, last, free, bound)

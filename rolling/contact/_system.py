@@ -163,27 +163,41 @@ class Model(NamedTuple):
 class FarField(NamedTuple):
     """Far field of the model problem on a coarse grid (see _far_field_kernels).
 
+    All grids are flat, with rows of `row_length`, of which the second half is padding.
+
     Parameters
     ----------
     tile : int
         Nodes from a coarse node to the next.
     row_length : int
-        Coarse nodes in a row, half of them padding.
-    table : flat array
-        Coefficients by distance, with rows of the same length.
-    grids : (6, cells) array
-        Loads, stiffness, field, residual, direction, and field of the direction.
+        Entries in a row of the grids.
     own, common : float
         Gap of a node by a unit of its own pressure, and by a unit of pressure all over, as the
         stencil has them.
+    table : flat array
+        Coefficients by distance, with rows of the same length.
+    loads, known : flat arrays, Pa
+        Changes of pressure, and the changes whose far field the gaps have already.
+    stiffness : flat array
+        Answer of the free nodes to a common gap.
+    field : flat array, Pa
+        Far field, over the stiffness of the model.
+    residual, direction, image : flat arrays, Pa
+        Vectors of the conjugate gradients.
     """
 
     tile: int
     row_length: int
-    table: Singles
-    grids: Singles
     own: float
     common: float
+    table: Singles
+    loads: Singles
+    known: Singles
+    stiffness: Singles
+    field: Singles
+    residual: Singles
+    direction: Singles
+    image: Singles
 
 
 class Influence(NamedTuple):
@@ -273,15 +287,15 @@ class Packed(NamedTuple):
         Residual, and the gap as it runs within cells where edges are blended.
     model : (8 or 9, rows, columns) array
         Grids of the Model in its order, sums after moves, and softening where edges are blended.
-    coarse : (6, rows, columns) array
-        Grids of the FarField, with their padding.
+    coarse : (7, cells) array
+        Grids of the FarField.
     stencil, model_stencil, table, coefficients : arrays
         Those of Stencil, Model, FarField and Influence.
     numbers : tuple
         Hardness, total, deflection and stiffness of a cell, levelled range, stiffness and lift of
         the Model, own and common gap of the FarField.
-    tile : int
-        That of the FarField.
+    lengths : tuple
+        Tile and row length of the FarField.
     """
 
     vectors: Array
@@ -295,14 +309,14 @@ class Packed(NamedTuple):
     table: Singles
     coefficients: Singles
     numbers: tuple[float, ...]
-    tile: int
+    lengths: tuple[int, int]
 
 
 @njit(cache=True)
 def unpack(packed):
     """Return the System of the fields of a Packed, as a plain tuple."""
     vectors, indices, image, grids, model, coarse = packed[:6]
-    stencil, model_stencil, table, coefficients, numbers, tile = packed[6:]
+    stencil, model_stencil, table, coefficients, numbers, (tile, row_length) = packed[6:]
     hardness, total, unit, stiffness, levelled, model_stiffness, lift, own, common = numbers
     # The rows that only blended edges have are else empty slices of others.
     blended = vectors.shape[0] > 6
@@ -333,7 +347,20 @@ def unpack(packed):
             model_stiffness,
             lift,
         ),
-        FarField(tile, coarse.shape[2], table, coarse.reshape((7, -1)), own, common),
+        FarField(
+            tile,
+            row_length,
+            own,
+            common,
+            table,
+            coarse[0],
+            coarse[1],
+            coarse[2],
+            coarse[3],
+            coarse[4],
+            coarse[5],
+            coarse[6],
+        ),
         Influence(coefficients, indices[3]),
     )
 

@@ -19,11 +19,11 @@ from rolling.contact.window import Window
 from rolling.surface.contact_of_scene import rolling_contact
 
 GUARDS = {  # most iterations and convolutions per step: what was measured and 15 %
-    "scene": (6.6, 7.8),
-    "scene, whole cells": (4.2, 5.3),
-    "A": (6.5, 7.6),
-    "B": (6.5, 7.8),
-    "C": (7.2, 8.3),
+    "scene": (3.8, 5.0),
+    "scene, whole cells": (2.6, 3.7),
+    "A": (3.9, 5.1),
+    "B": (4.2, 5.5),
+    "C": (5.5, 6.7),
 }
 TOLERANCES = {"A": 1e-5, "B": 1e-5, "C": 1e-6}  # at which speed.py compares us with the peers
 
@@ -49,10 +49,10 @@ def test_counts_of_the_scene_on_whole_cells() -> None:
 
 
 @pytest.mark.parametrize(
-    ("load", "elastic", "most"), [(5, False, 5.5), (100, False, 6.5), (20, True, 6.0)]
+    ("load", "elastic", "most"), [(5, False, 4.0), (100, False, 3.6), (20, True, 3.8)]
 )
 def test_convolutions_at_other_loads(load: float, elastic: bool, most: float) -> None:
-    """The counts on whole cells at tolerance 1e-4 stay within the targets of the solver."""
+    """The counts on whole cells at tolerance 1e-4 stay within 18 % of their measured values."""
     contact = replace(rolling_contact(scene_20_n()), load=load, blended=False)
     if elastic:
         contact = replace(contact, hardness=np.inf)
