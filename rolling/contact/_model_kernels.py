@@ -3,8 +3,9 @@
 The model replaces the inverse of the half-space by a short stencil: a change c of a node's gap
 changes the pressures around it by the stencil times c. With it the contact problem is a sparse
 obstacle problem, and projected Jacobi sweeps settle it without a convolution. A node ends with the
-pressure that closes its gap, or on a bound. Deflection and pressure of the start need not be those
-of the model, only their changes are, so an extrapolation of both is a start as well.
+pressure that closes its gap, or on a bound. The far field, which the stencil leaves out, is added
+to the gaps from a coarse grid (see _far_field_kernels). Deflection and pressure of the start need
+not be those of the model, only their changes are, so an extrapolation of both is a start as well.
 
 All arrays of the grid are changes of pressure since the present state in single precision: `change`
 is that of the model, `gap` the one that opens the gap, and `low` and `high` are the bounds.

@@ -35,8 +35,8 @@ STEEPEST = 100.0
 LEAST_STEP = 1e-3
 # Edges that would move by less than this share of the allowed violation stay.
 EDGE_SLACK = 0.01
-# Share of the model's change that the first direction takes, and the minimum share. The model
-# closes gaps that are long waves too far; each step corrects the share by its own length.
+# Share of the model's change that the second direction takes, and the minimum share. Each step
+# corrects the share by its own length. A first share of 1 takes up to a convolution more.
 FIRST_LENGTH = 0.5
 SHORTEST = 0.2
 # Limits of the share of the preconditioned residual that a direction takes without the model. The

@@ -2,10 +2,10 @@
 
 It minimizes 1/2 p.Cp + e.p over p subject to 0 <= p <= H and sum(p) dA = W, by conjugate gradients
 projected on both bounds, after Polonsky & Keer, Wear 231 (1999). The solver differs from the paper
-in four points: a sparse model problem preconditions and predicts which nodes go to a bound, these
-nodes are put on it at once, each trial pressure is made feasible before its single convolution,
-after which the step along it is exact, and the last step goes into the final check without a
-convolution of its own.
+in four points: a sparse model problem and its far field on a coarse grid precondition and predict
+which nodes go to a bound, these nodes are put on it at once, each trial pressure is made feasible
+before its single convolution, after which the step along it is exact, and the last step goes into
+the final check without a convolution of its own.
 
 The iteration runs in single precision on candidate nodes only. A solution is accepted after a
 double-precision check on the full window.
