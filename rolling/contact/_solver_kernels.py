@@ -439,6 +439,34 @@ def scatter(transform, d):
 
 
 @njit(cache=True)
+def sum_directly(packed, most):
+    """Replace the direction in the array of the transforms by its deflection, pair by pair.
+
+    Return False, and leave the array as it is, where more than `most` pairs of a node that moves
+    and a candidate are there.
+    """
+    system = unpack(packed)
+    transform, d, deflection = system.transform, system.work.d, system.work.trial
+    coefficients, place = system.influence
+    moving = 0
+    for k in range(d.size):
+        moving += d[k] != 0.0
+    if moving * d.size > most:
+        return False
+    middle = coefficients.size // 2
+    deflection[:] = 0.0
+    for b in range(d.size):
+        if d[b] != 0.0:
+            change = transform.unit * d[b]
+            from_b = middle - np.int64(place[b])
+            for k in range(d.size):
+                deflection[k] += change * coefficients[from_b + np.int64(place[k])]
+    for k in range(d.size):
+        transform.image[transform.node[k]] = deflection[k]
+    return True
+
+
+@njit(cache=True)
 def advance(system, direction, nearly):
     """Step along the direction as far as the energy falls; return the step length alpha.
 
