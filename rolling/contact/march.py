@@ -240,7 +240,7 @@ def _follow(
     needs no convolution.
     """
     change = abs(state.approach - before.approach) if before else np.inf
-    approach = state.approach + min(4 * change, 0.1 * float(state.deflection.max()))
+    approach = state.approach + min(4 * change, 0.1 * state.max_deflection)
     needed = Window.around([state.loaded, *_overlaps(contact, k, approach)])
     ahead = (
         _overlaps(contact, k + 1, approach) if contact.step <= LOOK_AHEAD * contact.spacing else []

@@ -14,6 +14,7 @@ double-precision check on the full window.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf, isfinite
 
 import numpy as np
 
@@ -344,7 +345,7 @@ def _state(p: Array, g: Array, u: Array, limits: Limits, fresh: bool) -> tuple[f
     approach, u_max, worst = _solver_kernels.state_of(
         p.ravel(), g.ravel(), u.ravel(), limits.hardness
     )
-    if not np.isfinite(approach) or not 0 < u_max < np.inf or (fresh and worst == np.inf):
+    if not isfinite(approach) or not 0 < u_max < inf or (fresh and worst == inf):
         raise ContactError(
             "the contact solve met numbers that are not finite: check units of load, modulus"
             " and heights"
