@@ -133,7 +133,8 @@ def test_errors_fall_with_the_tolerance(found: dict[str, Any]) -> None:
         for row in rows(found, times=1, step_nodes=1, precision="single", width=1)
     }
     off = [by_tolerance[t] for t in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)]
-    assert all(b < 0.5 * a for a, b in pairwise(off))
+    assert all(b < a for a, b in pairwise(off))
+    assert all(b < 0.25 * a for a, b in zip(off, off[2:], strict=False))  # in two decades
     assert found["orders"]["tolerance"]["signal"] > 0.7
 
 
