@@ -21,7 +21,7 @@ SUBCELL_POWER = 1.6
 # A step with its release at tolerance 1e-4 takes c (n/100)^k milliseconds on a window of n by n
 # nodes. c and k are rounded from the fits of tests/benchmarks/step_cost.py, from 40 to 1,000 nodes,
 # on a busier and a quieter machine. Elastic and yielding plates share a law at sharp edges.
-STEP_LAWS = {"smooth": (1.0, 1.6), "sharp": (1.75, 2.2), "blended": (2.7, 2.1)}
+STEP_LAWS = {"smooth": (1.0, 1.6), "sharp": (1.3, 2.2), "blended": (2.1, 2.1)}
 # On a smoother surface [m] pressures move with the sphere, and a solve hardly iterates.
 SMOOTH = 1e-9
 # Generated heights are a little more or less steep than their law.
