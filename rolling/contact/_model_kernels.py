@@ -173,7 +173,8 @@ def settle_model(model, sweeps, compliant):
 @njit(cache=True)
 def know_far_field(model, far):
     """Take the far field of the changes so far as known: the gaps have it already."""
-    restrict(model.change, far.tile, far.row_length, far.known)
+    if far.known.size > 0:
+        restrict(model.change, far.tile, far.row_length, far.known)
 
 
 @njit(cache=True)
