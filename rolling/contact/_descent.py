@@ -222,9 +222,6 @@ class Descent:
         )
         self._listed = self.transforms.cells_of(self.node, gap.shape[1], self._block[:2])
         self.blended = edges is not None
-        # A cold start takes all nodes. Its free nodes change too much for the far field to help:
-        # with it an elastic contact 200 nodes wide took 42 convolutions instead of 27.
-        self._is_close = self.node.size < gap.size
         self._vectors = np.zeros((10 if edges else 6, self.node.size))
         packed = self._pack(half_space.unit, goal.u_max, edges)
         self._take(packed, pressure, gap, edges)
@@ -251,7 +248,7 @@ class Descent:
             self.transforms.head(self.rows).ravel(),
             grids,
             np.zeros((9 if edges else 8, rows, columns), np.float32),
-            np.zeros((7, coarse_rows * row_length if self._is_close else 0), np.float32),
+            np.zeros((7, coarse_rows * row_length), np.float32),
             inverse.preconditioner,
             inverse.model,
             far_field(coarse_rows, coarse_columns, tile),

@@ -173,8 +173,7 @@ def settle_model(model, sweeps, compliant):
 @njit(cache=True)
 def know_far_field(model, far):
     """Take the far field of the changes so far as known: the gaps have it already."""
-    if far.known.size > 0:
-        restrict(model.change, far.tile, far.row_length, far.known)
+    restrict(model.change, far.tile, far.row_length, far.known)
 
 
 @njit(cache=True)
@@ -197,11 +196,9 @@ def add_far_field(model, far, unit):
 
 @njit(cache=True)
 def settle(system, sweeps):
-    """Settle the model by so many sweeps, its far field if it has a grid, and the last sweeps."""
+    """Settle the model by so many sweeps, its far field, and the last sweeps."""
     compliant = system.nodes.compliance.size > 0
     settle_model(system.model, sweeps, compliant)
-    if system.far.loads.size == 0:
-        return
     add_far_field(system.model, system.far, system.transform.unit)
     settle_model(system.model, LAST_SWEEPS, compliant)
 
