@@ -4,7 +4,7 @@ r is the residual, the remaining gap or overlap on a free node [m]; z is the pre
 and d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
 direction. `state_of`, `candidates` and `cell_ranges` read a whole window. All other passes read
 its candidates, the nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead`,
-`finish` and `carry_load`.
+`sum_directly`, `finish` and `carry_load`.
 """
 
 # mypy: disable-error-code="no-untyped-def"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rolling.contact import _model_kernels, _projection
-from rolling.contact._model import LONGEST_WAVE, inverse_stencil
+from rolling.contact._model import LONGEST_WAVE, inverse_stencil, square_stencil
 from rolling.contact._system import Limits, Model, Sets
 from rolling.contact.half_space import love
 
@@ -21,10 +21,7 @@ INNER = slice(2, -2)  # nodes that move
 
 def kernel() -> np.ndarray:
     """Return the 5 x 5 stencil over its centre."""
-    centre, side, corner, second, beside, far = inverse_stencil() / inverse_stencil()[0]
-    quarter = np.array([[centre, side, second], [side, corner, beside], [second, beside, far]])
-    at = np.abs(np.arange(-2, 3))
-    return quarter[at[:, None], at]
+    return square_stencil() / inverse_stencil()[0]
 
 
 def pressures_of(moves: np.ndarray) -> np.ndarray:
