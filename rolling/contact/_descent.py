@@ -228,7 +228,8 @@ class Descent:
         self.packed = tuple(packed)
         # Coefficients of single precision do not serve transforms of double precision.
         direct = single and packed.coefficients.size > 0
-        self._most_pairs = PAIRS * self.transforms.real.size if direct else 0
+        self._most_pairs = PAIRS * self.transforms.real.size if direct else -1
+        self._moving = 0  # nodes that the direction moves
         self.direction = Direction(0.0, 0.0, 0.0, _solver_kernels.FIRST_LENGTH)
         self.step = Step(np.nan, np.nan, 0, 0, 0, 0)
 
@@ -315,11 +316,10 @@ class Descent:
 
         Their trends on the window give the extrapolation.
         """
-        self.direction = Direction(
-            *_solver_kernels.lead(
-                self.packed, pressure_trend, deflection_trend, self._block, FIRST_SWEEPS
-            )
+        self._moving, direction = _solver_kernels.lead(
+            self.packed, pressure_trend, deflection_trend, self._block, FIRST_SWEEPS
         )
+        self.direction = Direction(*direction)
 
     def iterate(self, effort: Effort) -> None:
         """Step until converged, stuck or out of iterations, with one convolution per step."""
@@ -355,6 +355,7 @@ class Descent:
             self.packed, tuple(self.direction), nearly, snap, goal, sweeps, edges_move
         )
         self.step, self.direction = Step(*step), Direction(*direction)
+        self._moving = self.step.free + self.step.bound
 
     def settle(self, effort: Effort) -> None:
         """Make the pressures carry the load exactly.
@@ -380,7 +381,6 @@ class Descent:
             _projection.settle_load(p, g, self.limits, 1e-9 * p.max())
         else:
             _projection.settle_load(p, g, self.limits, 0.0)
-        np.clip(p, 0.0, self.limits.hardness, out=p)
 
     def _finish(self) -> bool:
         """Take a last step by the model; return whether it descends."""
@@ -389,8 +389,8 @@ class Descent:
         )
 
     def _convolve(self, effort: Effort) -> None:
-        most = self._most_pairs
-        if not (most and _solver_kernels.sum_directly(self.packed, most)):
+        few = self._moving * self.node.size <= self._most_pairs
+        if not (few and _solver_kernels.sum_directly(self.packed, self._most_pairs)):
             self.transforms.apply(self.rows, self._listed)
         self.half_space.count += 1
         effort.iterations += 1

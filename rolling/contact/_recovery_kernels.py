@@ -39,8 +39,9 @@ def extend_events(work, origin, step, open_event, table, count):
 
     A node that released in the previous step continues its event.
 
-    `work` [J] begins at node `origin` (row, column); `open_event` holds the last event of each node
-    of the surface, and `table` the columns node, first, last, energy and peak.
+    `work` [J] begins at node `origin` (row, column); `open_event` holds one more than the last
+    event of each node of the surface, or 0, and `table` the columns node, first, last, energy and
+    peak.
 
     Returns the new count, or -1 - (rows needed), without a change, when the table is too short.
     """
@@ -60,11 +61,11 @@ def extend_events(work, origin, step, open_event, table, count):
             if not w > 0.0:
                 continue
             a, b = (row + i) % along, (column + j) % across
-            event = open_event[a, b]
+            event = open_event[a, b] - 1
             if event < 0 or last[event] != step:
                 event = count
                 count += 1
-                open_event[a, b] = event
+                open_event[a, b] = count
                 first[event] = step
                 energy[event] = 0.0
                 peak[event] = 0.0

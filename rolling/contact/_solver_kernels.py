@@ -59,28 +59,24 @@ def find_approach(inside, gap_sum, lowest_open, highest_capped):
 
 
 @njit(cache=True)
-def shared_gap(gap, u, p, edge, hardness, out):
-    """Set `out` to the deformed gap [m] in which shared cells are nodes with a compliance.
-
-    A shared cell has gap = edge (1 - 2 p / H): a gap lower by the edge on a node that gives
-    2 edge / H by itself. All arrays are flat.
-    """
-    per_hardness = 2.0 / hardness
-    for k in range(out.size):
-        out[k] = (gap[k] - edge[k]) + (u[k] + edge[k] * (p[k] * per_hardness))
-
-
-@njit(cache=True)
-def state_of(p, g, u, hardness):
+def state_of(gap, u, p, edge, hardness, g):
     """Return approach [m], maximum deflection [m] and maximum violation [m] of a state.
 
-    The state has pressures p, gaps g before the approach is subtracted, and deflections u, as flat
-    arrays. The violation of the contact conditions is infinite where numbers are not finite.
+    The state has undeformed gaps, deflections u and pressures p, as flat arrays. Its deformed gaps
+    before the approach is subtracted go into g [m]. The violation of the contact conditions is
+    infinite where numbers are not finite.
+
+    A cell that the edge of a patch crosses has gap = edge (1 - 2 p / H): a gap lower by the edge on
+    a node that gives 2 edge / H by itself. An empty `edge` means sharp edges.
     """
+    per_hardness = 2.0 / hardness
     inside, gap_sum, u_max, finite = 0, 0.0, 0.0, True
     lowest, lowest_open, highest, highest_capped = np.inf, np.inf, -np.inf, -np.inf
     for k in range(p.size):
-        v = g[k]
+        v = gap[k] + u[k]
+        if edge.size:
+            v = (gap[k] - edge[k]) + (u[k] + edge[k] * (p[k] * per_hardness))
+        g[k] = v
         u_max = max(u_max, u[k])
         finite = finite and v == v
         if p[k] <= 0.0:
@@ -541,7 +537,8 @@ def lead(packed, p_trend, u_trend, block, sweeps):
     the last solution, whether that is feasible or not. `block` is the first row and column of the
     candidates' block on the window of the trends, and its numbers of rows and columns.
 
-    Returns the fields of the Direction; its slope is 0 where no direction descends.
+    Returns the number of nodes that move and the fields of the Direction; its slope is 0 where no
+    direction descends.
     """
     system = unpack(packed)
     nodes, limits, work, model = system.nodes, system.limits, system.work, system.model
@@ -557,9 +554,9 @@ def lead(packed, p_trend, u_trend, block, sweeps):
     slope, longest = project(nodes.p, nodes.g, approach, work.trial, sets, limits, work.d)
     if slope < 0.0:
         scatter(system.transform, work.d)
-        return slope, longest, 0.0, FIRST_LENGTH
+        return free + bound, (slope, longest, 0.0, FIRST_LENGTH)
     work.d[:] = 0.0
-    return 0.0, 0.0, 0.0, FIRST_LENGTH
+    return 0, (0.0, 0.0, 0.0, FIRST_LENGTH)
 
 
 @njit(cache=True)
@@ -595,4 +592,5 @@ def carry_load(packed, approach):
     sets = Sets(work.active, free, 0)
     slope, _ = project(nodes.p, nodes.g, approach, work.trial, sets, limits, work.d)
     if slope < np.inf:
-        nodes.p[:] += work.d
+        for k in range(nodes.p.size):
+            nodes.p[k] = min(max(nodes.p[k] + work.d[k], 0.0), limits.hardness)

@@ -193,7 +193,7 @@ def _state(
         contact_area=count * cell,
         plastic_area=capped * cell,
         max_pressure=float(maximum),
-        max_deflection=float(solved.deflection.max()),
+        max_deflection=solved.max_deflection,
         stored_energy=0.5 * float(work) * cell,
         residual=solved.residual,
         iterations=iterations,

@@ -115,7 +115,9 @@ class EventTable:
     peak: Array = field(default_factory=lambda: np.empty(1024))
 
     def __post_init__(self) -> None:
-        self._open = np.full(self.shape, -1, dtype=np.int64)
+        # One more than the last event of each node; 0 is none, so that the memory of nodes off the
+        # track is never touched.
+        self._open = np.zeros(self.shape, dtype=np.int64)
 
     def add(self, step: int, work: StepEnergy, subcells: int = 1) -> None:
         """Add the releases between positions `step` and `step` + 1.

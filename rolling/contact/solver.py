@@ -37,6 +37,7 @@ SINGLE_TOLERANCE = 1e-6
 # error of sharp edges (measured on three scenes, by 0.3 dB); at 0 the rims of elastic contact grow
 # soft.
 LEVELLED = 0.3
+_NO_EDGE = np.empty(0)
 
 
 class ContactError(RuntimeError):
@@ -58,6 +59,8 @@ class Contact:
         Deflection of both bodies.
     approach : float, m
         Approach of sphere and plate.
+    max_deflection : float, m
+        Maximum deflection.
     residual : float
         KKT residual: maximum violation of the contact conditions over the maximum deflection, from
         a recomputed deflection.
@@ -70,6 +73,7 @@ class Contact:
     pressure: Array
     deflection: Array
     approach: float
+    max_deflection: float
     residual: float
     iterations: int
     edge: Array | None = None
@@ -273,13 +277,13 @@ def solve_contact(
     near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
     effort, exhausted = Effort(), False
     while True:
-        g = gap + u if edges is None else _shared(gap, u, p, edges.edge, hardness)
-        approach, u_max, worst = _state(p, g, u, limits, fresh)
+        g, (approach, u_max, worst) = _state(gap, u, p, edges, limits, fresh)
         share = AIM if effort.rounds else AIM_FIRST
         goal = Goal(options.tolerance, u_max, share)
         if fresh and worst <= goal.allowed and abs(p.sum() / limits.total - 1) <= 1e-12:
             edge = None if edges is None else edges.edge
-            return Contact(p, u, float(approach), float(worst / u_max), effort.iterations, edge)
+            residual = float(worst / u_max)
+            return Contact(p, u, float(approach), float(u_max), residual, effort.iterations, edge)
         if effort.is_spent:
             limit = _rounding_limit(gap, u_max, options)
             raise _not_converged(effort, worst / u_max, options.tolerance, limit)
@@ -313,25 +317,23 @@ def _begin(half_space: HalfSpace, gap: Array, start: WarmStart) -> tuple[Array, 
     return gap, p, half_space.deflection(p) if start.deflection is None else start.deflection
 
 
-def _shared(gap: Array, u: Array, p: Array, edge: Array, hardness: float) -> Array:
-    """Return the deformed gap [m] in which shared cells are nodes with a compliance."""
-    out = np.empty_like(gap)
-    flat = gap.ravel(), u.ravel(), p.ravel(), edge.ravel()
-    _solver_kernels.shared_gap(*flat, hardness, out.ravel())
-    return out
+def _state(
+    gap: Array, u: Array, p: Array, edges: BlendedEdges | None, limits: Limits, fresh: bool
+) -> tuple[Array, tuple[float, float, float]]:
+    """Return the deformed gap before the approach is subtracted, and measures of the state.
 
-
-def _state(p: Array, g: Array, u: Array, limits: Limits, fresh: bool) -> tuple[float, float, float]:
-    """Return approach [m], maximum deflection [m] and maximum violation [m] of a pressure.
+    The measures are approach [m], maximum deflection [m] and maximum violation [m].
 
     Parameters
     ----------
-    p : (m, n) array, Pa
-        Pressure.
-    g : (m, n) array, m
-        Gap before the approach is subtracted.
+    gap : (m, n) array, m
+        Undeformed gap.
     u : (m, n) array, m
         Deflection.
+    p : (m, n) array, Pa
+        Pressure.
+    edges : BlendedEdges or None
+        Edges within cells.
     limits : Limits
         Hardness and load.
     fresh : bool
@@ -342,15 +344,17 @@ def _state(p: Array, g: Array, u: Array, limits: Limits, fresh: bool) -> tuple[f
     ContactError
         A number is not finite.
     """
+    g = np.empty_like(gap)
+    edge = _NO_EDGE if edges is None else edges.edge.ravel()
     approach, u_max, worst = _solver_kernels.state_of(
-        p.ravel(), g.ravel(), u.ravel(), limits.hardness
+        gap.ravel(), u.ravel(), p.ravel(), edge, limits.hardness, g.ravel()
     )
     if not isfinite(approach) or not 0 < u_max < inf or (fresh and worst == inf):
         raise ContactError(
             "the contact solve met numbers that are not finite: check units of load, modulus"
             " and heights"
         )
-    return approach, u_max, worst
+    return g, (approach, u_max, worst)
 
 
 def _not_converged(effort: Effort, residual: float, tolerance: float, limit: str) -> ContactError:

@@ -36,7 +36,7 @@ def half_spectrum(
     subcells : int
         Sub-cells along the side of a cell, which the coefficients belong to.
     coefficients : callable
-        Coefficients (m, n) of the distances (m,) and (n,).
+        Coefficients (a, b) of the distances (a,) and (b,).
 
     Returns
     -------
@@ -48,8 +48,9 @@ def half_spectrum(
         if key in _kept:
             _kept.move_to_end(key)
             return _kept[key]
-    rows, columns = (np.minimum(np.arange(k), k - np.arange(k)).astype(float) for k in (m, n))
-    half = np.fft.rfft2(coefficients(rows, columns)).real[: m // 2 + 1].copy()
+    rows, columns = (np.minimum(np.arange(k), k - np.arange(k)) for k in (m, n))
+    quarter = coefficients(np.arange(m // 2 + 1.0), np.arange(n // 2 + 1.0))
+    half = np.fft.rfft2(quarter[rows[:, None], columns]).real[: m // 2 + 1].copy()
     if half.nbytes <= KEPT_BYTES:
         with _lock:
             _kept[key] = half

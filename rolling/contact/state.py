@@ -13,6 +13,42 @@ from rolling.contact import _march_kernels
 from rolling.contact.window import Window
 
 
+@dataclass(eq=False)
+class Maxima:
+    """Maximum heights of a surface [m], each found when it is first needed.
+
+    Parameters
+    ----------
+    heights : (along, across) array, m
+        Surface of the plate.
+    rising : bool
+        If true, each cell rises above its node by half its range; otherwise cells are flat.
+    """
+
+    heights: Array
+    rising: bool
+
+    @cached_property
+    def tops(self) -> Array:
+        """Maximum height within the cell of each node, an (along, across) array [m]."""
+        if not (self.rising and self.heights.any()):
+            return self.heights
+        tops = np.empty_like(self.heights)
+        _march_kernels.cell_tops(self.heights, tops)
+        return tops
+
+    @cached_property
+    def rows(self) -> Array:
+        """Maximum height of each row, an (along,) array [m]."""
+        highest: Array = self.tops.max(axis=1)
+        return highest
+
+    @cached_property
+    def all(self) -> float:
+        """Maximum height [m]."""
+        return float(self.rows.max())
+
+
 @dataclass(frozen=True)
 class RollingContact:
     """Sphere, the plate it rolls over, and the accuracy of the march.
@@ -50,6 +86,9 @@ class RollingContact:
         true.
     loads : (positions,) array, N, or None
         Load at each position of a lap, instead of the same load at all. Default: None.
+    known : Maxima or None
+        Maximum heights of the surface, which further contacts on it share. Default: they are found
+        anew.
     """
 
     heights: Array
@@ -66,27 +105,15 @@ class RollingContact:
     subcells: int = 1
     slopes: bool = True
     loads: Array | None = None
+    known: Maxima | None = None
 
     @cached_property
-    def tops(self) -> Array:
-        """Maximum height within the cell of each node, an (along, across) array [m].
-
-        With blended edges a cell rises above its node by half its range.
-        """
-        if not (self.has_blended_edges and self.slopes and self.heights.any()):
-            return self.heights
-        return _tops(self.heights)
-
-    @cached_property
-    def row_highest(self) -> Array:
-        """Maximum height of each row, an (along,) array [m]."""
-        highest: Array = self.tops.max(axis=1)
-        return highest
-
-    @cached_property
-    def highest(self) -> float:
-        """Maximum height [m]."""
-        return float(self.row_highest.max())
+    def maxima(self) -> Maxima:
+        """Maximum heights of the surface; with blended edges its cells rise above their nodes."""
+        known, rising = self.known, self.has_blended_edges and self.slopes
+        if known is not None and known.heights is self.heights and known.rising == rising:
+            return known
+        return Maxima(self.heights, rising)
 
     @property
     def has_blended_edges(self) -> bool:
@@ -139,9 +166,9 @@ class RollingContact:
         cell, and a border of one node allows for the slope that the sphere adds.
         """
         row, last_row, column, last_column = _march_kernels.overlap_block(
-            self.tops,
-            self.row_highest,
-            self.highest,
+            self.maxima.tops,
+            self.maxima.rows,
+            self.maxima.all,
             self.spacing,
             self.radius,
             self.position(k) + self.off_centre,
@@ -179,18 +206,6 @@ class RollingContact:
             out,
         )
         return out
-
-
-_kept_tops: list[tuple[Array, Array]] = []  # heights and tops of the last surface
-
-
-def _tops(heights: Array) -> Array:
-    """Return the tops of cells; the last surface is kept for the further pieces of its track."""
-    if not _kept_tops or _kept_tops[0][0] is not heights:
-        tops = np.empty_like(heights)
-        _march_kernels.cell_tops(heights, tops)
-        _kept_tops[:] = [(heights, tops)]
-    return _kept_tops[0][1]
 
 
 @dataclass(frozen=True)

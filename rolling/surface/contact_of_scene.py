@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from rolling._typing import Array
-from rolling.contact.state import RollingContact
+from rolling.contact.state import Maxima, RollingContact
 from rolling.scene.scene import Scene
 from rolling.surface import steepness
 from rolling.surface.refined import dies_out, subcell_heights
@@ -35,7 +35,10 @@ def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
         blended=scene.numerics.edges == "blended",
     )
     subcells = scene.numerics.subcells
-    return on_subcells(contact, auto_subcells(contact) if subcells == "auto" else subcells)
+    made = on_subcells(contact, auto_subcells(contact) if subcells == "auto" else subcells)
+    shared = replace(made, known=_known[0] if _known else None)
+    _known[:] = [shared.maxima]
+    return replace(shared, known=shared.maxima)
 
 
 def auto_subcells(contact: RollingContact) -> int:
@@ -99,6 +102,7 @@ class _Between:
 
 
 _kept: list[_Between] = []
+_known: list[Maxima] = []  # of the last surface, for the further pieces of its track
 
 
 def _between(z: Array) -> _Between:
