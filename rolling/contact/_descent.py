@@ -210,17 +210,12 @@ class Descent:
         self.half_space, self.node, self.limits = half_space, candidates.node, limits
         self.allowed, self.share = goal.allowed, goal.share
         self.goal = goal.violation
-        self.rows = candidates.rows
         self.transforms = half_space.convolution(
             candidates.rows - 1, candidates.columns - 1, single=single
         )
-        self._block = (
-            candidates.first_row,
-            candidates.first_column,
-            candidates.rows,
-            candidates.columns,
-        )
-        self._listed = self.transforms.cells_of(self.node, gap.shape[1], self._block[:2])
+        self.block = candidates.rows, candidates.columns
+        self._block_at = candidates.first_row, candidates.first_column, *self.block
+        self._listed = self.transforms.cells_of(self.node, gap.shape[1], self._block_at)
         self.blended = edges is not None
         self._vectors = np.zeros((10 if edges else 6, self.node.size))
         packed = self._pack(half_space.unit, goal.u_max, edges)
@@ -235,7 +230,7 @@ class Descent:
 
     def _pack(self, unit: float, u_max: float, edges: BlendedEdges | None) -> Packed:
         """Make the arrays of the compiled passes."""
-        rows, columns = (length + 2 * BORDER for length in self._block[2:])
+        rows, columns = (length + 2 * BORDER for length in self.block)
         inverse = stencils(unit)
         self.stiffness = float(1 / (unit * OWN_COEFFICIENT))
         coarse_rows, coarse_columns, tile = coarse_grid(rows, columns)
@@ -246,7 +241,7 @@ class Descent:
         return Packed(
             self._vectors,
             np.empty((4, self.node.size), np.uint32),
-            self.transforms.head(self.rows).ravel(),
+            self.transforms.block(*self.block).ravel(),
             grids,
             np.zeros((9 if edges else 8, rows, columns), np.float32),
             np.zeros((7, coarse_rows * row_length), np.float32),
@@ -272,12 +267,12 @@ class Descent:
         self, packed: Packed, pressure: Array, gap: Array, edges: BlendedEdges | None
     ) -> None:
         """Set the vectors of the candidates and their indices."""
-        node = self.node
+        node, row_length = self.node, self.transforms.block(*self.block).shape[1]
         _solver_kernels.take_nodes(
             node,
             gap.shape[1],
-            self._block[:2],
-            (self.transforms.real.shape[1], packed.model.shape[2], self.transforms.influence_row),
+            self._block_at[:2],
+            (row_length, packed.model.shape[2], self.transforms.influence_row),
             pressure.ravel(),
             gap.ravel(),
             packed.vectors,
@@ -317,7 +312,7 @@ class Descent:
         Their trends on the window give the extrapolation.
         """
         self._moving, direction = _solver_kernels.lead(
-            self.packed, pressure_trend, deflection_trend, self._block, FIRST_SWEEPS
+            self.packed, pressure_trend, deflection_trend, self._block_at, FIRST_SWEEPS
         )
         self.direction = Direction(*direction)
 
@@ -391,6 +386,6 @@ class Descent:
     def _convolve(self, effort: Effort) -> None:
         few = self._moving * self.node.size <= self._most_pairs
         if not (few and _solver_kernels.sum_directly(self.packed, self._most_pairs)):
-            self.transforms.apply(self.rows, self._listed)
+            self.transforms.apply(*self.block, self._listed)
         self.half_space.count += 1
         effort.iterations += 1

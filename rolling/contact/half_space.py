@@ -158,11 +158,12 @@ class HalfSpace:
         """
         m, n = pressure.shape
         convolution = self.convolution(*_reach(pressure))
-        _load(pressure, convolution.head(m))
-        convolution.apply(m)
+        block = convolution.block(m, n)
+        _load(pressure, block)
+        convolution.apply(m, n)
         self.count += 1
         deflection = np.empty((m, n))
-        _scale(convolution.real, self.unit, deflection)
+        _scale(block, self.unit, deflection)
         return deflection
 
     def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
@@ -256,7 +257,7 @@ def _multiply(lines: Array, coefficients: Array) -> None:
 class Convolution:
     """Transforms of one padded size and their work arrays.
 
-    Write the pressure, call `apply`, then read the deflection.
+    Write the pressure to a `block`, call `apply`, then read the deflection.
 
     Parameters
     ----------
@@ -271,15 +272,14 @@ class Convolution:
     Attributes
     ----------
     real : (m, n) array
-        Pressure in its first rows and columns before `apply`, and deflection in units of
-        spacing / (pi E*) afterwards.
+        Pressure on the cells before the transforms, and deflection after them.
     """
 
     def __init__(self, m: int, n: int, single: bool, spectrum: Array) -> None:
         real, both = ("float32", "complex64") if single else ("float64", "complex128")
         self.single = single
         self._influence: NDArray[np.float32] | None = None
-        self.real = self._image = pyfftw.zeros_aligned((m, n), real)
+        self.real = pyfftw.zeros_aligned((m, n), real)
         self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
         in_place = m >= _SAVING or m in (_SINGLE_IN_PLACE if single else _DOUBLE_IN_PLACE)
         columns = self._lines if in_place else pyfftw.zeros_aligned(self._lines.shape, both)
@@ -300,22 +300,26 @@ class Convolution:
     @property
     def nbytes(self) -> int:
         """Memory of the arrays [bytes]."""
-        arrays = [self._image, self._lines, self._coefficients]
+        arrays = [self.real, self._lines, self._coefficients]
         if not np.may_share_memory(self._lines, self._as_pairs):
             arrays.append(self._as_pairs)
         if self._influence is not None:
             arrays.append(self._influence)
         return sum(int(array.nbytes) for array in arrays)
 
-    def head(self, rows: int) -> Array:
-        """Return a view of the first `rows` rows and the further rows that `apply` includes."""
+    def block(self, rows: int, columns: int) -> Array:
+        """Return the array of a block of nodes, which may have further rows and columns.
+
+        It holds the pressure before `apply`, with zeros on the further rows and columns, and the
+        deflection in units of spacing / (pi E*) afterwards.
+        """
         view: Array = self.real[: rows + 8]
         return view
 
     @property
     def influence_row(self) -> int:
         """Number of coefficients in a row of `influence`."""
-        return int(2 * (self._image.shape[1] // 2) + 1)
+        return int(2 * (self.real.shape[1] // 2) + 1)
 
     def influence(self) -> NDArray[np.float32]:
         """Return the coefficients of nodes by distance, along and across, as a flat array.
@@ -324,7 +328,7 @@ class Convolution:
         add to.
         """
         if self._influence is None:
-            m, n = self._image.shape
+            m, n = self.real.shape
             small = m * n <= MOST_INFLUENCE
             rows, columns = (
                 np.abs(np.arange(-(k // 2), k // 2 + 1.0)) if small else np.empty(0) for k in (m, n)
@@ -333,23 +337,23 @@ class Convolution:
         return self._influence
 
     def cells_of(
-        self, node: NDArray[np.int64], columns: int, corner: tuple[int, int]
+        self, node: NDArray[np.int64], columns: int, block: tuple[int, int, int, int]
     ) -> NDArray[np.int64] | None:
         """Return None, because each node is a cell."""
         return None
 
-    def apply(self, rows: int, listed: NDArray[np.int64] | None = None) -> None:
-        """Replace the pressure on the first `rows` rows by their deflection.
+    def apply(self, rows: int, columns: int, listed: NDArray[np.int64] | None = None) -> None:
+        """Replace the pressure on a block of so many rows and columns by its deflection.
 
-        The rows below are invalid afterwards.
+        Further rows and columns are invalid afterwards.
         """
         self._transform(rows)
 
     def _transform(self, rows: int) -> None:
         """Convolve the first `rows` rows of the array of the transforms."""
-        rows = min(-8 * (-rows // 8), self._image.shape[0])
+        rows = min(-8 * (-rows // 8), self.real.shape[0])
         if rows not in self._row_plans:
-            head, lines = self._image[:rows], self._lines[:rows]
+            head, lines = self.real[:rows], self._lines[:rows]
             backward = {
                 "direction": "FFTW_BACKWARD",
                 "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"),

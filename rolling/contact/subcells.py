@@ -105,7 +105,7 @@ class SubcellSpace(HalfSpace):
 
 
 class SubcellConvolution(Convolution):
-    """The transforms of one padded size of cells, behind arrays of sub-cells.
+    """The transforms of one padded size of cells, behind blocks of sub-cells.
 
     Parameters
     ----------
@@ -115,19 +115,16 @@ class SubcellConvolution(Convolution):
         If true, transforms are in single precision.
     subcells : int
         Sub-cells along the side of a cell.
-
-    Attributes
-    ----------
-    real : array of sub-cells
-        Pressure before, deflection in units of spacing / (pi E*) after.
     """
 
     def __init__(self, m: int, n: int, single: bool, subcells: int) -> None:
         coefficients = partial(mean_coefficients, subcells=subcells)
         spectrum = spectra.half_spectrum(m, n, subcells, coefficients)
         super().__init__(m, n, single, spectrum)
-        self._cells, self._subcells = self.real, subcells
-        self.real = np.zeros(((m - 2) * subcells, (n - 2) * subcells), self._cells.dtype)
+        self._subcells = subcells
+        # Blocks of any shape follow one another without gaps, so that passes over a block touch no
+        # more memory than it has.
+        self._fine = np.zeros((m - 2) * (n - 2) * subcells**2, self.real.dtype)
         self._weights = interpolation(subcells).astype(self.real.dtype)
         self._block = own_block(subcells).astype(self.real.dtype)
         self._own = np.empty((0, subcells**2), self.real.dtype)
@@ -135,25 +132,25 @@ class SubcellConvolution(Convolution):
     @property
     def nbytes(self) -> int:
         """Memory of the arrays [bytes]."""
-        return super().nbytes + int(self.real.nbytes) + int(self._own.nbytes)
+        return super().nbytes + int(self._fine.nbytes) + int(self._own.nbytes)
 
     def influence(self) -> NDArray[np.float32]:
         """Return no coefficients, because they depend on the place within a cell."""
         return np.empty(0, np.float32)
 
-    def head(self, rows: int) -> Array:
-        """Return a view of the first `rows` rows of sub-cells."""
-        view: Array = self.real[:rows]
+    def block(self, rows: int, columns: int) -> Array:
+        """Return the array of a block of so many rows and columns of sub-cells."""
+        view: Array = self._fine[: rows * columns].reshape(rows, columns)
         return view
 
-    def apply(self, rows: int, listed: NDArray[np.int64] | None = None) -> None:
-        """Replace the pressure on the first `rows` rows of sub-cells by their deflection.
+    def apply(self, rows: int, columns: int, listed: NDArray[np.int64] | None = None) -> None:
+        """Replace the pressure on a block of sub-cells by its deflection.
 
         Where cells are listed, only they are loaded, and only their deflection is valid.
         """
         r = self._subcells
-        fine, count = self.real[:rows], rows // r + 2
-        cells = self._cells[: -8 * (-count // 8)]
+        fine, count = self.block(rows, columns), rows // r + 2
+        cells = self.real[: -8 * (-count // 8)]
         loaded = listed
         if loaded is None:
             loaded = np.empty(fine.size // r**2, np.int64)
@@ -172,18 +169,17 @@ class SubcellConvolution(Convolution):
         _subcell_kernels.add_own(self._own, loaded, self._block, side, fine)
 
     def cells_of(
-        self, node: NDArray[np.int64], columns: int, corner: tuple[int, int]
+        self, node: NDArray[np.int64], columns: int, block: tuple[int, int, int, int]
     ) -> NDArray[np.int64]:
         """List the cells that hold nodes of a window, for `apply` on a block of it.
 
-        The window has `columns` columns, and the block begins at its node `corner`.
+        The window has `columns` columns; the block has its first row and column there, and its
+        numbers of rows and columns.
         """
-        cells = np.empty(node.size, np.int64)
-        row = self.real.shape[1] // self._subcells
-        seen = np.zeros(self.real.size // self._subcells**2, np.uint8)
-        return cells[
-            : _subcell_kernels.cells_of(node, columns, corner, row, self._subcells, seen, cells)
-        ]
+        cells, r = np.empty(node.size, np.int64), self._subcells
+        across = block[3] // r
+        seen = np.zeros(block[2] // r * across, np.uint8)
+        return cells[: _subcell_kernels.cells_of(node, columns, block[:2], across, r, seen, cells)]
 
 
 def half_space_of(spacing: float, contact_modulus: float, subcells: int = 1) -> HalfSpace:

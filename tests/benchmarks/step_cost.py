@@ -125,11 +125,11 @@ def measure(kind: str, scene: Scene, width: int) -> Cost:
 def bare_seconds(half_space: HalfSpace, nodes: tuple[int, int], single: bool) -> float:
     """Return the seconds of the transforms of a block of so many rows and columns of nodes."""
     transforms = half_space.convolution(nodes[0] - 1, nodes[1] - 1, single=single)
-    transforms.head(nodes[0])[:] = 0.0
+    transforms.block(*nodes)[:] = 0.0
     taken = []
     for _ in range(9):
         began = time.thread_time()
-        transforms.apply(nodes[0])
+        transforms.apply(*nodes)
         taken.append(time.thread_time() - began)
     return float(np.min(taken))
 
