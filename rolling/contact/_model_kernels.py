@@ -86,66 +86,89 @@ def extrapolate(model, nodes, hardness, present, p_trend, u_trend, block):
 
 
 @njit(cache=True, fused=True)
-def moves(change, gap, low, high, out):
-    """Set `out` to the changes of gap that bring the nodes to zero gap or to a bound."""
-    for k in range(out.size):
-        out[k] = min(max(change[k] - gap[k], low[k]), high[k]) - change[k]
-
-
-@njit(cache=True, fused=True)
-def soft_moves(change, gap, low, high, softening, out):
-    """Set `out` as `moves` does, where nodes are compliant by themselves."""
-    for k in range(out.size):
-        closing = (change[k] - gap[k]) * softening[k]
-        out[k] = min(max(closing, low[k]), high[k]) - change[k]
+def first_moves(change, gap, low, high, softening, moved):
+    """Begin the sweeps: set the moves of the gaps, and `gap` to the change that would close it."""
+    for k in range(moved.size):
+        closing = change[k] - gap[k]
+        soft = closing * softening[k] if softening.size else closing
+        moved[k] = min(max(soft, low[k]), high[k]) - change[k]
+        gap[k] = closing
 
 
 @njit(cache=True, fused=True)
 def sum_rows(own, above, below, second_above, second_below, values, sums):
-    """Sum the moves along each column of the stencil: its middle, its sides, its second sides."""
-    a, b, c, d, e, f = values[0], values[1], values[2], values[3], values[4], values[5]
+    """Sum the moves along each column of the stencil: its middle, its sides, its second sides.
+
+    The centre is left out.
+    """
+    b, c, d, e, f = values[1], values[2], values[3], values[4], values[5]
     middle, side, second = sums
     for k in range(own.size):
         once = above[k] + below[k]
         twice = second_above[k] + second_below[k]
-        middle[k] = a * own[k] + b * once + d * twice
+        middle[k] = b * once + d * twice
         side[k] = b * own[k] + c * once + e * twice
         second[k] = d * own[k] + e * once + f * twice
 
 
 @njit(cache=True, fused=True)
-def sum_columns(middle, left, right, second_left, second_right, moved, change, gap):
-    """Add the moves to the gaps, and their stencil to the changes of pressure."""
+def next_moves(middle, sides, low, high, softening, closing, moved):
+    """Set the next moves of the gaps, by the sums along the columns of the stencil."""
+    left, right, second_left, second_right = sides
     for k in range(moved.size):
-        change[k] += middle[k] + (left[k] + right[k]) + (second_left[k] + second_right[k])
-        gap[k] += moved[k]
+        before = closing[k]
+        after = before + (middle[k] + (left[k] + right[k]) + (second_left[k] + second_right[k]))
+        closing[k] = after
+        was = before * softening[k] if softening.size else before
+        is_ = after * softening[k] if softening.size else after
+        moved[k] = (min(max(is_, low[k]), high[k]) - after) - (
+            min(max(was, low[k]), high[k]) - before
+        )
+
+
+@njit(cache=True, fused=True)
+def last_moves(middle, sides, low, high, softening, change, gap):
+    """End the sweeps: set the changes of pressure and the gaps."""
+    left, right, second_left, second_right = sides
+    for k in range(change.size):
+        closing = gap[k]
+        soft = closing * softening[k] if softening.size else closing
+        bounded = min(max(soft, low[k]), high[k])
+        change[k] = bounded + (
+            middle[k] + (left[k] + right[k]) + (second_left[k] + second_right[k])
+        )
+        gap[k] = bounded - closing
 
 
 @njit(cache=True)
-def settle_model(model, sweeps, compliant):
+def settle_model(model, sweeps):
     """Settle the model problem by Jacobi sweeps.
 
-    A sweep passes over the grid as one long row, which is much faster than row by row. The border
-    never moves, so that the end of one row does not act on the beginning of the next.
+    A sweep moves each gap so that the node's own pressure closes it or goes to a bound, and adds
+    the stencil of the moves to the pressures. It passes over the grid as one long row, which is
+    much faster than row by row. The border never moves, so that the end of one row does not act on
+    the beginning of the next.
     """
     rows, row = model.change.shape
     # the first and last node that moves, and the nodes between them on the long row
     first, last = 2 * row, (rows - 2) * row
-    change, gap = model.change.reshape(-1), model.gap.reshape(-1)
+    change, gap = model.change.reshape(-1)[first:last], model.gap.reshape(-1)[first:last]
     low, high = model.low.reshape(-1)[first:last], model.high.reshape(-1)[first:last]
-    moved = model.moved.reshape(-1)
+    softening, moved = model.softening.reshape(-1)[first:last], model.moved.reshape(-1)
     middle, side, second = (
         model.sums[0].reshape(-1),
         model.sums[1].reshape(-1),
         model.sums[2].reshape(-1),
     )
-    own, inside, gaps = moved[first:last], change[first:last], gap[first:last]
-    for _ in range(sweeps):
-        if compliant:
-            softening = model.softening.reshape(-1)[first:last]
-            soft_moves(inside, gaps, low, high, softening, own)
-        else:
-            moves(inside, gaps, low, high, own)
+    own, own_middle = moved[first:last], middle[first:last]
+    sides = (
+        side[first - 1 : last - 1],
+        side[first + 1 : last + 1],
+        second[first - 2 : last - 2],
+        second[first + 2 : last + 2],
+    )
+    first_moves(change, gap, low, high, softening, own)
+    for sweep in range(1, sweeps + 1):
         for i in range(2, rows - 2):
             model.moved[i, 0] = model.moved[i, 1] = 0.0
             model.moved[i, row - 2] = model.moved[i, row - 1] = 0.0
@@ -156,18 +179,15 @@ def settle_model(model, sweeps, compliant):
             moved[first - 2 * row : last - 2 * row],
             moved[first + 2 * row : last + 2 * row],
             model.values,
-            (middle[first:last], side[first:last], second[first:last]),
+            (own_middle, side[first:last], second[first:last]),
         )
-        sum_columns(
-            middle[first:last],
-            side[first - 1 : last - 1],
-            side[first + 1 : last + 1],
-            second[first - 2 : last - 2],
-            second[first + 2 : last + 2],
-            own,
-            inside,
-            gaps,
-        )
+        if sweep < sweeps:
+            next_moves(own_middle, sides, low, high, softening, gap, own)
+    last_moves(own_middle, sides, low, high, softening, change, gap)
+    for i in range(2, rows - 2):
+        model.change[i, 0] = model.change[i, 1] = model.gap[i, 0] = model.gap[i, 1] = 0.0
+        model.change[i, row - 2] = model.change[i, row - 1] = 0.0
+        model.gap[i, row - 2] = model.gap[i, row - 1] = 0.0
 
 
 @njit(cache=True)
@@ -197,10 +217,9 @@ def add_far_field(model, far, unit):
 @njit(cache=True)
 def settle(system, sweeps):
     """Settle the model by so many sweeps, its far field, and the last sweeps."""
-    compliant = system.nodes.compliance.size > 0
-    settle_model(system.model, sweeps, compliant)
+    settle_model(system.model, sweeps)
     add_far_field(system.model, system.far, system.transform.unit)
-    settle_model(system.model, LAST_SWEEPS, compliant)
+    settle_model(system.model, LAST_SWEEPS)
 
 
 @njit(cache=True)

@@ -98,7 +98,7 @@ def test_sweep_is_that_of_plain_arrays(compliant: bool) -> None:
     for _ in range(3):
         moves = np.clip((change - gap) * share, low, high) - change
         gap, change = gap + moves, change + pressures_of(moves)
-    _model_kernels.settle_model(state, 3, compliant)
+    _model_kernels.settle_model(state, 3)
     np.testing.assert_allclose(state.change[INNER, INNER], change, rtol=0, atol=1e-5)
     np.testing.assert_allclose(state.gap[INNER, INNER], gap, rtol=0, atol=1e-5)
     border = np.ones((SIDE, SIDE), bool)
@@ -113,12 +113,12 @@ def test_sweeps_lower_the_energy_and_settle(seed: int) -> None:
     start = state.gap[INNER, INNER].astype(float)
     energies = [energy(state, start)]
     for _ in range(12):
-        _model_kernels.settle_model(state, 1, False)
+        _model_kernels.settle_model(state, 1)
         energies.append(energy(state, start))
     falls = -np.diff(energies)
     assert (falls > -1e-5).all()
     assert falls[0] > 0.1
-    _model_kernels.settle_model(state, 60, False)
+    _model_kernels.settle_model(state, 60)
     change, gap = state.change[INNER, INNER], state.gap[INNER, INNER]
     settled = np.clip(change - gap, state.low[INNER, INNER], state.high[INNER, INNER])
     np.testing.assert_allclose(change, settled, rtol=0, atol=1e-4)
