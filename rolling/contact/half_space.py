@@ -24,7 +24,7 @@ _SINGLE_LENGTHS = (*_SHORT, 100, 120, 128, 144, 160, 180, 200, 240, 256, 288, 32
 _DOUBLE_LENGTHS = (*_SHORT, 96, 112, 128, 144, 160, 200, 256, 288, 320, 384, 400, 512, *_LONG)
 # Columns of these lengths are transformed in place, because that is quicker; columns of other
 # lengths go from one array to another. From 600 on one array saves memory.
-_SINGLE_IN_PLACE = (240, 400)
+_SINGLE_IN_PLACE = (240, 400, 512)
 _DOUBLE_IN_PLACE = (384, 400)
 _SAVING = 600
 
