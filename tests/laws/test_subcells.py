@@ -14,7 +14,7 @@ from rolling.contact.recovery import EventTable
 from rolling.contact.subcells import SubcellSpace, cell_means
 from rolling.scene.file import loads
 from rolling.simulation import simulate
-from rolling.surface.contact_of_scene import auto_subcells, on_subcells
+from rolling.surface.contact_of_scene import auto_subcells, on_subcells, rolling_contact
 from rolling.surface.refined import dies_out, subcell_heights
 from rolling.verification import optimality, subcell_deflection
 
@@ -68,6 +68,32 @@ def test_operator_is_symmetric_and_positive(subcells: int) -> None:
     assert np.abs(matrix - matrix.T).max() < 1e-14 * matrix.max()
     # the true coefficients have 0.52 of their own one as the lowest of all, on a large grid
     assert np.linalg.eigvalsh(matrix)[0] > 0.5 * matrix.max()
+
+
+@pytest.mark.parametrize("subcells", [2, 4])
+def test_blocks_of_a_transform_leave_nothing_behind(subcells: int) -> None:
+    """A wide and a tall window share transforms, and each has the deflection it has alone."""
+    tall = patches(subcells)[: 36 * subcells]
+    wide = tall.T.copy()
+    shared = SubcellSpace(1e-6, STEEL, subcells)
+    for pressure in (tall, wide, tall, wide):
+        alone = SubcellSpace(1e-6, STEEL, subcells).deflection(pressure)
+        assert np.array_equal(shared.deflection(pressure), alone)
+    assert len(shared._convolutions) == 1
+
+
+def test_further_contacts_on_a_surface_share_its_maxima() -> None:
+    """They are those of the surface, and other heights or edges have their own."""
+    scene = loads(CLOSED)
+    first, second = rolling_contact(scene), rolling_contact(scene.with_(load_n=1.0))
+    assert second.maxima is first.maxima
+    assert np.array_equal(first.maxima.rows, first.maxima.tops.max(axis=1))
+    assert first.maxima.all == first.maxima.tops.max() > first.heights.max()
+    sharp = rolling_contact(scene.with_({"numerics.edges": "sharp", "numerics.subcells": 1}))
+    assert sharp.maxima.tops is sharp.heights
+    higher = replace(first, heights=first.heights + 1e-6)
+    assert higher.maxima.all == pytest.approx(first.maxima.all + 1e-6)
+    assert replace(higher, blended=False).maxima.all == higher.heights.max()
 
 
 @pytest.mark.law("Sub-cells: sharp edges on them are the sharp edges of the fine grid.")
