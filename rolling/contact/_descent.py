@@ -238,12 +238,15 @@ class Descent:
         grids = np.zeros((2 if edges else 1, rows * columns))
         if edges:
             grids[1] = np.nan
+        # The passes set the other grids of the model before they read them.
+        model = np.empty((9 if edges else 8, rows, columns), np.float32)
+        model[2:5] = 0.0
         return Packed(
             self._vectors,
             np.empty((4, self.node.size), np.uint32),
             self.transforms.block(*self.block).ravel(),
             grids,
-            np.zeros((9 if edges else 8, rows, columns), np.float32),
+            model,
             np.zeros((7, coarse_rows * row_length), np.float32),
             inverse.preconditioner,
             inverse.model,
@@ -352,8 +355,8 @@ class Descent:
         self.step, self.direction = Step(*step), Direction(*direction)
         self._moving = self.step.free + self.step.bound
 
-    def settle(self, effort: Effort) -> None:
-        """Make the pressures carry the load exactly.
+    def settle(self, effort: Effort) -> bool:
+        """Make the pressures carry the load exactly; return whether it is known that they do.
 
         Where no step descends, a feasible restart replaces them.
         """
@@ -365,9 +368,10 @@ class Descent:
             finished = effort.rounds == 1 and effort.iterations < MODELLED and self._finish()
             if not finished:
                 _solver_kernels.carry_load(self.packed, step.approach)
-            if abs(p.sum() / self.limits.total - 1) > 1e-13:
-                effort.snapping = False
-                _projection.settle_load(p, g, self.limits, 0.0)
+            if abs(p.sum() / self.limits.total - 1) <= 1e-13:
+                return True
+            effort.snapping = False
+            _projection.settle_load(p, g, self.limits, 0.0)
         elif not self.direction.slope < 0:
             # Pressures of the order of rounding errors can pass for free nodes and set the
             # approach, so the projection becomes the state.
@@ -376,6 +380,7 @@ class Descent:
             _projection.settle_load(p, g, self.limits, 1e-9 * p.max())
         else:
             _projection.settle_load(p, g, self.limits, 0.0)
+        return False
 
     def _finish(self) -> bool:
         """Take a last step by the model; return whether it descends."""

@@ -215,7 +215,7 @@ def loaded(pressure, deflection, hardness, edge, levelled):
                     capped += 1.0
                 elif edge.size and edge[i, j] > 0.0:
                     crossed = edge[i, j] / max(edge[i, j], 0.5 * edge[i, j] + levelled)
-                    count += 1.0 - crossed * (1.0 - p / hardness)
+                    count += (1.0 - crossed) + crossed * p / hardness
                     capped += crossed * p / hardness
                 else:
                     count += 1.0

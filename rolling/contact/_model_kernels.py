@@ -167,6 +167,8 @@ def settle_model(model, sweeps):
         second[first - 2 : last - 2],
         second[first + 2 : last + 2],
     )
+    side[first - 1] = side[last] = 0.0
+    second[first - 2] = second[first - 1] = second[last] = second[last + 1] = 0.0
     first_moves(change, gap, low, high, softening, own)
     for sweep in range(1, sweeps + 1):
         for i in range(2, rows - 2):

@@ -275,12 +275,13 @@ def solve_contact(
         edges = BlendedEdges(gap, shape, levelled_range(half_space, hardness))
         edges.find(u, None if start.trend is None else start.trend.deflection)
     near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
-    effort, exhausted = Effort(), False
+    effort, exhausted, carried = Effort(), False, False
     while True:
         g, (approach, u_max, worst) = _state(gap, u, p, edges, limits, fresh)
         share = AIM if effort.rounds else AIM_FIRST
         goal = Goal(options.tolerance, u_max, share)
-        if fresh and worst <= goal.allowed and abs(p.sum() / limits.total - 1) <= 1e-12:
+        accurate = fresh and worst <= goal.allowed
+        if accurate and (carried or abs(p.sum() / limits.total - 1) <= 1e-12):
             edge = None if edges is None else edges.edge
             residual = float(worst / u_max)
             return Contact(p, u, float(approach), float(u_max), residual, effort.iterations, edge)
@@ -298,7 +299,7 @@ def solve_contact(
         if start.trend is not None and not fresh:
             descent.lead(start.trend.pressure, start.trend.deflection)
         descent.iterate(effort)
-        descent.settle(effort)
+        carried = descent.settle(effort)
         exhausted = descent.is_exhausted
         p.ravel()[candidates.node] = descent.pressure
         u, fresh = half_space.deflection(p), True

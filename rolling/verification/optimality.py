@@ -158,7 +158,9 @@ def violations(
     between = (p > 0) & (p < track.hardness) & (edge > 0)
     c, s = edge[between], p[between] / track.hardness
     crossed = np.minimum(1, 2 * c / (c + 2 * own))
-    touching = np.count_nonzero(p > 0) - float((crossed * (1 - s)).sum())
+    # A cell that bears little touches on a small share, which no difference of counts may round.
+    whole = np.count_nonzero(p > 0) - np.count_nonzero(between)
+    touching = whole + float(((1 - crossed) + crossed * s).sum())
     capped = np.count_nonzero(p >= track.hardness) + float((crossed * s).sum())
     stored = 0.5 * float(np.vdot(p, u)) * cell
     return {
