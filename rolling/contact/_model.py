@@ -17,7 +17,7 @@ LONGEST_WAVE = 40
 # Nodes from a coarse node of the far field to the next, at least. The far field is smooth over
 # that length.
 SHORTEST_TILE = 8
-# Beyond so many nodes the half-space of the stencil is forgotten (1e-9 of its centre).
+# Beyond so many nodes the half-space of the stencil is forgotten (1e-15 of its centre).
 FORGOTTEN = 64
 
 

@@ -29,7 +29,7 @@ from rolling.simulation import pool
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import scene_surface
 
-# Steps of a piece. A cold start costs about seven steps, which is 3.5 % of a piece.
+# Steps of a piece. A cold start costs four to eight steps, which is 2 to 4 % of a piece.
 PIECE_STEPS = 200
 MAPS = 120  # maximum number of pressure maps of a run: the eye follows about as many in ten seconds
 MAP_CELLS = 96  # maximum number of cells along a side of a map

@@ -21,6 +21,8 @@ BAR = "{desc} {percentage:3.0f}%|{bar}| {elapsed} passed, {remaining} left"
 PATIENCE = 0.7  # [s] before a step that still goes on gets its line
 TICK = 1.0  # [s] between two looks of a bar whose step says nothing
 FIRST_LINE, NEXT_LINE = 5.0, 30.0  # [s] to the first line of a bar that is no terminal, and between
+# From this share on the time left is told. Before, most of the time went into compilation.
+FORESEEN = 0.02
 COMPILING = "compiling the solver for this machine, once; this takes up to a minute"
 
 
@@ -232,7 +234,7 @@ class _Lines:
                 return
             self._next = now + NEXT_LINE
         part, passed = self.n / self.total, now - self._began
-        left = f", {_clock(passed / part - passed)} left" if part > 0 else ""
+        left = f", {_clock(passed / part - passed)} left" if part >= FORESEEN else ""
         line(f"{self._name}: {100 * part:.0f} %, {_clock(passed)} passed{left}")
 
 

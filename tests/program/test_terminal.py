@@ -355,6 +355,21 @@ def test_a_bar_that_nobody_watches_is_a_line_now_and_then(
     assert not capsys.readouterr().err
 
 
+def test_time_left_is_told_once_it_can_be_foreseen(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first task includes compilation, and its share would tell hours for minutes."""
+    clock = {"now": 0.0}
+    monkeypatch.setattr("time.monotonic", lambda: clock["now"])
+    monkeypatch.setattr(progress, "FIRST_LINE", 5.0)
+    with progress.begin(Level.NORMAL), progress.bar(1, "solving") as bar:
+        for now, share in ((36.0, 0.002), (90.0, 0.448)):
+            clock["now"] = now
+            bar.update(share)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == ["solving: 0 %, 0:36 passed", "solving: 45 %, 1:30 passed, 1:50 left"]
+
+
 def test_compiling_is_said_once_in_a_command(capsys: pytest.CaptureFixture[str]) -> None:
     from numba import njit
 
