@@ -19,6 +19,7 @@ import numpy as np
 from rolling.contact._compiled import njit
 from rolling.contact._far_field_kernels import answer, mark_free, mark_soft, prolong, restrict
 from rolling.contact._projection import project
+from rolling.contact._state_kernels import approach_of, worst_and_load
 from rolling.contact._system import BORDER, Direction, Sets
 
 # Sweeps that settle the model after its far field is known.
@@ -35,26 +36,21 @@ def fill(model, nodes, hardness, approach):
     gap, low, high = model.gap.reshape(-1), model.low.reshape(-1), model.high.reshape(-1)
     model.change[:] = 0.0
     gap[:] = 0.0
-    worst = 0.0
-    load = 0.0
     for k in range(p.size):
-        v = p[k]
-        r = g[k] - approach
-        load += v
-        worst = max(worst, -r if v <= 0.0 else (r if v >= hardness else abs(r)))
         at = place[k]
-        low[at] = -v
-        high[at] = hardness - v
-        gap[at] = stiffness * r
-    return worst, load
+        low[at] = -p[k]
+        high[at] = hardness - p[k]
+        gap[at] = stiffness * (g[k] - approach)
+    return worst_and_load(p, g, approach, hardness)
 
 
 @njit(cache=True)
-def extrapolate(model, nodes, hardness, present, p_trend, u_trend, block):
+def extrapolate(model, nodes, hardness, present, p_trend, u_trend, block, pressure, height):
     """Add the trends of pressure and deflection to the grid; return the approach they lead to.
 
     `present` is the approach of the grid. `block` is the first row and column of the candidates'
-    block on the window of the trends, and its numbers of rows and columns.
+    block on the window of the trends, and its numbers of rows and columns. `pressure` and `height`
+    are overwritten.
     """
     p, compliance, place = nodes.p, nodes.compliance, model.node
     change, gap, stiffness = model.change, model.gap, model.stiffness
@@ -65,24 +61,13 @@ def extrapolate(model, nodes, hardness, present, p_trend, u_trend, block):
             changed[j] = p_row[j]
             opened[j] += stiffness * u_row[j]
     changes, gaps = change.reshape(-1), gap.reshape(-1)
-    inside, total, lowest_open, highest_capped = 0, 0.0, np.inf, -np.inf
     for k in range(p.size):
         at = place[k]
-        h = present + gaps[at] / stiffness
-        q = p[k] + changes[at]
+        pressure[k] = p[k] + changes[at]
+        height[k] = gaps[at] / stiffness
         if compliance.size:
-            h += compliance[k] * changes[at]
-        if q <= 0.0:
-            lowest_open = min(lowest_open, h)
-        elif q >= hardness:
-            highest_capped = max(highest_capped, h)
-        else:
-            total += h
-            inside += 1
-    if inside:
-        return total / inside
-    middle = 0.5 * (lowest_open + highest_capped)
-    return middle if np.isfinite(middle) else highest_capped
+            height[k] += compliance[k] * changes[at]
+    return present + approach_of(pressure, height, hardness)
 
 
 @njit(cache=True, fused=True)
@@ -241,17 +226,16 @@ def sort_nodes(system):
         s = change[at] - gap[at]
         if soft.size:
             s *= soft[at]
-        if low[at] < s < high[at]:
-            trial[k] = min(max(p[k] + s, 0.0), hardness)
-            active[free] = k
-            free += 1
-            continue
-        r_before[k] = 0.0
-        w = 0.0 if s <= low[at] else hardness
-        if w != p[k]:
-            trial[k] = w
-            bound += 1
-            active[p.size - bound] = k
+        inside = low[at] < s < high[at]
+        ending = 0.0 if s <= low[at] else hardness
+        target = min(max(p[k] + s, 0.0), hardness) if inside else ending
+        trial[k] = target
+        r_before[k] = r_before[k] if inside else 0.0
+        # Both lists are written at their ends, and the next node overwrites what does not count.
+        active[free] = k
+        free += inside
+        active[p.size - 1 - bound] = k
+        bound += (not inside) & (target != p[k])
     for i in range(bound):
         # This order reads each entry before it is overwritten.
         active[free + i] = active[p.size - bound + i]

@@ -12,6 +12,15 @@ import numpy as np
 from rolling.contact._compiled import njit
 
 
+@njit(cache=True, fused=True)
+def sum_of(values):
+    """Return the sum of values."""
+    total = 0.0
+    for k in range(values.size):
+        total += values[k]
+    return total
+
+
 @njit(cache=True)
 def project(p, g, approach, trial, sets, limits, d):
     """Set d to the direction from p to the feasible pressures nearest to `trial`.
@@ -24,10 +33,8 @@ def project(p, g, approach, trial, sets, limits, d):
     (inf, 0) where the free nodes cannot take up the load.
     """
     active, hardness, total = sets.active, limits.hardness, limits.total
-    target = total
-    for k in range(p.size):
-        target -= p[k]
-        d[k] = 0.0
+    target = total - sum_of(p)
+    d[:] = 0.0
     for a in range(sets.free + sets.bound):
         target += p[active[a]]
     for a in range(sets.free, sets.free + sets.bound):
@@ -73,11 +80,8 @@ def find_shift(trial, sets, target, limits):
         moving = 0
         for a in range(sets.free):
             v = trial[active[a]] + shift
-            if v >= hardness:
-                carried += hardness
-            elif v > 0.0:
-                carried += v
-                moving += 1
+            carried += min(max(v, 0.0), hardness)
+            moving += 0.0 < v < hardness
         error = target - carried
         if abs(error) <= 1e-15 * limits.total or sets.free == 0:
             break

@@ -2,9 +2,9 @@
 
 r is the residual, the remaining gap or overlap on a free node [m]; z is the preconditioned residual
 and d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
-direction. `state_of`, `candidates` and `cell_ranges` read a whole window. All other passes read
-its candidates, the nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead`,
-`sum_directly`, `finish` and `carry_load`.
+direction. `candidates` and `cell_ranges` read a whole window. All other passes read its candidates,
+the nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead`, `sum_directly`,
+`finish` and `carry_load`.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -24,6 +24,7 @@ from rolling.contact._model_kernels import (
     sort_nodes,
 )
 from rolling.contact._projection import project
+from rolling.contact._state_kernels import approach_of
 from rolling.contact._system import BORDER, Direction, Sets, unpack
 
 # The half range of gaps over a cell is at most so many times the range that pressures level.
@@ -46,57 +47,6 @@ SHARES = 0.1, 1.0
 
 
 @njit(cache=True)
-def find_approach(inside, gap_sum, lowest_open, highest_capped):
-    """Return the approach [m] at which the mean gap of the nodes between the bounds vanishes.
-
-    Without such a node the approach is free over an interval, and the middle is returned.
-    """
-    if inside:
-        return gap_sum / inside
-    middle = 0.5 * (lowest_open + highest_capped)
-    # An infinite middle means that each node is capped, or that the open nodes are no candidates.
-    return middle if np.isfinite(middle) else highest_capped
-
-
-@njit(cache=True)
-def state_of(gap, u, p, edge, hardness, g):
-    """Return approach [m], maximum deflection [m] and maximum violation [m] of a state.
-
-    The state has undeformed gaps, deflections u and pressures p, as flat arrays. Its deformed gaps
-    before the approach is subtracted go into g [m]. The violation of the contact conditions is
-    infinite where numbers are not finite.
-
-    A cell that the edge of a patch crosses has gap = edge (1 - 2 p / H): a gap lower by the edge on
-    a node that gives 2 edge / H by itself. An empty `edge` means sharp edges.
-    """
-    per_hardness = 2.0 / hardness
-    inside, gap_sum, u_max, finite = 0, 0.0, 0.0, True
-    lowest, lowest_open, highest, highest_capped = np.inf, np.inf, -np.inf, -np.inf
-    for k in range(p.size):
-        v = gap[k] + u[k]
-        if edge.size:
-            v = (gap[k] - edge[k]) + (u[k] + edge[k] * (p[k] * per_hardness))
-        g[k] = v
-        u_max = max(u_max, u[k])
-        finite = finite and v == v
-        if p[k] <= 0.0:
-            lowest_open = min(lowest_open, v)
-        elif p[k] >= hardness:
-            highest_capped = max(highest_capped, v)
-        else:
-            gap_sum += v
-            inside += 1
-            lowest = min(lowest, v)
-            highest = max(highest, v)
-    approach = find_approach(inside, gap_sum, lowest_open, highest_capped)
-    if not finite:
-        return approach, u_max, np.inf
-    overlap = approach - min(lowest, lowest_open)
-    opening = max(highest, highest_capped) - approach
-    return approach, u_max, max(overlap, opening, 0.0)
-
-
-@njit(cache=True)
 def candidates(p, g, highest, node):
     """List the nodes of a window that are loaded or lie lower than `highest` [m].
 
@@ -111,9 +61,8 @@ def candidates(p, g, highest, node):
     for i in range(rows):
         before = count
         for j in range(columns):
-            if p[i, j] > 0.0 or g[i, j] < highest:
-                node[count] = i * columns + j
-                count += 1
+            node[count] = i * columns + j  # the next node overwrites it unless it counts
+            count += (p[i, j] > 0.0) | (g[i, j] < highest)
         if count > before:
             first_row = min(first_row, i)
             last_row = i
@@ -189,23 +138,27 @@ def take_edges(node, edge, between_nodes, numbers, vectors, place, left):
         left[place[a]] = 1.0 / (1.0 + compliance * stiffness)
 
 
+@njit(cache=True, fused=True)
+def curvature_along(d, image, node, compliance):
+    """Return the curvature of the energy along d, whose deflection is in the image [Pa m]."""
+    curvature = 0.0
+    for k in range(d.size):
+        curvature += d[k] * image[node[k]]
+    for k in range(compliance.size):
+        curvature += compliance[k] * d[k] * d[k]
+    return curvature
+
+
 @njit(cache=True)
 def line_search(system, direction):
     """Return the step length alpha that minimizes the energy along d.
 
     It is 1 where the curvature is not positive.
     """
-    d, image, node, compliance = (
-        system.work.d,
-        system.transform.image,
-        system.transform.node,
-        system.nodes.compliance,
+    transform = system.transform
+    curvature = curvature_along(
+        system.work.d, transform.image, transform.node, system.nodes.compliance
     )
-    curvature = 0.0
-    for k in range(d.size):
-        curvature += d[k] * image[node[k]]
-    for k in range(compliance.size):
-        curvature += compliance[k] * d[k] * d[k]
     return -direction.slope / curvature if curvature > 0.0 else 1.0
 
 
@@ -225,21 +178,6 @@ def take_step(system, length):
         if compliance.size:
             g[k] += compliance[k] * (v - p[k])
         p[k] = v
-
-
-@njit(cache=True)
-def approach_of(p, g, hardness):
-    """Return the approach [m] of pressures p over deformed gaps g, flat arrays."""
-    inside, gap_sum, lowest_open, highest_capped = 0, 0.0, np.inf, -np.inf
-    for k in range(p.size):
-        if p[k] <= 0.0:
-            lowest_open = min(lowest_open, g[k])
-        elif p[k] >= hardness:
-            highest_capped = max(highest_capped, g[k])
-        else:
-            gap_sum += g[k]
-            inside += 1
-    return find_approach(inside, gap_sum, lowest_open, highest_capped)
 
 
 @njit(cache=True)
@@ -544,7 +482,10 @@ def lead(packed, p_trend, u_trend, block, sweeps):
     nodes, limits, work, model = system.nodes, system.limits, system.work, system.model
     present = approach_of(nodes.p, nodes.g, limits.hardness)
     fill(model, nodes, limits.hardness, present)
-    approach = extrapolate(model, nodes, limits.hardness, present, p_trend, u_trend, block)
+    scratch = work.trial, work.r
+    approach = extrapolate(
+        model, nodes, limits.hardness, present, p_trend, u_trend, block, *scratch
+    )
     model.gap[:] -= np.float32((approach - present) * model.stiffness)
     know_far_field(model, system.far)
     settle(system, sweeps)

@@ -19,7 +19,7 @@ from math import inf, isfinite
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact import _projection, _solver_kernels
+from rolling.contact import _projection, _state_kernels
 from rolling.contact._descent import AIM, AIM_FIRST, BlendedEdges, Candidates, Descent, Effort, Goal
 from rolling.contact._system import Limits, Sets
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
@@ -347,7 +347,8 @@ def _state(
     """
     g = np.empty_like(gap)
     edge = _NO_EDGE if edges is None else edges.edge.ravel()
-    approach, u_max, worst = _solver_kernels.state_of(
+    u_max = float(u.max())
+    approach, worst = _state_kernels.state_of(
         gap.ravel(), u.ravel(), p.ravel(), edge, limits.hardness, g.ravel()
     )
     if not isfinite(approach) or not 0 < u_max < inf or (fresh and worst == inf):
