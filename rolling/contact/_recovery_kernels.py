@@ -22,14 +22,35 @@ def node_work(old, offset, new, left_end, cell, work):
     release = 0.0
     loading = 0.0
     work[:] = 0.0
+    first = max(0, -column_offset)
+    end = max(first, min(p_old.shape[1], work.shape[1] - column_offset))
+    a, b = first + column_offset, end + column_offset
     for i in range(max(0, -row_offset), min(p_old.shape[0], work.shape[0] - row_offset)):
-        for j in range(max(0, -column_offset), min(p_old.shape[1], work.shape[1] - column_offset)):
-            a, b = i + row_offset, j + column_offset
-            p = p_old[i, j] if left_end else 0.5 * (p_old[i, j] + p_new[a, b])
-            w = p * (u_old[i, j] - u_new[a, b]) * cell
-            work[a, b] = w
-            release += max(w, 0.0)
-            loading -= min(w, 0.0)
+        k = i + row_offset
+        released, loaded = row_work(
+            (p_old[i, first:end], u_old[i, first:end]),
+            (p_new[k, a:b], u_new[k, a:b]),
+            left_end,
+            cell,
+            work[k, a:b],
+        )
+        release += released
+        loading += loaded
+    return release, loading
+
+
+@njit(cache=True, fused=True)
+def row_work(old, new, left_end, cell, work):
+    """Set the work of a row of nodes as `node_work` does; return its sums."""
+    p_old, u_old = old
+    p_new, u_new = new
+    release, loading = 0.0, 0.0
+    for k in range(work.size):
+        p = p_old[k] if left_end else 0.5 * (p_old[k] + p_new[k])
+        w = p * (u_old[k] - u_new[k]) * cell
+        work[k] = w
+        release += max(w, 0.0)
+        loading -= min(w, 0.0)
     return release, loading
 
 
