@@ -98,17 +98,20 @@ def sum_rows(own, above, below, second_above, second_below, values, sums):
 
 @njit(cache=True, fused=True)
 def next_moves(middle, sides, low, high, softening, closing, moved):
-    """Set the next moves of the gaps, by the sums along the columns of the stencil."""
+    """Set the next moves of the gaps, by the sums along the columns of the stencil.
+
+    `closing` is the change of pressure that would close the gap. A move adds as much to the gap as
+    to the node's own pressure, so that only moves of other nodes change it.
+    """
     left, right, second_left, second_right = sides
     for k in range(moved.size):
         before = closing[k]
         after = before + (middle[k] + (left[k] + right[k]) + (second_left[k] + second_right[k]))
         closing[k] = after
-        was = before * softening[k] if softening.size else before
-        is_ = after * softening[k] if softening.size else after
-        moved[k] = (min(max(is_, low[k]), high[k]) - after) - (
-            min(max(was, low[k]), high[k]) - before
-        )
+        soft_before = before * softening[k] if softening.size else before
+        soft_after = after * softening[k] if softening.size else after
+        gap_before = min(max(soft_before, low[k]), high[k]) - before
+        moved[k] = (min(max(soft_after, low[k]), high[k]) - after) - gap_before
 
 
 @njit(cache=True, fused=True)

@@ -44,7 +44,7 @@ class Maxima:
         return highest
 
     @cached_property
-    def all(self) -> float:
+    def highest(self) -> float:
         """Maximum height [m]."""
         return float(self.rows.max())
 
@@ -168,7 +168,7 @@ class RollingContact:
         row, last_row, column, last_column = _march_kernels.overlap_block(
             self.maxima.tops,
             self.maxima.rows,
-            self.maxima.all,
+            self.maxima.highest,
             self.spacing,
             self.radius,
             self.position(k) + self.off_centre,

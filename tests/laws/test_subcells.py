@@ -88,12 +88,12 @@ def test_further_contacts_on_a_surface_share_its_maxima() -> None:
     first, second = rolling_contact(scene), rolling_contact(scene.with_(load_n=1.0))
     assert second.maxima is first.maxima
     assert np.array_equal(first.maxima.rows, first.maxima.tops.max(axis=1))
-    assert first.maxima.all == first.maxima.tops.max() > first.heights.max()
+    assert first.maxima.highest == first.maxima.tops.max() > first.heights.max()
     sharp = rolling_contact(scene.with_({"numerics.edges": "sharp", "numerics.subcells": 1}))
     assert sharp.maxima.tops is sharp.heights
     higher = replace(first, heights=first.heights + 1e-6)
-    assert higher.maxima.all == pytest.approx(first.maxima.all + 1e-6)
-    assert replace(higher, blended=False).maxima.all == higher.heights.max()
+    assert higher.maxima.highest == pytest.approx(first.maxima.highest + 1e-6)
+    assert replace(higher, blended=False).maxima.highest == higher.heights.max()
 
 
 @pytest.mark.law("Sub-cells: sharp edges on them are the sharp edges of the fine grid.")
