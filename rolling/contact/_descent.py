@@ -186,6 +186,8 @@ class Descent:
 
     Attributes
     ----------
+    block : (int, int)
+        Rows and columns of the block of the candidates.
     packed : tuple
         Fields of a Packed, the arrays of the compiled passes.
     stiffness : float, Pa/m
@@ -221,7 +223,8 @@ class Descent:
         packed = self._pack(half_space.unit, goal.u_max, edges)
         self._take(packed, pressure, gap, edges)
         self.packed = tuple(packed)
-        # Coefficients of single precision do not serve transforms of double precision.
+        # Coefficients of single precision do not serve transforms of double precision; a negative
+        # number of pairs is never reached.
         direct = single and packed.coefficients.size > 0
         self._most_pairs = PAIRS * self.transforms.real.size if direct else -1
         self._moving = 0  # nodes that the direction moves

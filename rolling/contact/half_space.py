@@ -22,8 +22,9 @@ _LONG = (
 )
 _SINGLE_LENGTHS = (*_SHORT, 100, 120, 128, 144, 160, 180, 200, 240, 256, 288, 320, 400, 512, *_LONG)
 _DOUBLE_LENGTHS = (*_SHORT, 96, 112, 128, 144, 160, 200, 256, 288, 320, 384, 400, 512, *_LONG)
-# Columns of these lengths are transformed in place, because that is quicker; columns of other
-# lengths go from one array to another. From 600 on one array saves memory.
+# Columns of these lengths are transformed in place, because that is quicker (512 only within a
+# march, whose other arrays take the cache); columns of other lengths go from one array to another.
+# From 600 on one array saves memory.
 _SINGLE_IN_PLACE = (240, 400, 512)
 _DOUBLE_IN_PLACE = (384, 400)
 _SAVING = 600
