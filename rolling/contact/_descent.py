@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import _projection, _solver_kernels
+from rolling.contact import _candidate_kernels, _projection, _solver_kernels
 from rolling.contact._model import coarse_grid, far_field, stencils
 from rolling.contact._system import BORDER, Direction, Limits, Packed, Step
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
@@ -89,9 +89,10 @@ class Candidates:
         Heights count before the approach is subtracted. With `neighbours` the nodes around them are
         candidates too. The block consists of whole cells.
         """
-        find = _solver_kernels.with_neighbours if neighbours else _solver_kernels.candidates
         listed = np.empty(pressure.size, dtype=np.int64)
-        count, first_row, last_row, first_column, last_column = find(pressure, gap, highest, listed)
+        count, first_row, last_row, first_column, last_column = _candidate_kernels.candidates(
+            pressure, gap, highest, neighbours, listed
+        )
         first_row, first_column = (k // subcells * subcells for k in (first_row, first_column))
         rows, columns = (
             -(-(last - first + 1) // subcells) * subcells
@@ -220,8 +221,17 @@ class Descent:
         self._listed = self.transforms.cells_of(self.node, gap.shape[1], self._block_at)
         self.blended = edges is not None
         self._vectors = np.zeros((10 if edges else 6, self.node.size))
-        packed = self._pack(half_space.unit, goal.u_max, edges)
-        self._take(packed, pressure, gap, edges)
+        packed = self._pack(pressure, gap, goal.u_max, edges)
+        if edges is not None:
+            _candidate_kernels.take_edges(
+                self.node,
+                edges.edge.ravel(),
+                edges.between_nodes(self.node),
+                packed.numbers,
+                packed.vectors,
+                packed.indices[2],
+                packed.model[8].ravel(),
+            )
         self.packed = tuple(packed)
         # Coefficients of single precision do not serve transforms of double precision; a negative
         # number of pairs is never reached.
@@ -231,9 +241,12 @@ class Descent:
         self.direction = Direction(0.0, 0.0, 0.0, _solver_kernels.FIRST_LENGTH)
         self.step = Step(np.nan, np.nan, 0, 0, 0, 0)
 
-    def _pack(self, unit: float, u_max: float, edges: BlendedEdges | None) -> Packed:
-        """Make the arrays of the compiled passes."""
+    def _pack(
+        self, pressure: Array, gap: Array, u_max: float, edges: BlendedEdges | None
+    ) -> Packed:
+        """Make the arrays of the compiled passes, with the nodes of the candidates."""
         rows, columns = (length + 2 * BORDER for length in self.block)
+        unit = self.half_space.unit
         inverse = stencils(unit)
         self.stiffness = float(1 / (unit * OWN_COEFFICIENT))
         coarse_rows, coarse_columns, tile = coarse_grid(rows, columns)
@@ -244,12 +257,28 @@ class Descent:
         # The passes set the other grids of the model before they read them.
         model = np.empty((9 if edges else 8, rows, columns), np.float32)
         model[2:5] = 0.0
+        image = self.transforms.block(*self.block)
+        indices = np.empty((4, self.node.size), np.uint32)
+        strips = np.empty((rows * columns // _candidate_kernels.STRIP + 1, 2), np.uint64)
+        count = _candidate_kernels.take_nodes(
+            self.node,
+            gap.shape[1],
+            self._block_at[:2],
+            (image.shape[1], columns, self.transforms.influence_row),
+            rows,
+            pressure.ravel(),
+            gap.ravel(),
+            self._vectors,
+            indices,
+            strips,
+        )
         return Packed(
             self._vectors,
-            np.empty((4, self.node.size), np.uint32),
-            self.transforms.block(*self.block).ravel(),
+            indices,
+            image.ravel(),
             grids,
             model,
+            strips[:count],
             np.zeros((7, coarse_rows * row_length), np.float32),
             inverse.preconditioner,
             inverse.model,
@@ -267,33 +296,6 @@ class Descent:
                 inverse.common,
             ),
             (tile, row_length),
-        )
-
-    def _take(
-        self, packed: Packed, pressure: Array, gap: Array, edges: BlendedEdges | None
-    ) -> None:
-        """Set the vectors of the candidates and their indices."""
-        node, row_length = self.node, self.transforms.block(*self.block).shape[1]
-        _solver_kernels.take_nodes(
-            node,
-            gap.shape[1],
-            self._block_at[:2],
-            (row_length, packed.model.shape[2], self.transforms.influence_row),
-            pressure.ravel(),
-            gap.ravel(),
-            packed.vectors,
-            packed.indices,
-        )
-        if edges is None:
-            return
-        _solver_kernels.take_edges(
-            node,
-            edges.edge.ravel(),
-            edges.between_nodes(node),
-            packed.numbers,
-            packed.vectors,
-            packed.indices[2],
-            packed.model[8].ravel(),
         )
 
     @property

@@ -94,7 +94,13 @@ def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach
             first_column, last_column = min(first_column, left), max(last_column, right)
             break
         last_row -= 1
-    for i in range(first_row + 1, last_row):
+    # Middle rows are the widest. They come first and leave little to search in the others.
+    middle = min(max(round(x / spacing), first_row + 1), last_row)
+    for i in range(middle, last_row):
+        first_column, last_column = overlap_of_row(
+            heights, row_highest, spacing, radius, x, y, approach, i, first_column, last_column
+        )
+    for i in range(middle - 1, first_row, -1):
         first_column, last_column = overlap_of_row(
             heights, row_highest, spacing, radius, x, y, approach, i, first_column, last_column
         )
@@ -172,13 +178,17 @@ def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend
     All nodes outside the previous window were unloaded. Their deflections are unknown, and the
     changes are set to zero.
     """
-    p_trend[:] = p
-    u_trend[:] = 0.0
     first = max(0, -column_offset)
     end = max(first, min(p_before.shape[1], p.shape[1] - column_offset))
     a, b = first + column_offset, end + column_offset
-    for i in range(max(0, -row_offset), min(p_before.shape[0], p.shape[0] - row_offset)):
-        k = i + row_offset
+    for k in range(p.shape[0]):
+        i = k - row_offset
+        if i < 0 or i >= p_before.shape[0] or end == first:
+            p_trend[k] = p[k]
+            u_trend[k] = 0.0
+            continue
+        p_trend[k, :a], p_trend[k, b:] = p[k, :a], p[k, b:]
+        u_trend[k, :a] = u_trend[k, b:] = 0.0
         subtract(p[k, a:b], p_before[i, first:end], p_trend[k, a:b])
         subtract(u[k, a:b], u_before[i, first:end], u_trend[k, a:b])
 

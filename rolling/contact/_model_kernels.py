@@ -71,61 +71,66 @@ def extrapolate(model, nodes, hardness, present, p_trend, u_trend, block, pressu
 
 
 @njit(cache=True, fused=True)
-def first_moves(change, gap, low, high, softening, moved):
+def first_moves(strips, change, gap, low, high, softening, moved):
     """Begin the sweeps: set the moves of the gaps, and `gap` to the change that would close it."""
-    for k in range(moved.size):
-        closing = change[k] - gap[k]
-        soft = closing * softening[k] if softening.size else closing
-        moved[k] = min(max(soft, low[k]), high[k]) - change[k]
-        gap[k] = closing
+    for i in range(strips.shape[0]):
+        for k in range(strips[i, 0], strips[i, 1]):
+            closing = change[k] - gap[k]
+            soft = closing * softening[k] if softening.size else closing
+            moved[k] = min(max(soft, low[k]), high[k]) - change[k]
+            gap[k] = closing
 
 
 @njit(cache=True, fused=True)
-def sum_rows(own, above, below, second_above, second_below, values, sums):
+def sum_rows(strips, moved, row, values, middle, side, second):
     """Sum the moves along each column of the stencil: its middle, its sides, its second sides.
 
-    The centre is left out.
+    The centre is left out. `row` is the number of nodes in a row of the grid.
     """
     b, c, d, e, f = values[1], values[2], values[3], values[4], values[5]
-    middle, side, second = sums
-    for k in range(own.size):
-        once = above[k] + below[k]
-        twice = second_above[k] + second_below[k]
-        middle[k] = b * once + d * twice
-        side[k] = b * own[k] + c * once + e * twice
-        second[k] = d * own[k] + e * once + f * twice
+    for i in range(strips.shape[0]):
+        for k in range(strips[i, 0], strips[i, 1]):
+            once = moved[k - row] + moved[k + row]
+            twice = moved[k - row - row] + moved[k + row + row]
+            middle[k] = b * once + d * twice
+            side[k] = b * moved[k] + c * once + e * twice
+            second[k] = d * moved[k] + e * once + f * twice
 
 
 @njit(cache=True, fused=True)
-def next_moves(middle, sides, low, high, softening, closing, moved):
+def next_moves(strips, middle, side, second, low, high, softening, closing, moved):
     """Set the next moves of the gaps, by the sums along the columns of the stencil.
 
     `closing` is the change of pressure that would close the gap. A move adds as much to the gap as
     to the node's own pressure, so that only moves of other nodes change it.
     """
-    left, right, second_left, second_right = sides
-    for k in range(moved.size):
-        before = closing[k]
-        after = before + (middle[k] + (left[k] + right[k]) + (second_left[k] + second_right[k]))
-        closing[k] = after
-        soft_before = before * softening[k] if softening.size else before
-        soft_after = after * softening[k] if softening.size else after
-        gap_before = min(max(soft_before, low[k]), high[k]) - before
-        moved[k] = (min(max(soft_after, low[k]), high[k]) - after) - gap_before
+    one, two = np.uint64(1), np.uint64(2)
+    for i in range(strips.shape[0]):
+        for k in range(strips[i, 0], strips[i, 1]):
+            before = closing[k]
+            after = before + (
+                middle[k] + (side[k - one] + side[k + one]) + (second[k - two] + second[k + two])
+            )
+            closing[k] = after
+            soft_before = before * softening[k] if softening.size else before
+            soft_after = after * softening[k] if softening.size else after
+            gap_before = min(max(soft_before, low[k]), high[k]) - before
+            moved[k] = (min(max(soft_after, low[k]), high[k]) - after) - gap_before
 
 
 @njit(cache=True, fused=True)
-def last_moves(middle, sides, low, high, softening, change, gap):
+def last_moves(strips, middle, side, second, low, high, softening, change, gap):
     """End the sweeps: set the changes of pressure and the gaps."""
-    left, right, second_left, second_right = sides
-    for k in range(change.size):
-        closing = gap[k]
-        soft = closing * softening[k] if softening.size else closing
-        bounded = min(max(soft, low[k]), high[k])
-        change[k] = bounded + (
-            middle[k] + (left[k] + right[k]) + (second_left[k] + second_right[k])
-        )
-        gap[k] = bounded - closing
+    one, two = np.uint64(1), np.uint64(2)
+    for i in range(strips.shape[0]):
+        for k in range(strips[i, 0], strips[i, 1]):
+            closing = gap[k]
+            soft = closing * softening[k] if softening.size else closing
+            bounded = min(max(soft, low[k]), high[k])
+            change[k] = bounded + (
+                middle[k] + (side[k - one] + side[k + one]) + (second[k - two] + second[k + two])
+            )
+            gap[k] = bounded - closing
 
 
 @njit(cache=True)
@@ -133,47 +138,31 @@ def settle_model(model, sweeps):
     """Settle the model problem by Jacobi sweeps.
 
     A sweep moves each gap so that the node's own pressure closes it or goes to a bound, and adds
-    the stencil of the moves to the pressures. It passes over the grid as one long row, which is
-    much faster than row by row. The border never moves, so that the end of one row does not act on
-    the beginning of the next.
+    the stencil of the moves to the pressures. It passes over the strips of the grid as one long
+    row, which is much faster than row by row. All other nodes rest, and moves reach a node by way
+    of columns of the stencil within its strip. The border never moves, so that the end of one row
+    does not act on the beginning of the next.
     """
     rows, row = model.change.shape
-    # the first and last node that moves, and the nodes between them on the long row
-    first, last = 2 * row, (rows - 2) * row
-    change, gap = model.change.reshape(-1)[first:last], model.gap.reshape(-1)[first:last]
-    low, high = model.low.reshape(-1)[first:last], model.high.reshape(-1)[first:last]
-    softening, moved = model.softening.reshape(-1)[first:last], model.moved.reshape(-1)
-    middle, side, second = (
-        model.sums[0].reshape(-1),
-        model.sums[1].reshape(-1),
-        model.sums[2].reshape(-1),
-    )
-    own, own_middle = moved[first:last], middle[first:last]
-    sides = (
-        side[first - 1 : last - 1],
-        side[first + 1 : last + 1],
-        second[first - 2 : last - 2],
-        second[first + 2 : last + 2],
-    )
-    side[first - 1] = side[last] = 0.0
-    second[first - 2] = second[first - 1] = second[last] = second[last + 1] = 0.0
-    first_moves(change, gap, low, high, softening, own)
+    strips, moved = model.strips, model.moved.reshape(-1)
+    change, gap = model.change.reshape(-1), model.gap.reshape(-1)
+    low, high = model.low.reshape(-1), model.high.reshape(-1)
+    softening = model.softening.reshape(-1)
+    sums = model.sums[0].reshape(-1), model.sums[1].reshape(-1), model.sums[2].reshape(-1)
+    _, side, second = sums
+    for i in range(strips.shape[0]):
+        first, last = np.int64(strips[i, 0]), np.int64(strips[i, 1])
+        side[first - 1] = side[last] = 0.0
+        second[first - 2] = second[first - 1] = second[last] = second[last + 1] = 0.0
+    first_moves(strips, change, gap, low, high, softening, moved)
     for sweep in range(1, sweeps + 1):
         for i in range(2, rows - 2):
             model.moved[i, 0] = model.moved[i, 1] = 0.0
             model.moved[i, row - 2] = model.moved[i, row - 1] = 0.0
-        sum_rows(
-            own,
-            moved[first - row : last - row],
-            moved[first + row : last + row],
-            moved[first - 2 * row : last - 2 * row],
-            moved[first + 2 * row : last + 2 * row],
-            model.values,
-            (own_middle, side[first:last], second[first:last]),
-        )
+        sum_rows(strips, moved, np.uint64(row), model.values, *sums)
         if sweep < sweeps:
-            next_moves(own_middle, sides, low, high, softening, gap, own)
-    last_moves(own_middle, sides, low, high, softening, change, gap)
+            next_moves(strips, *sums, low, high, softening, gap, moved)
+    last_moves(strips, *sums, low, high, softening, change, gap)
     for i in range(2, rows - 2):
         model.change[i, 0] = model.change[i, 1] = model.gap[i, 0] = model.gap[i, 1] = 0.0
         model.change[i, row - 2] = model.change[i, row - 1] = 0.0

@@ -2,9 +2,9 @@
 
 r is the residual, the remaining gap or overlap on a free node [m]; z is the preconditioned residual
 and d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
-direction. `candidates` and `cell_ranges` read a whole window. All other passes read its candidates,
-the nodes that may be in contact, as flat arrays. Python calls `iterate`, `lead`, `sum_directly`,
-`finish` and `carry_load`.
+direction. `cell_ranges` reads a whole window. All other passes read its candidates, the nodes that
+may be in contact, as flat arrays. Python calls `iterate`, `lead`, `sum_directly`, `finish` and
+`carry_load`.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -25,7 +25,7 @@ from rolling.contact._model_kernels import (
 )
 from rolling.contact._projection import project
 from rolling.contact._state_kernels import approach_of
-from rolling.contact._system import BORDER, Direction, Sets, unpack
+from rolling.contact._system import Direction, Sets, unpack
 
 # The half range of gaps over a cell is at most so many times the range that pressures level.
 # Without this limit cliffs of many deflections made 2 % of random scenes too soft to converge.
@@ -44,98 +44,6 @@ SHORTEST = 0.2
 # share follows the step lengths, across restarts too: where compliances differ by orders of
 # magnitude, or many nodes go to a bound, whole directions overshoot again and again.
 SHARES = 0.1, 1.0
-
-
-@njit(cache=True)
-def candidates(p, g, highest, node):
-    """List the nodes of a window that are loaded or lie lower than `highest` [m].
-
-    Their flat indices go into `node`.
-
-    Heights count before the approach is subtracted. Returns the number of candidates and their
-    block (first row, last row, first column, last column).
-    """
-    rows, columns = p.shape
-    count = 0
-    first_row, last_row, first_column, last_column = rows, -1, columns, -1
-    for i in range(rows):
-        before = count
-        for j in range(columns):
-            node[count] = i * columns + j  # the next node overwrites it unless it counts
-            count += (p[i, j] > 0.0) | (g[i, j] < highest)
-        if count > before:
-            first_row = min(first_row, i)
-            last_row = i
-            first_column = min(first_column, node[before] - i * columns)
-            last_column = max(last_column, node[count - 1] - i * columns)
-    return count, first_row, last_row, first_column, last_column
-
-
-@njit(cache=True)
-def with_neighbours(p, g, highest, node):
-    """List the nodes as `candidates` does, and the neighbours of each along and across."""
-    rows, columns = p.shape
-    listed = np.zeros((rows + 2, columns + 2), np.uint8)
-    for i in range(rows):
-        for j in range(columns):
-            if p[i, j] > 0.0 or g[i, j] < highest:
-                listed[i + 1, j + 1] |= 1
-                listed[i, j + 1] |= 2
-                listed[i + 2, j + 1] |= 2
-                listed[i + 1, j] |= 2
-                listed[i + 1, j + 2] |= 2
-    count = 0
-    first_row, last_row, first_column, last_column = rows, -1, columns, -1
-    for i in range(rows):
-        for j in range(columns):
-            if listed[i + 1, j + 1]:
-                node[count] = i * columns + j
-                count += 1
-                first_row = min(first_row, i)
-                last_row = i
-                first_column = min(first_column, j)
-                last_column = max(last_column, j)
-    return count, first_row, last_row, first_column, last_column
-
-
-@njit(cache=True)
-def take_nodes(node, columns, corner, row_lengths, pressure, gap, vectors, indices):
-    """Set the pressures, the gaps and the indices of the candidates (see Packed).
-
-    `corner` is the first row and column of the candidates' block in a window of `columns` columns;
-    `row_lengths` are the numbers of nodes in a row of the transforms, of the grid and of the
-    coefficients by distance. The grid has a border of BORDER nodes.
-    """
-    i = -1  # row on the block of the node, and the first node of the next row
-    following = corner[0] * columns
-    for a in range(node.size):
-        k = node[a]
-        vectors[0, a] = pressure[k]
-        vectors[1, a] = gap[k]
-        while k >= following:
-            i += 1
-            following += columns
-        j = k - (following - columns) - corner[1]
-        indices[1, a] = i * row_lengths[0] + j
-        indices[2, a] = (i + BORDER) * row_lengths[1] + j + BORDER
-        indices[3, a] = i * row_lengths[2] + j
-
-
-@njit(cache=True)
-def take_edges(node, edge, between_nodes, numbers, vectors, place, left):
-    """Set the compliance and the edges of the candidates (see Packed).
-
-    `left`, the softening of the Model, has each candidate at its `place`.
-    """
-    per_hardness, stiffness = 2.0 / numbers[0], numbers[5]
-    left[:] = 1.0
-    for a in range(node.size):
-        k = node[a]
-        compliance = edge[k] * per_hardness
-        vectors[6, a] = compliance
-        vectors[8, a] = edge[k]
-        vectors[9, a] = between_nodes[a]
-        left[place[a]] = 1.0 / (1.0 + compliance * stiffness)
 
 
 @njit(cache=True, fused=True)

@@ -10,6 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact._compiled import njit
+from rolling.contact._projection import sum_of
+
+MAXIMA = 256  # maxima that are found at a time
 
 
 @njit(cache=True, fused=True)
@@ -52,29 +55,24 @@ def approach_of(p, g, hardness):
 
 
 @njit(cache=True, fused=True)
-def violation(p, gap, hardness):
-    """Return the violation of the contact conditions [m] by a pressure at a gap."""
-    opening = gap if p > 0.0 else 0.0
-    overlap = -gap if p < hardness else 0.0
-    return max(opening, overlap)
+def raise_maxima(p, g, approach, hardness, maxima):
+    """Raise maxima to the violations [m] of the contact conditions by as many nodes."""
+    for k in range(maxima.size):
+        gap = g[k] - approach
+        opening = gap if p[k] > 0.0 else 0.0
+        overlap = -gap if p[k] < hardness else 0.0
+        maxima[k] = max(maxima[k], max(opening, overlap))
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True)
 def worst_and_load(p, g, approach, hardness):
     """Return the maximum violation of the contact conditions [m] and the sum of pressures [Pa]."""
-    # Four maxima at a time, because each waits for the one before it.
-    worst = second = third = fourth = load = 0.0
-    whole = p.size - p.size % 4
-    for k in range(0, whole, 4):
-        worst = max(worst, violation(p[k], g[k] - approach, hardness))
-        second = max(second, violation(p[k + 1], g[k + 1] - approach, hardness))
-        third = max(third, violation(p[k + 2], g[k + 2] - approach, hardness))
-        fourth = max(fourth, violation(p[k + 3], g[k + 3] - approach, hardness))
-        load += (p[k] + p[k + 1]) + (p[k + 2] + p[k + 3])
-    for k in range(whole, p.size):
-        worst = max(worst, violation(p[k], g[k] - approach, hardness))
-        load += p[k]
-    return max(max(worst, second), max(third, fourth)), load
+    # A single maximum would wait for the one before it.
+    maxima = np.zeros(MAXIMA)
+    for k in range(0, p.size, MAXIMA):
+        last = min(k + MAXIMA, p.size)
+        raise_maxima(p[k:last], g[k:last], approach, hardness, maxima[: last - k])
+    return maxima.max(), sum_of(p)
 
 
 @njit(cache=True, fused=True)
@@ -96,14 +94,16 @@ def deform(gap, u, p, edge, hardness, g):
 
 
 @njit(cache=True)
-def state_of(gap, u, p, edge, hardness, g):
+def state_of(gap, u, p, edge, hardness, g, fresh):
     """Return approach [m] and maximum violation [m] of a state.
 
     The state has undeformed gaps, deflections u and pressures p, as flat arrays. Its deformed gaps
     before the approach is subtracted go into g [m] (see `deform`). The violation of the contact
-    conditions is infinite where numbers are not finite.
+    conditions is infinite where numbers are not finite, and unless the deflections are `fresh`.
     """
     strange = deform(gap, u, p, edge, hardness, g)
     approach = approach_of(p, g, hardness)
+    if strange or not fresh:
+        return approach, np.inf
     worst, _ = worst_and_load(p, g, approach, hardness)
-    return approach, (np.inf if strange else worst)
+    return approach, worst

@@ -141,6 +141,8 @@ class Model(NamedTuple):
         Share of a node's stiffness that its compliance leaves; empty where no node is compliant.
     node : (n,) array of int
         Index of each candidate in the grid.
+    strips : (strips, 2) array of int
+        Strips of the nodes near candidates (see list_strips).
     stiffness : float, Pa/m
         Centre of the stencil.
     lift : float, m/Pa
@@ -156,6 +158,7 @@ class Model(NamedTuple):
     sums: Singles
     softening: Singles
     node: Indices
+    strips: NDArray[np.uint64]
     stiffness: float
     lift: float
 
@@ -287,6 +290,8 @@ class Packed(NamedTuple):
         Residual, and the gap as it runs within cells where edges are blended.
     model : (8 or 9, rows, columns) array
         Grids of the Model in its order, sums after moves, and softening where edges are blended.
+    strips : (strips, 2) array
+        Those of the Model.
     coarse : (7, cells) array
         Grids of the FarField.
     stencil, model_stencil, table, coefficients : arrays
@@ -303,6 +308,7 @@ class Packed(NamedTuple):
     image: NDArray[np.floating]
     grids: Array
     model: Singles
+    strips: NDArray[np.uint64]
     coarse: Singles
     stencil: Array
     model_stencil: Singles
@@ -315,8 +321,8 @@ class Packed(NamedTuple):
 @njit(cache=True)
 def unpack(packed):
     """Return the System of the fields of a Packed, as a plain tuple."""
-    vectors, indices, image, grids, model, coarse = packed[:6]
-    stencil, model_stencil, table, coefficients, numbers, (tile, row_length) = packed[6:]
+    vectors, indices, image, grids, model, strips, coarse = packed[:7]
+    stencil, model_stencil, table, coefficients, numbers, (tile, row_length) = packed[7:]
     hardness, total, unit, stiffness, levelled, model_stiffness, lift, own, common = numbers
     # The rows that only blended edges have are else empty slices of others.
     blended = vectors.shape[0] > 6
@@ -344,6 +350,7 @@ def unpack(packed):
             model[5:8],
             model[7 + blended][: model.shape[1] if blended else 0],
             indices[2],
+            strips,
             model_stiffness,
             lift,
         ),

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import spectra
+from rolling.contact import _transform_kernels, spectra
 from rolling.contact._compiled import njit
 from rolling.contact._fftw import pyfftw
 
@@ -20,14 +20,16 @@ _LONG = (
     *(640, 768, 800, 896, 1024, 1280, 1536, 2048, 2560, 3072),
     *(4096, 5120, 6144, 8192, 10240, 12288, 16384),
 )
-_SINGLE_LENGTHS = (*_SHORT, 100, 120, 128, 144, 160, 180, 200, 240, 256, 288, 320, 400, 512, *_LONG)
+_SINGLE_LENGTHS = (*_SHORT, 100, 120, 128, 144, 160, 180, 200, 256, 288, 320, 360, 400, 512, *_LONG)
 _DOUBLE_LENGTHS = (*_SHORT, 96, 112, 128, 144, 160, 200, 256, 288, 320, 384, 400, 512, *_LONG)
-# Columns of these lengths are transformed in place, because that is quicker (512 only within a
-# march, whose other arrays take the cache); columns of other lengths go from one array to another.
-# From 600 on one array saves memory.
-_SINGLE_IN_PLACE = (240, 400, 512)
-_DOUBLE_IN_PLACE = (384, 400)
-_SAVING = 600
+# Columns of these lengths, and all long columns, are transformed in two halves, because half of a
+# column is zero. Elsewhere this saves nothing within a march.
+_SINGLE_HALVED = (256, 288, 320, 360, 400, 512)
+_DOUBLE_HALVED = (256,)
+# Columns of these lengths are transformed in place, because that is quicker, and long columns,
+# because it saves memory. Other columns go from one array to another.
+_SINGLE_IN_PLACE = (256, 288)
+_DOUBLE_IN_PLACE = (256, 384, 400)
 
 MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
@@ -245,16 +247,6 @@ def _scale(values: Array, unit: float, out: Array) -> None:
             line[j] = unit * row[j]
 
 
-@njit(cache=True)
-def _multiply(lines: Array, coefficients: Array) -> None:
-    """Multiply lines by coefficients; the second half of their rows mirrors the first half."""
-    rows = lines.shape[0]
-    for i in range(rows):
-        line, row = lines[i], coefficients[min(i, rows - i)]
-        for j in range(row.size):
-            line[j] *= row[j]
-
-
 class Convolution:
     """Transforms of one padded size and their work arrays.
 
@@ -282,28 +274,42 @@ class Convolution:
         self._influence: NDArray[np.float32] | None = None
         self.real = pyfftw.zeros_aligned((m, n), real)
         self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
-        in_place = m >= _SAVING or m in (_SINGLE_IN_PLACE if single else _DOUBLE_IN_PLACE)
+        long = m >= _LONG[0]
+        in_place = long or m in (_SINGLE_IN_PLACE if single else _DOUBLE_IN_PLACE)
         columns = self._lines if in_place else pyfftw.zeros_aligned(self._lines.shape, both)
-        self._as_pairs = columns.view(real)
-        # Each coefficient stands twice, for the real and the imaginary part of its line. The
-        # coefficients are even along the columns, so half of the rows suffices and leaves the cache
-        # to the lines.
-        self._coefficients = np.repeat(spectrum / (m * n), 2, axis=1).astype(real)
+        self._columns = columns
+        # The coefficients are even along the columns, so half of the rows suffices and leaves the
+        # cache to the lines.
+        self._coefficients = (spectrum / (m * n)).astype(real)
+        parts, half = [slice(None)], 0
+        if long or m in (_SINGLE_HALVED if single else _DOUBLE_HALVED):
+            half = m // 2
+            parts = [slice(half), slice(half, m)]
+        self._turns = np.exp(-2j * np.pi / m * np.arange(half)).astype(both)
         # FFTW_ESTIMATE is used because plans that are chosen by timing differ from run to run, and
         # the last digits with them.
         flags = ("FFTW_ESTIMATE",)
-        self._column_forward = pyfftw.FFTW(self._lines, columns, axes=(0,), flags=flags)
-        self._column_backward = pyfftw.FFTW(
-            columns, self._lines, axes=(0,), direction="FFTW_BACKWARD", flags=flags
-        )
+        self._columns_forward = [
+            pyfftw.FFTW(self._lines[part], columns[part], axes=(0,), flags=flags) for part in parts
+        ]
+        self._columns_backward = [
+            pyfftw.FFTW(
+                columns[part],
+                self._lines[part],
+                axes=(0,),
+                direction="FFTW_BACKWARD",
+                flags=flags,
+            )
+            for part in parts
+        ]
         self._row_plans: dict[int, tuple[pyfftw.FFTW, pyfftw.FFTW]] = {}
 
     @property
     def nbytes(self) -> int:
         """Memory of the arrays [bytes]."""
         arrays = [self.real, self._lines, self._coefficients]
-        if not np.may_share_memory(self._lines, self._as_pairs):
-            arrays.append(self._as_pairs)
+        if self._columns is not self._lines:
+            arrays.append(self._columns)
         if self._influence is not None:
             arrays.append(self._influence)
         return sum(int(array.nbytes) for array in arrays)
@@ -365,8 +371,16 @@ class Convolution:
             )
         row_forward, row_backward = self._row_plans[rows]
         row_forward.execute()
-        self._lines[rows:] = 0.0
-        self._column_forward.execute()
-        _multiply(self._as_pairs, self._coefficients)
-        self._column_backward.execute()
+        halved = self._turns.size > 0
+        if halved:
+            _transform_kernels.separate(self._lines, rows, self._turns)
+        else:
+            self._lines[rows:] = 0.0
+        for plan in self._columns_forward:
+            plan.execute()
+        _transform_kernels.multiply(self._columns, self._coefficients, halved)
+        for plan in self._columns_backward:
+            plan.execute()
+        if halved:
+            _transform_kernels.combine(self._lines, rows, self._turns)
         row_backward.execute()

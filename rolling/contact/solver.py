@@ -349,7 +349,7 @@ def _state(
     edge = _NO_EDGE if edges is None else edges.edge.ravel()
     u_max = float(u.max())
     approach, worst = _state_kernels.state_of(
-        gap.ravel(), u.ravel(), p.ravel(), edge, limits.hardness, g.ravel()
+        gap.ravel(), u.ravel(), p.ravel(), edge, limits.hardness, g.ravel(), fresh
     )
     if not isfinite(approach) or not 0 < u_max < inf or (fresh and worst == inf):
         raise ContactError(

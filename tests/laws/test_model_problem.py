@@ -49,6 +49,7 @@ def model(seed: int, compliant: bool = False) -> Model:
         sums=np.zeros((3, SIDE, SIDE), np.float32),
         softening=softening.astype(np.float32),
         node=np.zeros(0, np.uint32),
+        strips=np.array([[2 * SIDE, (SIDE - 2) * SIDE]], np.uint64),
         stiffness=1.0,
         lift=0.0,
     )
@@ -104,6 +105,41 @@ def test_sweep_is_that_of_plain_arrays(compliant: bool) -> None:
     border = np.ones((SIDE, SIDE), bool)
     border[INNER, INNER] = False
     assert not state.gap[border].any()
+
+
+@pytest.mark.parametrize("compliant", [False, True])
+def test_sweeps_over_strips_leave_all_other_nodes_at_rest(compliant: bool) -> None:
+    """Nodes of strips move as in plain arrays, by columns of the stencil within their strip."""
+    state = model(3, compliant)
+    first, last = 2 * SIDE, (SIDE - 2) * SIDE
+    strips = np.array([[first + 5, first + 69], [last - 37, last]])
+    state = state._replace(strips=strips.astype(np.uint64))
+    change, gap = (x.astype(float).ravel() for x in (state.change, state.gap))
+    low, high = state.low.ravel(), state.high.ravel()
+    share = state.softening.ravel() if compliant else 1.0
+    inside = np.zeros(SIDE**2, bool)
+    for a, b in strips:
+        inside[a:b] = True
+    column = np.arange(SIDE**2) % SIDE
+    inner = (column >= 2) & (column < SIDE - 2)
+    stencil = kernel()
+    for _ in range(3):
+        moves = np.where(inside, np.clip((change - gap) * share, low, high) - change, 0.0)
+        moves[~inner] = 0.0
+        padded = np.pad(moves, 2 * SIDE)
+        for a, b in strips:
+            sums = np.zeros((5, b - a + 4))  # along the columns of the stencil
+            for c, r in np.ndindex(5, 5):
+                at = a + 2 * SIDE + (r - 2) * SIDE
+                sums[c, 2:-2] += stencil[r, c] * padded[at : at + b - a]
+            change[a:b] += sum(sums[c, c : c + b - a] for c in range(5))
+        gap += moves
+        change[~inner], gap[~inner & inside] = 0.0, 0.0
+    _model_kernels.settle_model(state, 3)
+    got_change, got_gap = state.change.ravel(), state.gap.ravel()
+    np.testing.assert_allclose(got_change[inner], change[inner], rtol=0, atol=1e-5)
+    np.testing.assert_allclose(got_gap[inner], gap[inner], rtol=0, atol=1e-5)
+    assert not got_change[~inside].any()
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -32,7 +32,7 @@ def test_approach_and_violation_are_those_of_plain_arrays(seed: int, blended: bo
     violation = np.where(p > 0, expected - approach, -np.inf)
     violation = np.maximum(violation, np.where(p < HARDNESS, approach - expected, -np.inf))
     flat, g = [x.ravel() for x in (gap, u, p)], np.empty(p.size)
-    got = _state_kernels.state_of(*flat, edge.ravel() if blended else EMPTY, HARDNESS, g)
+    got = _state_kernels.state_of(*flat, edge.ravel() if blended else EMPTY, HARDNESS, g, True)
     np.testing.assert_allclose(g, expected.ravel(), rtol=1e-13, atol=1e-21)
     assert got == pytest.approx((approach, violation.max()), rel=1e-12)
     load = _state_kernels.worst_and_load(p.ravel(), g, got[0], HARDNESS)[1]
@@ -51,7 +51,7 @@ def test_a_gap_that_is_no_number_is_no_state(node: int) -> None:
     gap, u, p, _ = (x.ravel() for x in state(3))
     assert p[node] == 0.0
     u[node] = np.nan
-    assert _state_kernels.state_of(gap, u, p, EMPTY, HARDNESS, np.empty(p.size))[1] == np.inf
+    assert _state_kernels.state_of(gap, u, p, EMPTY, HARDNESS, np.empty(p.size), True)[1] == np.inf
 
 
 @pytest.mark.parametrize("blended", [False, True])

@@ -1,0 +1,158 @@
+"""Compiled search for the candidates of a window, the nodes that may be in contact.
+
+Their indices lead from flat arrays of candidates to the window, to the array of the transforms and
+to the grid of the model problem.
+"""
+
+# mypy: disable-error-code="no-untyped-def"
+from __future__ import annotations
+
+import numpy as np
+
+from rolling.contact._compiled import njit
+from rolling.contact._system import BORDER
+
+# Strips are so many nodes long, or a multiple of them, because shorter loops are not vectorized. A
+# further strip takes as long as some 20 nodes, so that strips closer than APART are joined.
+STRIP = 32
+APART = 16
+WIDE = 40_000  # nodes; smaller grids stay in the cache, where strips save nothing
+
+
+@njit(cache=True, fused=True)
+def or_line(line, out):
+    """Add the bits of a line to those of another line."""
+    for k in range(out.size):
+        out[k] |= line[k]
+
+
+@njit(cache=True, fused=True)
+def mark_low(p, g, highest, marks):
+    """Mark the nodes that are loaded or lie lower than `highest` [m]."""
+    for k in range(p.size):
+        marks[k] = (p[k] > 0.0) | (g[k] < highest)
+
+
+@njit(cache=True)
+def mark_neighbours(marks, row, near):
+    """Mark the marked nodes of a window with rows of `row` nodes, and the neighbours of each."""
+    nodes = near.size
+    near[:] = marks
+    or_line(marks[: nodes - row], near[row:])
+    or_line(marks[row:], near[: nodes - row])
+    for first in range(0, nodes, row):
+        or_line(marks[first : first + row - 1], near[first + 1 : first + row])
+        or_line(marks[first + 1 : first + row], near[first : first + row - 1])
+
+
+@njit(cache=True)
+def candidates(p, g, highest, neighbours, node):
+    """List the nodes of a window that are loaded or lie lower than `highest` [m].
+
+    Their flat indices go into `node`. With `neighbours` the nodes along and across from them are
+    listed, too.
+
+    Heights count before the approach is subtracted. Returns the number of candidates and their
+    block (first row, last row, first column, last column).
+    """
+    rows, columns = p.shape
+    nodes = p.size
+    # Most words of eight marks are empty, and a whole word is read as fast as a mark.
+    words = nodes // 8 + 1
+    marks = np.zeros(8 * words, np.uint8)
+    mark_low(p.ravel(), g.ravel(), highest, marks)
+    if neighbours:
+        near = np.zeros(8 * words, np.uint8)
+        mark_neighbours(marks[:nodes], columns, near[:nodes])
+        marks = near
+    word, count = marks.view(np.uint64), 0
+    for w in range(words):
+        if word[w]:
+            for k in range(8 * w, min(8 * w + 8, nodes)):
+                node[count] = k  # the next node overwrites it unless it counts
+                count += marks[k] != 0
+    if count == 0:
+        return 0, rows, -1, columns, -1
+    in_column = np.zeros(columns, np.uint8)
+    first_row, last_row = node[0] // columns, node[count - 1] // columns
+    for i in range(first_row, last_row + 1):
+        or_line(marks[i * columns : (i + 1) * columns], in_column)
+    across = np.flatnonzero(in_column)
+    return count, first_row, last_row, across[0], across[-1]
+
+
+@njit(cache=True)
+def list_strips(place, rows, row, strips):
+    """List the nodes near the candidates as strips of a grid that is passed as one long row.
+
+    A move reaches two nodes along and across. Strips are multiples of STRIP nodes long, and strips
+    close to one another are joined. A grid of less than WIDE nodes is a single strip as a whole.
+    The first node of each strip and the node after its last go into `strips`; their number is
+    returned.
+    """
+    first, last = 2 * row, (rows - 2) * row
+    if rows * row < WIDE:
+        strips[0, 0], strips[0, 1] = first, last
+        return 1
+    words = rows * row // 8 + 1
+    marked, around = np.zeros(8 * words, np.uint8), np.zeros(8 * words, np.uint8)
+    for k in range(place.size):
+        marked[place[k]] = 1
+    for shift in (0, row, first, 3 * row, 4 * row):
+        or_line(marked[shift:], around[first:last])
+    count, end = 0, 0
+    word = around.view(np.uint64)
+    for w in range(words):
+        # from two nodes before the eight nodes of a word, or a word, to two nodes after them
+        begin, stop = max(8 * w - 8, first), min(8 * w + 10, last)
+        if word[w] == 0 or stop <= end:
+            continue
+        if count == 0 or begin > end + APART:
+            strips[count, 0] = begin
+            count += 1
+        begin = np.int64(strips[count - 1, 0])
+        end = min(begin + (stop - begin + STRIP - 1) // STRIP * STRIP, last)
+        strips[count - 1, 1] = end
+    return count
+
+
+@njit(cache=True)
+def take_nodes(node, columns, corner, row_lengths, rows, pressure, gap, vectors, indices, strips):
+    """Set the pressures, the gaps and the indices of the candidates, and the strips (see Packed).
+
+    `corner` is the first row and column of the candidates' block in a window of `columns` columns;
+    `row_lengths` are the numbers of nodes in a row of the transforms, of the grid and of the
+    coefficients by distance. The grid has `rows` rows with a border of BORDER nodes. Returns the
+    number of strips.
+    """
+    i = -1  # row on the block of the node, and the first node of the next row
+    following = corner[0] * columns
+    for a in range(node.size):
+        k = node[a]
+        vectors[0, a] = pressure[k]
+        vectors[1, a] = gap[k]
+        while k >= following:
+            i += 1
+            following += columns
+        j = k - (following - columns) - corner[1]
+        indices[1, a] = i * row_lengths[0] + j
+        indices[2, a] = (i + BORDER) * row_lengths[1] + j + BORDER
+        indices[3, a] = i * row_lengths[2] + j
+    return list_strips(indices[2], rows, row_lengths[1], strips)
+
+
+@njit(cache=True)
+def take_edges(node, edge, between_nodes, numbers, vectors, place, left):
+    """Set the compliance and the edges of the candidates (see Packed).
+
+    `left`, the softening of the Model, has each candidate at its `place`.
+    """
+    per_hardness, stiffness = 2.0 / numbers[0], numbers[5]
+    left[:] = 1.0
+    for a in range(node.size):
+        k = node[a]
+        compliance = edge[k] * per_hardness
+        vectors[6, a] = compliance
+        vectors[8, a] = edge[k]
+        vectors[9, a] = between_nodes[a]
+        left[place[a]] = 1.0 / (1.0 + compliance * stiffness)
