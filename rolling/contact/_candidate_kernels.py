@@ -121,12 +121,14 @@ def take_nodes(node, columns, corner, row_lengths, rows, pressure, gap, vectors,
     """Set the pressures, the gaps and the indices of the candidates, and the strips (see Packed).
 
     `corner` is the first row and column of the candidates' block in a window of `columns` columns;
-    `row_lengths` are the numbers of nodes in a row of the transforms, of the grid and of the
-    coefficients by distance. The grid has `rows` rows with a border of BORDER nodes. Returns the
-    number of strips.
+    `row_lengths` are the numbers of nodes in a row of the transforms (with the number of rows side
+    by side), of the grid and of the coefficients by distance. The grid has `rows` rows with a
+    border of BORDER nodes. Returns the number of strips.
     """
+    (length, side), grid_row, influence_row = row_lengths
     i = -1  # row on the block of the node, and the first node of the next row
     following = corner[0] * columns
+    first = 0  # of the row in the array of the transforms
     for a in range(node.size):
         k = node[a]
         vectors[0, a] = pressure[k]
@@ -134,11 +136,12 @@ def take_nodes(node, columns, corner, row_lengths, rows, pressure, gap, vectors,
         while k >= following:
             i += 1
             following += columns
+            first = i // side * length * side + i % side
         j = k - (following - columns) - corner[1]
-        indices[1, a] = i * row_lengths[0] + j
-        indices[2, a] = (i + BORDER) * row_lengths[1] + j + BORDER
-        indices[3, a] = i * row_lengths[2] + j
-    return list_strips(indices[2], rows, row_lengths[1], strips)
+        indices[1, a] = first + j * side
+        indices[2, a] = (i + BORDER) * grid_row + j + BORDER
+        indices[3, a] = i * influence_row + j
+    return list_strips(indices[2], rows, grid_row, strips)
 
 
 @njit(cache=True)

@@ -264,7 +264,7 @@ class Descent:
             self.node,
             gap.shape[1],
             self._block_at[:2],
-            (image.shape[1], columns, self.transforms.influence_row),
+            (image.shape[1:], columns, self.transforms.influence_row),
             rows,
             pressure.ravel(),
             gap.ravel(),

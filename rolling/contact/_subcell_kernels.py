@@ -1,9 +1,9 @@
 """Compiled passes between sub-cells and cells.
 
-Arrays of cells have a border of one cell around those that hold sub-cells. A list of cells holds
-flat indices without that border. `side` is a tuple with an entry for each sub-cell along the side
-of a cell: the compiler knows its length and unrolls the loops, which take half to a quarter of the
-time.
+Arrays of cells (pairs of rows, columns, 2) have two rows of cells side by side, and a border of one
+cell around the cells that hold sub-cells. A list of cells holds flat indices without that border.
+`side` is a tuple with an entry for each sub-cell along the side of a cell: the compiler knows its
+length and unrolls the loops, which take half to a quarter of the time.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -75,10 +75,11 @@ def spread(fine, listed, weights, side, cells, own):
                     part[k, b] += weights[a, k] * p * share
         for k in range(3):
             for m in range(3):
-                total = cells[i + k, j + m]
+                pair, row = (i + k) >> 1, (i + k) & 1
+                total = cells[pair, j + m, row]
                 for b in range(r):
                     total += weights[b, m] * part[k, b]
-                cells[i + k, j + m] = total
+                cells[pair, j + m, row] = total
 
 
 @njit(cache=True)
@@ -87,11 +88,15 @@ def gather_all(cells, weights, fine):
     r = weights.shape[0]
     rows, columns = fine.shape[0] // r, fine.shape[1] // r
     line = np.empty(columns + 2, fine.dtype)
+    apart = np.empty((rows + 2, columns + 2), fine.dtype)
+    for i in range(rows + 2):
+        apart[i] = cells[i // 2, : columns + 2, i % 2]
     for i in range(rows):
+        above, middle, below = apart[i], apart[i + 1], apart[i + 2]
         for a in range(r):
             w = weights[a]
             for j in range(columns + 2):
-                line[j] = w[0] * cells[i, j] + w[1] * cells[i + 1, j] + w[2] * cells[i + 2, j]
+                line[j] = w[0] * above[j] + w[1] * middle[j] + w[2] * below[j]
             out = fine[i * r + a]
             for b in range(r):
                 w = weights[b]
@@ -120,9 +125,9 @@ def gather(cells, listed, weights, block, own, side, fine):
         for a in range(r):
             for m in range(3):
                 part[m] = (
-                    weights[a, 0] * cells[i, j + m]
-                    + weights[a, 1] * cells[i + 1, j + m]
-                    + weights[a, 2] * cells[i + 2, j + m]
+                    weights[a, 0] * cells[i >> 1, j + m, i & 1]
+                    + weights[a, 1] * cells[(i + 1) >> 1, j + m, (i + 1) & 1]
+                    + weights[a, 2] * cells[(i + 2) >> 1, j + m, i & 1]
                 )
             for b in range(r):
                 fine[i * r + a, j * r + b] = within[a * r + b] + (

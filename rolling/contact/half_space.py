@@ -13,23 +13,24 @@ from rolling.contact import _transform_kernels, spectra
 from rolling.contact._compiled import njit
 from rolling.contact._fftw import pyfftw
 
-# These padded lengths are quick for their size, by a trial of the even products of 2, 3, 5 and 7 up
-# to 650: any length between two of them costs more than the longer one, or hardly less.
-_SHORT = (16, 20, 32, 40, 48, 64, 72, 80)
+# These padded lengths are quick for their size, along columns and across them, by a trial of the
+# even products of 2, 3, 5 and 7 up to 650: any length between two of them costs more than the
+# longer one, or hardly less.
 _LONG = (
-    *(640, 768, 800, 896, 1024, 1280, 1536, 2048, 2560, 3072),
+    *(640, 768, 800, 1024, 1280, 1536, 2048, 2560, 3072),
     *(4096, 5120, 6144, 8192, 10240, 12288, 16384),
 )
-_SINGLE_LENGTHS = (*_SHORT, 100, 120, 128, 144, 160, 180, 200, 256, 288, 320, 360, 400, 512, *_LONG)
-_DOUBLE_LENGTHS = (*_SHORT, 96, 112, 128, 144, 160, 200, 256, 288, 320, 384, 400, 512, *_LONG)
-# Columns of these lengths, and all long columns, are transformed in two halves, because half of a
-# column is zero. Elsewhere this saves nothing within a march.
-_SINGLE_HALVED = (256, 288, 320, 360, 400, 512)
-_DOUBLE_HALVED = (256,)
-# Columns of these lengths are transformed in place, because that is quicker, and long columns,
+_ALONG = (16, 20, 32, 40, 64, 80, 128, 256, 320, 512, *_LONG)
+_ACROSS = (16, 20, 32, 40, 48, 64, 80, 96, 128, 144, 160, 200, 240, 256, 320, 384, 400, 512, *_LONG)
+# Columns of these lengths are transformed in two halves, because half of a column is zero, and so
+# are all from the last of them on. Elsewhere this takes longer.
+_HALVED = (80, 256, 512)
+# Columns of these lengths are transformed in place, because that is quicker, and longer columns,
 # because it saves memory. Other columns go from one array to another.
-_SINGLE_IN_PLACE = (256, 288)
-_DOUBLE_IN_PLACE = (256, 384, 400)
+_IN_PLACE = (128, 256, 512, 1024)
+BACKWARD = "FFTW_BACKWARD"
+APART = 4  # complex numbers between two lines of columns
+GROUP = 4  # Plans for rows are made for multiples of so many lines.
 
 MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
@@ -42,7 +43,7 @@ MOST_INFLUENCE = 2**20  # maximum size of a transform that keeps coefficients by
 OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # coefficient of a unit square at its own centre
 
 
-def padded_length(reach: int, single: bool = False) -> int:
+def padded_length(reach: int, across: bool = False) -> int:
     """Return the minimum quick length of a transform for nodes up to `reach` spacings apart.
 
     The coefficients are even, so a distance of half the length is still correct.
@@ -51,15 +52,15 @@ def padded_length(reach: int, single: bool = False) -> int:
     ----------
     reach : int
         Maximum distance between a loaded node and a node whose deflection counts.
-    single : bool
-        If true, the transform is in single precision. Default: false.
+    across : bool
+        If true, the length is that of rows, across the track. Default: false.
 
     Raises
     ------
     ValueError
         `reach` exceeds the longest transform.
     """
-    for length in _SINGLE_LENGTHS if single else _DOUBLE_LENGTHS:
+    for length in _ACROSS if across else _ALONG:
         if length >= 2 * reach:
             return length
     raise ValueError(
@@ -162,11 +163,11 @@ class HalfSpace:
         m, n = pressure.shape
         convolution = self.convolution(*_reach(pressure))
         block = convolution.block(m, n)
-        _load(pressure, block)
+        _transform_kernels.load(pressure, block)
         convolution.apply(m, n)
         self.count += 1
         deflection = np.empty((m, n))
-        _scale(block, self.unit, deflection)
+        _transform_kernels.read(block, self.unit, deflection)
         return deflection
 
     def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
@@ -174,7 +175,7 @@ class HalfSpace:
 
         The caller that applies them adds to `count`.
         """
-        key = (self._length(row_reach, single), self._length(column_reach, single), single)
+        key = self._length(row_reach, across=False), self._length(column_reach, across=True), single
         convolution = self._convolutions.pop(key, None)
         if convolution is None:
             convolution = self._make(*key)
@@ -190,9 +191,9 @@ class HalfSpace:
         """Make the transforms of a padded size."""
         return Convolution(m, n, single, spectra.half_spectrum(m, n, 1, love))
 
-    def _length(self, reach: int, single: bool) -> int:
+    def _length(self, reach: int, across: bool) -> int:
         """Return the padded length for nodes up to `reach` spacings from one another."""
-        return padded_length(reach, single)
+        return padded_length(reach, across)
 
 
 @njit(cache=True)
@@ -223,30 +224,6 @@ def _reach(pressure: Array) -> tuple[int, int]:
     )
 
 
-@njit(cache=True)
-def _load(pressure: Array, out: Array) -> None:
-    """Set the first rows and columns of `out` to the pressure, and the rest to 0."""
-    rows, columns = pressure.shape
-    for i in range(out.shape[0]):
-        line = out[i]
-        if i >= rows:
-            line[:] = 0.0
-            continue
-        row = pressure[i]
-        for j in range(columns):
-            line[j] = row[j]
-        line[columns:] = 0.0
-
-
-@njit(cache=True)
-def _scale(values: Array, unit: float, out: Array) -> None:
-    """Set `out` to the first rows and columns of the values times the unit."""
-    for i in range(out.shape[0]):
-        row, line = values[i], out[i]
-        for j in range(line.size):
-            line[j] = unit * row[j]
-
-
 class Convolution:
     """Transforms of one padded size and their work arrays.
 
@@ -264,50 +241,46 @@ class Convolution:
 
     Attributes
     ----------
-    real : (m, n) array
-        Pressure on the cells before the transforms, and deflection after them.
+    real : (m / 2, n, 2) array
+        Pressure on the cells before the transforms, and deflection after them. Rows of cells lie
+        side by side in pairs (see _transform_kernels).
     """
 
     def __init__(self, m: int, n: int, single: bool, spectrum: Array) -> None:
         real, both = ("float32", "complex64") if single else ("float64", "complex128")
         self.single = single
         self._influence: NDArray[np.float32] | None = None
-        self.real = pyfftw.zeros_aligned((m, n), real)
-        self._lines = pyfftw.zeros_aligned((m, n // 2 + 1), both)
-        long = m >= _LONG[0]
-        in_place = long or m in (_SINGLE_IN_PLACE if single else _DOUBLE_IN_PLACE)
-        columns = self._lines if in_place else pyfftw.zeros_aligned(self._lines.shape, both)
-        self._columns = columns
-        # The coefficients are even along the columns, so half of the rows suffices and leaves the
-        # cache to the lines.
-        self._coefficients = (spectrum / (m * n)).astype(real)
+        length = m // 2
+        self._pairs = pyfftw.zeros_aligned((length, n), both)
+        self.real = self._pairs.view(real).reshape(length, n, 2)
+        # Lines of a power of two would meet in the same places of the cache.
+        self._lines = pyfftw.zeros_aligned((length, n + APART), both)
+        in_place = m in _IN_PLACE or m > _IN_PLACE[-1]
+        self._columns = self._lines if in_place else pyfftw.zeros_aligned(self._lines.shape, both)
+        self._numbers = self._columns.view(real)
+        # Transforms there and back multiply by their size.
+        first, second = (
+            spectrum[: length // 2 + 1] / (length * n),
+            spectrum[length - np.arange(length // 2 + 1)] / (length * n),
+        )
+        self._mean = (0.5 * (first + second)).astype(real)
+        self._difference = (0.5 * (first - second)).astype(real)
+        angle = np.pi / length * np.arange(length // 2 + 1)
+        self._sines, self._cosines = np.sin(angle).astype(real), np.cos(angle).astype(real)
         parts, half = [slice(None)], 0
-        if long or m in (_SINGLE_HALVED if single else _DOUBLE_HALVED):
-            half = m // 2
-            parts = [slice(half), slice(half, m)]
-        self._turns = np.exp(-2j * np.pi / m * np.arange(half)).astype(both)
-        # FFTW_ESTIMATE is used because plans that are chosen by timing differ from run to run, and
-        # the last digits with them.
-        flags = ("FFTW_ESTIMATE",)
-        self._columns_forward = [
-            pyfftw.FFTW(self._lines[part], columns[part], axes=(0,), flags=flags) for part in parts
-        ]
-        self._columns_backward = [
-            pyfftw.FFTW(
-                columns[part],
-                self._lines[part],
-                axes=(0,),
-                direction="FFTW_BACKWARD",
-                flags=flags,
-            )
-            for part in parts
-        ]
+        if m in _HALVED or m > _HALVED[-1]:
+            half = length // 2
+            parts = [slice(half), slice(half, length)]
+        self._turns = np.exp(-2j * np.pi / length * np.arange(half)).astype(both)
+        lines, columns = self._lines[:, :n], self._columns[:, :n]
+        self._columns_forward = [_plan(lines[part], columns[part], 0) for part in parts]
+        self._columns_backward = [_plan(columns[part], lines[part], 0, BACKWARD) for part in parts]
         self._row_plans: dict[int, tuple[pyfftw.FFTW, pyfftw.FFTW]] = {}
 
     @property
     def nbytes(self) -> int:
         """Memory of the arrays [bytes]."""
-        arrays = [self.real, self._lines, self._coefficients]
+        arrays = [self.real, self._lines, self._mean, self._difference]
         if self._columns is not self._lines:
             arrays.append(self._columns)
         if self._influence is not None:
@@ -319,8 +292,13 @@ class Convolution:
 
         It holds the pressure before `apply`, with zeros on the further rows and columns, and the
         deflection in units of spacing / (pi E*) afterwards.
+
+        Returns
+        -------
+        (lines, columns, side) array
+            Lines of so many rows of nodes side by side: row i is `block[i // side, :, i % side]`.
         """
-        view: Array = self.real[: rows + 8]
+        view: Array = self.real[: -(-rows // 2) + GROUP]
         return view
 
     @property
@@ -335,10 +313,11 @@ class Convolution:
         add to.
         """
         if self._influence is None:
-            m, n = self.real.shape
-            small = m * n <= MOST_INFLUENCE
+            length, n, _ = self.real.shape
+            small = self.real.size <= MOST_INFLUENCE
             rows, columns = (
-                np.abs(np.arange(-(k // 2), k // 2 + 1.0)) if small else np.empty(0) for k in (m, n)
+                np.abs(np.arange(-half, half + 1.0)) if small else np.empty(0)
+                for half in (length, n // 2)
             )
             self._influence = love(rows, columns).astype(np.float32).ravel()
         return self._influence
@@ -357,30 +336,34 @@ class Convolution:
         self._transform(rows)
 
     def _transform(self, rows: int) -> None:
-        """Convolve the first `rows` rows of the array of the transforms."""
-        rows = min(-8 * (-rows // 8), self.real.shape[0])
-        if rows not in self._row_plans:
-            head, lines = self.real[:rows], self._lines[:rows]
-            backward = {
-                "direction": "FFTW_BACKWARD",
-                "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"),
-            }
-            self._row_plans[rows] = (
-                pyfftw.FFTW(head, lines, axes=(1,), flags=("FFTW_ESTIMATE",)),
-                pyfftw.FFTW(lines, head, axes=(1,), **backward),
-            )
-        row_forward, row_backward = self._row_plans[rows]
+        """Convolve the first `rows` rows of cells in the array of the transforms."""
+        pairs = min(-GROUP * (-rows // (2 * GROUP)), len(self.real))
+        if pairs not in self._row_plans:
+            head, lines = self._pairs[:pairs], self._lines[:pairs, : self.real.shape[1]]
+            self._row_plans[pairs] = _plan(head, lines, 1), _plan(lines, head, 1, BACKWARD)
+        row_forward, row_backward = self._row_plans[pairs]
         row_forward.execute()
         halved = self._turns.size > 0
         if halved:
-            _transform_kernels.separate(self._lines, rows, self._turns)
+            _transform_kernels.separate(self._lines, pairs, self._turns)
         else:
-            self._lines[rows:] = 0.0
+            self._lines[pairs:] = 0.0
         for plan in self._columns_forward:
             plan.execute()
-        _transform_kernels.multiply(self._columns, self._coefficients, halved)
+        _transform_kernels.multiply(
+            self._numbers, self._mean, self._difference, self._sines, self._cosines, halved
+        )
         for plan in self._columns_backward:
             plan.execute()
         if halved:
-            _transform_kernels.combine(self._lines, rows, self._turns)
+            _transform_kernels.combine(self._lines, pairs, self._turns)
         row_backward.execute()
+
+
+def _plan(source: Array, target: Array, axis: int, direction: str = "FFTW_FORWARD") -> pyfftw.FFTW:
+    """Plan transforms along an axis, which may destroy their source.
+
+    Plans that are chosen by timing would differ from run to run, and the last digits with them.
+    """
+    flags = ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")
+    return pyfftw.FFTW(source, target, axes=(axis,), direction=direction, flags=flags)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rolling._typing import Array
 from rolling.contact import _subcell_kernels, spectra
-from rolling.contact.half_space import Convolution, HalfSpace, love, padded_length
+from rolling.contact.half_space import GROUP, Convolution, HalfSpace, love, padded_length
 
 
 def interpolation(subcells: int) -> Array:
@@ -99,9 +99,9 @@ class SubcellSpace(HalfSpace):
     def _make(self, m: int, n: int, single: bool) -> SubcellConvolution:
         return SubcellConvolution(m, n, single, self.subcells)
 
-    def _length(self, reach: int, single: bool) -> int:
+    def _length(self, reach: int, across: bool) -> int:
         # The interpolation spreads pressure into a border of one cell on both sides.
-        return padded_length(-(-reach // self.subcells) + 2, single)
+        return padded_length(-(-reach // self.subcells) + 2, across)
 
 
 class SubcellConvolution(Convolution):
@@ -140,7 +140,7 @@ class SubcellConvolution(Convolution):
 
     def block(self, rows: int, columns: int) -> Array:
         """Return the array of a block of so many rows and columns of sub-cells."""
-        view: Array = self._fine[: rows * columns].reshape(rows, columns)
+        view: Array = self._fine[: rows * columns].reshape(rows, columns, 1)
         return view
 
     def apply(self, rows: int, columns: int, listed: NDArray[np.int64] | None = None) -> None:
@@ -149,8 +149,8 @@ class SubcellConvolution(Convolution):
         Where cells are listed, only they are loaded, and only their deflection is valid.
         """
         r = self._subcells
-        fine, count = self.block(rows, columns), rows // r + 2
-        cells = self.real[: -8 * (-count // 8)]
+        fine, count = self.block(rows, columns)[..., 0], rows // r + 2
+        cells = self.real[: -GROUP * (-count // (2 * GROUP))]
         loaded = listed
         if loaded is None:
             loaded = np.empty(fine.size // r**2, np.int64)
