@@ -23,7 +23,7 @@ Private modules, mostly compiled:
 - `_subcell_kernels`: passes between sub-cells and cells.
 - `_projection`: pressures put within the bounds, with the load restored (`project`,
   `restore_load`, `settle_load`).
-- `_march_kernels`: gap, overlap, contact area, trends.
+- `_march_kernels`: gap, overlap, contact area, extrapolation.
 - `_recovery_kernels`: release of each node (`node_work`) and the events of the nodes.
 
 The tests check all of this against the dense solver `rolling.verification.dense`.

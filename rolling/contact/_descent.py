@@ -121,12 +121,11 @@ class BlendedEdges:
         self._gap, self._shape, self.levelled = gap, shape, levelled
         self.edge = np.empty_like(gap)
 
-    def find(self, deflection: Array, change: Array | None = None) -> None:
-        """Find the edges by a deflection and its expected change [m]."""
+    def find(self, deflection: Array) -> None:
+        """Find the edges by a deflection [m]."""
         # The edges that a solution returned must not change.
         self.edge = np.empty_like(self._gap)
-        expected = deflection if change is None else deflection + change
-        _solver_kernels.cell_ranges(self._shape, expected, self.levelled, self.edge)
+        _solver_kernels.cell_ranges(self._shape, deflection, self.levelled, self.edge)
 
     def between_nodes(self, node: NDArray[np.int64]) -> Array:
         """Return the gap as it continues within cells less the gap of the nodes [m]."""
@@ -314,13 +313,22 @@ class Descent:
             return not self.direction.slope < 0
         return self.share <= AIM
 
-    def lead(self, pressure_trend: Array, deflection_trend: Array) -> None:
+    def lead(
+        self,
+        pressure: Array,
+        deflection: Array,
+        pressure_before: Array,
+        deflection_before: Array,
+        offset: tuple[int, int],
+    ) -> None:
         """Take the first direction from the extrapolation of the last solutions.
 
-        Their trends on the window give the extrapolation.
+        These are the solution on the window and the solution before, whose window begins at the
+        offset (row, column).
         """
+        last, before = (pressure, deflection), (pressure_before, deflection_before)
         self._moving, direction = _solver_kernels.lead(
-            self.packed, pressure_trend, deflection_trend, self._block_at, FIRST_SWEEPS
+            self.packed, *last, *before, offset, self._block_at, FIRST_SWEEPS
         )
         self.direction = Direction(*direction)
 

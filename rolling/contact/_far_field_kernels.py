@@ -30,6 +30,40 @@ def add_line(factor, line, out):
 
 
 @njit(cache=True, fused=True)
+def add_four_lines(factors, line, out):
+    """Add multiples of the four lines that begin at the fourth, third, second and first number."""
+    a, b, c, d = factors
+    one, two, three = np.uint64(1), np.uint64(2), np.uint64(3)
+    for k in range(np.uint64(out.size)):
+        out[k] += (a * line[k + three] + b * line[k + two]) + (c * line[k + one] + d * line[k])
+
+
+@njit(cache=True, fused=True)
+def share_line(share, line, here, below):
+    """Add a line to two lines, a share of it to the one below."""
+    for k in range(line.size):
+        part = share * line[k]
+        here[k] += line[k] - part
+        below[k] += part
+
+
+@njit(cache=True, fused=True)
+def share_sum(shares, line):
+    """Return the sum of a line without its shares, and that of its shares."""
+    whole, part = np.float32(0.0), np.float32(0.0)
+    for k in range(line.size):
+        whole += line[k]
+        part += shares[k] * line[k]
+    return whole - part, part
+
+
+@njit(cache=True)
+def shares_of(tile):
+    """Return the share of the next coarse node at each node of a tile."""
+    return (np.arange(tile) / tile).astype(np.float32)
+
+
+@njit(cache=True, fused=True)
 def add_lines(first, line, second, other, out):
     """Add multiples of two lines to a third line."""
     for k in range(out.size):
@@ -43,19 +77,17 @@ def restrict(values, tile, row_length, out):
     `out` is the flat coarse grid with rows of `row_length`.
     """
     rows, row = values.shape
-    here, below = np.zeros(row, np.float32), np.zeros(row, np.float32)
+    here, below, shares = np.zeros(row, np.float32), np.zeros(row, np.float32), shares_of(tile)
     out[:] = 0.0
     for i in range((rows - 1) // tile + 2):
         for k in range(max(i * tile, BORDER), min((i + 1) * tile, rows - BORDER)):
-            share = np.float32((k - i * tile) / tile)
-            add_line(np.float32(1.0) - share, values[k], here)
-            add_line(share, values[k], below)
+            share_line(shares[k - i * tile], values[k], here, below)
+        here[:BORDER] = here[row - BORDER :] = 0.0
         coarse = out[i * row_length :]
         for j in range((row - 1) // tile + 1):
-            for k in range(max(j * tile, BORDER), min((j + 1) * tile, row - BORDER)):
-                right = here[k] * np.float32((k - j * tile) / tile)
-                coarse[j] += here[k] - right
-                coarse[j + 1] += right
+            rest, part = share_sum(shares, here[j * tile : (j + 1) * tile])
+            coarse[j] += rest
+            coarse[j + 1] += part
         here, below = below, here
         below[:] = 0.0
 
@@ -64,15 +96,15 @@ def restrict(values, tile, row_length, out):
 def prolong(field, factor, tile, row_length, out):
     """Add a multiple of the bilinear interpolation of a flat coarse grid to the nodes."""
     rows, row = out.shape
-    here, below = np.zeros(row, np.float32), np.zeros(row, np.float32)
+    here, below, shares = np.zeros(row, np.float32), np.zeros(row, np.float32), shares_of(tile)
     for i in range((rows - 1) // tile + 2):
         coarse = field[i * row_length :]
         for j in range((row - 1) // tile + 1):
-            for k in range(j * tile, min((j + 1) * tile, row)):
-                share = np.float32((k - j * tile) / tile)
-                below[k] = coarse[j] + share * (coarse[j + 1] - coarse[j])
+            line = below[j * tile : (j + 1) * tile]
+            for k in range(line.size):
+                line[k] = coarse[j] + shares[k] * (coarse[j + 1] - coarse[j])
         for k in range(max((i - 1) * tile, BORDER), min(i * tile, rows - BORDER)):
-            share = np.float32((k - (i - 1) * tile) / tile)
+            share = shares[k - (i - 1) * tile]
             add_lines(factor * (np.float32(1.0) - share), here, factor * share, below, out[k])
         here, below = below, here
 
@@ -84,12 +116,16 @@ def field_of(loads, table, out):
     Rows of the grid are as long as rows of the table, so that all nodes follow from a load in a
     single line. Their second halves are padding.
     """
-    middle = table.size - loads.size - 1
+    middle = table.size - loads.size - 1  # also the last coarse node; only padding follows it
     out[:] = 0.0
-    for k in range(loads.size):
-        if loads[k] != 0.0:
-            first = middle - k
-            add_line(loads[k], table[first : first + loads.size], out)
+    # Four loads at a time take half as many accesses to memory as one after the other.
+    first = (middle + 1) % 4
+    for k in range(first):
+        add_line(loads[k], table[middle - k :], out)
+    for k in range(first, middle, 4):
+        four = loads[k], loads[k + 1], loads[k + 2], loads[k + 3]
+        if four != (0.0, 0.0, 0.0, 0.0):
+            add_four_lines(four, table[middle - k - 3 :], out)
 
 
 @njit(cache=True, fused=True)

@@ -1,4 +1,4 @@
-"""Compiled passes of the march: gap, overlap, trends and measures.
+"""Compiled passes of the march: gap, overlap, extrapolation and measures.
 
 Rows and columns count on the unrolled plate; heights repeat with their period.
 """
@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact._compiled import njit
+
+STRETCH = 16  # nodes of a row whose maximum height is known
 
 
 @njit(cache=True)
@@ -56,8 +58,11 @@ def cell_tops(heights, out):
 
 
 @njit(cache=True)
-def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach):
+def overlap_block(heights, stretches, row_highest, highest, spacing, radius, x, y, approach):
     """Find the bounding block of the nodes whose gap is below the approach.
+
+    `stretches` are the maximum heights of each STRETCH nodes of a row, `row_highest` of each row,
+    and `highest` of all.
 
     The block is (first row, last row, first column, last column).
 
@@ -73,77 +78,93 @@ def overlap_block(heights, row_highest, highest, spacing, radius, x, y, approach
     reach = min(np.sqrt(reach2), (heights.shape[0] + 0.5) * spacing)
     low = int(np.ceil((x - reach) / spacing))
     high = int(np.floor((x + reach) / spacing))
+    plate, sphere = (heights, stretches, row_highest), (spacing, radius, x, y, approach)
     # The first and the last row give the first columns. Of all rows between them only the nodes
     # beyond the columns so far can widen the block.
-    first_row = low
+    empty = 1, 0
+    first_row, columns = low, empty
     while first_row <= high:
-        first_column, last_column = overlap_of_row(
-            heights, row_highest, spacing, radius, x, y, approach, first_row, 1, 0
-        )
-        if first_column <= last_column:
+        columns = overlap_of_row(plate, sphere, first_row, empty)
+        if columns[0] <= columns[1]:
             break
         first_row += 1
     if first_row > high:
         return 1, 0, 1, 0
     last_row = high
     while last_row > first_row:
-        left, right = overlap_of_row(
-            heights, row_highest, spacing, radius, x, y, approach, last_row, 1, 0
-        )
+        left, right = overlap_of_row(plate, sphere, last_row, empty)
         if left <= right:
-            first_column, last_column = min(first_column, left), max(last_column, right)
+            columns = min(columns[0], left), max(columns[1], right)
             break
         last_row -= 1
     # Middle rows are the widest. They come first and leave little to search in the others.
     middle = min(max(round(x / spacing), first_row + 1), last_row)
     for i in range(middle, last_row):
-        first_column, last_column = overlap_of_row(
-            heights, row_highest, spacing, radius, x, y, approach, i, first_column, last_column
-        )
+        columns = overlap_of_row(plate, sphere, i, columns)
     for i in range(middle - 1, first_row, -1):
-        first_column, last_column = overlap_of_row(
-            heights, row_highest, spacing, radius, x, y, approach, i, first_column, last_column
-        )
-    return first_row, last_row, first_column, last_column
+        columns = overlap_of_row(plate, sphere, i, columns)
+    return first_row, last_row, columns[0], columns[1]
 
 
 @njit(cache=True)
-def overlap_of_row(
-    heights, row_highest, spacing, radius, x, y, approach, i, first_column, last_column
-):
+def overlap_of_row(plate, sphere, i, columns):
     """Widen columns (first, last) to those of the nodes of row i whose gap is below the approach.
 
-    Columns are empty where the first is beyond the last.
+    Columns are empty where the first is beyond the last. `plate` and `sphere` are arguments of
+    `overlap_block`.
     """
+    heights, stretches, row_highest = plate
+    spacing, radius, x, y, approach = sphere
     along, across = heights.shape
     dx = i * spacing - x
     width2 = 2 * radius * (approach + row_highest[i % along]) - dx * dx
     if width2 <= 0.0:
-        return first_column, last_column
+        return columns
     width = min(np.sqrt(width2), (across + 0.5) * spacing)
     left = int(np.ceil((y - width) / spacing))
     right = int(np.floor((y + width) / spacing))
-    z = heights[i % along]
+    row = heights[i % along], stretches[i % along]
     rise = dx * dx / (2 * radius) - approach
-    empty = first_column > last_column
-    end = right + 1 if empty else min(right + 1, first_column)
-    node = left % across
-    for j in range(left, end):
-        if rise + (j * spacing - y) ** 2 / (2 * radius) - z[node] < 0.0:
-            first_column = j
-            if empty:
-                last_column = j
-            break
-        node = node + 1 if node < across - 1 else 0
-    if first_column > last_column:
-        return first_column, last_column
-    node = right % across
-    for j in range(right, max(last_column, left - 1), -1):
-        if rise + (j * spacing - y) ** 2 / (2 * radius) - z[node] < 0.0:
-            last_column = j
-            break
-        node = node - 1 if node > 0 else across - 1
-    return first_column, last_column
+    if columns[0] > columns[1]:
+        first = search_row(row, rise, spacing, radius, y, left, right, 1)
+        if first > right:
+            return columns
+        columns = first, first
+    else:
+        first = search_row(row, rise, spacing, radius, y, left, columns[0] - 1, 1)
+        columns = min(first, columns[0]), columns[1]
+    last = search_row(row, rise, spacing, radius, y, right, max(columns[1] + 1, left), -1)
+    return columns[0], max(last, columns[1])
+
+
+@njit(cache=True)
+def search_row(row, rise, spacing, radius, y, begin, end, step):
+    """Return the first node of a row from `begin` to `end` whose gap is below the approach.
+
+    Return the node after `end` if there is none. `row` has the heights and the maximum heights of
+    stretches, `rise` is the height of the sphere above the approach in the middle of the row, and
+    `step` is 1 or -1.
+    """
+    z, tops = row
+    j = begin
+    node = begin % z.size
+    while (end - j) * step >= 0:
+        stretch = node // STRETCH
+        if step > 0:
+            last = min(end, j + min((stretch + 1) * STRETCH, z.size) - 1 - node)
+        else:
+            last = max(end, j + stretch * STRETCH - node)
+        # Where the highest node nearest to the sphere is not below, none of the stretch is.
+        here, there = j * spacing - y, last * spacing - y
+        nearest = min(abs(here), abs(there)) if here * there > 0.0 else 0.0
+        if rise + nearest**2 / (2 * radius) - tops[stretch] < 0.0:
+            for k in range(j, last + step, step):
+                if rise + (k * spacing - y) ** 2 / (2 * radius) - z[node + k - j] < 0.0:
+                    return k
+        node += last + step - j
+        node = 0 if node == z.size else z.size - 1 if node < 0 else node
+        j = last + step
+    return j
 
 
 @njit(cache=True)
@@ -170,34 +191,31 @@ def towards_the_sphere(p, u, gap, row_offset, column_offset, nodes):
 
 
 @njit(cache=True)
-def trends(p, u, p_before, u_before, row_offset, column_offset, p_trend, u_trend):
-    """Compute the changes of p and u since the previous position.
-
-    The previous window begins at the offsets in the window of p and u.
-
-    All nodes outside the previous window were unloaded. Their deflections are unknown, and the
-    changes are set to zero.
-    """
-    first = max(0, -column_offset)
-    end = max(first, min(p_before.shape[1], p.shape[1] - column_offset))
-    a, b = first + column_offset, end + column_offset
-    for k in range(p.shape[0]):
-        i = k - row_offset
-        if i < 0 or i >= p_before.shape[0] or end == first:
-            p_trend[k] = p[k]
-            u_trend[k] = 0.0
-            continue
-        p_trend[k, :a], p_trend[k, b:] = p[k, :a], p[k, b:]
-        u_trend[k, :a] = u_trend[k, b:] = 0.0
-        subtract(p[k, a:b], p_before[i, first:end], p_trend[k, a:b])
-        subtract(u[k, a:b], u_before[i, first:end], u_trend[k, a:b])
+def shared(first, length, begin, end):
+    """Return the part of a window from `first` on, so many nodes long, within `begin` to `end`."""
+    low = min(max(first, begin), end)
+    return low, max(low, min(first + length, end))
 
 
 @njit(cache=True)
-def subtract(values, others, out):
-    """Set `out` to the difference of two lines."""
+def extrapolate(u, u_before, row, column, out):
+    """Set `out` to the deflections u with their change since the previous position once more.
+
+    The previous window begins at (row, column) in the window of u. Off it, where deflections are
+    unknown, `out` is u.
+    """
+    a, b = shared(column, u_before.shape[1], 0, u.shape[1])
+    out[:] = u
+    first, last = shared(row, u_before.shape[0], 0, u.shape[0])
+    for i in range(first, last):
+        extrapolate_line(u[i, a:b], u_before[i - row, a - column : b - column], out[i, a:b])
+
+
+@njit(cache=True)
+def extrapolate_line(values, before, out):
+    """Set `out` to values and their change."""
     for k in range(out.size):
-        out[k] = values[k] - others[k]
+        out[k] = values[k] + (values[k] - before[k])
 
 
 @njit(cache=True)

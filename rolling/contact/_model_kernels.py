@@ -18,6 +18,7 @@ import numpy as np
 
 from rolling.contact._compiled import njit
 from rolling.contact._far_field_kernels import answer, mark_free, mark_soft, prolong, restrict
+from rolling.contact._march_kernels import shared
 from rolling.contact._projection import project
 from rolling.contact._state_kernels import approach_of, worst_and_load
 from rolling.contact._system import BORDER, Direction, Sets
@@ -44,26 +45,47 @@ def fill(model, nodes, hardness, approach):
     return worst_and_load(p, g, approach, hardness)
 
 
-@njit(cache=True)
-def extrapolate(model, nodes, hardness, present, p_trend, u_trend, block, pressure, height):
-    """Add the trends of pressure and deflection to the grid; return the approach they lead to.
+@njit(cache=True, fused=True)
+def add_changes(p, u, p_before, u_before, stiffness, changed, opened):
+    """Set a line of the grid to the changes of pressure; add those of deflection to the gaps."""
+    for k in range(changed.size):
+        changed[k] = p[k] - p_before[k]
+        opened[k] += stiffness * (u[k] - u_before[k])
 
-    `present` is the approach of the grid. `block` is the first row and column of the candidates'
-    block on the window of the trends, and its numbers of rows and columns. `pressure` and `height`
-    are overwritten.
+
+@njit(cache=True)
+def extrapolate(model, nodes, hardness, present, p, u, before, block, pressure, height):
+    """Add the last changes of pressure and deflection to the grid; return their approach [m].
+
+    `present` is the approach of the grid; p and u are pressures and deflections on the window.
+    `before` has those of the previous position, and the first row and column of their window in
+    this one; other nodes were unloaded, and their deflections count as unchanged. `block` is the
+    first row and column of the candidates' block on the window, and its numbers of rows and
+    columns. `pressure` and `height` are overwritten.
     """
-    p, compliance, place = nodes.p, nodes.compliance, model.node
+    compliance, place = nodes.compliance, model.node
     change, gap, stiffness = model.change, model.gap, model.stiffness
-    for i in range(block[2]):
+    p_before, u_before, row, column = before
+    first, rows, columns = block[1], block[2], block[3]
+    a, b = shared(column, p_before.shape[1], first, first + columns)
+    for i in range(rows):
+        here = block[0] + i
         changed, opened = change[i + BORDER, BORDER:], gap[i + BORDER, BORDER:]
-        p_row, u_row = p_trend[block[0] + i, block[1] :], u_trend[block[0] + i, block[1] :]
-        for j in range(block[3]):
-            changed[j] = p_row[j]
-            opened[j] += stiffness * u_row[j]
+        changed[:columns] = p[here, first : first + columns]
+        if row <= here < row + p_before.shape[0]:
+            add_changes(
+                p[here, a:b],
+                u[here, a:b],
+                p_before[here - row, a - column : b - column],
+                u_before[here - row, a - column : b - column],
+                stiffness,
+                changed[a - first : b - first],
+                opened[a - first : b - first],
+            )
     changes, gaps = change.reshape(-1), gap.reshape(-1)
-    for k in range(p.size):
+    for k in range(place.size):
         at = place[k]
-        pressure[k] = p[k] + changes[at]
+        pressure[k] = nodes.p[k] + changes[at]
         height[k] = gaps[at] / stiffness
         if compliance.size:
             height[k] += compliance[k] * changes[at]

@@ -376,12 +376,14 @@ def tuple_of(direction):
 
 
 @njit(cache=True)
-def lead(packed, p_trend, u_trend, block, sweeps):
+def lead(packed, p, u, p_before, u_before, offset, block, sweeps):
     """Find a first direction by way of the extrapolation of the last solutions.
 
-    The trends of pressure and deflection belong together, so the model settles from their sum with
-    the last solution, whether that is feasible or not. `block` is the first row and column of the
-    candidates' block on the window of the trends, and its numbers of rows and columns.
+    Changes of pressure and deflection belong together, so the model settles from their sum with the
+    last solution, whether that is feasible or not. p and u are that solution on its window,
+    p_before and u_before the solution before it, whose window begins at the offset (row, column).
+    `block` is the first row and column of the candidates' block on the window, and its numbers of
+    rows and columns.
 
     Returns the number of nodes that move and the fields of the Direction; its slope is 0 where no
     direction descends.
@@ -390,10 +392,9 @@ def lead(packed, p_trend, u_trend, block, sweeps):
     nodes, limits, work, model = system.nodes, system.limits, system.work, system.model
     present = approach_of(nodes.p, nodes.g, limits.hardness)
     fill(model, nodes, limits.hardness, present)
+    before = p_before, u_before, offset[0], offset[1]
     scratch = work.trial, work.r
-    approach = extrapolate(
-        model, nodes, limits.hardness, present, p_trend, u_trend, block, *scratch
-    )
+    approach = extrapolate(model, nodes, limits.hardness, present, p, u, before, block, *scratch)
     model.gap[:] -= np.float32((approach - present) * model.stiffness)
     know_far_field(model, system.far)
     settle(system, sweeps)

@@ -20,11 +20,11 @@ _LONG = (
     *(640, 768, 800, 1024, 1280, 1536, 2048, 2560, 3072),
     *(4096, 5120, 6144, 8192, 10240, 12288, 16384),
 )
-_ALONG = (16, 20, 32, 40, 64, 80, 128, 256, 320, 512, *_LONG)
+_ALONG = (16, 20, 32, 40, 64, 80, 128, 144, 256, 288, 320, 512, *_LONG)
 _ACROSS = (16, 20, 32, 40, 48, 64, 80, 96, 128, 144, 160, 200, 240, 256, 320, 384, 400, 512, *_LONG)
 # Columns of these lengths are transformed in two halves, because half of a column is zero, and so
 # are all from the last of them on. Elsewhere this takes longer.
-_HALVED = (80, 256, 512)
+_HALVED = (80, 256)
 # Columns of these lengths are transformed in place, because that is quicker, and longer columns,
 # because it saves memory. Other columns go from one array to another.
 _IN_PLACE = (128, 256, 512, 1024)

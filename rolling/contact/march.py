@@ -14,7 +14,7 @@ import numpy as np
 from rolling._typing import Array
 from rolling.contact import _march_kernels, closed_forms, solver
 from rolling.contact.half_space import MOST_NODES, HalfSpace
-from rolling.contact.solver import Contact, ContactError, SolverOptions, Trend, WarmStart
+from rolling.contact.solver import Contact, ContactError, Previous, SolverOptions, WarmStart
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.window import Window
 
@@ -254,28 +254,13 @@ def _follow(
         sphere_share, pressure = _towards_the_sphere(contact, state, window, gap, pressure)
         known = known and sphere_share == 0
     deflection = state.window.moved(state.deflection, window) if known else None
-    trend = None
+    previous = None
     if before is not None and deflection is not None:
-        trend = _trend(pressure, deflection, window, before)
+        row, column = before.window.row - window.row, before.window.column - window.column
+        previous = Previous(before.pressure, before.deflection, row, column)
     problem = _Problem(contact, k, half_space, window, gap, approach)
-    start = WarmStart(pressure, deflection, trend, close=True)
+    start = WarmStart(pressure, deflection, previous, close=True)
     return _solve(problem, start, contact.tolerance, sphere_share)
-
-
-def _trend(pressure: Array, deflection: Array, window: Window, before: ContactState) -> Trend:
-    """Compute the changes since the previous position."""
-    trend = Trend(np.empty_like(pressure), np.empty_like(pressure))
-    offset = before.window.row - window.row, before.window.column - window.column
-    _march_kernels.trends(
-        pressure,
-        deflection,
-        before.pressure,
-        before.deflection,
-        *offset,
-        trend.pressure,
-        trend.deflection,
-    )
-    return trend
 
 
 def _towards_the_sphere(

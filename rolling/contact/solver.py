@@ -19,7 +19,7 @@ from math import inf, isfinite
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact import _projection, _state_kernels
+from rolling.contact import _march_kernels, _projection, _state_kernels
 from rolling.contact._descent import AIM, AIM_FIRST, BlendedEdges, Candidates, Descent, Effort, Goal
 from rolling.contact._system import Limits, Sets
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
@@ -80,19 +80,23 @@ class Contact:
 
 
 @dataclass(frozen=True)
-class Trend:
-    """Changes of a contact since the previous position, a prediction of the next changes.
+class Previous:
+    """Contact at the position before the start, which a solve extrapolates.
 
     Parameters
     ----------
     pressure : (m, n) array, Pa
-        Change of the pressure.
+        Pressure on the window of that position; other nodes were unloaded.
     deflection : (m, n) array, m
-        Change of the deflection.
+        Deflection there; that of other nodes is unknown, and taken as unchanged.
+    row, column : int
+        First node of that window in the window of the solve; they may be negative.
     """
 
     pressure: Array
     deflection: Array
+    row: int
+    column: int
 
 
 @dataclass(frozen=True)
@@ -105,8 +109,8 @@ class WarmStart:
         Pressure between 0 and the hardness that carries the load to rounding.
     deflection : (m, n) array, m, or None
         Deflection by `pressure`. Default: it is computed.
-    trend : Trend or None
-        Expected changes, used where `deflection` is given. Default: none.
+    previous : Previous or None
+        Contact at the position before, used where `deflection` is given. Default: none.
     close : bool
         If true, iterate only on nodes in or near contact and check the others after convergence.
         Use it when the start is close to the solution. Default: false.
@@ -114,7 +118,7 @@ class WarmStart:
 
     pressure: Array
     deflection: Array | None = None
-    trend: Trend | None = None
+    previous: Previous | None = None
     close: bool = False
 
 
@@ -273,7 +277,7 @@ def solve_contact(
     edges = None
     if shape is not None:
         edges = BlendedEdges(gap, shape, levelled_range(half_space, hardness))
-        edges.find(u, None if start.trend is None else start.trend.deflection)
+        edges.find(u if start.previous is None else _extrapolated(u, start.previous))
     near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
     effort, exhausted, carried = Effort(), False, False
     while True:
@@ -296,8 +300,10 @@ def solve_contact(
             exhausted and candidates.node.size <= seen and (edges is None or effort.rounds > 4)
         )
         descent = Descent(half_space, candidates, p, g, edges, limits, goal, single)
-        if start.trend is not None and not fresh:
-            descent.lead(start.trend.pressure, start.trend.deflection)
+        if start.previous is not None and not fresh:
+            before = start.previous
+            offset = before.row, before.column
+            descent.lead(p, u, before.pressure, before.deflection, offset)
         descent.iterate(effort)
         carried = descent.settle(effort)
         exhausted = descent.is_exhausted
@@ -316,6 +322,15 @@ def _begin(half_space: HalfSpace, gap: Array, start: WarmStart) -> tuple[Array, 
             f"the start has pressures of shape {p.shape}, the gap has shape {gap.shape}"
         )
     return gap, p, half_space.deflection(p) if start.deflection is None else start.deflection
+
+
+def _extrapolated(deflection: Array, previous: Previous) -> Array:
+    """Return a deflection [m] that changes once more as it did since the previous position."""
+    expected = np.empty_like(deflection)
+    _march_kernels.extrapolate(
+        deflection, previous.deflection, previous.row, previous.column, expected
+    )
+    return expected
 
 
 def _state(

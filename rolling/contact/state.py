@@ -38,9 +38,16 @@ class Maxima:
         return tops
 
     @cached_property
+    def stretches(self) -> Array:
+        """Maximum height of every STRETCH nodes of a row, an (along, stretches) array [m]."""
+        first = np.arange(0, self.tops.shape[1], _march_kernels.STRETCH)
+        highest: Array = np.maximum.reduceat(self.tops, first, axis=1)
+        return highest
+
+    @cached_property
     def rows(self) -> Array:
         """Maximum height of each row, an (along,) array [m]."""
-        highest: Array = self.tops.max(axis=1)
+        highest: Array = self.stretches.max(axis=1)
         return highest
 
     @cached_property
@@ -167,6 +174,7 @@ class RollingContact:
         """
         row, last_row, column, last_column = _march_kernels.overlap_block(
             self.maxima.tops,
+            self.maxima.stretches,
             self.maxima.rows,
             self.maxima.highest,
             self.spacing,

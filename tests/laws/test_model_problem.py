@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rolling.contact import _model_kernels, _projection
+from rolling.contact import _march_kernels, _model_kernels, _projection
 from rolling.contact._model import LONGEST_WAVE, inverse_stencil, square_stencil
-from rolling.contact._system import Limits, Model, Sets
+from rolling.contact._system import Limits, Model, Nodes, Sets
 from rolling.contact.half_space import love
 
 pytestmark = pytest.mark.kernel
@@ -87,6 +87,41 @@ def test_stencil_lets_sweeps_converge() -> None:
     symbol = np.fft.rfft2(wrapped).real
     assert symbol.min() > 0
     assert symbol.max() < 2
+
+
+@pytest.mark.parametrize("offset", [(0, 0), (2, -3), (-4, 5), (9, 1), (30, 0), (0, -30)])
+def test_changes_are_those_since_the_previous_position(offset: tuple[int, int]) -> None:
+    """Off the previous window pressures began at 0, and deflections count as unchanged."""
+    rng, state = np.random.default_rng(4), model(5)
+    p, u = rng.random((2, 13, 11))
+    p_before, u_before = rng.random((2, 9, 10))
+    row, column, rows, columns = block = (3, 2, SIDE - 6, SIDE - 6)
+    inner, nodes = slice(3, -3), np.s_[row : row + rows, column : column + columns]
+    at = np.arange(SIDE * SIDE, dtype=np.uint32).reshape(SIDE, SIDE)[inner, inner].ravel()
+    held, gaps = p[nodes].ravel(), state.gap[inner, inner].astype(float)
+    free = Nodes(held, np.zeros_like(held), np.empty(0), np.empty(0))
+    scratch = np.empty_like(held), np.empty_like(held)
+    approach = _model_kernels.extrapolate(
+        state._replace(node=at, stiffness=2.0),
+        free,
+        np.inf,
+        0.5,
+        p,
+        u,
+        (p_before, u_before, *offset),
+        block,
+        *scratch,
+    )
+    known = np.zeros((13, 11))
+    _march_kernels.copy_block(p_before, known, *offset)
+    change = (p - known)[nodes]
+    known[:] = 0.0
+    _march_kernels.copy_block(u_before, known, *offset)
+    opened = np.where(known > 0, 2.0 * (u - known), 0.0)[nodes]
+    np.testing.assert_allclose(state.change[inner, inner], change, atol=1e-6)
+    np.testing.assert_allclose(state.gap[inner, inner], gaps + opened, atol=1e-6)
+    following, heights = held + change.ravel(), (gaps + opened).ravel() / 2.0
+    assert approach == pytest.approx(0.5 + heights[following > 0].mean(), abs=1e-6)
 
 
 @pytest.mark.parametrize("compliant", [False, True])
