@@ -129,19 +129,18 @@ def field_of(loads, table, out):
 
 
 @njit(cache=True, fused=True)
-def mark_free(change, gap, low, high, out):
-    """Set `out` to 1 at nodes that the model leaves between their bounds, else to 0."""
-    for k in range(out.size):
-        closing = change[k] - gap[k]
-        out[k] = 1.0 if low[k] < closing < high[k] else 0.0
+def mark_free(strips, change, gap, low, high, softening, out):
+    """Set `out` to 1 at nodes that the model leaves between their bounds, else to 0.
 
-
-@njit(cache=True, fused=True)
-def mark_soft(change, gap, low, high, softening, out):
-    """Set `out` as `mark_free` does, to the share of stiffness where nodes are compliant."""
-    for k in range(out.size):
-        closing = (change[k] - gap[k]) * softening[k]
-        out[k] = softening[k] if low[k] < closing < high[k] else 0.0
+    Where nodes are compliant, it is the share of their stiffness instead of 1. `out` is 0 off the
+    strips before and after.
+    """
+    for i in range(strips.shape[0]):
+        for k in range(strips[i, 0], strips[i, 1]):
+            closing, share = change[k] - gap[k], np.float32(1.0)
+            if softening.size:
+                closing, share = closing * softening[k], softening[k]
+            out[k] = share if low[k] < closing < high[k] else np.float32(0.0)
 
 
 @njit(cache=True)

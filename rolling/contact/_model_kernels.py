@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact._compiled import njit
-from rolling.contact._far_field_kernels import answer, mark_free, mark_soft, prolong, restrict
+from rolling.contact._far_field_kernels import answer, mark_free, prolong, restrict
 from rolling.contact._march_kernels import shared
 from rolling.contact._projection import project
 from rolling.contact._state_kernels import approach_of, worst_and_load
@@ -205,10 +205,7 @@ def add_far_field(model, far, unit):
     """
     change, gap = model.change.reshape(-1), model.gap.reshape(-1)
     low, high, free = model.low.reshape(-1), model.high.reshape(-1), model.moved.reshape(-1)
-    if model.softening.size:
-        mark_soft(change, gap, low, high, model.softening.reshape(-1), free)
-    else:
-        mark_free(change, gap, low, high, free)
+    mark_free(model.strips, change, gap, low, high, model.softening.reshape(-1), free)
     restrict(model.moved, far.tile, far.row_length, far.stiffness)
     restrict(model.change, far.tile, far.row_length, far.loads)
     answer(far)

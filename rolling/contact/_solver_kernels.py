@@ -230,15 +230,25 @@ def cell_ranges(shape, u, levelled, out):
     deflection.
     """
     rows, columns = u.shape
-    for j in range(columns):
-        out[0, j] = out[rows - 1, j] = 0.0
+    out[0] = out[rows - 1] = 0.0
     for i in range(1, rows - 1):
         out[i, 0] = out[i, columns - 1] = 0.0
-        for j in range(1, columns - 1):
-            along = shape[i + 1, j] + u[i + 1, j] - shape[i - 1, j] - u[i - 1, j]
-            across = shape[i, j + 1] + u[i, j + 1] - shape[i, j - 1] - u[i, j - 1]
-            known = u[i + 1, j] * u[i - 1, j] * u[i, j + 1] * u[i, j - 1] != 0.0
-            out[i, j] = half_range(along, across, levelled) if known else 0.0
+        left, right = (shape[i, :-2], u[i, :-2]), (shape[i, 2:], u[i, 2:])
+        before, after = (shape[i - 1, 1:-1], u[i - 1, 1:-1]), (shape[i + 1, 1:-1], u[i + 1, 1:-1])
+        ranges_of_line(*before, *after, *left, *right, levelled, out[i, 1:-1])
+
+
+@njit(cache=True)
+def ranges_of_line(
+    z_before, u_before, z_after, u_after, z_left, u_left, z_right, u_right, levelled, out
+):
+    """Set a line to half the ranges over its cells, from gaps z and deflections u around them."""
+    for k in range(out.size):
+        along = z_after[k] + u_after[k] - z_before[k] - u_before[k]
+        across = z_right[k] + u_right[k] - z_left[k] - u_left[k]
+        half = half_range(along, across, levelled)
+        known = u_after[k] * u_before[k] * u_right[k] * u_left[k] != 0.0
+        out[k] = half if known else 0.0
 
 
 @njit(cache=True)

@@ -34,21 +34,22 @@ def cells_of(node, columns, corner, block_columns, subcells, seen, listed):
 
 
 @njit(cache=True)
-def loaded_cells(fine, subcells, listed):
+def loaded_cells(fine, side, listed):
     """List the cells with a loaded sub-cell; return their number."""
-    rows, columns = fine.shape[0] // subcells, fine.shape[1] // subcells
+    r = len(side)
+    rows, columns = fine.shape[0] // r, fine.shape[1] // r
+    load = np.empty(columns, fine.dtype)
     count = 0
     for i in range(rows):
-        before = count
+        load[:] = 0.0
+        for a in range(r):
+            row = fine[i * r + a]
+            for j in range(columns):
+                for b in range(r):
+                    load[j] += row[j * r + b]
         for j in range(columns):
-            cell = i * columns + j
-            for a in range(subcells):
-                for b in range(subcells):
-                    if fine[i * subcells + a, j * subcells + b] != 0.0 and (
-                        count == before or listed[count - 1] != cell
-                    ):
-                        listed[count] = cell
-                        count += 1
+            listed[count] = i * columns + j  # the next cell overwrites it unless it counts
+            count += load[j] > 0.0
     return count
 
 

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import _transform_kernels, spectra
-from rolling.contact._compiled import njit
+from rolling.contact import _loaded_kernels, _transform_kernels, spectra
 from rolling.contact._fftw import pyfftw
 
 # These padded lengths are quick for their size, along columns and across them, by a trial of the
@@ -161,7 +160,7 @@ class HalfSpace:
             The window exceeds the longest transform.
         """
         m, n = pressure.shape
-        convolution = self.convolution(*_reach(pressure))
+        convolution = self.convolution(*_loaded_kernels.reach(pressure))
         block = convolution.block(m, n)
         _transform_kernels.load(pressure, block)
         convolution.apply(m, n)
@@ -194,34 +193,6 @@ class HalfSpace:
     def _length(self, reach: int, across: bool) -> int:
         """Return the padded length for nodes up to `reach` spacings from one another."""
         return padded_length(reach, across)
-
-
-@njit(cache=True)
-def _reach(pressure: Array) -> tuple[int, int]:
-    """Return the maximum distances of a row and a column from a loaded row and column.
-
-    They are at least half the window, which must fit.
-    """
-    rows, columns = pressure.shape
-    first_row, last_row, first_column, last_column = rows, 0, columns, 0
-    for i in range(rows):
-        row = pressure[i]
-        j = 0
-        while j < columns and row[j] == 0.0:
-            j += 1
-        if j == columns:
-            continue
-        first_row = min(first_row, i)
-        last_row = i
-        first_column = min(first_column, j)
-        k = columns - 1
-        while row[k] == 0.0:
-            k -= 1
-        last_column = max(last_column, k)
-    return (
-        max(last_row, rows - 1 - first_row, (rows + 1) // 2),
-        max(last_column, columns - 1 - first_column, (columns + 1) // 2),
-    )
 
 
 class Convolution:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact import _march_kernels, closed_forms, solver
+from rolling.contact import _loaded_kernels, _march_kernels, closed_forms, solver
 from rolling.contact.half_space import MOST_NODES, HalfSpace
 from rolling.contact.solver import Contact, ContactError, Previous, SolverOptions, WarmStart
 from rolling.contact.state import ContactState, RollingContact
@@ -168,7 +168,7 @@ def _state(
 ) -> ContactState:
     """Measure a solved contact: its loaded block, areas, maxima and energy."""
     contact, window = problem.contact, problem.window
-    count, capped, maximum, work, *block = _march_kernels.loaded(
+    count, capped, maximum, work, *block = _loaded_kernels.measures(
         solved.pressure,
         solved.deflection,
         contact.hardness,

@@ -151,13 +151,12 @@ class SubcellConvolution(Convolution):
         r = self._subcells
         fine, count = self.block(rows, columns)[..., 0], rows // r + 2
         cells = self.real[: -GROUP * (-count // (2 * GROUP))]
-        loaded = listed
+        loaded, side = listed, (0,) * r
         if loaded is None:
-            loaded = np.empty(fine.size // r**2, np.int64)
-            loaded = loaded[: _subcell_kernels.loaded_cells(fine, r, loaded)]
+            loaded = np.empty(fine.size // r**2 + 1, np.int64)
+            loaded = loaded[: _subcell_kernels.loaded_cells(fine, side, loaded)]
         if len(self._own) < loaded.size:
             self._own = np.empty((2 * loaded.size, r * r), fine.dtype)
-        side = (0,) * r
         _subcell_kernels.spread(fine, loaded, self._weights, side, cells, self._own)
         self._transform(count)
         if listed is not None:

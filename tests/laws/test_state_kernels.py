@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rolling.contact import _march_kernels, _recovery_kernels, _state_kernels
+from rolling.contact import _loaded_kernels, _recovery_kernels, _state_kernels
 
 pytestmark = pytest.mark.kernel
 
@@ -70,7 +70,7 @@ def test_measures_of_loaded_nodes_are_those_of_plain_arrays(seed: int, blended: 
         (p * u).sum(),
         *(rows.min(), rows.max(), columns.min(), columns.max()),
     )
-    got = _march_kernels.loaded(p, u, HARDNESS, edge if blended else np.empty((0, 0)), LEVELLED)
+    got = _loaded_kernels.measures(p, u, HARDNESS, edge if blended else np.empty((0, 0)), LEVELLED)
     assert got == pytest.approx(expected, rel=1e-12)
 
 
@@ -91,3 +91,12 @@ def test_work_of_nodes_is_that_of_plain_arrays(offset: tuple[int, int], left_end
     )
     np.testing.assert_allclose(work, expected, rtol=1e-12, atol=1e-22)
     assert sums == pytest.approx((expected.clip(min=0).sum(), -expected.clip(max=0).sum()))
+
+
+@pytest.mark.parametrize("loaded", [(), (0,), (39,), (5, 21), (16, 31), (15, 32), (0, 39)])
+def test_range_of_loaded_nodes(loaded: tuple[int, ...]) -> None:
+    """Any node may be the first or the last, in a row longer than what is searched at once."""
+    row = np.zeros(40)
+    row[list(loaded)] = 1e-300
+    first, end = _loaded_kernels.loaded_range(row)
+    assert (first, end) == (loaded[0], loaded[-1] + 1) if loaded else first == end

@@ -1,0 +1,109 @@
+"""Compiled search for the loaded nodes of a window, their reach and their measures."""
+
+# mypy: disable-error-code="no-untyped-def"
+from __future__ import annotations
+
+from rolling.contact._compiled import njit
+from rolling.contact._projection import sum_of
+
+AT_ONCE = 16  # nodes whose sum tells whether any is loaded
+
+
+@njit(cache=True)
+def loaded_range(row):
+    """Return the first loaded node of a row and the node after the last, or equal numbers.
+
+    No pressure is negative, so that the sum over many nodes tells whether any of them is loaded.
+    """
+    first, end = 0, row.size
+    while end - first >= AT_ONCE and sum_of(row[first : first + AT_ONCE]) == 0.0:
+        first += AT_ONCE
+    while first < end and row[first] == 0.0:
+        first += 1
+    while end - first >= AT_ONCE and sum_of(row[end - AT_ONCE : end]) == 0.0:
+        end -= AT_ONCE
+    while first < end and row[end - 1] == 0.0:
+        end -= 1
+    return first, end
+
+
+@njit(cache=True)
+def reach(pressure):
+    """Return the maximum distances of a row and a column from a loaded row and column.
+
+    They are at least half the window, which must fit.
+    """
+    rows, columns = pressure.shape
+    first_row, last_row, first_column, end_column = rows, 0, columns, 1
+    for i in range(rows):
+        first, end = loaded_range(pressure[i])
+        if first == end:
+            continue
+        first_row, last_row = min(first_row, i), i
+        first_column, end_column = min(first_column, first), max(end_column, end)
+    return (
+        max(last_row, rows - 1 - first_row, (rows + 1) // 2),
+        max(end_column - 1, columns - 1 - first_column, (columns + 1) // 2),
+    )
+
+
+@njit(cache=True)
+def measures(pressure, deflection, hardness, edge, levelled):
+    """Measure the loaded nodes of a window.
+
+    Returns the numbers of nodes in contact and at the hardness, the maximum pressure, the sum of p
+    u, and the block of the loaded nodes.
+
+    A cell that the edge of a patch crosses is in contact and at the hardness on its share of the
+    hardness. It counts so as far as its range of gaps counts (see `cell_ranges`), and as an elastic
+    node for the rest. An empty `edge` means sharp edges.
+    """
+    count, capped, maximum, work = 0.0, 0.0, 0.0, 0.0
+    first_row, last_row, first_column, last_column = pressure.shape[0], -1, pressure.shape[1], -1
+    for i in range(pressure.shape[0]):
+        row = pressure[i]
+        first, end = loaded_range(row)
+        if first == end:
+            continue
+        p = row[first:end]
+        touching, full, highest, pu = measure_row(p, deflection[i, first:end], hardness)
+        if edge.size:
+            crossing, in_contact, at_hardness = shares_of_row(
+                p, edge[i, first:end], hardness, levelled
+            )
+            touching = (touching - crossing) + in_contact
+            full += at_hardness
+        count += touching
+        capped += full
+        maximum = max(maximum, highest)
+        work += pu
+        first_row, last_row = min(first_row, i), i
+        first_column, last_column = min(first_column, first), max(last_column, end - 1)
+    return count, capped, maximum, work, first_row, last_row, first_column, last_column
+
+
+@njit(cache=True, fused=True)
+def measure_row(p, u, hardness):
+    """Return the numbers of nodes in contact and at the hardness, max p, and the sum of p u."""
+    count, capped, highest, work = 0.0, 0.0, 0.0, 0.0
+    for k in range(p.size):
+        count += 1.0 if p[k] > 0.0 else 0.0
+        capped += 1.0 if p[k] >= hardness else 0.0
+        highest = max(highest, p[k])
+        work += p[k] * u[k]
+    return count, capped, highest, work
+
+
+@njit(cache=True, fused=True)
+def shares_of_row(p, edge, hardness, levelled):
+    """Return the number of cells that edges cross, and of them in contact and at the hardness."""
+    crossing, in_contact, capped = 0.0, 0.0, 0.0
+    for k in range(p.size):
+        crosses = (0.0 < p[k] < hardness) and edge[k] > 0.0
+        half = edge[k] if crosses else 1.0
+        crossed = half / max(half, 0.5 * half + levelled)
+        full = crossed * (p[k] / hardness)
+        crossing += 1.0 if crosses else 0.0
+        in_contact += (1.0 - crossed) + full if crosses else 0.0
+        capped += full if crosses else 0.0
+    return crossing, in_contact, capped
