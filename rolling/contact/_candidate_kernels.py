@@ -46,17 +46,17 @@ def mark_neighbours(marks, row, near):
 
 
 @njit(cache=True)
-def candidates(p, g, highest, neighbours, node):
+def candidates(p, g, highest, neighbours, subcells, node):
     """List the nodes of a window that are loaded or lie lower than `highest` [m].
 
     Their flat indices go into `node`. With `neighbours` the nodes along and across from them are
     listed, too.
 
-    Heights count before the approach is subtracted. Returns the number of candidates and their
-    block (first row, last row, first column, last column).
+    Heights count before the approach is subtracted. Returns the number of candidates, and the first
+    row and column of their block and its numbers of rows and columns, in whole cells of so many
+    sub-cells along and across.
     """
-    rows, columns = p.shape
-    nodes = p.size
+    nodes, columns = p.size, p.shape[1]
     # Most words of eight marks are empty, and a whole word is read as fast as a mark.
     words = nodes // 8 + 1
     marks = np.zeros(8 * words, np.uint8)
@@ -72,13 +72,20 @@ def candidates(p, g, highest, neighbours, node):
                 node[count] = k  # the next node overwrites it unless it counts
                 count += marks[k] != 0
     if count == 0:
-        return 0, rows, -1, columns, -1
+        return 0, 0, 0, 0, 0
     in_column = np.zeros(columns, np.uint8)
     first_row, last_row = node[0] // columns, node[count - 1] // columns
     for i in range(first_row, last_row + 1):
         or_line(marks[i * columns : (i + 1) * columns], in_column)
     across = np.flatnonzero(in_column)
-    return count, first_row, last_row, across[0], across[-1]
+    row, column = first_row // subcells * subcells, across[0] // subcells * subcells
+    return count, row, column, whole(last_row - row, subcells), whole(across[-1] - column, subcells)
+
+
+@njit(cache=True)
+def whole(last, subcells):
+    """Return the number of sub-cells in the cells from the first sub-cell, 0, to the last."""
+    return (last // subcells + 1) * subcells
 
 
 @njit(cache=True)

@@ -90,15 +90,10 @@ class Candidates:
         candidates too. The block consists of whole cells.
         """
         listed = np.empty(pressure.size, dtype=np.int64)
-        count, first_row, last_row, first_column, last_column = _candidate_kernels.candidates(
-            pressure, gap, highest, neighbours, listed
+        count, *block = _candidate_kernels.candidates(
+            pressure, gap, highest, neighbours, subcells, listed
         )
-        first_row, first_column = (k // subcells * subcells for k in (first_row, first_column))
-        rows, columns = (
-            -(-(last - first + 1) // subcells) * subcells
-            for first, last in ((first_row, last_row), (first_column, last_column))
-        )
-        return cls(listed[:count], first_row, first_column, rows, columns)
+        return cls(listed[:count], *block)
 
 
 class BlendedEdges:
@@ -238,7 +233,7 @@ class Descent:
         self._most_pairs = PAIRS * self.transforms.real.size if direct else -1
         self._moving = 0  # nodes that the direction moves
         self.direction = Direction(0.0, 0.0, 0.0, _solver_kernels.FIRST_LENGTH)
-        self.step = Step(np.nan, np.nan, 0, 0, 0, 0)
+        self.step = Step(np.nan, np.nan, 0, 0, 0, 0, 0.0)
 
     def _pack(
         self, pressure: Array, gap: Array, u_max: float, edges: BlendedEdges | None
@@ -344,7 +339,11 @@ class Descent:
         while True:
             last, sweeps = effort.iterations >= MAX_ITERATIONS, effort.sweeps
             effort.moves += self.blended
-            self._step(nearly, snap / share, np.inf if last else self.goal, sweeps, effort.moves)
+            goal = np.inf if last else self.goal
+            # Where the check refused a last step once, the residual has waves too long for the
+            # model.
+            finishing = effort.rounds == 1 and not last
+            self._step(nearly, snap / share, goal, sweeps, effort.moves, finishing)
             if last or not self.step.worst > self.goal:
                 break
             stalled = self.step.worst > STALLED * minimum
@@ -359,11 +358,13 @@ class Descent:
             effort.stuck = 0
             self._convolve(effort)
 
-    def _step(self, nearly: float, snap: float, goal: float, sweeps: int, moves: int) -> None:
+    def _step(
+        self, nearly: float, snap: float, goal: float, sweeps: int, moves: int, finishing: bool
+    ) -> None:
         """Step along the direction, and find the next one unless the violation is within `goal`."""
         edges_move = 0 < moves <= MAX_MOVES
         step, direction = _solver_kernels.iterate(
-            self.packed, tuple(self.direction), nearly, snap, goal, sweeps, edges_move
+            self.packed, tuple(self.direction), nearly, snap, goal, sweeps, edges_move, finishing
         )
         self.step, self.direction = Step(*step), Direction(*direction)
         self._moving = self.step.free + self.step.bound
@@ -376,12 +377,9 @@ class Descent:
         p, g, step = self._vectors[0], self._vectors[1], self.step
         if not step.worst > self.goal:
             # A node that was put on a bound took its share of the load along. The last step or the
-            # free nodes make up for it, or else the nodes that are nearest to moving. Where the
-            # check refused the last step once, the residual has waves too long for the model.
-            finished = effort.rounds == 1 and effort.iterations < MODELLED and self._finish()
-            if not finished:
-                _solver_kernels.carry_load(self.packed, step.approach)
-            if abs(p.sum() / self.limits.total - 1) <= 1e-13:
+            # free nodes make up for it, or else the nodes that are nearest to moving.
+            load = step.load or _solver_kernels.carry_load(self.packed, step.approach)
+            if abs(load / self.limits.total - 1) <= 1e-13:
                 return True
             effort.snapping = False
             _projection.settle_load(p, g, self.limits, 0.0)
@@ -394,12 +392,6 @@ class Descent:
         else:
             _projection.settle_load(p, g, self.limits, 0.0)
         return False
-
-    def _finish(self) -> bool:
-        """Take a last step by the model; return whether it descends."""
-        return bool(
-            _solver_kernels.finish(self.packed, tuple(self.direction), self.step.approach, SWEEPS)
-        )
 
     def _convolve(self, effort: Effort) -> None:
         few = self._moving * self.node.size <= self._most_pairs

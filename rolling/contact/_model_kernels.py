@@ -334,9 +334,9 @@ def follow_model(system, approach, last, allowed, sweeps):
     worst, load = fill(model, nodes, limits.hardness, approach)
     # Nodes that jumped to a bound left their load to the direction.
     worst += model.lift * abs(limits.total - load)
+    system.far.known[:] = 0.0
     if worst <= allowed:
         return worst, list_inside(nodes.p, limits.hardness, system.work.active), 0, 0, last
-    system.far.known[:] = 0.0
     settle(system, sweeps)
     free, bound = sort_nodes(system)
     jumped = 0

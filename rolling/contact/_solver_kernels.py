@@ -3,7 +3,7 @@
 r is the residual, the remaining gap or overlap on a free node [m]; z is the preconditioned residual
 and d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
 direction. `cell_ranges` reads a whole window. All other passes read its candidates, the nodes that
-may be in contact, as flat arrays. Python calls `iterate`, `lead`, `sum_directly`, `finish` and
+may be in contact, as flat arrays. Python calls `iterate`, `lead`, `sum_directly` and
 `carry_load`.
 """
 
@@ -23,7 +23,7 @@ from rolling.contact._model_kernels import (
     settle,
     sort_nodes,
 )
-from rolling.contact._projection import project
+from rolling.contact._projection import project, sum_of
 from rolling.contact._state_kernels import approach_of
 from rolling.contact._system import Direction, Sets, unpack
 
@@ -333,7 +333,26 @@ def advance(system, direction, nearly):
 
 
 @njit(cache=True)
-def iterate(packed, direction, nearly, snap, allowed, sweeps, edges_move):
+def finish(system, approach, last, sweeps):
+    """Take a last whole step by the model, which needs no convolution before the final check.
+
+    The grid of the model holds the present state. Returns the sum of the pressures, which carry the
+    load, or 0 where no such step descends.
+    """
+    nodes, limits = system.nodes, system.limits
+    settle(system, sweeps)
+    free, bound = sort_nodes(system)
+    following, _ = model_direction(system, approach, last, free, bound)
+    if not following.slope < 0.0:
+        return 0.0
+    d = system.work.d
+    for k in range(d.size):
+        nodes.p[k] = min(max(nodes.p[k] + d[k], 0.0), limits.hardness)
+    return sum_of(nodes.p)
+
+
+@njit(cache=True)
+def iterate(packed, direction, nearly, snap, allowed, sweeps, edges_move, finishing):
     """Step along the direction, and find the next direction unless converged.
 
     The step has converged if the violation is within `allowed` [m]. Where `edges_move`, the edges
@@ -343,8 +362,8 @@ def iterate(packed, direction, nearly, snap, allowed, sweeps, edges_move):
     next direction. Without sweeps, or where the model has none that descends, the preconditioned
     residual gives it, and nodes within `snap` [Pa] of the bound that they approach are put on it.
 
-    Returns the fields of the Step that was taken and of the Direction to convolve. After a
-    converged step the latter is unchanged.
+    After a converged step the model takes a last step if `finishing`, and the Direction is
+    unchanged. Returns the fields of the Step that was taken and of the Direction to convolve.
     """
     system, direction = unpack(packed), Direction(*direction)
     nodes, limits, work = system.nodes, system.limits, system.work
@@ -362,9 +381,12 @@ def iterate(packed, direction, nearly, snap, allowed, sweeps, edges_move):
             system, approach, last, allowed, sweeps
         )
         if worst <= allowed or following.slope < 0.0:
+            load = 0.0
             if worst > allowed:
                 scatter(system.transform, work.d)
-            return (approach, worst, free, bound, restarts, 0), tuple_of(following)
+            elif finishing:
+                load = finish(system, approach, following, sweeps)
+            return (approach, worst, free, bound, restarts, 0, load), tuple_of(following)
         length = 1.0
         direction = Direction(0.0, 0.0, 0.0, length)
     worst, free, bound = find_residual(nodes, system.stencil, work, limits.hardness, approach, snap)
@@ -376,7 +398,7 @@ def iterate(packed, direction, nearly, snap, allowed, sweeps, edges_move):
             nodes, system.stencil, work, limits, approach, free, bound, last, plain
         )
         scatter(system.transform, work.d)
-    return (approach, worst, free, bound, restarts, plain_steps), tuple_of(direction)
+    return (approach, worst, free, bound, restarts, plain_steps, 0.0), tuple_of(direction)
 
 
 @njit(cache=True)
@@ -420,37 +442,20 @@ def lead(packed, p, u, p_before, u_before, offset, block, sweeps):
 
 
 @njit(cache=True)
-def finish(packed, direction, approach, sweeps):
-    """Take a last whole step by the model, which needs no convolution before the final check.
-
-    The pressures then carry the load exactly. Returns whether such a step descends.
-    """
-    system, last = unpack(packed), Direction(*direction)
-    nodes, limits, model = system.nodes, system.limits, system.model
-    fill(model, nodes, limits.hardness, approach)
-    system.far.known[:] = 0.0
-    settle(system, sweeps)
-    free, bound = sort_nodes(system)
-    following, _ = model_direction(system, approach, last, free, bound)
-    if not following.slope < 0.0:
-        return False
-    d = system.work.d
-    for k in range(d.size):
-        nodes.p[k] = min(max(nodes.p[k] + d[k], 0.0), limits.hardness)
-    return True
-
-
-@njit(cache=True)
 def carry_load(packed, approach):
-    """Shift the nodes between the bounds so that the load is exact, where they can carry it."""
+    """Shift the nodes between the bounds so that the load is exact, where they can carry it.
+
+    Returns the sum of the pressures.
+    """
     system = unpack(packed)
     nodes, work, limits = system.nodes, system.work, system.limits
     free = list_inside(nodes.p, limits.hardness, work.active)
     if free == 0:
-        return
+        return sum_of(nodes.p)
     work.trial[:] = nodes.p
     sets = Sets(work.active, free, 0)
     slope, _ = project(nodes.p, nodes.g, approach, work.trial, sets, limits, work.d)
     if slope < np.inf:
         for k in range(nodes.p.size):
             nodes.p[k] = min(max(nodes.p[k] + work.d[k], 0.0), limits.hardness)
+    return sum_of(nodes.p)

@@ -406,6 +406,8 @@ class Step(NamedTuple):
         Numbers of candidates that may move freely and that go to a bound.
     restarts, plain_steps : int
         1 if the next direction is a restart or a plain gradient, otherwise 0.
+    load : float, Pa
+        Sum of the pressures after the last step by the model; 0 where there was none.
     """
 
     approach: float
@@ -414,3 +416,4 @@ class Step(NamedTuple):
     bound: int
     restarts: int
     plain_steps: int
+    load: float

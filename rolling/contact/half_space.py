@@ -5,6 +5,8 @@ Love's influence coefficients are convolved with the pressure by zero-padded FFT
 
 from __future__ import annotations
 
+from bisect import bisect_left
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,12 +61,12 @@ def padded_length(reach: int, across: bool = False) -> int:
     ValueError
         `reach` exceeds the longest transform.
     """
-    for length in _ACROSS if across else _ALONG:
-        if length >= 2 * reach:
-            return length
-    raise ValueError(
-        f"a window of {reach + 1} nodes is more than the {MOST_NODES} there is room for"
-    )
+    lengths = _ACROSS if across else _ALONG
+    if 2 * reach > lengths[-1]:
+        raise ValueError(
+            f"a window of {reach + 1} nodes is more than the {MOST_NODES} there is room for"
+        )
+    return lengths[bisect_left(lengths, 2 * reach)]
 
 
 def love(rows: Array, columns: Array) -> Array:

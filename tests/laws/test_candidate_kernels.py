@@ -18,9 +18,9 @@ CROSS = ndimage.generate_binary_structure(2, 1)
 @pytest.mark.kernel
 @pytest.mark.parametrize("shape", [(1, 1), (1, 9), (7, 1), (5, 8), (13, 11), (31, 40)])
 @pytest.mark.parametrize("share", [0.0, 0.02, 0.3, 1.0])
-@pytest.mark.parametrize("neighbours", [False, True])
+@pytest.mark.parametrize(("neighbours", "subcells"), [(False, 1), (True, 1), (True, 2), (False, 4)])
 def test_candidates_are_those_of_plain_arrays(
-    shape: tuple[int, int], share: float, neighbours: bool
+    shape: tuple[int, int], share: float, neighbours: bool, subcells: int
 ) -> None:
     """Loaded and low nodes are listed in order, with the nodes along and across if asked for."""
     rng = np.random.default_rng(int(100 * share) + shape[1])
@@ -30,11 +30,14 @@ def test_candidates_are_those_of_plain_arrays(
     if neighbours:
         expected = ndimage.binary_dilation(expected, CROSS)
     node = np.full(pressure.size, -1)
-    count, *block = kernels.candidates(pressure, gap, 0.0, neighbours, node)
+    count, *block = kernels.candidates(pressure, gap, 0.0, neighbours, subcells, node)
     np.testing.assert_array_equal(node[:count], np.flatnonzero(expected))
     rows, columns = np.nonzero(expected)
     if count:
-        assert block == [rows.min(), rows.max(), columns.min(), columns.max()]
+        first = rows.min() // subcells * subcells, columns.min() // subcells * subcells
+        ends = rows.max() // subcells + 1, columns.max() // subcells + 1
+        sizes = [end * subcells - begin for begin, end in zip(first, ends, strict=True)]
+        assert block == [*first, *sizes]
 
 
 @pytest.mark.parametrize(("rows", "row"), [(4100, 10), (1500, 31), (650, 64), (206, 200)])
