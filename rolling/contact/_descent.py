@@ -29,8 +29,8 @@ NEARLY_WHOLE = 0.8
 STALLED = 0.9
 NEARLY_WHOLE_STALLED = 0.55
 # Few nodes deflect the candidates pair by pair, where the pairs are at most so many times the nodes
-# of the transforms: a pair takes 0.5 ns, and a transform forth and back 3 ns per node.
-PAIRS = 4
+# of the transforms: a pair takes 0.5 ns, and a transform forth and back 1.1 ns per node.
+PAIRS = 2
 MAX_MOVES = 100  # of the edges in a solve, one in each iteration, before they stay
 # The descent aims at this share of the tolerance. The rest allows for the difference between the
 # updated deflection and a recomputed deflection.
