@@ -20,9 +20,9 @@ RISE = 1.5
 SUBCELL_POWER = 1.6
 # A step with its release at tolerance 1e-4 takes c (n/100)^k milliseconds on a window of n by n
 # nodes. c and k follow the fits of tests/benchmarks/step_cost.py, from 40 to 1,000 nodes, with an
-# allowance of 10 to 50 % for machines that are not idle. Elastic and yielding plates share a law at
+# allowance of 10 to 30 % for machines that are not idle. Elastic and yielding plates share a law at
 # sharp edges.
-STEP_LAWS = {"smooth": (1.0, 1.6), "sharp": (1.25, 2.25), "blended": (2.1, 2.1)}
+STEP_LAWS = {"smooth": (0.65, 1.45), "sharp": (0.8, 2.3), "blended": (1.2, 2.25)}
 # On a smoother surface [m] pressures move with the sphere, and a solve hardly iterates.
 SMOOTH = 1e-9
 # Generated heights are a little more or less steep than their law.

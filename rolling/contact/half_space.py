@@ -17,12 +17,13 @@ from rolling.contact._fftw import pyfftw
 # These padded lengths are quick for their size, along columns and across them, by a trial of the
 # even products of 2, 3, 5 and 7 up to 650: any length between two of them costs more than the
 # longer one, or hardly less.
-_LONG = (
-    *(640, 768, 800, 1024, 1280, 1536, 2048, 2560, 3072),
-    *(4096, 5120, 6144, 8192, 10240, 12288, 16384),
+_LONG = (1024, 1280, 1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
+_ALONG = (16, 20, 32, 40, 64, 80, 128, 144, 256, 288, 320, 512, 640, 800, *_LONG)
+_ACROSS = (
+    *(16, 20, 32, 40, 48, 64, 80, 96, 128, 144, 160, 200, 240, 256, 320, 384, 400, 512, 640),
+    *(768, 800),
+    *_LONG,
 )
-_ALONG = (16, 20, 32, 40, 64, 80, 128, 144, 256, 288, 320, 512, *_LONG)
-_ACROSS = (16, 20, 32, 40, 48, 64, 80, 96, 128, 144, 160, 200, 240, 256, 320, 384, 400, 512, *_LONG)
 # Columns of these lengths are transformed in two halves, because half of a column is zero, and so
 # are all from the last of them on. Elsewhere this takes longer.
 _HALVED = (80, 256)

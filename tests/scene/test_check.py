@@ -233,15 +233,15 @@ def test_window_is_about_what_a_solved_contact_needs() -> None:
 @pytest.mark.parametrize(
     ("law", "nodes", "ms"),
     [
-        ("sharp", 62, 0.58),
-        ("sharp", 108, 1.25),
+        ("sharp", 62, 0.37),
+        ("sharp", 108, 0.75),
         ("sharp", 404, 24),
-        ("sharp", 1058, 316),
-        ("blended", 65, 0.8),
-        ("blended", 407, 38),
-        ("blended", 1060, 365),
-        ("smooth", 71, 0.55),
-        ("smooth", 351, 6.5),
+        ("sharp", 1058, 212),
+        ("blended", 65, 0.53),
+        ("blended", 407, 33),
+        ("blended", 1060, 243),
+        ("smooth", 71, 0.52),
+        ("smooth", 351, 3.3),
     ],
 )
 def test_expected_time_follows_the_measured_solves(law: str, nodes: float, ms: float) -> None:
