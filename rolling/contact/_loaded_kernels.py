@@ -4,23 +4,28 @@
 from __future__ import annotations
 
 from rolling.contact._compiled import njit
-from rolling.contact._projection import sum_of
 
-AT_ONCE = 16  # nodes whose sum tells whether any is loaded
+AT_ONCE = 16  # nodes whose sum tells whether any of them is loaded
+
+
+@njit(cache=True, fused=True)
+def sum_of_sizes(values):
+    """Return the sum of absolute values."""
+    total = 0.0
+    for k in range(values.size):
+        total += abs(values[k])
+    return total
 
 
 @njit(cache=True)
 def loaded_range(row):
-    """Return the first loaded node of a row and the node after the last, or equal numbers.
-
-    No pressure is negative, so that the sum over many nodes tells whether any of them is loaded.
-    """
+    """Return the first loaded node of a row and the node after the last, or equal numbers."""
     first, end = 0, row.size
-    while end - first >= AT_ONCE and sum_of(row[first : first + AT_ONCE]) == 0.0:
+    while end - first >= AT_ONCE and sum_of_sizes(row[first : first + AT_ONCE]) == 0.0:
         first += AT_ONCE
     while first < end and row[first] == 0.0:
         first += 1
-    while end - first >= AT_ONCE and sum_of(row[end - AT_ONCE : end]) == 0.0:
+    while end - first >= AT_ONCE and sum_of_sizes(row[end - AT_ONCE : end]) == 0.0:
         end -= AT_ONCE
     while first < end and row[end - 1] == 0.0:
         end -= 1

@@ -46,7 +46,7 @@ def loaded_cells(fine, side, listed):
             row = fine[i * r + a]
             for j in range(columns):
                 for b in range(r):
-                    load[j] += row[j * r + b]
+                    load[j] += abs(row[j * r + b])
         for j in range(columns):
             listed[count] = i * columns + j  # the next cell overwrites it unless it counts
             count += load[j] > 0.0

@@ -65,8 +65,8 @@ def multiply(numbers, mean, difference, sines, cosines, halved):
 
     A column of pairs has half of the frequencies of a column of nodes. Frequencies q and q + m / 2
     of the nodes are the sum and the difference of the even rows' frequency q and the odd rows', the
-    latter turned by half a spacing. Both multiplied and taken apart again, the frequency of a pair
-    becomes a multiple of itself plus a multiple of the conjugate of the opposite frequency.
+    latter turned by a spacing of the nodes. Both multiplied and taken apart again, the frequency of
+    a pair becomes a multiple of itself plus a multiple of the conjugate of the opposite frequency.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def multiply(numbers, mean, difference, sines, cosines, halved):
         Half of the sum and half of the difference of the coefficients of frequencies q and
         q + m / 2; they are even along and across.
     sines, cosines : (m // 4 + 1,) arrays
-        Turns of the frequencies by a spacing.
+        Turns of the frequencies by a spacing of the nodes.
     halved : bool
         Whether columns are halved.
     """

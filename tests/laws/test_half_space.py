@@ -130,6 +130,17 @@ def test_padding_follows_the_loaded_block(rows: tuple[int, int], columns: tuple[
     )
 
 
+@pytest.mark.parametrize("subcells", [1, 2])
+def test_pressures_that_cancel_deflect_the_plate(subcells: int) -> None:
+    """A difference of pressures may be negative, and its sum over a cell or a row zero."""
+    space = half_space_of(SPACING, STEEL, subcells)
+    difference = np.zeros((40, 44))
+    difference[2, 2:4], difference[30, 36:40] = (1e9, -1e9), (1e9, -1e9, -1e9, 1e9)
+    parts = [np.where(difference > 0, difference, 0.0), np.where(difference < 0, difference, 0.0)]
+    expected = space.deflection(parts[0]) + space.deflection(parts[1])
+    assert np.abs(space.deflection(difference) - expected).max() < 1e-14 * np.abs(expected).max()
+
+
 def test_single_precision_is_told_from_double_by_1e_7() -> None:
     rng = np.random.default_rng(7)
     space = HalfSpace(SPACING, STEEL)
