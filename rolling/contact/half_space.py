@@ -24,14 +24,14 @@ _ACROSS = (
     *(768, 800),
     *_LONG,
 )
-# Columns of these lengths are transformed in two halves, because half of a column is zero, and so
-# are all from the last of them on. Elsewhere this takes longer.
+# Columns of these lengths, and all longer columns, are transformed in two halves, because half of a
+# column is zero. Elsewhere this takes longer.
 _HALVED = (80, 256)
 # Columns of these lengths are transformed in place, because that is quicker, and longer columns,
 # because it saves memory. Other columns go from one array to another.
 _IN_PLACE = (128, 256, 512, 1024)
-BACKWARD = "FFTW_BACKWARD"
-APART = 4  # complex numbers between two lines of columns
+_BACKWARD = "FFTW_BACKWARD"
+_APART = 4  # complex numbers between two lines of columns
 GROUP = 4  # Plans for rows are made for multiples of so many lines.
 
 MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
@@ -228,7 +228,7 @@ class Convolution:
         self._pairs = pyfftw.zeros_aligned((length, n), both)
         self.real = self._pairs.view(real).reshape(length, n, 2)
         # Lines of a power of two would meet in the same places of the cache.
-        self._lines = pyfftw.zeros_aligned((length, n + APART), both)
+        self._lines = pyfftw.zeros_aligned((length, n + _APART), both)
         in_place = m in _IN_PLACE or m > _IN_PLACE[-1]
         self._columns = self._lines if in_place else pyfftw.zeros_aligned(self._lines.shape, both)
         self._numbers = self._columns.view(real)
@@ -248,7 +248,7 @@ class Convolution:
         self._turns = np.exp(-2j * np.pi / length * np.arange(half)).astype(both)
         lines, columns = self._lines[:, :n], self._columns[:, :n]
         self._columns_forward = [_plan(lines[part], columns[part], 0) for part in parts]
-        self._columns_backward = [_plan(columns[part], lines[part], 0, BACKWARD) for part in parts]
+        self._columns_backward = [_plan(columns[part], lines[part], 0, _BACKWARD) for part in parts]
         self._row_plans: dict[int, tuple[pyfftw.FFTW, pyfftw.FFTW]] = {}
 
     @property
@@ -314,7 +314,7 @@ class Convolution:
         pairs = min(-GROUP * (-rows // (2 * GROUP)), len(self.real))
         if pairs not in self._row_plans:
             head, lines = self._pairs[:pairs], self._lines[:pairs, : self.real.shape[1]]
-            self._row_plans[pairs] = _plan(head, lines, 1), _plan(lines, head, 1, BACKWARD)
+            self._row_plans[pairs] = _plan(head, lines, 1), _plan(lines, head, 1, _BACKWARD)
         row_forward, row_backward = self._row_plans[pairs]
         row_forward.execute()
         halved = self._turns.size > 0
