@@ -22,7 +22,7 @@ TIGHTER = 10.0  # the scene's tolerance over the tight tolerance
 LEAST_TOLERANCE = 1e-10  # rounding does not let a solve come closer
 LINES = 2  # lines of a stretch in the third octave of 1 kHz, if the cost allows
 # The cost of a step, as it is counted here, grows with this power of the nodes along a side. It
-# does not follow `cost.STEP_LAWS`, whose powers are 1.6 to 2.2: when they are measured anew, the
+# does not follow `cost.STEP_LAWS`, whose powers are 1.45 to 2.3: when they are measured anew, the
 # stretches of a scene, and all numbers that follow from them, have to stay.
 COST_POWER = 1.95
 LEVELS = ("tight", "fine", "coarse")  # marches of a stretch, beside the run itself
