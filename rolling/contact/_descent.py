@@ -321,9 +321,15 @@ class Descent:
         These are the solution on the window and the solution before, whose window begins at the
         offset (row, column).
         """
-        last, before = (pressure, deflection), (pressure_before, deflection_before)
         self._moving, direction = _solver_kernels.lead(
-            self.packed, *last, *before, offset, self._block_at, FIRST_SWEEPS
+            self.packed,
+            pressure,
+            deflection,
+            pressure_before,
+            deflection_before,
+            offset,
+            self._block_at,
+            FIRST_SWEEPS,
         )
         self.direction = Direction(*direction)
 

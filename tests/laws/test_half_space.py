@@ -101,7 +101,7 @@ def test_deflection_is_linear_and_symmetric() -> None:
 
 @pytest.mark.parametrize("reach", [1, 8, 9, 127, 1000, 8192])
 def test_padding_keeps_nodes_apart_at_little_waste(reach: int) -> None:
-    """The waste is at most a third across the track, and at most as much again along it."""
+    """A length is at most a third longer than needed across the track, and twice along it."""
     along, across = padded_length(reach), padded_length(reach, across=True)
     assert 2 * reach <= across <= max(16, 1.34 * 2 * reach)
     assert 2 * reach <= along <= max(16, 2.0 * 2 * reach)
