@@ -14,6 +14,7 @@ from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.drawn_lines import NOTHING_DB, Lines
 from acoustics.level import I_REF_W_M2, P_REF_PA
 from acoustics.spectrum import article_line_level_db
+from acoustics.uncertainty import level_uncertainty
 from acoustics.weighting import a_weighting_db
 from rolling import commands
 from rolling._typing import Array
@@ -83,26 +84,28 @@ def case_of(reading: str, run: RunResult) -> dict[str, Any]:
         "plastic_area_um2": summary["plastic_area_mean_m2"] * 1e12,
         "plastic_ratio": summary["plastic_ratio"],
         "deflection_um": float(np.nanmean(run.series["max_deflection"])) * 1e6,
-        **_sound_measures(summary),
+        **_sound_measures(run),
         **_line_measures(run),
     }
 
 
-def _sound_measures(summary: dict[str, Any]) -> dict[str, float]:
+def _sound_measures(run: RunResult) -> dict[str, float]:
     """Compute levels of the fluctuation of the release [dB] and its spectral centroid [Hz].
 
     LAeq is 10 lg of the release. The same fluctuation as 20 lg has no absolute value.
     """
+    summary, sound, laps = run.summary, run.sound, run.laps
+    unscaled = level_uncertainty(sound.pressure, sound.sample_rate, sound.levels, False, laps=laps)
     factor = summary["factor_pa_per_w_m2"]
     unscaled_db = 20 * math.log10(P_REF_PA / (factor * I_REF_W_M2)) if factor else math.nan
-    level_db, error_db = _number(summary["laeq_db"]), _number(summary["uncertainty_db"]["laeq"])
+    level_db = _number(summary["laeq_db"])
     bands_db = np.array([_number(summary["third_octave_db"][name]) for name in BAND_NAMES])
     square = np.nan_to_num(10 ** (bands_db / 10))
     return {
         "audible_10_db": level_db,
-        "audible_10_uncertainty_db": error_db,
+        "audible_10_uncertainty_db": _number(summary["uncertainty_db"]["laeq"]),
         "audible_20_db": level_db + unscaled_db,
-        "audible_20_uncertainty_db": 2 * error_db,
+        "audible_20_uncertainty_db": _number(unscaled.laeq_db),
         "centroid_hz": float(square @ MID_HZ / square.sum()) if square.any() else math.nan,
         **dict(zip(band_columns(BAND_NAMES), map(float, bands_db + unscaled_db), strict=True)),
     }

@@ -18,6 +18,7 @@ from acoustics.bands import BAND_NAMES, MID_HZ, band_uncertainty_db, reliable
 from rolling.lee2025.cases import band_columns
 
 ROUGHNESS, LOAD, LENGTH = "roughness_um", "load_n", "correlation_um"
+FORMS = {ROUGHNESS: "Ra {:g} µm", LOAD: "{:g} N", LENGTH: "{:g} µm"}
 HOLDS, IN_PART, FAILS, NOT_RUN = "holds", "in part", "does not hold", "not run"
 
 LG_LENGTH_DB = 5.0  # fall of a line of noise in a record ten times as long (10 lg of an amplitude)
@@ -61,9 +62,7 @@ def verdict(comparisons: Sequence[Comparison]) -> str:
 
 def label(column: str, value: float) -> str:
     """Write a roughness, a load or a correlation length with its name or unit."""
-    if column == ROUGHNESS:
-        return f"Ra {value:g} µm"
-    return f"{value:g} N" if column == LOAD else f"{value:g} µm"
+    return FORMS[column].format(value)
 
 
 def _pair(roughness: float, load: float) -> str:

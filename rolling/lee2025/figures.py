@@ -29,6 +29,7 @@ def gallery(
 ) -> Iterator[tuple[str, str, Figure]]:
     """Draw all figures: yield reading, name and figure."""
     everything = pd.concat(readings.values())
+    maps = {reading: maps[reading] for reading in readings}
     curve_limits = level_limits(np.concatenate(list(everything["curve_db"])))
     plastic_limits = (-0.02, 1.05 * max(float(everything["plastic_ratio"].max()), 0.1))
     maxima = "maximum_10_db", "maximum_20_db"
@@ -123,7 +124,8 @@ def _map_figure(reading: str, maps: dict[str, Maps], quantity: str, colours: str
     for ax, ((_, roughness, load), values) in zip(axes, shown.items(), strict=True):
         sheet(ax, *values, quantity, colours)
         ax.set_zlim(*(limits[::-1] if quantity.startswith("deflection") else limits))
-        ax.set_title(f"{label(ROUGHNESS, roughness)}, {label(LOAD, load)}", fontsize="small")
+        under = "" if quantity.startswith("height") else f", {label(LOAD, load)}"
+        ax.set_title(f"{label(ROUGHNESS, roughness)}{under}", fontsize="small")
     return figure
 
 
@@ -132,9 +134,6 @@ def _blank(reading: str, count: int, projection: str | None = None) -> tuple[Fig
     columns = min(count, 2)
     rows = -(-count // columns)
     figure = Figure(figsize=(8.5, 3.6 * rows), layout="constrained")
-    axes = [
-        figure.add_subplot(rows, columns, number + 1, projection=projection)
-        for number in range(count)
-    ]
     figure.suptitle(reading)
-    return figure, axes
+    places = range(1, count + 1)
+    return figure, [figure.add_subplot(rows, columns, k, projection=projection) for k in places]

@@ -131,11 +131,11 @@ def headline(table: pd.DataFrame, cases: pd.DataFrame) -> str:
     stated = cases.loc[cases["as_stated"], "reading"].unique()
     judged = table[table["reading"].isin(stated) & (table["verdict"] != NOT_RUN)]
     words = judged.groupby("key")["verdict"].agg(lambda each: " / ".join(sorted(set(each))))
-    counts = [f"{int((words == word).sum())} {word}" for word in (HOLDS, IN_PART, FAILS)]
-    differ = int(words.str.contains("/").sum())
+    hold, partly, fail = (int((words == word).sum()) for word in (HOLDS, IN_PART, FAILS))
     return (
-        f"Of {len(words)} judged statements, in every reading: {', '.join(counts)}; {differ}"
-        " depend on the reading or on the scale of levels."
+        f"Of {len(words)} judged statements {hold} hold in every reading, {partly} hold in part,"
+        f" {fail} do not hold, and {len(words) - hold - partly - fail} depend on the reading or on"
+        " the scale of levels."
     )
 
 
@@ -143,7 +143,7 @@ def tables(table: pd.DataFrame, cases: pd.DataFrame, scene_files: list[tuple[str
     """Write tables.md: assumptions of the readings, and their verdicts on all statements."""
     cells = table.groupby(["key", "statement", "criterion", "reading"], sort=False)["verdict"]
     wide = cells.agg(lambda words: " / ".join(dict.fromkeys(words))).unstack("reading", sort=False)
-    wide = wide.droplevel("key").reset_index()
+    wide = wide.reset_index()
     rows = [[*wide.columns], ["---"] * len(wide.columns), *wide.to_numpy().tolist()]
     titles = {reading: library.title(file) for reading, file in scene_files}
     assumptions = "\n".join(f"- **{reading}**: {title}" for reading, title in titles.items())
