@@ -23,6 +23,7 @@ from rolling.commands.run_files import Wanted
 from rolling.scene.surfaces import Gaussian
 from rolling.simulation.run_result import RunResult
 from rolling.surface import scene_surface
+from rolling.terminal import progress
 
 HIGH_HZ = 5000.0  # lowest frequency of a "high-frequency" spectrum
 STATED_RADIUS_MM = 5.0  # of the article's sphere, which is rigid
@@ -51,6 +52,8 @@ def finished_runs(
         report = commands.resume(folder, wanted)
     else:
         report = commands.run(scene_path, overrides, folder, wanted=wanted)
+    for label, reason in report.failures.items():
+        progress.line(f"failed: {folder.name}, {label}: {reason}")
     if report.interrupted:
         raise KeyboardInterrupt
     runs = [open_run(result.parent) for result in sorted(folder.rglob("result.h5"))]
