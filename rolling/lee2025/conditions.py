@@ -256,11 +256,11 @@ def stands_apart(cases: pd.DataFrame, column: str, low: float, high: float) -> l
         return []
     gap = float(means.loc[high:].min() - means.loc[:low].max())
     steps = means.diff().drop(high).dropna()
-    each = ", ".join(f"{step:+.1f}" for step in steps)
+    others = ", ".join(f"{step:+.1f}" for step in steps)
     larger = gap > 0 and all(gap >= LARGEST_STEP * step for step in steps)
     return [
         Comparison(f"{low:g} to {label(LOAD, high)}", gap >= LARGE_GAP_DB, f"{gap:+.1f} dB"),
-        Comparison("other steps", larger, f"{each} dB"),
+        Comparison("other steps", larger, f"{others} dB"),
     ]
 
 

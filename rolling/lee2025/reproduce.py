@@ -6,6 +6,7 @@ Each scene has a run folder of its own, so the same command continues a study th
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -62,8 +63,8 @@ def reproduce(
         rows += [case_of(reading, run) for run in runs]
         for run in runs:
             maps.setdefault(reading, {}).update(maps_of(run))
-    if not rows:
-        raise FolderError(f"{folder}: no case could be solved")
+    if all(math.isnan(row["hardness_gpa"]) for row in rows):
+        raise FolderError(f"{folder}: no case with a hardness is solved, so nothing can be judged")
     with progress.step("judging the statements, drawing the figures"):
         summary = _write(folder, frame(rows), maps, scene_files)
     progress.line(summary)
@@ -130,7 +131,7 @@ def headline(table: pd.DataFrame, cases: pd.DataFrame) -> str:
     """Count the statements that hold, or do not hold, in every reading with both scales."""
     stated = cases.loc[cases["as_stated"], "reading"].unique()
     judged = table[table["reading"].isin(stated) & (table["verdict"] != NOT_RUN)]
-    words = judged.groupby("key")["verdict"].agg(lambda each: " / ".join(sorted(set(each))))
+    words = judged.groupby("key")["verdict"].agg(lambda group: " / ".join(sorted(set(group))))
     hold, partly, fail = (int((words == word).sum()) for word in (HOLDS, IN_PART, FAILS))
     return (
         f"Of {len(words)} judged statements {hold} hold in every reading, {partly} hold in part,"
