@@ -26,7 +26,7 @@ from rolling.surface import scene_surface
 from rolling.terminal import progress
 
 HIGH_HZ = 5000.0  # lowest frequency of a "high-frequency" spectrum
-STATED_RADIUS_MM = 5.0  # of the article's sphere, which is rigid
+STATED_SPHERE = (5.0, None)  # radius [mm] and modulus [GPa] of the article's rigid sphere
 # settings that a case shares with its twin, the same scene without hardness
 TWIN_KEYS = [
     *("roughness_um", "load_n", "seed", "correlation_um", "autocorrelation", "width_um"),
@@ -79,8 +79,7 @@ def case_of(reading: str, run: RunResult) -> dict[str, Any]:
         "radius_mm": scene.sphere.radius_mm,
         "contact_modulus_gpa": scene.contact_modulus * 1e-9,
         "hardness_gpa": _number(scene.plate.hardness_gpa),
-        "as_stated": scene.sphere.radius_mm == STATED_RADIUS_MM
-        and scene.sphere.youngs_modulus_gpa is None,
+        "as_stated": (scene.sphere.radius_mm, scene.sphere.youngs_modulus_gpa) == STATED_SPHERE,
         "rms_slope": summary["surface"]["rms_slope"],
         "max_pressure_gpa": summary["max_pressure_pa"] * 1e-9,
         "contact_area_um2": summary["contact_area_mean_m2"] * 1e12,
