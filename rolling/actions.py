@@ -300,26 +300,7 @@ def reproduce(given: argparse.Namespace) -> int:
     """Reproduce a study."""
     with progress.step(LOADING):
         from rolling.lee2025 import reproduce
-    done = reproduce.reproduce(
-        given.study, given.readings, given.out, given.quick, given.workers, given.take_over
-    )
-    for case, reason in done.failures.items():
-        say(f"failed: {case}: {reason}")
-    if done.interrupted:
-        solved = f"the solved part is in {done.folder}" if done.begun else "nothing is solved yet"
-        say(f"stopped early; {solved}, the same command goes on")
-        return done.exit_code
-    if done.failures:
-        say(f"{len(done.failures)} cases failed; the statements are judged without them")
-    if progress.is_quiet():
-        print(done.folder)
-        return done.exit_code
-    print(f"{len(done.cases)} cases. {done.headline}")
-    print(
-        f"all on one page: {done.folder / reproduce.PAGE}   statements:"
-        f" {done.folder / reproduce.CLAIMS}"
-    )
-    return done.exit_code
+    return reproduce.reproduce(given.readings, given.out, given.quick, given.workers)
 
 
 def scenes(given: argparse.Namespace) -> int:

@@ -177,7 +177,7 @@ _COMMANDS = (
         actions.reproduce,
         "run the study of an article in several readings and answer for its statements; again:"
         " goes on where it stopped",
-        (arguments.study, arguments.workers, arguments.take_over),
+        (arguments.study, arguments.workers),
     ),
     _Command(
         "scenes",
