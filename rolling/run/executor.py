@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import signal
-import time
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
@@ -12,9 +11,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from rolling.check import cost
 from rolling.contact.solver import ContactError
 from rolling.marches.piece import contact_identity
-from rolling.marches.result import Result, next_pieces
+from rolling.marches.next_pieces import next_pieces
+from rolling.marches.result import Result
 from rolling.run.pools import Pool, Task
 from rolling.run.worker import Failure, solve_piece
 from rolling.scene.scene import Scene
@@ -84,7 +85,7 @@ class RunLoop:
         self._scenes, self._pieces, self._film = scenes, pieces, film
         self._finish, self._finished = finish, finished
         self._results = dict(results)
-        self._costs = {number: _cost(scene) for number, scene in enumerate(scenes)}
+        self._costs = {number: cost.expected_seconds(scene) for number, scene in enumerate(scenes)}
         groups = defaultdict(list)
         for number, scene in enumerate(scenes):
             groups[contact_identity(scene)].append(number)
@@ -106,7 +107,7 @@ class RunLoop:
         OSError : a disk is full or read-only, or a cluster is gone.
         KeyboardInterrupt : Ctrl-C or SIGTERM. Files of finished pieces are kept.
         """
-        with ended_by_signal(), pool:
+        with ended_by_signal():
             while self._groups or self._queue or self._suspects or self._flying:
                 self._hand_out(pool)
                 done, _ = wait(self._flying, LOOK_SECONDS, FIRST_COMPLETED)

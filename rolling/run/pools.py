@@ -12,19 +12,21 @@ import pickle
 import socket
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
+from rolling.check import cost
 from rolling.run import worker
 from rolling.scene.messages import SceneError
 from rolling.terminal import program, progress
 
 if TYPE_CHECKING:
     from rolling.marches.piece import Piece
+    from rolling.scene.scene import Scene
 
 # A worker imports nothing from the working directory, and runs its libraries on one thread. Large
 # surfaces are no leak of memory.
@@ -180,8 +182,12 @@ class LocalPool:
         raise error
 
 
-def local_pool(workers: int) -> Pool:
-    """Return a pool of processes, or this process where one suffices or no other can start."""
+def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
+    """Return a pool for scenes; 0 workers: one per core. One piece needs this process only."""
+    from rolling.marches.piece import track_pieces
+
+    pieces = sum(len(track_pieces(scene.track.solved_steps)) for scene in scenes)
+    workers = min(workers or cost.cores(), pieces)
     if workers <= 1:
         return ThisProcess()
     try:
