@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import platform
-from collections.abc import Mapping
+import subprocess
 from dataclasses import asdict
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+import rolling
 from acoustics import loudness
 from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, level_db
@@ -20,7 +23,6 @@ from rolling._typing import Array
 from rolling.check import cost, height_files
 from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
-from rolling.folders import program
 from rolling.results.caveats import caveats
 from rolling.results.run_errors import RunErrors, known, numbers
 from rolling.scene.scene import Scene
@@ -30,6 +32,7 @@ from rolling.simulation.result import Result
 from rolling.simulation.simulate import STATE_SERIES
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import P_REF_W, Vibration
+from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import scene_surface
 
 _PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "h5netcdf", "xarray", "pydantic")
@@ -75,7 +78,7 @@ def summarize(
         "seconds": float(times.sum()),
         "caveats": caveats(scene, sound, errors, vibration, moving),
         "surface": asdict(made.statistics),
-        "levelling": height_files.numbers(made.levelling) if made.levelling else None,
+        "levelling": _levelling(made.levelling) if made.levelling else None,
         **_vibration(scene, release, vibration),
         **law,
         **_moving(result, moving),
@@ -84,11 +87,10 @@ def summarize(
 
 def provenance(scene: Scene) -> dict[str, Any]:
     """Collect the provenance of the numbers: versions, state of the source, machine, seed."""
-    made_by = program.identity()
     packages = (*_PACKAGES, "mosqito") if scene.sound.loudness else _PACKAGES
     return {
-        "program": made_by.version,
-        "source": made_by.commit and f"{made_by.commit[:12]}{'-dirty' if made_by.dirty else ''}",
+        "program": rolling.__version__,
+        "source": _commit(),
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in packages},
         "machine": f"{platform.system()} {platform.machine()}, {cost.cores()} processors",
@@ -98,6 +100,24 @@ def provenance(scene: Scene) -> dict[str, Any]:
 
 
 _version = cache(metadata.version)
+
+
+@cache
+def _commit() -> str | None:
+    """Return the commit of the checkout with the mark of changes; None outside a checkout."""
+    root = Path(rolling.__file__).parents[1]
+    git = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
+    # The variables of a hook would point git at another repository.
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
+    if not (root / ".git").exists():
+        return None
+    try:
+        done = subprocess.run(
+            git, capture_output=True, text=True, check=True, timeout=10, env=environment
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout.strip()
 
 
 def _levels(levels: SoundLevels) -> dict[str, Any]:
@@ -162,6 +182,23 @@ def _contact(scene: Scene, result: Result) -> dict[str, Any]:
         "residual_max": float(state["residual"].max()),
         "iterations_mean": float(state["iterations"].mean()),
         "convolutions_mean": float(state["convolutions"].mean()),
+    }
+
+
+def _levelling(levelling: Levelling) -> dict[str, Any]:
+    """Return the tilt removed from the heights of a file, and the seam of the levelled heights."""
+    seam = levelling.seams[0]
+    return {
+        "slope_along": levelling.taken[0],
+        "slope_across": levelling.taken[1],
+        "height_along_m": levelling.rises[0],
+        "height_across_m": levelling.rises[1],
+        "ra_before_m": levelling.ra_before,
+        "ra_after_m": levelling.ra_after,
+        "seam_step_m": seam.step,
+        "seam_neighbours_m": seam.neighbours,
+        "seam_stands_out": seam.stands_out,
+        "text": height_files.tilt_text(levelling),
     }
 
 
