@@ -11,9 +11,9 @@ import numpy as np
 
 from acoustics.bands import OFF_DB
 from rolling.check import findings, resolution
-from rolling.scene.scene import Scene
+from rolling.marches.result import MovingRelease
 from rolling.results.run_errors import RunErrors
-from rolling.simulation.moving_load import MovingRelease
+from rolling.scene.scene import Scene
 from rolling.sound import solver_error
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import Vibration
@@ -178,9 +178,7 @@ def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
     rate = f"{1 / period:.2g}" if 1 / period < 10 else f"{1 / period:.0f}"
     heard = f"{rate} times a second: the pitch that is heard is the repetition, not the contact."
     if sound.loops and sound.duration < SHORT_S:
-        texts["short_loop"] = (
-            f"When it loops, the record of {sound.duration:.3g} s repeats {heard}"
-        )
+        texts["short_loop"] = f"When it loops, the record of {sound.duration:.3g} s repeats {heard}"
     elif period < min(SHORT_S, 0.999 * sound.duration):
         texts["short_track"] = f"The track repeats in the record every {period:.3g} s, {heard}"
     return texts

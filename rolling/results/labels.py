@@ -109,7 +109,9 @@ def labels(runs: Sequence[Labelled]) -> list[str]:
     if len(set(names)) > 1:
         texts = [f"{name}, {text}" for name, text in zip(names, texts, strict=True)]
     homes = [(run.folder.parent if run.values else run.folder).resolve().name for run in runs]
-    shared = {text: {homes[k] for k, own in enumerate(texts) if own == text} for text in texts}
+    shared: dict[str, set[str]] = {}
+    for text, home in zip(texts, homes, strict=True):
+        shared.setdefault(text, set()).add(home)
     texts = [
         f"{text} ({printable(home)})" if len(shared[text]) > 1 else text
         for text, home in zip(texts, homes, strict=True)
@@ -213,12 +215,12 @@ def _cut(text: str, longest: int) -> str:
 
 def _numbered(texts: Sequence[str]) -> list[str]:
     """Append a number to texts that are equal."""
-    count, numbers, numbered = Counter(texts), Counter[str](), list[str]()
+    count, numbers, numbered = Counter(texts), Counter[str](), dict[str, None]()
     for text in texts:
         label = text
-        while count[text] > 1 and (label == text or label in count or label in numbered):
+        while count[text] > 1 and (label in count or label in numbered):
             numbers[text] += 1
             ending = f" ({numbers[text]})"
             label = text[: LONGEST - len(ending)] + ending
-        numbered.append(label)
-    return numbered
+        numbered[label] = None
+    return list(numbered)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,6 +31,7 @@ from rolling.marches.result import (
     StretchMarch,
 )
 from rolling.scene import file as scene_file
+from rolling.scene.scene import Scene
 
 if TYPE_CHECKING:
     from rolling.results.run_result import Run
@@ -104,7 +107,7 @@ TABLE = {
     "sound/sound_time": ("sound_time", "s", "f8"),
     "sound/pressure": ("sound_time", "Pa", "f8"),
 }
-Attributes = dict[str, dict[str, Any]]
+Group = tuple[Arrays, dict[str, Any]]  # arrays and attributes of a group
 
 
 def fixed_lengths(result: Result) -> dict[str, int]:
@@ -123,43 +126,46 @@ def fixed_lengths(result: Result) -> dict[str, int]:
 # ---- from a run
 
 
-def content(run: Run) -> tuple[Arrays, Attributes]:
-    """Return the arrays of a run by path, and the attributes by group."""
-    scene, result = run.scene, run.result
-    arrays: Arrays = {"step": run.distance, "position": run.position}
+def groups_of(run: Run) -> dict[str, Group]:
+    """Return the groups of the file of a run by name; the root, with the series, has none."""
+    result, sound = run.result, run.sound
+    arrays = {"step": run.distance, "position": run.position}
     arrays |= {"time": run.time, "position_time": run.position_time}
     arrays |= {name: values for name, values in run.series.items() if name in TABLE}
-    attributes: Attributes = {
-        "": {
-            "title": f"rolling contact noise: {scene.name}",
-            "format": FORMAT,
-            "program": rolling.__version__,
-            "identity": result.identity,
-            "scene": scene_file.dump(scene, run.folder),
-            "steps": result.steps,
-            "solved_steps": result.solved_steps,
-            "step_m": result.step,
-            "start_m": result.start,
-            "load_n": scene.load,
-        },
-        "sound": {"sample_rate_hz": run.sound.sample_rate, "closed": int(run.sound.closed)},
+    facts = {
+        "title": f"rolling contact noise: {run.scene.name}",
+        "format": FORMAT,
+        "program": rolling.__version__,
+        "identity": result.identity,
+        "scene": scene_file.dump(_seen_from(run.folder, run.scene)),
+        "load_n": run.scene.load,
+        "steps": result.steps,
+        "solved_steps": result.solved_steps,
+        "step_m": result.step,
+        "start_m": result.start,
     }
-    if run.sound.factor is not None:
-        attributes["sound"]["factor_pa_per_w_m2"] = run.sound.factor
-    samples = np.arange(len(run.sound.pressure))
-    arrays["sound/sound_time"] = samples / run.sound.sample_rate
-    arrays["sound/pressure"] = run.sound.pressure
-    for group, add in _GROUPS.items():
-        values, facts = add(run)
-        arrays |= {f"{group}/{name}": array for name, array in values.items()}
-        attributes[group] = facts
-    return arrays, attributes
+    samples = np.arange(len(sound.pressure)) / sound.sample_rate
+    heard = {"sound_time": samples, "pressure": sound.pressure}
+    of_sound: dict[str, Any] = {"sample_rate_hz": sound.sample_rate, "closed": int(sound.closed)}
+    if sound.factor is not None:
+        of_sound["factor_pa_per_w_m2"] = sound.factor
+    groups = {"": (arrays, facts)} | {name: make(run) for name, make in _GROUPS.items()}
+    groups["sound"] = heard, of_sound
+    return {name: group for name, group in groups.items() if group != ({}, {})}
 
 
-_Group = tuple[Arrays, dict[str, Any]]  # arrays and attributes of a group
+def _seen_from(folder: Path, scene: Scene) -> Scene:
+    """Return a scene whose relative path to a height file starts from a folder."""
+    data = scene.to_dict()
+    if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
+        return scene
+    # Links are resolved first, because ".." of a linked folder leads elsewhere.
+    heights = scene.height_path.parent.resolve() / scene.height_path.name
+    data["surface"]["path"] = Path(os.path.relpath(heights, folder.resolve())).as_posix()
+    return Scene.from_dict(data, folder)
 
 
-def _snapshot(run: Run) -> _Group:
+def _snapshot(run: Run) -> Group:
     snapshot, spacing = run.result.snapshot, run.scene.spacing
     if snapshot is None:
         return {}, {}
@@ -172,7 +178,7 @@ def _snapshot(run: Run) -> _Group:
     }, {"distance_m": snapshot.distance}
 
 
-def _maps(run: Run) -> _Group:
+def _maps(run: Run) -> Group:
     maps = [run.result.maps[position] for position in sorted(run.result.maps)]
     if not maps:
         return {}, {}
@@ -185,11 +191,11 @@ def _maps(run: Run) -> _Group:
     return arrays | {"rows": shapes[:, 0], "columns": shapes[:, 1], "pressure": padded}, {}
 
 
-def _events(run: Run) -> _Group:
+def _events(run: Run) -> Group:
     return dict(run.events or {}), {}
 
 
-def _stretches(run: Run) -> _Group:
+def _stretches(run: Run) -> Group:
     stretches = run.result.stretches
     if stretches is None:
         return {}, {}
@@ -207,22 +213,22 @@ def _stretches(run: Run) -> _Group:
     return {"first": np.array(firsts)} | arrays, {"faults": json.dumps(faults)}
 
 
-def _slow_motion(run: Run) -> _Group:
+def _slow_motion(run: Run) -> Group:
     film = run.result.slow_motion
-    if film is None or not film.pressure.size:
+    if film is None:
         return {}, {}
+    names = ("first", "stride", "along", "across", "cell", "pressure_unit", "release_unit")
+    facts = {name: getattr(film, name) for name in names}
+    if not film.pressure.size:  # its stretch could not be solved again
+        return {}, facts
     rows, columns = film.pressure.shape[1:]
     return {
         "map_position": film.positions,
-        "along": film.along + np.arange(rows) * film.cell,
-        "across": film.across + np.arange(columns) * film.cell,
+        "along": film.along + (np.arange(rows) + 0.5) * film.cell,
+        "across": film.across + (np.arange(columns) + 0.5) * film.cell,
         "pressure": film.pressure,
         "release": film.release,
-    }, {
-        "cell_m": film.cell,
-        "pressure_unit_pa": film.pressure_unit,
-        "release_unit_j": film.release_unit,
-    }
+    }, facts
 
 
 def _places(run: Run) -> NDArray[np.float64]:
@@ -231,7 +237,7 @@ def _places(run: Run) -> NDArray[np.float64]:
     return np.asarray(result.start + np.arange(result.solved_steps + 1) * result.step)
 
 
-def _force_law(run: Run) -> _Group:
+def _force_law(run: Run) -> Group:
     """Return the approach at each load, the scene's own included."""
     marches = run.result.load_marches
     if marches is None:
@@ -250,16 +256,19 @@ def _force_law(run: Run) -> _Group:
     return arrays, {"faults": json.dumps(faults)}
 
 
-def _moving(run: Run) -> _Group:
+def _moving(run: Run) -> Group:
     moving = run.result.moving
     if moving is None:
         return {}, {}
+    facts = {"key": moving.key, "fault": moving.fault}
+    if moving.fault:
+        return {}, facts
     arrays = {"place": _places(run), "force": moving.force, "approach": moving.approach}
     arrays |= {"motion_approach": moving.motion_approach, **moving.steps}
-    return {} if moving.fault else arrays, {"key": moving.key, "fault": moving.fault}
+    return arrays, facts
 
 
-def _contact_force(run: Run) -> _Group:
+def _contact_force(run: Run) -> Group:
     vibration = run.vibration
     if vibration is None:
         return {}, {}
@@ -292,7 +301,7 @@ _GROUPS = {
 # ---- into a result
 
 
-def fill(result: Result, load: float, groups: dict[str, _Group]) -> None:
+def fill(result: Result, load: float, groups: dict[str, Group]) -> None:
     """Fill an empty result with the arrays of the groups; `load` [N] is the run's own."""
     series, _ = groups[""]
     for name in (*STEP_SERIES, *STATE_SERIES):
@@ -312,9 +321,10 @@ def _read_snapshot(result: Result, load: float, arrays: Arrays, facts: dict[str,
 
 
 def _read_maps(result: Result, load: float, arrays: Arrays, facts: dict[str, Any]) -> None:
-    names = ("position", "distance", "along", "across", "cell", "rows", "columns")
-    table = zip(*(arrays[name].tolist() for name in names), arrays["pressure"], strict=True)
-    for *place, rows, columns, padded in table:
+    names = ("position", "distance", "along", "across", "cell")
+    places = zip(*(arrays[name].tolist() for name in names), strict=True)
+    shapes = zip(arrays["rows"].tolist(), arrays["columns"].tolist(), strict=True)
+    for place, (rows, columns), padded in zip(places, shapes, arrays["pressure"], strict=True):
         result.maps[place[0]] = PressureMap(*place, padded[:rows, :columns].copy())
 
 
@@ -335,18 +345,8 @@ def _read_stretches(result: Result, load: float, arrays: Arrays, facts: dict[str
 
 
 def _read_film(result: Result, load: float, arrays: Arrays, facts: dict[str, Any]) -> None:
-    first, second = arrays["map_position"][:2].tolist()
-    result.slow_motion = SlowMotion(
-        first,
-        second - first,
-        float(arrays["along"][0]),
-        float(arrays["across"][0]),
-        facts["cell_m"],
-        arrays["pressure"],
-        facts["pressure_unit_pa"],
-        arrays["release"],
-        facts["release_unit_j"],
-    )
+    maps: dict[str, Any] = {name: arrays[name] for name in ("pressure", "release") if arrays}
+    result.slow_motion = SlowMotion(**facts, **maps) if arrays else SlowMotion.none()
 
 
 def _read_law(result: Result, load: float, arrays: Arrays, facts: dict[str, Any]) -> None:

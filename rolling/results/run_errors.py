@@ -16,9 +16,9 @@ import numpy as np
 from acoustics.bands import BAND_NAMES, OFF_DB
 from rolling._typing import Array
 from rolling.check import error_cost
+from rolling.marches import error_stretches
+from rolling.marches.result import Result
 from rolling.scene.scene import Scene
-from rolling.simulation import error_stretches
-from rolling.simulation.result import Result
 from rolling.sound import error_estimate
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.error_estimate import LevelErrors, RecordLevels
@@ -101,21 +101,19 @@ def run_errors(
     vibrating = vibration if sound.source == "vibration" else None
     if reason := _not_linear(vibrating) or _reason(scene, result, sound):
         return RunErrors(None, reason)
-    firsts = error_stretches.marched(scene, result)
-    powers = error_stretches.powers_of(scene, result, firsts)
+    powers = error_stretches.stretch_powers(scene, result)
     own_factor = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
     record = RecordLevels.of(
         sound.levels.third_octave_db, sound.levels.third_octave_a_db, own_factor
     )
     levels = error_estimate.level_errors(powers, record)
     tight, fine = (
-        float(error_stretches.plastic_areas(result, firsts, level).mean())
-        for level in ("tight", "fine")
+        error_stretches.plastic_area(scene, result, level) for level in ("tight", "fine")
     )
     factor = error_estimate.refinement_factor(levels.order)
     return RunErrors(
         levels,
-        stretches=len(firsts),
+        stretches=len(error_stretches.stretch_firsts(scene, result)),
         steps=result.stretches.steps if result.stretches else 0,
         worst_uncertainty_db=error_estimate.worst_uncertainty_db(powers),
         plastic_ratio=factor * (tight / fine - 1.0) if fine > 0 else math.nan,
@@ -134,14 +132,16 @@ def numbers(
     if errors is None:
         return {}
     levels = errors.levels
+    unknown = (math.nan,) * 5
     grid, spread, solver, grid_signal, solver_signal = (
-        math.nan if levels is None else value
-        for value in (
-            levels and levels.laeq_grid_db,
-            levels and levels.laeq_grid_uncertainty_db,
-            levels and levels.laeq_solver_db,
-            levels and levels.grid_signal_db,
-            levels and levels.solver_signal_db,
+        unknown
+        if levels is None
+        else (
+            levels.laeq_grid_db,
+            levels.laeq_grid_uncertainty_db,
+            levels.laeq_solver_db,
+            levels.grid_signal_db,
+            levels.solver_signal_db,
         )
     )
     # The level is not corrected for the error of the grid, which therefore counts whole.
@@ -199,7 +199,7 @@ def _reason(scene: Scene, result: Result, sound: ContactSound) -> str | None:
         return error_cost.too_short(scene) or "its stretches are not marched"
     if result.stretches.fault:
         return f"a stretch could not be solved again: {result.stretches.fault}"
-    if not error_stretches.marched(scene, result):
+    if not error_stretches.stretch_firsts(scene, result):
         return "its stretches are not marched"
     return "the record is silent" if sound.levels.level_db is None else None
 

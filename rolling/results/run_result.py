@@ -16,15 +16,14 @@ from numpy.typing import NDArray
 from acoustics import wav
 from rolling._typing import Array
 from rolling.contact.recovery import EventStatistics, event_statistics
-from rolling.dynamics import of_scene
+from rolling.marches import force_law
+from rolling.marches.observers import STATE_SERIES, STEP_SERIES
+from rolling.marches.result import Result
 from rolling.results import labels, result_file, runs_table
 from rolling.results.run_errors import RunErrors, run_errors
 from rolling.results.summary import summarize
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
-from rolling.simulation import force_law
-from rolling.simulation.result import Result
-from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
 from rolling.sound.vibration_sound import Vibration, heard, vibrate
 from rolling.surface.scene_surface import scene_surface
@@ -197,7 +196,9 @@ class Run:
             f"<tr><td>{name}</td><td>{self._level(key)}</td><td>{unit}</td></tr>"
             for key, (name, unit) in runs_table.LEVELS.items()
         )
-        caveats = "".join(f"<li>{html.escape(each['text'])}</li>" for each in self.summary["caveats"])
+        caveats = "".join(
+            f"<li>{html.escape(each['text'])}</li>" for each in self.summary["caveats"]
+        )
         return f"<h4>{html.escape(self.title)}</h4><table>{levels}</table><ul>{caveats}</ul>"
 
     def _level(self, key: str) -> str:
@@ -243,7 +244,6 @@ def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration
     if scene.dynamics is None:
         return None
     whole_laps = scene.track.closed and result.steps % result.solved_steps == 0
-    loads = force_law.loads_of(scene, result, of_scene.extremes).marched
-    law = force_law.force_law(scene, result, loads)
+    law = force_law.force_law(scene, result)
     laps = result.steps / result.solved_steps
     return vibrate(scene, law, release.highest, whole_laps and release.constant_speed, laps)

@@ -23,13 +23,12 @@ from rolling._typing import Array
 from rolling.check import cost, height_files
 from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
+from rolling.marches import force_law
+from rolling.marches.observers import STATE_SERIES
+from rolling.marches.result import MovingRelease, Result
 from rolling.results.caveats import caveats
 from rolling.results.run_errors import RunErrors, known, numbers
 from rolling.scene.scene import Scene
-from rolling.simulation import force_law
-from rolling.simulation.moving_load import MovingRelease
-from rolling.simulation.result import Result
-from rolling.simulation.simulate import STATE_SERIES
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import P_REF_W, Vibration
 from rolling.surface.levelling import Levelling
@@ -230,9 +229,7 @@ def _law(scene: Scene, result: Result, vibration: Vibration | None) -> dict[str,
     }
 
 
-def _vibration(
-    scene: Scene, release: ContactSound, vibration: Vibration | None
-) -> dict[str, Any]:
+def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None) -> dict[str, Any]:
     """Return the numbers of a vibration: levels of both sources, force, bodies and motion."""
     if vibration is None:
         return {}
