@@ -6,13 +6,19 @@ from collections.abc import Callable
 from typing import Any
 
 from rolling.check import cost
+from rolling.marches.error_stretches import stretch_pieces
+from rolling.marches.force_law import law_pieces
+from rolling.marches.moving_load import load_along
 from rolling.marches.piece import Piece, march_piece
-from rolling.marches.result import Result
+from rolling.marches.result import Result, vibration_key
+from rolling.marches.slow_motion import film_stretch
 from rolling.scene.scene import Scene
 
 
 def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]:
     """Return the pieces that a run lacks and that can be marched now; none when it is whole.
+
+    The result gets the load of its moving march, which needs the motion of the sphere.
 
     Parameters
     ----------
@@ -30,7 +36,20 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
         seconds = (last - first) * step_seconds * scale
         return Piece(scene, result.identity, kind, first, last, seconds, **fields)
 
-    return [piece("track", first, last) for first, last in result.missing()]
+    pieces = [piece("track", first, last) for first, last in result.missing()]
+    pieces += stretch_pieces(scene, result, piece)
+    law = [] if scene.dynamics is None else law_pieces(scene, result, piece)
+    pieces += law
+    if scene.moves_release and result.complete and not law:
+        if result.moving is None or result.moving.key != vibration_key(scene):
+            result.moving = load_along(scene, result)
+        moving = result.moving
+        pieces += [piece("moving", *ends, forces=moving.force) for ends in moving.missing()]
+    if film and not pieces and result.slow_motion is None:
+        stretch = film_stretch(scene, result)
+        if stretch is not None:
+            pieces = [piece("film", stretch.first, stretch.last, stride=stretch.stride)]
+    return pieces
 
 
 def march_all(

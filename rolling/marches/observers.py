@@ -255,10 +255,12 @@ def maps_of(arrays: dict[str, NDArray[Any]]) -> dict[int, PressureMap]:
     """Return the pressure maps in the arrays of a piece by position."""
     positions, places, shapes = (arrays[f"map_{name}"] for name in ("position", "place", "shape"))
     flat = np.split(arrays["map_pressure"], np.cumsum(shapes.prod(axis=1)))
-    return {
-        int(position): PressureMap(int(position), *map(float, place), flat[k].reshape(shapes[k]))
-        for k, (position, place) in enumerate(zip(positions, places, strict=True))
-    }
+    maps = {}
+    for k, position in enumerate(positions.tolist()):
+        distance, along, across, cell = places[k].tolist()
+        pressure = flat[k].reshape(shapes[k])
+        maps[position] = PressureMap(position, distance, along, across, cell, pressure)
+    return maps
 
 
 # ---- film

@@ -22,9 +22,18 @@ from rolling.marches.observers import (
     snapshot_of,
 )
 from rolling.marches.piece import Piece, contact_identity, track_pieces
+from rolling.scene.identity import digest
 from rolling.scene.scene import Scene
 
 MOVING_SERIES = ("release_energy", "loading_energy", "energy_defect")
+
+
+def vibration_key(scene: Scene) -> str:
+    """Return a digest that is equal for scenes of equal contact whose force is equal."""
+    data, plate = scene.model_dump(mode="json"), scene.plate
+    bodies = scene.sphere.density_kg_m3, plate.density_kg_m3, plate.thickness_mm
+    speed = data["rolling"]["speed_m_s"]
+    return digest([speed, scene.track.steps, bodies, data["dynamics"]])
 
 
 @dataclass
@@ -94,7 +103,7 @@ class LoadMarches:
 class MovingRelease:
     """March of a lap under the moving load; its series are NaN where it is not solved yet.
 
-    key : str. Text that is equal for scenes whose vibration moves the load equally.
+    key : str. Digest of the vibration that moves the load, as `vibration_key`.
     force : (steps + 1,) array, N. Contact force at each position.
     motion_approach : (steps + 1,) array, m. Approach of the motion at each position.
     approach : (steps + 1,) array, m. Approach of the march.
