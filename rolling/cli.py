@@ -212,9 +212,7 @@ def _accuracy(given: argparse.Namespace) -> int:
     """Study speed against error."""
     with progress.step(LOADING):
         from rolling.accuracy import study
-    study.run_study(
-        given.scene, given.set, given.out, given.workers, given.finest, given.duration
-    )
+    study.run_study(given.scene, given.set, given.out, given.workers, given.finest, given.duration)
     return OK
 
 

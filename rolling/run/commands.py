@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext, suppress
@@ -9,16 +10,17 @@ from dataclasses import replace
 from pathlib import Path
 
 from acoustics import extension, wav
-from rolling.check import refusals
+from rolling.check import long_steps, refusals
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
-from rolling.results import labels, result_file, sound_files
+from rolling.results import labels, result_file, runs_table
+from rolling.results.run_files import write_extended
 from rolling.run import folder as folders
 from rolling.run import worker
 from rolling.run.executor import RunLoop
 from rolling.run.folder import Part, RunFolder, default_folder
 from rolling.run.pools import Cluster, Pool, Task, local_pool
-from rolling.run.stored import PAGE, derive, open_runs, write_report
+from rolling.run.stored import PAGE, TABLE, derive, open_runs, write_report, write_table
 from rolling.scene import file
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -63,10 +65,22 @@ def run_scene(
     if not isinstance(scene, Scene):
         scene = file.read_scene(scene, overrides)
     folder = out or default_folder(scene)
-    refusals.refuse(scene, workers, folder)
+    refuse_impossible(scene, workers, folder)
     if part is not None and not scene.sweep:
         raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
     return _run(scene, folder, [], part, workers, cluster, report)
+
+
+def refuse_impossible(scene: Scene, workers: int, folder: Path) -> None:
+    """Refuse a scene that cannot be run here, before anything is computed or written.
+
+    Raises
+    ------
+    SceneError : a package is missing, steps are too long, or memory or disk do not suffice.
+    """
+    refusals.refuse_unavailable(scene)
+    long_steps.refuse_long_steps(scene)
+    refusals.refuse_what_cannot_fit(scene, workers, folder)
 
 
 def resound(
@@ -99,7 +113,7 @@ def resound(
         raise FolderError(f"{source}: no run in it is done, so there is no march to take")
     scene = file.resound(folders.stored_scene(source), overrides)
     folder = out or default_folder(scene)
-    refusals.refuse(scene, workers, folder)
+    refuse_impossible(scene, workers, folder)
     return _run(scene, folder, stored, None, workers, None, report)
 
 
@@ -134,7 +148,7 @@ def _run(
         # The part that ends last finds no other part at work.
         with suppress(FolderError), folders.held(folder):
             derive(folder, runs, report)
-    _print_runs(folder, own, failures)
+    _print_runs(folder, own)
     return failures
 
 
@@ -146,9 +160,7 @@ def _runs_of_part(runs: Sequence[RunFolder], part: Part | None) -> list[RunFolde
     marches = [contact_identity(run.scene) for run in runs]
     places = {march: place for place, march in enumerate(dict.fromkeys(marches))}
     return [
-        run
-        for run, march in zip(runs, marches, strict=True)
-        if places[march] % count == number - 1
+        run for run, march in zip(runs, marches, strict=True) if places[march] % count == number - 1
     ]
 
 
@@ -220,6 +232,24 @@ def _stored_marches(scenes: Sequence[Scene], done: Sequence[RunFolder]) -> dict[
     return results
 
 
+def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
+    """Print the levels of runs and the files that a person opens first; the folder if quiet."""
+    done = [run for run in runs if run.is_done]
+    if progress.is_quiet():
+        print(folder)
+        return
+    if not done:
+        return
+    many = len(done) > defaults.MOST_RUNS_COMPARED
+    print(runs_table.levels_table(done[: defaults.FEW_RUNS] if many else done))
+    if many:
+        print(f"{len(done) - defaults.FEW_RUNS} more runs, a row each in {TABLE}")
+    print(f"\nlisten: {done[0].folder / 'listen.wav'}   all files: {folder}")
+    if len(runs) > 1:
+        print(f"a row per run: {folder / TABLE}")
+    if (folder / PAGE).is_file():
+        print(f"all on one page: {folder / PAGE}")
+
 
 def report(run_folders: Sequence[Path], out: Path | None = None) -> Path:
     """Write a page of all runs that are done in run folders, and return its file.
@@ -257,9 +287,7 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> Path:
     return out
 
 
-def extend(
-    folder: Path, seconds: float = defaults.EXTENDED_SECONDS
-) -> Iterator[tuple[Path, str]]:
+def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator[tuple[Path, str]]:
     """Write extended.wav for each run of a run folder; yield its path and its kurtosis in words.
 
     Parameters
@@ -289,7 +317,7 @@ def extend(
     for run in runs:
         record, rate = run.sound.pressure, wav.SAMPLE_RATE_HZ
         extended = extension.extend(record, round(seconds * rate), rate, run.laps)
-        path = sound_files.write_extended(run, extended)
+        path = write_extended(run, extended)
         text = (
             f"{run.label}: kurtosis {extension.kurtosis(extended):.1f}, of the record"
             f" {extension.kurtosis(record):.1f} (3: Gaussian noise)"
@@ -304,3 +332,84 @@ def _done(folder: Path) -> list[RunFolder]:
         if not run.is_done:
             raise FolderError(f"{run.folder}: not done; the same `rolling run` goes on with it")
     return runs
+
+
+def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None) -> list[Path]:
+    """Draw figures of the runs of a folder, and return their files.
+
+    Parameters
+    ----------
+    folder : Path. The run folder.
+    names : sequence of str. Names of figures, as in `rolling.plot`. Empty: all of them.
+    form : str. png, svg or csv.
+    out : Path. Folder of the files. Default: figures in the run folder.
+
+    Raises
+    ------
+    FolderError : a run is not done, or there is no such figure of the runs.
+    """
+    from rolling import figures
+
+    with progress.step("reading the runs, making their sound"):
+        runs = open_runs(_done(folder))
+    try:
+        return figures.plot_run(runs, names, form, out or folder / "figures")
+    except ValueError as error:
+        raise FolderError(str(error)) from error
+
+
+def tabulate(
+    folder: Path, numbers: Sequence[str], against: Sequence[str], over: str = runs_table.SEED
+) -> list[Path]:
+    """Write the tables, statistics and plots of a sweep, as far as its runs are done.
+
+    Parameters
+    ----------
+    folder : Path. The folder of the sweep.
+    numbers : sequence of str. Columns of runs.csv to plot. Empty: LAeq.
+    against : sequence of str. One or two swept keys. Empty: the first swept key.
+    over : str. The swept key over which statistics are made. Default: the seed.
+
+    Returns
+    -------
+    files : list of Path. The files, the table of runs first.
+
+    Raises
+    ------
+    FolderError : the folder holds no done run of a sweep, or a name is unknown. Nothing is written.
+    """
+    runs = folders.stored_runs(folder)
+    if not runs[0].values or not any(run.is_done for run in runs):
+        raise FolderError(f"{folder}: no run of a sweep is done, so there is nothing to tabulate")
+    table = runs_table.runs_table(runs)
+    solved = table[table["laeq_db"].notna() | table["steps"].notna()]
+    keys = [key for key in runs[0].values if key != over]
+    if over != runs_table.SEED:
+        _refuse_unknown(over, [*runs[0].values], "swept key")
+    if len(against) > 2:
+        raise FolderError(
+            f"--against: got {len(against)} keys, allowed: one for lines, two for a map"
+        )
+    for key in against:
+        _refuse_unknown(key, keys, "swept key")
+    for name in numbers:
+        _refuse_unknown(name, [*solved.select_dtypes("number")], "number of runs.csv")
+    paths = [folder / TABLE, folder / "statistics.csv"]
+    write_table(table, paths[0])
+    write_table(runs_table.seed_statistics(solved, over), paths[1])
+    if not (axes := [*against] or keys[:1]):
+        return paths
+    from rolling import figures
+
+    subject = runs[0].scene.name
+    return paths + figures.write_number_figures(
+        solved.reset_index(), numbers or ["laeq_db"], axes, folder / "figures", subject
+    )
+
+
+def _refuse_unknown(name: str, known: Sequence[str], kind: str) -> None:
+    """Raise FolderError for an unknown name, with the nearest known one."""
+    if name not in known:
+        near = difflib.get_close_matches(name, known, 1)
+        hint = f", nearest: {near[0]}" if near else ""
+        raise FolderError(f"{name}: no {kind}{hint}, allowed: {', '.join(known)}")

@@ -13,8 +13,8 @@ from typing import Any
 
 from rolling.check import cost
 from rolling.contact.solver import ContactError
-from rolling.marches.piece import contact_identity
 from rolling.marches.next_pieces import next_pieces
+from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.run.pools import Pool, Task
 from rolling.run.worker import Failure, solve_piece

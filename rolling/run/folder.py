@@ -76,9 +76,7 @@ class RunFolder:
 
 def runs_in(folder: Path, scene: Scene) -> list[RunFolder]:
     """Return the runs of a scene in a folder; a single run lies in the folder itself."""
-    return [
-        RunFolder(values, single, folder / run_name(values)) for values, single in scene.runs()
-    ]
+    return [RunFolder(values, single, folder / run_name(values)) for values, single in scene.runs()]
 
 
 def stored_runs(folder: Path) -> list[RunFolder]:
@@ -91,7 +89,9 @@ def stored_runs(folder: Path) -> list[RunFolder]:
     """
     above = folder.absolute().parent
     if not (folder / SCENE).is_file() and _is_marked(above):
-        runs = [run for run in runs_in(above, stored_scene(above)) if run.folder.name == folder.name]
+        runs = [
+            run for run in runs_in(above, stored_scene(above)) if run.folder.name == folder.name
+        ]
         if runs:
             return [RunFolder(runs[0].values, runs[0].scene, folder)]
     return runs_in(folder, stored_scene(folder))
@@ -106,7 +106,9 @@ def stored_scene(folder: Path) -> Scene:
     SceneError : its scene cannot be read.
     """
     if not _is_marked(folder):
-        raise FolderError(f"{folder}: {_foreign(folder) or 'no run folder, there is no scene.yaml'}")
+        raise FolderError(
+            f"{folder}: {_foreign(folder) or 'no run folder, there is no scene.yaml'}"
+        )
     return file.read_scene(folder / SCENE)
 
 
@@ -155,7 +157,9 @@ def refuse_other(folder: Path, scene: Scene) -> bool:
     """
     if not _is_marked(folder):
         if reason := _foreign(folder):
-            raise FolderError(f"{folder}: {reason}; take another --out, such as {free_name(folder)}")
+            raise FolderError(
+                f"{folder}: {reason}; take another --out, such as {free_name(folder)}"
+            )
         return False
     old, new = stored_scene(folder), seen_from(folder, scene)
     lines = identity.differences(old, new)
@@ -318,7 +322,9 @@ def status(folder: Path) -> str:
     pieces = sum(1 for _ in (folder / PIECES).glob("*/*.npz"))
     if pieces:
         lines.append(f"  {pieces} pieces of unfinished runs are solved")
-    failed = [f"  failed: {name}: {text}" for name, (state, text) in runs.items() if state == "failed"]
+    failed = [
+        f"  failed: {name}: {text}" for name, (state, text) in runs.items() if state == "failed"
+    ]
     lines += failed[:MOST_NAMED]
     if len(failed) > MOST_NAMED:
         lines.append(f"  failed: {len(failed) - MOST_NAMED} more")

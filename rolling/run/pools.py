@@ -277,9 +277,7 @@ class Cluster:
     def submit(self, task: Task) -> Future[Any]:
         """Hand a task to the scheduler, which gives it to another worker if one is killed."""
         content = pickle.dumps((task.function, task.arguments))
-        future: Future[Any] = self._executor.submit(
-            worker.act, content, program.identity().sources
-        )
+        future: Future[Any] = self._executor.submit(worker.act, content, program.identity().sources)
         return future
 
     def rebuild(self) -> None:

@@ -1,4 +1,4 @@
-"""Stored runs as finished runs, runs that are saved, and the files that a folder derives from them."""
+"""Stored runs as finished runs, runs that are saved, and the files derived from all runs."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rolling.results import labels, runs_table
 from rolling.results.run_files import read_run, write_run
@@ -14,6 +15,9 @@ from rolling.run import folder as folders
 from rolling.run.folder import RunFolder
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 PAGE, TABLE = "report.html", "runs.csv"
 
@@ -52,7 +56,7 @@ def open_run(folder: Path | str) -> Run:
 def open_runs(runs: Sequence[RunFolder]) -> list[Run]:
     """Read runs that are done, with labels that tell them apart."""
     return [
-        replace(read_run(label, run.values, run.folder, run.scene), writer=save_run)
+        replace(read_run(run.folder, run.scene, run.values, label), writer=save_run)
         for label, run in zip(labels.labels(runs), runs, strict=True)
     ]
 
@@ -103,10 +107,14 @@ def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
     if last.is_file() and last.stat().st_mtime_ns >= newest:
         return
     with progress.step("writing the table"):
-        content = runs_table.csv(runs_table.runs_table(done))
-        files.write_bytes(folder / TABLE, content)
+        write_table(runs_table.runs_table(runs), folder / TABLE)
     if report:
         write_report(open_runs(done), folder, [run for run in runs if not run.is_done])
+
+
+def write_table(table: pd.DataFrame, path: Path) -> None:
+    """Write a table as CSV."""
+    files.write_bytes(path, table.to_csv(lineterminator="\n").encode())
 
 
 def write_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder]) -> None:
@@ -118,5 +126,5 @@ def write_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder
         if len(runs) > 1:
             write_figures(runs, folder)
     with progress.step("writing the page"):
-        names = [label for label in labels.labels(unsolved)] if unsolved else []
+        names = labels.labels(unsolved) if unsolved else []
         files.write_bytes(folder / PAGE, page.page(runs, names))

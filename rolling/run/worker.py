@@ -85,15 +85,15 @@ def read_piece(path: Path) -> Arrays | None:
 
 def finish_run(run: RunFolder, label: str, result: Result) -> Failure | None:
     """Make the sound of a complete run and write the files of its folder."""
+    from rolling.contact.solver import ContactError
     from rolling.results.run_files import write_run
     from rolling.results.run_result import hear
     from rolling.scene.messages import SceneError
 
     try:
         heard = hear(label, run.values, run.folder, run.scene, result)
-    except (SceneError, MemoryError) as error:
+    except (ContactError, SceneError, MemoryError) as error:
         return Failure(str(error) or "not enough memory")
-    run.folder.mkdir(parents=True, exist_ok=True)
     write_run(heard)
     return None
 
