@@ -176,6 +176,9 @@ def _solve(
     names = dict(zip((run.folder for run in runs), labels.labels(runs), strict=True))
     lacking = [run for run in own if not run.is_done]
     folders.tidy(folder, own)
+    for run in own:
+        if run.is_done and run.scene.height_path is not None:  # its file may have been edited
+            result_file.read_result(run.folder / folders.RESULT, run.scene)
     if not lacking:
         return {}
     scenes = [run.scene for run in lacking]
