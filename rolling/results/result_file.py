@@ -19,7 +19,6 @@ import numpy as np
 
 from rolling.marches.result import Result
 from rolling.results.result_arrays import FORMAT, TABLE, Group, fill, fixed_lengths, groups_of
-from rolling.scene import file as scene_file
 from rolling.scene.scene import Scene
 from rolling.terminal.files import FolderError
 
@@ -90,33 +89,13 @@ def read_result(path: Path, scene: Scene) -> Result:
                 arrays = {str(name): values.values for name, values in data.variables.items()}
                 facts = {name: _plain(value) for name, value in data.attrs.items()}
                 groups[node.path.strip("/")] = arrays, facts
-        fill(result, scene.load, groups)
+        fill(result, groups)
     except FolderError:
         raise
     except Exception as error:  # h5py and xarray raise errors of any kind on hostile files
         text = " ".join(str(error).split()) or type(error).__name__
         raise FolderError(f"{path}: not a result of this program ({text})") from error
     return result
-
-
-def read_scene(path: Path) -> Scene:
-    """Read the scene that a result.h5 was solved for.
-
-    Raises
-    ------
-    FolderError : the file is missing, has changed since it was written, or is of another version.
-    SceneError : its scene is not valid.
-    """
-    content = _sealed(path)
-    try:
-        with h5py.File(io.BytesIO(content), "r") as file:
-            _refuse_version(path, file)
-            text = str(file.attrs["scene"])
-    except FolderError:
-        raise
-    except Exception as error:
-        raise FolderError(f"{path}: not a result of this program ({error})") from error
-    return scene_file.loads(text, [], str(path), path.parent)
 
 
 def _plain(value: Any) -> Any:

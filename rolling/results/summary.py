@@ -18,7 +18,6 @@ import rolling
 from acoustics import loudness
 from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, level_db
-from acoustics.uncertainty import LevelUncertainty
 from rolling._typing import Array
 from rolling.check import cost, height_files
 from rolling.contact import closed_forms
@@ -58,15 +57,17 @@ def summarize(
     made, seconds = scene_surface(scene), result.series["step_time"]
     law = _law(scene, result, vibration)
     heard_law = law.get("force_law_error_db") if sound.source == "vibration" else None
+    spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
+    del spreads["third_octave"]
     times = seconds[np.isfinite(seconds)]  # unknown of marches that were read from a file
     return {
         "name": scene.name,
         "load_n": scene.load,
         "steps": result.steps,
         "source": sound.source,
-        **_levels(sound.levels),
+        **asdict(sound.levels),
         "steady_level_db": sound.steady_level,
-        "uncertainty_db": _spreads(sound.uncertainty) | {"steady": sound.steady_uncertainty},
+        "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},
         "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
         **numbers(errors, sound.uncertainty.laeq_db, heard_law),
         **_loudness(scene, sound),
@@ -117,30 +118,6 @@ def _commit() -> str | None:
     except (OSError, subprocess.SubprocessError):
         return None
     return done.stdout.strip()
-
-
-def _levels(levels: SoundLevels) -> dict[str, Any]:
-    """Return the levels of a record under their names."""
-    return {
-        "laeq_db": levels.laeq_db,
-        "level_db": levels.level_db,
-        "laf_max_db": levels.laf_max_db,
-        "las_max_db": levels.las_max_db,
-        "lz_peak_db": levels.lz_peak_db,
-        "third_octave_db": levels.third_octave_db,
-        "third_octave_a_db": levels.third_octave_a_db,
-    }
-
-
-def _spreads(uncertainty: LevelUncertainty) -> dict[str, float | None]:
-    """Return the standard uncertainties of the levels [dB]."""
-    return {
-        "laeq": uncertainty.laeq_db,
-        "level": uncertainty.level_db,
-        "laf_max": uncertainty.laf_max_db,
-        "las_max": uncertainty.las_max_db,
-        "lz_peak": uncertainty.lz_peak_db,
-    }
 
 
 def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
