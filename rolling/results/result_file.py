@@ -48,17 +48,14 @@ def tree(run: Run) -> xarray.DataTree:
         variables = {}
         for name, values in arrays.items():
             dimensions, unit, kind = TABLE[f"{group}/{name}".lstrip("/")]
-            encoding: dict[str, Any] = {"_FillValue": None}
-            if kind[0] == "u":  # whole numbers of a unit, mostly of unloaded cells
-                scale = facts[f"{name}_unit"]
-                encoding |= {"dtype": kind, "scale_factor": scale, "zlib": True, "complevel": 1}
-                values = values * scale
-            variables[name] = xarray.Variable(
-                dimensions.split(),
-                values if kind[0] == "u" else values.astype(kind),
-                {"units": unit},
-                encoding,
-            )
+            encoding: dict[str, Any] = {"_FillValue": None, "dtype": kind}
+            if values.size and kind != "f8":  # maps and whole numbers
+                encoding |= {"zlib": True, "complevel": 1, "shuffle": True}
+            if kind[0] == "u":  # whole numbers of a unit
+                encoding["scale_factor"] = facts[f"{name}_unit"]
+                values = values * facts[f"{name}_unit"]
+            attributes = {"units": unit}
+            variables[name] = xarray.Variable(dimensions.split(), values, attributes, encoding)
         beside = [name for name in _COORDINATES if name in variables]
         nodes[f"/{group}"] = xarray.Dataset(variables, attrs=facts).set_coords(beside)
     return xarray.DataTree.from_dict(nodes)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import subprocess
 from dataclasses import asdict
@@ -106,18 +105,13 @@ _version = cache(metadata.version)
 def _commit() -> str | None:
     """Return the commit of the checkout with the mark of changes; None outside a checkout."""
     root = Path(rolling.__file__).parents[1]
-    git = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
-    # The variables of a hook would point git at another repository.
-    environment = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
-    if not (root / ".git").exists():
-        return None
+    git = ["git", "--git-dir", str(root / ".git"), "--work-tree", str(root)]
+    command = [*git, "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
     try:
-        done = subprocess.run(
-            git, capture_output=True, text=True, check=True, timeout=10, env=environment
-        )
+        done = subprocess.run(command, capture_output=True, text=True, timeout=10)
     except (OSError, subprocess.SubprocessError):
         return None
-    return done.stdout.strip()
+    return done.stdout.strip() or None
 
 
 def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
