@@ -25,8 +25,8 @@ from rolling.check import (
 from rolling.check.finding import Finding, clock, on_cores
 from rolling.check.report import Findings, RunFindings
 from rolling.scene.identity import Identity
-from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
+from rolling.scene.sweep import run_name
 from rolling.terminal import progress
 
 if TYPE_CHECKING:

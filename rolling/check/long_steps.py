@@ -13,9 +13,9 @@ import numpy as np
 
 from rolling.contact import closed_forms
 from rolling.scene.messages import SceneError
-from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
+from rolling.scene.sweep import run_name
 
 DOUBTFUL_RADII = 0.25  # step over contact radius, above which a scene gets a warning
 MAX_RADII = 4.0  # step over contact radius, above which half of the release is lost

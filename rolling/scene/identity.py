@@ -16,9 +16,8 @@ from pydantic import BaseModel
 
 from rolling.scene import sweep as sweeps
 from rolling.scene.messages import SceneError, plain_number, shown
-from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
-from rolling.scene.yaml_text import open_at_once
+from rolling.scene.yaml_text import open_regular
 
 # The march does not depend on these keys. The number of steps stands for duration, distance and
 # speed. Densities, thickness and loss factor belong to the vibration.
@@ -114,7 +113,7 @@ def file_digest(path: Path) -> str:
 @lru_cache(maxsize=1000)
 def _file_digest(path: Path, stamp: tuple[int, ...]) -> str:
     result = hashlib.sha256()
-    with open_at_once(path) as file:
+    with open_regular(path) as file:
         while chunk := file.read(_CHUNK):
             result.update(chunk)
     return result.hexdigest()
@@ -129,7 +128,7 @@ def _runs(scene: Scene) -> Iterator[tuple[str, Any]]:
             surface = dict(swept["surface"])
             surface["sha256"] = file_digest(scene.folder / surface.pop("path"))
             swept["surface"] = surface
-        yield run_name(values), _numbers(swept)
+        yield sweeps.run_name(values), _numbers(swept)
 
 
 def _numbers(value: Any) -> Any:

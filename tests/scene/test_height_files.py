@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from rolling.check import findings
-from rolling.scene import file, height_text
+from rolling.scene import file, height_files
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.simulation import simulate
@@ -206,9 +206,9 @@ def test_text_without_numbers_and_text_that_is_too_large(
     (tmp_path / "h.txt").write_text("# nothing\n\n")
     assert "h.txt: holds no heights" in fault(tmp_path, "h.txt")
     (tmp_path / "h.txt").write_text(text_of(" "))
-    monkeypatch.setattr(height_text, "MAX_LINE", 100)
+    monkeypatch.setattr(height_files, "MAX_LINE", 100)
     assert "h.txt:1: a line of more than 100 letters" in fault(tmp_path, "h.txt")
-    monkeypatch.setattr(height_text, "MAX_BYTES", 100)
+    monkeypatch.setattr(height_files, "MAX_TEXT_BYTES", 100)
     assert "is larger than 100 bytes of text; a .npy file may be larger" in fault(tmp_path, "h.txt")
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scene_text import PLAIN
 
 from rolling.scene.file import loads
-from rolling.scene.run_names import LONGEST, run_name, run_names
+from rolling.scene.sweep import LONGEST, run_name, run_names
 
 
 def names_of(*overrides: str) -> list[str]:

@@ -11,9 +11,9 @@ import pytest
 from scene_text import PLAIN, SCENES, TEXT
 
 from rolling.scene.file import loads, read_scene
-from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
+from rolling.scene.sweep import run_name
 from rolling.surface import heights as surface
 
 

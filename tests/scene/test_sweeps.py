@@ -10,7 +10,7 @@ from scene_text import PLAIN
 
 from rolling.scene.file import dump, loads
 from rolling.scene.messages import SceneError
-from rolling.scene.run_names import run_names
+from rolling.scene.sweep import run_name
 from rolling.simulation import labels
 from rolling.simulation.batch import Run, seen_from
 
@@ -31,7 +31,7 @@ sweep:
 def runs_of(text: str, *overrides: str) -> list[Run]:
     scene = loads(text, overrides)
     singles = scene.runs()
-    names = run_names([values for values, _ in singles])
+    names = [run_name(values) for values, _ in singles]
     return [
         Run(values, single, Path(name))
         for (values, single), name in zip(singles, names, strict=True)
@@ -77,7 +77,7 @@ def test_swept_files_are_found_from_the_run_folder(tmp_path: Path) -> None:
     surface = "surface={kind: file, path: heights/a b.npy, spacing_um: 2}"
     paths = 'sweep.surface.path=["heights/a b.npy", heights/a-b.npy]'
     scene = loads(PLAIN, [surface, paths], folder=tmp_path)
-    names = run_names([values for values, _ in scene.runs()])
+    names = [run_name(values) for values, _ in scene.runs()]
     assert names[0].startswith("path=heights-a-b.npy-") and names[0] != names[1]
     folder = tmp_path / "outputs" / "run"
     folder.mkdir(parents=True)
