@@ -10,9 +10,8 @@ import pytest
 
 from rolling.contact.solver import ContactError
 from rolling.dynamics import of_scene
-from rolling.marches import moving_load
-from rolling.marches.force_law import force_law, law_error, law_loads, law_pieces
-from rolling.marches.moving_load import load_along
+from rolling.marches import force_law as laws
+from rolling.marches.force_law import force_law, law_error, law_loads, law_pieces, load_along
 from rolling.marches.next_pieces import march_all, next_pieces
 from rolling.marches.piece import Piece, march_piece
 from rolling.marches.result import LoadMarches, MovingRelease, Result
@@ -126,7 +125,7 @@ def test_a_sphere_that_stays_has_the_constant_load(
         approach_m=np.full(max(samples, 1), 2e-7),
         position_m=np.zeros(samples),
     )
-    monkeypatch.setattr(moving_load, "force_law", lambda *_: None)
+    monkeypatch.setattr(laws, "force_law", lambda *_: None)
     monkeypatch.setattr(of_scene, "motion", lambda *_: still)
     moving = load_along(given, Result.empty(given))
     assert not moving.fault and moving.repeats
