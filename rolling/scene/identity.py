@@ -77,7 +77,7 @@ def differences(old: Scene, new: Scene) -> list[str]:
     lines = [
         f"{key}: got {shown(after.get(key))}, has {shown(before.get(key))}"
         for key in keys
-        if before.get(key) != after.get(key) and not key.endswith(_PATH)
+        if before.get(key) != after.get(key) and not _is_path(key)
     ]
     if lines:
         return lines
@@ -87,6 +87,11 @@ def differences(old: Scene, new: Scene) -> list[str]:
     if scene_identity(old) != scene_identity(new):
         return [f"{_PATH}: the heights are others than those of the earlier run"]
     return []
+
+
+def _is_path(key: str) -> bool:
+    """Tell whether a dotted key holds the path of a height file, swept or not."""
+    return _PATH in key or key.rpartition(".")[2] == "path"
 
 
 def contains(small: Scene, large: Scene) -> bool:

@@ -130,19 +130,25 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
 class _LimitedComposer(Composer):
     """Composer that limits the depth of a text and the number of its aliases."""
 
-    depth = aliases = 0
+    def __init__(self, loader: Any = None) -> None:
+        super().__init__(loader)
+        self._aliases = 0
+        self._open: list[str | None] = []  # anchors of the nodes that are being composed
 
     def compose_node(self, parent: Any, index: Any) -> Any:
         """Compose a node and the nodes in it; raise TextError beyond a limit."""
-        line = self.parser.peek_event().start_mark.line + 1
-        self.aliases += self.parser.check_event(AliasEvent)
-        self.depth += 1
-        if self.depth > _MAX_DEPTH:
+        event = self.parser.peek_event()
+        line, is_alias = event.start_mark.line + 1, isinstance(event, AliasEvent)
+        self._aliases += is_alias
+        if len(self._open) >= _MAX_DEPTH:
             raise TextError(f"{line}: nested too deeply")
-        if self.aliases > MAX_ALIASES:
+        if self._aliases > MAX_ALIASES:
             raise TextError(f"{line}: more than {MAX_ALIASES} aliases")
+        if is_alias and event.anchor in self._open:
+            raise TextError(f"{line}: an alias of a value that contains it")
+        self._open.append(None if is_alias else event.anchor)
         node = super().compose_node(parent, index)
-        self.depth -= 1
+        self._open.pop()
         return node
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from rolling.scene.file import loads, resound
-from rolling.scene.identity import Identity
+from rolling.scene.identity import contact_keys
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 
@@ -80,8 +80,7 @@ def test_every_speed_meets_the_same_surface() -> None:
     ],
 )
 def test_the_march_does_not_depend_on_the_vibration(change: dict[str, Any]) -> None:
-    own, other = (Identity.of(each, None) for each in (scene(), scene().with_(change)))
-    assert own.sha256 == other.sha256
+    assert contact_keys(scene()) == contact_keys(scene().with_(change))
 
 
 def test_resound_changes_bodies_and_source() -> None:

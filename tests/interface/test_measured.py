@@ -8,10 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling import cli, commands
 from rolling.check import cost, findings
 from rolling.check.finding import Finding
-from rolling.commands import work
 from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.sound import contact_sound as sound
@@ -132,38 +130,6 @@ def test_level_is_a_key_with_three_values(tmp_path: Path) -> None:
     with pytest.raises(Exception, match=r"surface\.level: got \"plain\", allowed: .*plane"):
         scene(tmp_path, gaussian(200, 80), "surface.level=plain")
     assert "level" in json.dumps(file.schema())
-
-
-def test_run_over_a_seam_says_so_and_does_not_loop(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(work, "write_pictures", lambda *_: [])  # slow, and not of the subject
-    scene(tmp_path, tilted_crop())
-    (tmp_path / "measured.yaml").write_text(TEXT)
-    out = tmp_path / "out"
-    command = [
-        "run",
-        str(tmp_path / "measured.yaml"),
-        "--out",
-        str(out),
-        "--workers",
-        "1",
-        "--no-report",
-    ]
-    assert cli.main(command) == 0
-    printed = capsys.readouterr().out
-    assert "tilt: plane taken off: 2." in printed and "belongs to the cut" in printed
-    numbers = json.loads((out / "summary.json").read_text())
-    assert numbers["loops"] is False
-    assert numbers["levelling"]["height_along_m"] == pytest.approx(1e-6, rel=0.05)
-    assert numbers["levelling"]["ra_after_m"] == pytest.approx(numbers["surface"]["ra"], rel=1e-12)
-    assert numbers["levelling"]["seam_stands_out"] is True
-    assert json.loads((out / "signal.json").read_text())["loops"] is False
-    # Heights of 0.1.0 were taken as they were: its folders, which have no such key, stay so.
-    resolved = (out / "resolved.yaml").read_text()
-    assert "level: auto" in resolved
-    (out / "resolved.yaml").write_text(resolved.replace("  level: auto\n", ""))
-    assert commands.read_runs(out)[0].scene.surface.level == "none"
 
 
 def test_levels_over_a_seam_are_those_of_the_closed_record(tmp_path: Path) -> None:

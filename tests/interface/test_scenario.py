@@ -80,14 +80,6 @@ def test_any_number_can_be_swept() -> None:
     )
 
 
-def test_run_names() -> None:
-    assert run_name({"rolling.load_n": 5.0}) == "load_n=5"
-    assert run_name({"surface.roughness_ra_um": 0.01}) == "roughness_ra_um=0.01"
-    both = {"plate.youngs_modulus_gpa": 1, "sphere.youngs_modulus_gpa": 2}
-    assert run_name(both) == "plate.youngs_modulus_gpa=1,sphere.youngs_modulus_gpa=2"
-    assert run_name({}) == ""
-
-
 def test_the_laws_are_those_of_the_surface_module() -> None:
     annotation = Gaussian.model_fields["autocorrelation"].annotation
     assert set(get_args(annotation)) == set(surface.AUTOCORRELATIONS)
