@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,12 +36,6 @@ _COORDINATES = ("time", "position_time")  # beside the values of the dimensions
 
 def write_result(run: Run) -> bytes:
     """Return the bytes of result.h5, which are equal for equal runs."""
-    content = bytes(tree(run).to_netcdf(engine="h5netcdf"))
-    return content + _seal(content)
-
-
-def tree(run: Run) -> xarray.DataTree:
-    """Return the content of result.h5 as a tree of named arrays with units."""
     import xarray  # slow to import, for whole runs only
 
     nodes = {}
@@ -48,17 +43,26 @@ def tree(run: Run) -> xarray.DataTree:
         variables = {}
         for name, values in arrays.items():
             dimensions, unit, kind = TABLE[f"{group}/{name}".lstrip("/")]
-            encoding: dict[str, Any] = {"_FillValue": None, "dtype": kind}
+            encoding: dict[str, Any] = {"_FillValue": None}
             if values.size and kind != "f8":  # maps and whole numbers
                 encoding |= {"zlib": True, "complevel": 1, "shuffle": True}
-            if kind[0] == "u":  # whole numbers of a unit
-                encoding["scale_factor"] = facts[f"{name}_unit"]
-                values = values * facts[f"{name}_unit"]
             attributes = {"units": unit}
-            variables[name] = xarray.Variable(dimensions.split(), values, attributes, encoding)
+            if kind[0] == "u":  # whole numbers of a unit
+                attributes["scale_factor"] = facts[f"{name}_unit"]
+            variables[name] = xarray.Variable(
+                dimensions.split(), values.astype(kind), attributes, encoding
+            )
         beside = [name for name in _COORDINATES if name in variables]
         nodes[f"/{group}"] = xarray.Dataset(variables, attrs=facts).set_coords(beside)
-    return xarray.DataTree.from_dict(nodes)
+    content = bytes(xarray.DataTree.from_dict(nodes).to_netcdf(engine="h5netcdf"))
+    return content + _seal(content)
+
+
+def tree(run: Run) -> xarray.DataTree:
+    """Return the content of result.h5 as a tree of named arrays with units."""
+    import xarray
+
+    return xarray.open_datatree(io.BytesIO(write_result(run)), engine="h5netcdf").load()
 
 
 def read_result(path: Path, scene: Scene) -> Result:
@@ -155,7 +159,7 @@ def _refuse_shapes(file: h5py.File, result: Result, size: int) -> None:
             key = ("" if dimension in fixed else group, dimension)
             if lengths.setdefault(key, length) != length:
                 raise ValueError(f"{path}: got {length} along {dimension}, allowed: {lengths[key]}")
-        total += data.size * data.dtype.itemsize
+        total += math.prod(data.shape) * data.dtype.itemsize
     if total > _LARGEST * size:
         raise ValueError(f"arrays of {total} bytes in a file of {size} bytes")
 

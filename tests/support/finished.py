@@ -29,7 +29,9 @@ sound: {source: vibration}
 WITHOUT_DYNAMICS = ("dynamics=", "sound=", "plate.thickness_mm=", "plate.loss_factor=")
 
 
-def marched(text: str, changes: Sequence[str] = (), folder: Path = Path(), film: bool = False) -> Run:
+def marched(
+    text: str, changes: Sequence[str] = (), folder: Path = Path(), film: bool = False
+) -> Run:
     """Return the run of a scene that is given as text with changes."""
     return run_of(loads(text, changes), folder, film)
 
