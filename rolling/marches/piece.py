@@ -82,12 +82,12 @@ class Piece:
     @cached_property
     def key(self) -> str:
         """File-safe text that is unique among the pieces of an identity."""
-        text = f"{self.kind}-{self.first}-{self.last}"
+        suffix = {"error": self.level, "film": str(self.stride)}.get(self.kind, "")
         if self.kind in ("load", "judge"):
-            return f"{text}-{_short_digest(self.load.hex().encode())}"
-        if self.forces is not None:
-            return f"{text}-{_short_digest(self.forces.tobytes())}"
-        return text + (f"-{self.level}" if self.level else f"-{self.stride}" * (self.stride > 0))
+            suffix = _short_digest(self.load.hex().encode())
+        elif self.forces is not None:
+            suffix = _short_digest(self.forces.tobytes())
+        return "-".join(filter(None, (self.kind, str(self.first), str(self.last), suffix)))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Piece) and hash(self) == hash(other)

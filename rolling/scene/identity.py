@@ -16,9 +16,8 @@ from pydantic import BaseModel
 
 from rolling.scene import sweep as sweeps
 from rolling.scene.messages import SceneError, plain_number, shown
-from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
-from rolling.scene.yaml_text import open_at_once
+from rolling.scene.yaml_text import open_regular
 
 # The march does not depend on these keys. The number of steps stands for duration, distance and
 # speed. Densities, thickness and loss factor belong to the vibration.
@@ -78,7 +77,7 @@ def differences(old: Scene, new: Scene) -> list[str]:
     lines = [
         f"{key}: got {shown(after.get(key))}, has {shown(before.get(key))}"
         for key in keys
-        if before.get(key) != after.get(key) and not key.endswith(_PATH)
+        if before.get(key) != after.get(key) and not _is_path(key)
     ]
     if lines:
         return lines
@@ -88,6 +87,11 @@ def differences(old: Scene, new: Scene) -> list[str]:
     if scene_identity(old) != scene_identity(new):
         return [f"{_PATH}: the heights are others than those of the earlier run"]
     return []
+
+
+def _is_path(key: str) -> bool:
+    """Tell whether a dotted key holds the path of a height file, swept or not."""
+    return _PATH in key or key.rpartition(".")[2] == "path"
 
 
 def contains(small: Scene, large: Scene) -> bool:
@@ -114,7 +118,7 @@ def file_digest(path: Path) -> str:
 @lru_cache(maxsize=1000)
 def _file_digest(path: Path, stamp: tuple[int, ...]) -> str:
     result = hashlib.sha256()
-    with open_at_once(path) as file:
+    with open_regular(path) as file:
         while chunk := file.read(_CHUNK):
             result.update(chunk)
     return result.hexdigest()
@@ -129,7 +133,7 @@ def _runs(scene: Scene) -> Iterator[tuple[str, Any]]:
             surface = dict(swept["surface"])
             surface["sha256"] = file_digest(scene.folder / surface.pop("path"))
             swept["surface"] = surface
-        yield run_name(values), _numbers(swept)
+        yield sweeps.run_name(values), _numbers(swept)
 
 
 def _numbers(value: Any) -> Any:
