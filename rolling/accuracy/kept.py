@@ -15,7 +15,8 @@ import numpy as np
 from rolling.accuracy.variants import Study, Variant
 from rolling.folders import files, own_files
 from rolling.folders.files import FolderError
-from rolling.scene.identity import Identity, differences
+from rolling.scene.identity import Identity
+from rolling.scene.identity import identity_differences as differences
 from rolling.simulation import simulate
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, Piece
 

@@ -18,7 +18,8 @@ from rolling.commands import work
 from rolling.folders import run_record
 from rolling.scene import identity
 from rolling.scene.file import loads, read_scene
-from rolling.scene.identity import Identity, differences
+from rolling.scene.identity import Identity
+from rolling.scene.identity import identity_differences as differences
 from rolling.scene.scene import Scene
 from rolling.simulation import batch, result_file, simulate
 from rolling.surface import heights, scene_surface
