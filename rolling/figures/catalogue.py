@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 
 from rolling.figures import contact, sound, sweep, vibration
 from rolling.figures.picture import Picture, listed, picture, slug
-from rolling.folders.files import write_bytes
-from rolling.simulation.run_result import RunResult as Run
+from rolling.results.run_result import Run
+from rolling.terminal.files import write_bytes
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -65,9 +65,7 @@ COMPARING = {
     "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
     "levels": FigureKind(_levels, sweep.sweep_table, _is_swept),
     "contact_areas": FigureKind(_contact_areas, sweep.sweep_table, _is_swept),
-    "mean_third_octaves": FigureKind(
-        sweep.mean_third_octaves, sweep.mean_band_table, sweep.has_seeds
-    ),
+    "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
 }
 SINGLE = {
     "release_power": FigureKind(sound.release_power, sound.release_power_table, among=True),

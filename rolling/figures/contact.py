@@ -13,10 +13,10 @@ from matplotlib.ticker import EngFormatter
 
 from acoustics.plots import COLOURS
 from rolling._typing import Array
-from rolling.figures.picture import axes_of, finish, listed, number
+from rolling.figures.picture import axes_of, finish, finish_grid, listed, number
+from rolling.marches.observers import Snapshot
+from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
-from rolling.simulation.run_result import RunResult as Run
-from rolling.simulation.simulate import Snapshot
 from rolling.surface import scene_surface
 
 if TYPE_CHECKING:
@@ -194,7 +194,7 @@ def recovery_events(run: Run, ax: Axes | None = None) -> Axes:
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel("energy of an event [J]")
     ax.set_ylabel("share [%]")
-    ax.grid(True, color="0.85", linewidth=0.5)
+    finish_grid(ax)
     assert statistics is not None
     facts = [
         f"{statistics.count:,} events, {number(statistics.per_metre * 1e-3)} per mm",

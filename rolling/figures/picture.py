@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
 
-from rolling.simulation.labels import printable
-from rolling.simulation.run_result import RunResult as Run
+from rolling.results.labels import printable
+from rolling.results.run_result import Run
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -63,6 +63,13 @@ def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
     letters = int(_LETTERS_PER_DOT * ax.get_window_extent().width)
     lines = [*textwrap.wrap(title, letters), *textwrap.wrap(note, letters)]
     _plain([ax.set_title("\n".join(lines), loc="left", fontsize="medium")])
+    return ax
+
+
+def finish_grid(ax: Axes) -> Axes:
+    """Draw a pale grid below the curves."""
+    ax.grid(True, color="0.85", linewidth=0.5)
+    ax.set_axisbelow(True)
     return ax
 
 

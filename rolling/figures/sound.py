@@ -28,13 +28,13 @@ from rolling.figures.picture import (
     number,
     subject,
 )
-from rolling.simulation import labels
-from rolling.simulation.run_result import RunResult as Run
+from rolling.results import labels
+from rolling.results.run_result import Run
+from rolling.results.runs_table import SEED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SEED = "surface.seed"
 _Levels = Mapping[str, float | None]
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,28 +12,42 @@ import pandas as pd
 from matplotlib.ticker import NullLocator
 
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
-from acoustics.plots import bars, look_of, short_name
+from acoustics.plots import LINE_STYLES, bars, look_of, short_name
 from rolling._typing import Array
 from rolling.figures.picture import (
     MOST_NAMED,
     axes_of,
     distance_and_duration,
     finish,
+    finish_grid,
     listed,
+    picture,
     subject,
 )
-from rolling.figures.sound import SEED, column
+from rolling.results import labels, runs_table
+from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
-from rolling.simulation import labels
-from rolling.simulation.run_result import RunResult as Run
+from rolling.terminal.files import write_bytes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+SEED = runs_table.SEED
 FEWEST_SEEDS = 3  # that have a spread worth drawing
-_MOST_CURVES = 100  # more would hide one another, and are drawn as their median and spread
+_MOST_CURVES = 100  # more would hide one another
 _MOST_CELLS = 100  # of a map whose numbers are written in it
 _SCENE = "scene"  # column of the scene's name beside the swept keys
+_LEVELS = {  # columns of runs.csv with label and column of the standard uncertainty
+    "laeq_db": ("LAeq", "laeq_uncertainty_db"),
+    "level_db": ("LZeq", "level_uncertainty_db"),
+    "vibration_laeq_db": ("LAeq of the vibration", ""),
+    "release_laeq_db": ("LAeq of the release", ""),
+}
+_AREAS = {
+    "contact_area_mean_m2": ("contact area", ""),
+    "plastic_area_mean_m2": ("plastic area", ""),
+}
+_BANDS = [f"third_octave_a_db_{name}" for name in BAND_NAMES]
 
 
 # ---- figures of runs
@@ -67,13 +83,7 @@ def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) 
     >>> rolling.plot.levels(runs, "rolling.load_n")  # doctest: +SKIP
     """
     shown = listed(runs)
-    names = {
-        "laeq_db": ("LAeq", "laeq_uncertainty_db"),
-        "level_db": ("LZeq", "level_uncertainty_db"),
-        "vibration_laeq_db": ("LAeq of the vibration", ""),
-        "release_laeq_db": ("LAeq of the release", ""),
-    }
-    ax = _numbers_against(shown, key, names, ax)
+    ax = _against_key(shown, key, _LEVELS, ax)
     ax.set_ylabel("level [dB re 20 µPa]")
     facts = [*distance_and_duration(shown), "bars: standard uncertainty of that duration"]
     return finish(ax, f"Levels against {_x_words(ax)}: {subject(shown)}", facts)
@@ -107,8 +117,7 @@ def contact_areas(runs: Iterable[Run], key: str | None = None, ax: Axes | None =
     >>> rolling.plot.contact_areas(runs, "rolling.load_n")  # doctest: +SKIP
     """
     shown = listed(runs)
-    names = {"contact_area_um2": ("contact area", ""), "plastic_area_um2": ("plastic area", "")}
-    ax = _numbers_against(shown, key, names, ax)
+    ax = _against_key(shown, key, _AREAS, ax, 1e12)
     ax.set_ylabel("mean area [µm²]")
     ax.set_ylim(bottom=0.0)
     facts = ["mean over the track", "dashed: plastic area"]
@@ -136,12 +145,7 @@ def mean_third_octaves(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
     >>> rolling.plot.mean_third_octaves(runs)  # doctest: +SKIP
     """
     shown = listed(runs)
-    rows = [
-        {**run.values, "band_hz": band, "third_octave_a_db": level}
-        for run in shown
-        for band, level in run.sound.levels.third_octave_a_db.items()
-    ]
-    return mean_bands(pd.DataFrame(rows), _others(shown, SEED), ax, subject(shown))
+    return mean_bands(sweep_table(shown), _others(shown, SEED), ax, subject(shown))
 
 
 def swept_key(runs: Sequence[Run]) -> str | None:
@@ -163,49 +167,44 @@ def has_seeds(runs: Sequence[Run]) -> bool:
     return bool(min(seeds) >= FEWEST_SEEDS)
 
 
+def seed_table(runs: Sequence[Run]) -> pd.DataFrame:
+    """Tabulate mean and standard deviation of third octaves of runs over their seeds [dB]."""
+    return mean_band_table(sweep_table(runs), _others(runs, SEED))
+
+
 def sweep_table(runs: Sequence[Run]) -> pd.DataFrame:
-    """Tabulate scene, swept values, levels [dB] and mean areas [µm²] of runs."""
-    rows = []
-    for run in runs:
-        numbers = {
-            "laeq_db": run.sound.levels.laeq_db,
-            "laeq_uncertainty_db": run.sound.uncertainty.laeq_db,
-            "level_db": run.sound.levels.level_db,
-            "level_uncertainty_db": run.sound.uncertainty.level_db,
-            "vibration_laeq_db": run.summary.get("vibration_laeq_db"),
-            "release_laeq_db": run.summary.get("release_laeq_db"),
-            "contact_area_um2": 1e12 * run.summary["contact_area_mean_m2"],
-            "plastic_area_um2": 1e12 * run.summary["plastic_area_mean_m2"],
-        }
-        rows.append({"run": run.label, _SCENE: run.scene.name, **run.values, **numbers})
-    return pd.DataFrame(rows).dropna(axis="columns", how="all")
+    """Return the table of runs with the columns of runs.csv and the names of their scenes."""
+    frame = runs_table.runs_table(runs).reset_index()
+    return frame.assign(**{_SCENE: [run.scene.name for run in runs]})
 
 
-def _numbers_against(
-    runs: Sequence[Run], key: str | None, names: Mapping[str, tuple[str, str]], ax: Axes | None
+def _against_key(
+    runs: Sequence[Run],
+    key: str | None,
+    names: dict[str, tuple[str, str]],
+    ax: Axes | None,
+    factor: float = 1.0,
 ) -> Axes:
-    """Draw numbers of runs, with label and column of uncertainty, against a key of their scenes."""
+    """Draw columns of a table of runs, with label and uncertainty, against a key of the scenes."""
     key = key or swept_key(runs)
     if key is None:
         raise ValueError("the runs have no swept key, name one, such as rolling.load_n")
-    frame = sweep_table(runs)
+    frame, ax = sweep_table(runs), axes_of(ax)
     frame[key] = [_number(run.scene, key) for run in runs]
-    ax, curves = axes_of(ax), _others(runs, key)
-    present = [name for name in names if name in frame]
-    groups = [*_groups(frame, curves)]
+    groups = [*_groups(frame.sort_values(key), _others(runs, key))]
+    present = [name for name in names if name in frame and frame[name].notna().any()]
     for k, (label, group) in enumerate(groups):
-        for style, name in zip(("-", "--", "-.", ":"), present, strict=False):
+        for number, name in enumerate(present):
             word, spread = names[name]
-            count = len(groups) if len(groups) > 1 else len(present)
-            look = look_of(k if len(groups) > 1 else present.index(name), count)
-            rows = group.sort_values(key)
+            look = look_of(k, len(groups)) if len(groups) > 1 else look_of(number, len(present))
+            look["linestyle"] = LINE_STYLES[number]
+            values = factor * group[name].astype(float)
             text = ", ".join(filter(None, [label, word]))
-            ax.plot(rows[key], rows[name], markersize=5, label=text, **look | {"linestyle": style})
+            ax.plot(group[key], values, markersize=5, label=text, **look)
             if spread in frame:
-                bars(ax, rows[key], rows[name], rows[spread], look["color"])
+                bars(ax, group[key], values, group[spread].astype(float), look["color"])
     _name_axis(ax, "x", key, sorted(set(frame[key])))
-    ax.grid(True, color="0.85", linewidth=0.5)
-    return ax
+    return finish_grid(ax)
 
 
 def _others(runs: Sequence[Run], key: str) -> list[str]:
@@ -227,35 +226,61 @@ def _number(scene: Scene, key: str) -> float:
 # ---- figures of tables
 
 
+def write_number_figures(
+    frame: pd.DataFrame,
+    numbers: Sequence[str],
+    against: Sequence[str],
+    folder: Path,
+    title: str = "",
+) -> list[Path]:
+    """Write figures of columns of runs.csv against one or over two swept keys, and of mean bands.
+
+    `frame` holds the columns of runs.csv, and the paths of the PNG files are returned.
+    """
+    keys = [key for key in frame if key.partition(".")[0] in Scene.model_fields]
+    pictures = [
+        picture("mean_third_octaves", lambda ax: mean_bands(frame, _without(keys, SEED), ax, title))
+    ]
+    for number in numbers:
+        name = f"{number}_against_{'_'.join(against)}"
+        if len(against) == 2:
+            draw = partial(number_map, frame, number, (against[0], against[1]), title=title)
+        else:
+            curves = _without(keys, SEED, against[0])
+            draw = partial(number_against, frame, number, against[0], curves, title=title)
+        pictures.append(picture(name, draw))
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / f"{drawn.name}.png" for drawn in pictures]
+    for path, drawn in zip(paths, pictures, strict=True):
+        write_bytes(path, drawn.file("png") or b"")
+    return paths
+
+
+def _without(keys: Sequence[str], *left_out: str) -> list[str]:
+    return [key for key in keys if key not in left_out]
+
+
 def number_against(
     frame: pd.DataFrame,
     number: str,
     key: str,
-    curves: Sequence[str] = (),
+    curves: Sequence[str],
     ax: Axes | None = None,
     title: str = "",
 ) -> Axes:
     """Plot the mean of a column of runs.csv against a swept key, a line per value of `curves`."""
-    ax, groups = axes_of(ax), [*_groups(frame, curves)]
-    ticks = _ticks(frame[key])
-    places = dict(zip(ticks, _places(ticks), strict=True))
-    statistics = [
-        (label, group.groupby(key)[number].agg(["mean", "std"]).reindex(ticks))
-        for label, group in groups
-    ]
-    x = np.array([*places.values()])
-    if len(groups) > _MOST_CURVES:
-        _draw_crowd(ax, x, np.array([table["mean"] for _, table in statistics]))
-    else:
-        for k, (label, table) in enumerate(statistics):
-            look = look_of(k, len(groups))
-            ax.plot(x, table["mean"], markersize=5, label=label or None, **look)
-            bars(ax, x, table["mean"], table["std"], look["color"])
+    ax, groups, ticks = axes_of(ax), [*_groups(frame, curves)], _ticks(frame[key])
+    x = _places(ticks)
+    for k, (label, group) in enumerate(groups[:_MOST_CURVES]):
+        look = look_of(k, len(groups))
+        values = group[number].astype(float).groupby(group[key])
+        mean, spread = (table.reindex(ticks) for table in (values.mean(), values.std()))
+        ax.plot(x, mean, markersize=5, label=label or None, **look)
+        bars(ax, x, mean, spread, look["color"])
     _name_axis(ax, "x", key, ticks)
     ax.set_ylabel(number)
-    ax.grid(True, color="0.85", linewidth=0.5)
     facts = _facts(frame, [key, *curves], "bars", len(groups))
-    return finish(ax, f"{number} against {_x_words(ax)}: {title}", facts)
+    return finish(finish_grid(ax), f"{number} against {_x_words(ax)}: {title}", facts)
 
 
 def number_map(
@@ -267,14 +292,15 @@ def number_map(
 ) -> Axes:
     """Plot the mean of a column of runs.csv over two swept keys, along x and y, as a map."""
     ax, ticks = axes_of(ax), [_ticks(frame[key]) for key in keys]
-    table = frame.pivot_table(number, keys[1], keys[0], "mean").reindex(ticks[1], columns=ticks[0])
-    means = table.to_numpy(dtype=float)
+    values = frame.astype({number: float})
+    table = values.pivot_table(number, keys[1], keys[0], "mean", observed=True)
+    means = table.reindex(ticks[1], columns=ticks[0]).to_numpy(dtype=float)
     drawn = ax.imshow(means, origin="lower", aspect="auto", cmap="viridis")
     ax.figure.colorbar(drawn, ax=ax, label=number)
-    for axis, key, values in zip(("x", "y"), keys, ticks, strict=True):
-        _name_axis(ax, axis, key, values, numeric=False)
+    for axis, key, places in zip(("x", "y"), keys, ticks, strict=True):
+        _name_axis(ax, axis, key, places, numeric=False)
     if means.size <= _MOST_CELLS:
-        middle = np.nanmean(means) if np.isfinite(means).any() else 0.0
+        middle = np.nanmean(means)
         for (row, place), value in np.ndenumerate(means):
             colour = "black" if value > middle else "white"
             text = f"{value:.3g}" if np.isfinite(value) else ""
@@ -285,45 +311,39 @@ def number_map(
 
 
 def mean_bands(
-    bands: pd.DataFrame, curves: Sequence[str] = (), ax: Axes | None = None, title: str = ""
+    frame: pd.DataFrame, curves: Sequence[str], ax: Axes | None = None, title: str = ""
 ) -> Axes:
-    """Plot mean A-weighted third octaves of a table with a row per run and `band_hz`."""
-    ax, names = axes_of(ax), [float(name) for name in BAND_NAMES]
-    bands = bands.assign(band_hz=bands["band_hz"].astype(float))
-    statistics = [
-        (label, group.groupby("band_hz")["third_octave_a_db"].agg(["mean", "std"]).reindex(names))
-        for label, group in _groups(bands, curves)
-    ]
-    if len(statistics) > _MOST_CURVES:
-        _draw_crowd(ax, MID_HZ, np.array([table["mean"] for _, table in statistics]))
-    else:
-        for k, (label, table) in enumerate(statistics):
-            look, mean, spread = look_of(k, len(statistics)), table["mean"], table["std"]
-            ax.plot(MID_HZ, mean, markersize=4, label=label or None, **look)
-            if len(statistics) <= MOST_NAMED:
-                low, high = mean - spread, mean + spread
-                ax.fill_between(MID_HZ, low, high, color=look["color"], alpha=0.18, lw=0)
+    """Plot the mean A-weighted third octaves of a table, a line per value of `curves`."""
+    ax, table = axes_of(ax), mean_band_table(frame, curves)
+    groups = [*table.groupby("curve", sort=False)]
+    for k, (label, rows) in enumerate(groups[:_MOST_CURVES]):
+        look, mean = look_of(k, len(groups)), rows["mean_a_weighted_level_db"]
+        spread = rows["standard_deviation_db"]
+        ax.plot(MID_HZ, mean, markersize=4, label=label or None, **look)
+        if len(groups) <= MOST_NAMED:
+            low, high = mean - spread, mean + spread
+            ax.fill_between(MID_HZ, low, high, color=look["color"], alpha=0.18, lw=0)
     ax.set_xscale("log")
     ax.set_xlim(*AUDIBLE_HZ)
     ax.minorticks_off()
     ax.set_xticks(MID_HZ, [short_name(name) for name in BAND_NAMES], rotation=90, fontsize="small")
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
     ax.set_ylabel("A-weighted level [dB re 20 µPa]")
-    ax.grid(True, color="0.85", linewidth=0.5)
-    runs = bands[bands["band_hz"] == names[0]]
-    facts = _facts(runs, curves, "shaded", len(statistics))
-    return finish(ax, f"Mean third octaves: {title}", facts)
+    facts = _facts(frame, curves, "shaded", len(groups))
+    return finish(finish_grid(ax), f"Mean third octaves: {title}", facts)
 
 
-def mean_band_table(runs: Sequence[Run]) -> pd.DataFrame:
-    """Tabulate mean and standard deviation of A-weighted third octaves over the seeds [dB]."""
-    frames = []
-    for label, group in _groups(sweep_table(runs), _others(runs, SEED)):
-        levels_db = [column(runs[k].sound.levels.third_octave_a_db) for k in group.index]
-        table = pd.DataFrame(np.array(levels_db)).agg(["mean", "std"]).T.to_numpy().T
-        columns = {"mean_a_weighted_level_db": table[0], "standard_deviation_db": table[1]}
-        frames.append(pd.DataFrame({"curve": label, "mid_frequency_hz": MID_HZ, **columns}))
-    return pd.concat(frames, ignore_index=True)
+def mean_band_table(frame: pd.DataFrame, curves: Sequence[str]) -> pd.DataFrame:
+    """Tabulate mean and standard deviation of A-weighted third octaves by curve [dB]."""
+    tables = []
+    for label, group in _groups(frame, curves):
+        levels_db = group.reindex(columns=_BANDS).astype(float)
+        columns = {
+            "mean_a_weighted_level_db": levels_db.mean().to_numpy(),
+            "standard_deviation_db": levels_db.std().to_numpy(),
+        }
+        tables.append(pd.DataFrame({"curve": label, "mid_frequency_hz": MID_HZ, **columns}))
+    return pd.concat(tables, ignore_index=True)
 
 
 # ---- parts of figures
@@ -338,20 +358,9 @@ def _groups(frame: pd.DataFrame, keys: Sequence[str]) -> Iterator[tuple[str, pd.
         words = [
             str(value) if key == _SCENE else labels.worded(key, value)
             for key, value in zip(keys, values, strict=True)
-            if value == value
+            if pd.notna(value)
         ]
         yield ", ".join(words), group
-
-
-def _draw_crowd(ax: Axes, x: Array, curves: Array) -> None:
-    """Draw the median of many curves, with the band of 90 % of them and their extremes."""
-    known = np.isfinite(curves).any(axis=0)
-    shares = np.full((5, len(x)), np.nan)
-    shares[:, known] = np.nanpercentile(curves[:, known], (0, 5, 50, 95, 100), axis=0)
-    look = look_of(0, 1)
-    for low, high, alpha in ((0, 4, 0.12), (1, 3, 0.2)):
-        ax.fill_between(x, shares[low], shares[high], color=look["color"], alpha=alpha, lw=0)
-    ax.plot(x, shares[2], markersize=4, **look)
 
 
 def _facts(frame: pd.DataFrame, keys: Sequence[str], spread: str, curves: int) -> list[str]:
@@ -360,11 +369,9 @@ def _facts(frame: pd.DataFrame, keys: Sequence[str], spread: str, curves: int) -
     sizes = frame.groupby([*keys]).size() if keys else pd.Series([len(frame)])
     if sizes.max() > 1:
         ends = " to ".join(str(count) for count in dict.fromkeys((sizes.min(), sizes.max())))
-        facts.append(f"mean of {ends} runs")
-        if curves <= _MOST_CURVES:
-            facts.append(f"{spread}: their standard deviation")
+        facts += [f"mean of {ends} runs", f"{spread}: their standard deviation"]
     if curves > _MOST_CURVES:
-        facts.append(f"line: median of {curves} curves; shaded: 90 % and all of them")
+        facts.append(f"first {_MOST_CURVES} of {curves} curves")
     return facts
 
 

@@ -11,9 +11,9 @@ from acoustics import plots
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.plots import COLOURS
 from rolling.contact import closed_forms
-from rolling.figures.picture import axes_of, distance_and_duration, finish, number
+from rolling.figures.picture import axes_of, distance_and_duration, finish, finish_grid, number
 from rolling.figures.sound import column
-from rolling.simulation.run_result import RunResult as Run
+from rolling.results.run_result import Run
 from rolling.sound.effective_roughness import wavelength_bands
 from rolling.sound.vibration_sound import Vibration
 from rolling.surface.scene_surface import scene_surface
@@ -41,8 +41,7 @@ def _curves(ax: Axes, table: pd.DataFrame, names: dict[str, str], xlabel: str, y
     ax.set_xscale("log")
     ax.set_xlabel(xlabel)
     ax.set_ylabel(ylabel)
-    ax.grid(True, color="0.85", linewidth=0.5)
-    ax.set_axisbelow(True)
+    finish_grid(ax)
 
 
 # ---- sources side by side
@@ -138,8 +137,7 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
     ax.set_xlim(0.0, 1e3 * motion.time_step_s * len(ratio))
     ax.set_xlabel("time [ms]")
     ax.set_ylabel("contact force over load [-]")
-    ax.grid(True, color="0.85", linewidth=0.5)
-    ax.set_axisbelow(True)
+    finish_grid(ax)
     facts = [
         f"load {vibration.load:g} N",
         f"rms {vibration.rms_ratio:.3g}, from {ratio.min():.3g} to {ratio.max():.3g}",

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from acoustics.radiation import RHO_C
 from rolling.report.text import NOTHING, significant
+from rolling.results.labels import printable
+from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian, HeightFile
-from rolling.simulation.labels import printable
-from rolling.simulation.run_result import RunResult as Run
 
 
 def assumptions(run: Run) -> dict[str, str]:

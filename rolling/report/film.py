@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from rolling._typing import Array
 from rolling.figures.vibration import hertz_radius
+from rolling.marches.observers import SlowMotion
 from rolling.report import maps
 from rolling.report.maps import Pixels
-from rolling.simulation.run_result import RunResult as Run
-from rolling.simulation.slow_motion import SlowMotion
+from rolling.results.run_result import Run
 from rolling.surface.scene_surface import scene_surface
 
 GLOW = (0, 225, 255)  # colour of cells that release energy

@@ -13,8 +13,8 @@ from acoustics.weighting import a_weighting_db
 from rolling._typing import Array
 from rolling.figures.vibration import hertz_radius
 from rolling.report.assumed import surface_words
+from rolling.results.run_result import Run
 from rolling.scene.surfaces import Gaussian
-from rolling.simulation.run_result import RunResult as Run
 
 MOST = 0.8  # share of the A-weighted power that counts as most of it
 ALIKE = 0.05  # relative difference of pitch that is not named

@@ -15,9 +15,9 @@ from PIL import Image
 
 from rolling._typing import Array
 from rolling.figures.vibration import hertz_radius
+from rolling.marches.observers import PressureMap
+from rolling.results.run_result import Run
 from rolling.scene.motion import Motion
-from rolling.simulation.run_result import RunResult as Run
-from rolling.simulation.simulate import PressureMap
 
 COLOUR_MAP = "magma"  # a perceptually uniform map, black without pressure
 SHADES = 255  # shades of pressure; entry 0 of the palette means no pressure
@@ -109,9 +109,9 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
     # Rows of a picture go down, the plate's second axis goes up.
     pixels, tiles = packed([shades(shown.pressure, max_gpa * 1e9).T[::-1] for shown in maps])
     positions = np.array([shown.position for shown in maps])
-    lap, rolled = result.solved_steps * result.step, result.done_steps * result.step
-    closes = result.complete and run.scene.track.closed
-    begins, order = showing(positions * result.step, lap, rolled, closes, run.scene.motion)
+    lap, rolled = result.solved_steps * result.step, result.steps * result.step
+    closes, motion = run.scene.track.closed, run.scene.motion
+    begins, order = showing(positions * result.step, lap, rolled, closes, motion)
 
     def series(name: str, factor: float) -> list[float | None]:
         values = result.series[name][positions] * factor
@@ -135,7 +135,7 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
 def sounding_maps(run: Run) -> list[PressureMap]:
     """Return the maps in the part of the track that the record covers."""
     maps: Mapping[int, PressureMap] = run.result.maps
-    return [maps[position] for position in sorted(maps) if position <= run.result.done_steps]
+    return [maps[position] for position in sorted(maps) if position <= run.result.steps]
 
 
 def _box(shown: PressureMap, run: Run) -> tuple[float, float, float]:

@@ -21,10 +21,10 @@ from acoustics.plot_style import PREFIXES
 from rolling import __version__
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
-from rolling.report import assumed, citation, film, hearing, maps, playback, text
-from rolling.simulation import caveats
-from rolling.simulation.labels import printable
-from rolling.simulation.run_result import RunResult as Run
+from rolling.report import assumed, film, hearing, maps, playback, text
+from rolling.results import caveats
+from rolling.results.labels import printable
+from rolling.results.run_result import Run
 from rolling.terminal import defaults
 
 LARGEST_CSV = 200_000  # bytes on the page; `rolling plot` writes longer tables
@@ -66,7 +66,6 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
             descriptions=_descriptions(heard),
             text=text,
             hearing=hearing,
-            citation=citation,
             assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),
             runs=runs,
             views=views,
@@ -149,14 +148,13 @@ def _views(runs: Sequence[Run], scale: dict[str, Any] | None) -> list[dict[str, 
             for name in SINGLE
             if name not in left_out and (picture := single_picture(name, run, runs))
         }
-        stored = caveats.stored(run.summary)
         views.append(
             {
                 "label": run.label,
                 "run": run,
                 "playback": gain,
                 "wav": maps.uri("audio/wav", record),
-                "repeats": [caveat for caveat in stored if caveat.key in caveats.REPEATS],
+                "repeats": [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS],
                 "pictures": pictures,
             }
         )
@@ -170,7 +168,7 @@ def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any
         "label": run.label,
         "seconds": len(sound.pressure) / sound.sample_rate,
         "loops": sound.loops,
-        "buzzes": any(caveat.key == "short_loop" for caveat in view["repeats"]),
+        "buzzes": any(caveat["key"] == "short_loop" for caveat in view["repeats"]),
         "playback": view["playback"],
         "maps": maps.run_maps(run, scale["max_gpa"]) if scale else None,
         "film": film.film_of(run, scale["max_gpa"]) if scale else None,

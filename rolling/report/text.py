@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,12 +9,13 @@ from typing import Any, NamedTuple
 from matplotlib.ticker import EngFormatter
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
+from rolling import __version__
+from rolling.results import caveats
+from rolling.results.caveats import Caveat
+from rolling.results.labels import printable
+from rolling.results.run_result import Run
+from rolling.results.runs_table import uncertain
 from rolling.scene import file
-from rolling.simulation import caveats
-from rolling.simulation.caveats import Remark
-from rolling.simulation.labels import printable
-from rolling.simulation.run_result import RunResult as Run
-from rolling.simulation.summary import uncertain
 
 NOTHING = "-"  # for a number that does not exist
 Fact = tuple[str, list[tuple[str, str]]]  # quantity; labels of runs (empty: all runs) and value
@@ -71,6 +71,15 @@ LEVELS_NOTE = (
     "Levels are re 20 µPa and belong to the fluctuation, the audible part, over the whole record,"
     " with their standard uncertainty; the steady level belongs to the mean intensity, which is"
     " silent."
+)
+
+CITED_PROGRAM = (
+    f"The rolling-contact-noise authors: rolling-contact-noise (version {__version__}), 2026."
+)
+CITED_ARTICLE = (
+    "Lee, B.; Kim, K.; Kim, T.: Analysis of Contact Noise Due to Elastic Recovery of Surface "
+    "Asperities for Spherical "
+    "Contact. Inventions 2025, 10(1), 17. doi:10.3390/inventions10010017"
 )
 
 
@@ -158,26 +167,26 @@ def bands(runs: Sequence[Run]) -> list[tuple[str, bool, list[str]]]:
 # ---- caveats
 
 
-def remarks(runs: Sequence[Run]) -> list[Remark]:
+def remarks(runs: Sequence[Run]) -> list[Caveat]:
     """List all caveats of runs, each caveat once."""
-    return caveats.gathered([(run.label, caveats.stored(run.summary)) for run in runs])
+    return caveats.gathered([(run.label, run.summary) for run in runs])
 
 
 def headline(runs: Sequence[Run]) -> str:
     """Join the caveats that stand beside every level."""
     kept = (*caveats.HEADLINE, "band_errors")
-    return " ".join(remark.line for remark in remarks(runs) if remark.key in kept)
+    return " ".join(caveat.line for caveat in remarks(runs) if caveat.key in kept)
 
 
-def standing(runs: Sequence[Run]) -> list[Remark]:
+def standing(runs: Sequence[Run]) -> list[Caveat]:
     """List the general caveats, which do not stand at the top."""
     kept = set(caveats.STANDING) - set(caveats.HEADLINE)
-    return [remark for remark in remarks(runs) if remark.key in kept]
+    return [caveat for caveat in remarks(runs) if caveat.key in kept]
 
 
-def warnings(runs: Sequence[Run]) -> list[Remark]:
+def warnings(runs: Sequence[Run]) -> list[Caveat]:
     """List the warnings of the check, each kind once."""
-    return [remark for remark in remarks(runs) if remark.key not in caveats.STANDING]
+    return [caveat for caveat in remarks(runs) if caveat.key not in caveats.STANDING]
 
 
 # ---- facts
@@ -242,16 +251,14 @@ def provenance(runs: Sequence[Run]) -> list[Fact]:
 
 
 def _provenance(run: Run) -> dict[str, str]:
-    """Read the provenance of a run; the result is empty for a run in memory."""
-    record: Mapping[str, Any] | None = run.summary.get("provenance")
-    path = run.folder / "summary.json"
-    if record is None and path.is_file():
-        record = json.loads(path.read_text(encoding="utf-8")).get("provenance")
-    if not record:
-        return {}
-    packages = record.get("packages", {})
-    return {
+    """Return the provenance of a run; the result is empty for a run in memory."""
+    record: Mapping[str, Any] = run.summary.get("provenance", {})
+    facts_by_name = {
         name: NOTHING if value is None else str(value)
         for name, value in record.items()
-        if name not in ("packages", "written")
-    } | {"packages": ", ".join(f"{name} {version}" for name, version in packages.items())}
+        if name != "packages"
+    }
+    packages = record.get("packages", {})
+    if packages:
+        facts_by_name["packages"] = ", ".join(f"{name} {v}" for name, v in packages.items())
+    return facts_by_name
