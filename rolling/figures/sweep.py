@@ -193,6 +193,8 @@ def _against_key(
     frame[key] = [_number(run.scene, key) for run in runs]
     groups = [*_groups(frame.sort_values(key), _others(runs, key))]
     present = [name for name in names if name in frame and frame[name].notna().any()]
+    if "vibration_laeq_db" in present and frame["vibration_laeq_db"].equals(frame["laeq_db"]):
+        present.remove("vibration_laeq_db")
     for k, (label, group) in enumerate(groups):
         for number, name in enumerate(present):
             word, spread = names[name]
