@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import matplotlib
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -141,6 +142,7 @@ def picture(name: str, draw: Callable[[Axes], Axes], table: DataFrame | None = N
     heading = textwrap.fill(title, _TITLE_LETTERS), textwrap.fill(note, _NOTE_LETTERS)
     above = figure.suptitle(heading[0], x=0.012, ha="left", fontsize=12)
     _plain([above, ax.set_title(heading[1], loc="left", fontsize=8.5, color="0.25")])
+    _fit(above, [above])
     rows = 0
     if legend := ax.get_legend():
         legend.remove()
@@ -152,8 +154,18 @@ def picture(name: str, draw: Callable[[Axes], Axes], table: DataFrame | None = N
             handles, names, loc="outside lower left", ncols=across, fontsize=8.5, frameon=False
         )
         _plain(below.get_texts())
+        _fit(below, below.get_texts())
     figure.set_size_inches(WIDTH_IN, HEIGHT_IN + _ROW_IN * rows)
     return Picture(name, f"{title}: {note}", figure, table)
+
+
+def _fit(drawn: Artist, texts: Sequence[Text]) -> None:
+    """Shrink texts until the artist that holds them is no wider than a figure."""
+    size = float(texts[0].get_fontsize())
+    while (wide := drawn.get_window_extent().width) > (room := 0.97 * WIDTH_IN * DPI):
+        size *= min(0.99, room / wide)  # letters snap to dots, so they shrink only roughly
+        for text in texts:
+            text.set_fontsize(size)
 
 
 def _plain(texts: Iterable[Text]) -> None:
