@@ -14,7 +14,7 @@ from pathlib import Path
 from rolling.check import refusals
 from rolling.commands import details
 from rolling.commands.parts import Part, do_part
-from rolling.commands.run_files import ALL_FILES, Wanted, ignore, page_of, write_run
+from rolling.commands.run_files import ALL_FILES, Wanted, ignore, write_run
 from rolling.commands.run_tasks import Ends
 from rolling.commands.work import (
     PAGE,
@@ -339,10 +339,8 @@ def report(folders: Sequence[Path], out: Path | None = None, force: bool = False
         raise FolderError(
             f"{', '.join(map(str, folders))}: nothing is solved yet, so there is nothing to report"
         )
-    with progress.step("drawing the figures"):
-        exhibits = pages.exhibits(finished)
     with progress.step("writing the page"):
-        content = page_of(finished, exhibits, unsolved)
+        content = pages.page(finished, unsolved)
     records_of(folders)
     if out is None:
         out = (

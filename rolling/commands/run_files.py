@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rolling.check import cost, demand
 from rolling.folders import files
@@ -15,9 +15,6 @@ from rolling.simulation.cluster import Cluster
 from rolling.simulation.pool import Workers
 from rolling.simulation.result import Result
 from rolling.simulation.run_result import RunResult
-
-if TYPE_CHECKING:
-    from rolling.report.page import Exhibit
 
 
 def ignore(folder: Path) -> None:
@@ -106,16 +103,3 @@ def write_sweep(
     ]
     files.write_bytes(folder / "runs.csv", runs_table.csv(rows))
     return rows
-
-
-def page_of(
-    runs: Sequence[RunResult],
-    exhibits: Sequence[tuple[RunResult | None, Exhibit]],
-    unsolved: Sequence[str],
-) -> bytes:
-    """Write the page of runs: with players and pictures of each of them unless they are many."""
-    from rolling.report import page, sweep_page
-
-    if len(runs) > page.MOST_RUNS:
-        return sweep_page.page(runs, [exhibit for _, exhibit in exhibits], unsolved)
-    return page.page(runs, exhibits, unsolved)

@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rolling.commands import details, run_tasks, table
-from rolling.commands.run_files import Wanted, page_of, write_run, write_sweep
+from rolling.commands.run_files import Wanted, write_run, write_sweep
 from rolling.commands.run_tasks import Ends
 from rolling.folders import claim, files, new_folder
 from rolling.folders.claim import Claim
@@ -22,9 +22,6 @@ from rolling.simulation.result import Result
 from rolling.simulation.run_result import RunResult, hear
 from rolling.simulation.stored_runs import is_begun, is_kept, warn_of_other_program
 from rolling.terminal import progress
-
-if TYPE_CHECKING:
-    from rolling.report.page import Exhibit
 
 PAGE = "report.html"
 
@@ -274,16 +271,17 @@ def finish(work: Work, ends: Ends, outcome: Outcome) -> Report:
 def _write_page(work: Work, ends: Ends, unmade: list[str]) -> Path | None:
     """Draw the pictures of the runs and write the page; return its file, or None without one."""
     finished = [each for each in ends.sounds if each is not None]
-    exhibits: list[tuple[RunResult | None, Exhibit]] = []
     if finished and work.wanted.pictures is not False:
         with _told("pictures", unmade):
-            exhibits = write_pictures(work.folder, finished, work.wanted)
-    if not exhibits:
+            write_pictures(work.folder, finished)
+    if not finished or not work.wanted.page:
         return None
+    from rolling.report import page
+
     names = labels.labels(work.runs)
     unsolved = [label for label, each in zip(names, ends.sounds, strict=True) if each is None]
     with progress.step("writing the page"), _told("page", unmade):
-        files.write_bytes(work.folder / PAGE, page_of(finished, exhibits, unsolved))
+        files.write_bytes(work.folder / PAGE, page.page(finished, unsolved))
         return work.folder / PAGE
     return None
 
@@ -338,17 +336,10 @@ def _mark_all(work: Work, ends: Ends, outcome: Outcome, unmade: Sequence[str]) -
     return new_folder.previous(held.folder) if held.record.replaces else None
 
 
-def write_pictures(
-    folder: Path, runs: Sequence[RunResult], wanted: Wanted
-) -> list[tuple[RunResult | None, Exhibit]]:
-    """Write the figures of each run into its folder, and the comparisons into the shared folder.
-
-    Returns
-    -------
-    exhibits : The figures for the page; empty if no page is requested.
-    """
+def write_pictures(folder: Path, runs: Sequence[RunResult]) -> None:
+    """Write the figures that compare runs into the folder `figures` in theirs."""
     # Matplotlib is slow to import, and a failed run does not need it.
-    from rolling.commands import drawing
+    from rolling.figures import write_figures
 
-    of_each = wanted.whole_folders(len(runs))
-    return drawing.draw(folder, runs, of_each, wanted.page, wanted.workers)
+    with progress.step("drawing the figures"):
+        write_figures(runs, folder)

@@ -1,4 +1,4 @@
-"""Fixtures of the tests of the program: run folders, a browser, and pages in it."""
+"""Fixtures of the tests of the page: a browser, and pages in it."""
 
 from __future__ import annotations
 
@@ -7,21 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from report_browser import (
-    FLAGS,
-    PATIENCE,
-    TAP,
-    browser_path,
-    without_browser,
-)
-from report_runs import Runs, runs_in
+from report_browser import FLAGS, PATIENCE, TAP, browser_path, without_browser
+from report_runs import runs_of
 
-from rolling import commands
-
-
-@pytest.fixture(scope="session")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
-    return runs_in(tmp_path_factory.getbasetemp() / "report-runs")
+from rolling.report.page import page
 
 
 @pytest.fixture(scope="session")
@@ -40,14 +29,14 @@ def browser() -> Iterator:
 
 
 @pytest.fixture(scope="session")
-def pages(runs: Runs, tmp_path_factory: pytest.TempPathFactory):
-    """Return the page of run folders by their names, made once."""
+def pages(tmp_path_factory: pytest.TempPathFactory):
+    """Return the page of runs by their names, made once."""
     folder = tmp_path_factory.mktemp("pages")
 
     def page_of(*names: str) -> Path:
         out = folder / f"{'+'.join(names)}.html"
         if not out.exists():
-            commands.report([getattr(runs, name)() for name in names], out)
+            out.write_bytes(page(runs_of(*names)))
         return out
 
     return page_of
@@ -65,28 +54,24 @@ def opened(browser):
         complaints: list[str] = []
         page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
         page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on(
-            "dialog",
-            lambda dialog: (complaints.append(f"dialog: {dialog.message}"), dialog.dismiss()),
-        )
+
+        def dismiss(dialog):
+            complaints.append(f"dialog: {dialog.message}")
+            dialog.dismiss()
 
         def watch(route):
-            if route.request.url.startswith(("file:", "data:", "blob:")):
+            if route.request.url.startswith((path.as_uri(), "data:", "blob:")):
                 route.continue_()
             else:
                 complaints.append(f"asked for {route.request.url}")
                 route.abort()
 
+        page.on("dialog", dismiss)
         page.route("**/*", watch)
-        page.on(
-            "request", lambda request: request.url.startswith("file:") and files.append(request.url)
-        )
-        files: list[str] = []
         page.add_init_script(TAP)
         page.goto(path.as_uri())
         yield page
         assert complaints == []
-        assert files == [path.as_uri()]
         context.close()
 
     return open_page
