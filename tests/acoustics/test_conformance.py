@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, band_uncertainty_db
-from acoustics.conformance import __main__, standards
-from acoustics.conformance.bands import min_lines_inside
-from acoustics.conformance.rows import Row, Table
+from conformance import __main__, standards
+from conformance.bands import min_lines_inside
+from conformance.rows import Row, Table
 
 ROOT = Path(__file__).parents[2]
 OPEN = "Third octaves: tones that do not fit the record"

@@ -10,8 +10,8 @@ import math
 import sys
 from collections.abc import Iterable, Sequence
 
-from acoustics.conformance import bands, levels, resampling
-from acoustics.conformance.rows import MAX_DB, Row, Table
+from conformance import bands, levels, resampling
+from conformance.rows import MAX_DB, Row, Table
 
 COMMAND = "python -m acoustics.conformance > acoustics/CONFORMANCE.md"
 
