@@ -1,4 +1,4 @@
-"""The conformance page: levels, third octaves and resampling against their requirements.
+"""Measurements of the conformance page: levels, third octaves and resampling.
 
-The requirements are IEC 61672-1, IEC 61260-1 and the package's own limits.
+The requirements are IEC 61672-1, IEC 61260-1 and the limits that `acoustics` sets itself.
 """
