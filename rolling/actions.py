@@ -239,61 +239,21 @@ def check(given: argparse.Namespace) -> int:
 
 
 def accuracy(given: argparse.Namespace) -> int:
-    """Study speed against error, or judge the solver on hard cases."""
-    of_scene = {"SCENE": given.scene, "--set": given.set, "--finest": given.finest}
-    of_scene |= {"--duration": given.duration, "--force": given.force}
-    of_hard = {"--random": given.random, "--long": given.long}
-    if misplaced := [
-        name for name, chosen in (of_scene if given.hard else of_hard).items() if chosen
-    ]:
-        say(
-            f"rolling accuracy: {', '.join(misplaced)} {'cannot' if given.hard else 'can only'}"
-            " go with --hard"
-        )
-        return BAD_INPUT
-    if given.hard:
-        return _hard_cases(given)
-    if given.scene is None:
-        say("rolling accuracy: give a SCENE, or --hard")
-        return BAD_INPUT
-
+    """Study speed against error of a scene."""
     from rolling.check import early
 
-    goes_on = given.out is not None and not given.force and _goes_on(given.out)
-    new = None if goes_on else given.out  # the study itself refuses another scene
-    early.refuse_scene(given.scene, given.set, new, given.force, ("accuracy",), first=True)
+    early.read_scene(given.scene, given.set)
     with progress.step(LOADING):
         from rolling.accuracy import study
-    chosen = {
-        name: value
-        for name in ("finest", "duration")
-        if (value := getattr(given, name)) is not None
-    }
-    return study.run_study(given.scene, given.set, given.out, given.force, given.workers, **chosen)
-
-
-def _goes_on(folder: Path) -> bool:
-    """Tell whether a folder holds a study of accuracy that was stopped."""
-    from rolling.folders import new_folder
-
-    return new_folder.is_unfinished(folder, "accuracy")
-
-
-def _hard_cases(given: argparse.Namespace) -> int:
-    from rolling.check import cost
-    from rolling.folders import new_folder, run_record
-
-    target = new_folder.aim(Path("outputs") / "hard-cases", given.out, False, ["hard-cases"])
-    with progress.step(LOADING):
-        from rolling.verification import hard_report
-    held = new_folder.make(target, run_record.new("hard-cases"))
-    with held:
-        workers = given.workers or cost.cores()
-        random = given.random or defaults.RANDOM_SCENES
-        code = hard_report.main_report(held.folder, random, workers, given.long)
-        held.end(False, "not every case holds" if code else None)
-    print(held.folder if progress.is_quiet() else f"\ntable, numbers: {held.folder}")
-    return code
+        from rolling.contact.solver import ContactError
+    try:
+        study.measure_accuracy(
+            given.scene, given.set, given.out, given.workers, given.finest, given.duration
+        )
+    except ContactError as error:
+        say(str(error))
+        return FAILED
+    return OK
 
 
 def reproduce(given: argparse.Namespace) -> int:

@@ -168,9 +168,14 @@ _COMMANDS = (
     _Command(
         "accuracy",
         actions.accuracy,
-        "speed against error: a scene on finer grids, with other edges, tolerances, steps; or the"
-        " solver on hard cases",
-        (arguments.settings, arguments.accuracy_target, arguments.workers, arguments.trial),
+        "speed against error: a scene on finer grids, with other edges, tolerances and steps",
+        (
+            arguments.scene,
+            arguments.settings,
+            arguments.accuracy_target,
+            arguments.workers,
+            arguments.trial,
+        ),
     ),
     _Command(
         "reproduce",

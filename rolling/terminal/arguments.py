@@ -60,7 +60,12 @@ def part(sub: argparse.ArgumentParser) -> None:
 
 def accuracy_target(sub: argparse.ArgumentParser) -> None:
     """Add the folder of an accuracy study."""
-    target(sub, "outputs/NAME-accuracy/TIME")
+    sub.add_argument(
+        "--out",
+        type=_path,
+        metavar="FOLDER",
+        help="folder of the study (default: outputs/NAME-accuracy-ID)",
+    )
 
 
 def workers(sub: argparse.ArgumentParser) -> None:
@@ -200,38 +205,22 @@ def tabulated(sub: argparse.ArgumentParser) -> None:
 
 
 def trial(sub: argparse.ArgumentParser) -> None:
-    """Add a scene on other grids, or hard cases."""
-    sub.add_argument(
-        "scene",
-        type=_path,
-        nargs="?",
-        metavar="SCENE",
-        help="scene file (YAML) or name, not with --hard",
-    )
+    """Add the finest grid and the duration of an accuracy study."""
     sub.add_argument(
         "--finest",
         type=_power_of_two,
+        default=defaults.FINEST,
         metavar="N",
         help=f"divide the spacing by 2, 4, ... up to N (default {defaults.FINEST})",
     )
     sub.add_argument(
         "--duration",
         type=_seconds,
+        default=defaults.ACCURACY_SECONDS,
         metavar="S",
         help=f"seconds of rolling at most (default {defaults.ACCURACY_SECONDS:g}:"
         " no third octave from 100 Hz is empty)",
     )
-    _flag(sub, "--hard", "judge the solver on hard cases instead")
-    random, part = defaults.RANDOM_SCENES, defaults.OTHER_SCENES
-    sub.add_argument(
-        "--random",
-        type=_count,
-        metavar="N",
-        help=f"with --hard: N random scenes (default {random:,}),"
-        f" and N/{part} odd ones, N/{part} blended ones and N/{part} on sub-cells"
-        f" ({random + 3 * (random // part):,} in all by default)",
-    )
-    _flag(sub, "--long", f"with --hard: the march of {defaults.LONG_STEPS:,} steps as well")
 
 
 def volume(parser: argparse.ArgumentParser, default: Any) -> None:

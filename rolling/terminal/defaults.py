@@ -8,11 +8,6 @@ FEW_RUNS = 20  # of more, on the terminal
 FINEST = 4  # divisor of the spacing for the reference
 ACCURACY_SECONDS = 0.045  # [s] of rolling: no third octave from 100 Hz is empty
 
-# `rolling accuracy --hard`
-RANDOM_SCENES = 2000
-OTHER_SCENES = 4  # odd scenes, blended scenes and scenes on sub-cells: a fourth of that each
-LONG_STEPS = 100_000
-
 # `rolling extend`
 EXTENDED_SECONDS = 30.0
 MOST_EXTENDED_SECONDS = 600.0  # a file of 90 MB
