@@ -50,8 +50,8 @@ def text(study: xr.Dataset) -> str:
     """Write the short table and the advice for the terminal."""
     frame = table(study)
     shown = frame[list(SHORT)].rename(columns=SHORT)
-    formats = ["{:.1f}", "{:.1f}", "{:+.3f}", "{:.2f}", "{}"]
-    formatters = [pattern.format for pattern in formats]
+    formats = ("{:.1f}", "{:.1f}", "{:+.3f}", "{:.2f}")
+    formatters = dict(zip(shown, (pattern.format for pattern in formats), strict=False))
     columns = shown.to_string(formatters=formatters, na_rep="-", index_names=False)
     columns = columns.replace(" inf", "lost")
     return "\n".join([columns, "", *advice(study, frame)])
