@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import edge_study
 import numpy as np
 import pytest
 from hard_cases import optimality, subcell_deflection
 from helpers import STEEL, assert_solved, make_track, releases, roll, rough, step_energies
 
-from rolling.accuracy import edge_study
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.recovery import EventTable
 from rolling.contact.subcells import SubcellSpace, cell_means

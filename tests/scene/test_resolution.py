@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from edge_study import reference, roll
 
-from rolling.accuracy.edge_study import reference, roll
 from rolling.check import resolution
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
