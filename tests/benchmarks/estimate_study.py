@@ -1,35 +1,30 @@
-"""Test of the error estimate: estimated errors against errors from a fine grid on the whole track.
+"""Test of the error estimate: estimated errors against a fine grid over the whole track.
 
-`python -m rolling.accuracy.estimate_study [SCENE...]` runs the scenes of `SCENES` or some of them,
-prints a table in Markdown and writes all numbers to a JSON file.
+`python tests/benchmarks/estimate_study.py [SCENE...]` runs the scenes of `SCENES`, or some of them,
+and prints the table of docs/accuracy.md. All scenes take about half an hour of one core.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
-import math
+import multiprocessing
+import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from typing import Any
 
-from tqdm import tqdm
+import pandas as pd
 
+import rolling as rc
 from acoustics.bands import BAND_NAMES, reliable
-from rolling import tables
-from rolling.accuracy import errors
-from rolling.accuracy.variants import Study, tasks
-from rolling.check import cost
-from rolling.contact.solver import ContactError
-from rolling.folders import files
-from rolling.scene.scene import Scene
-from rolling.simulation import pool, simulate, solving, tolerance_trial
-from rolling.simulation.result import Result
-from rolling.simulation.run_result import RunResult, hear
+from rolling.accuracy.variants import Variant, march_variant
+from rolling.sound.contact_sound import contact_sound
 
+BANDS = [name for name in BAND_NAMES if 100 <= float(name) <= 16000]
 DURATION_S = 0.16  # 8,000 steps
-NEAR_DB = 0.3  # an estimate is right within this error, or within twice its standard error
+FINEST, TOLERANCE = 4, 1e-6  # of the reference
+NEAR_DB = 0.3  # an estimate is right within this error, or within twice its standard uncertainty
 SCENES: dict[str, dict[str, Any]] = {  # changes of the base scene
     "Ra 0.01, 0.3 N": {"surface.roughness_ra_um": 0.01},
     "Ra 0.1, 0.3 N": {},
@@ -78,217 +73,82 @@ _BASE: dict[str, Any] = {
 }
 
 
-@dataclass(frozen=True)
-class BandRow:
-    """Errors [dB] of a band or of LAeq: estimated, its standard error, and the true error."""
-
-    name: str
-    estimated: float
-    uncertainty: float
-    true: float
-
-    @property
-    def off(self) -> float:
-        """Estimated error less true error [dB]."""
-        return self.estimated - self.true
-
-    @property
-    def right(self) -> bool:
-        """Whether the estimate is near, or within twice its standard error."""
-        return abs(self.off) <= max(NEAR_DB, 2 * self.uncertainty)
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """The estimate of a scene and its errors against the reference.
-
-    name : str. Name of the scene.
-    laeq : BandRow. LAeq.
-    bands : list of BandRow. Third octaves.
-    stretches, steps : int. Effort of the estimate.
-    order, seconds_share : float. Order of convergence, and share of the run's time.
-    """
-
-    name: str
-    laeq: BandRow
-    bands: list[BandRow]
-    stretches: int
-    steps: int
-    order: float
-    seconds_share: float
-
-    @property
-    def right(self) -> int:
-        """Number of bands that are estimated right."""
-        return sum(row.right for row in self.bands)
-
-
-def scene_of(name: str, **changes: Any) -> Scene:
+def scene_of(name: str, **changes: Any) -> rc.Scene:
     """Return a scene of the study with further changes."""
-    return Scene.from_dict(_BASE).with_(SCENES[name] | changes)
+    return rc.Scene.from_dict(_BASE).with_(SCENES[name] | changes)
 
 
-def compare(
-    name: str, scene: Scene, finest: int, workers: int = 0, progress: bool | None = None
-) -> Comparison:
-    """Run a scene with its estimate, march its whole track on a fine grid, and compare.
+def reference(scene: rc.Scene) -> Any:
+    """March the whole track on a fine grid at a tight tolerance and return its sound."""
+    track, numerics = scene.track, scene.numerics
+    variant = Variant(FINEST, numerics.step_nodes, TOLERANCE, numerics.edges, "single")
+    release = march_variant(scene, variant, track.n_along)["release_energy"]
+    solved = scene.with_({"numerics.tolerance": TOLERANCE})
+    return contact_sound(solved, release, scene.step, track.closed)
 
-    Bands that are uncertain by 2 dB or more are left out: they hold a few lines only, whose errors
-    scatter.
 
-    Parameters
-    ----------
-    name : str. Name in the table.
-    scene : Scene. A scene without a sweep that asks for an estimate.
-    finest : int. Divisor of the spacing for the reference.
-    workers : int. Number of processes. Default: 0, for one per core.
-    progress : bool. Whether progress bars are shown. Default: on a terminal.
+def compare(scene: rc.Scene) -> pd.DataFrame:
+    """Return estimated errors, their uncertainty and true errors [dB] of LAeq and third octaves.
 
-    Raises
-    ------
-    ContactError : a march failed.
+    Bands that are too short to be read are left out: they hold a few lines, whose errors scatter.
     """
-    result = Result.empty(scene.track, scene.start)
-    (scene,) = tolerance_trial.choose([scene], [result], workers, progress).scenes
-    run = _run(name, scene, result, workers, progress)
-    reference = _reference(scene, finest, workers, progress)
-    assert run.errors is not None and run.errors.levels is not None and run.errors.effort
-    levels, effort = run.errors.levels, run.errors.effort
-    total = run.errors.total_db
-    spread = run.errors.grid_uncertainty_db
-    rows = []
+    run = rc.simulate(scene, workers=1, progress=False)
+    fine, numbers = reference(scene).levels, run.summary
     certain = dict(zip(BAND_NAMES, reliable(run.sound.duration), strict=True))
-    for band in errors.BANDS:
-        own, fine = run.sound.levels.third_octave_db[band], reference.third_octave_db[band]
-        estimated = total[band]
-        if own is None or fine is None or estimated is None or not certain[band]:
-            continue
-        rows.append(BandRow(band, estimated, spread[band] or math.inf, own - fine))
-    assert run.sound.levels.laeq_db is not None and reference.laeq_db is not None
-    laeq = BandRow(
-        "LAeq",
-        levels.laeq_grid_db + levels.laeq_solver_db,
-        levels.laeq_grid_uncertainty_db,
-        run.sound.levels.laeq_db - reference.laeq_db,
-    )
-    return Comparison(
-        name,
-        laeq,
-        rows,
-        effort.stretches,
-        effort.steps,
-        levels.order,
-        effort.seconds_share,
-    )
+    errors = {
+        name: {
+            "estimated": numbers["grid_error_db"][name] + numbers["solver_error_db"][name],
+            "uncertainty": numbers["grid_error_uncertainty_db"][name],
+            "true": numbers["third_octave_db"][name] - fine.third_octave_db[name],
+        }
+        for name in BANDS
+        if certain[name] and numbers["grid_error_db"][name] is not None
+    }
+    errors["LAeq"] = {
+        "estimated": numbers["laeq_grid_error_db"] + numbers["laeq_solver_error_db"],
+        "uncertainty": numbers["laeq_grid_error_uncertainty_db"],
+        "true": numbers["laeq_db"] - fine.laeq_db,
+    }
+    table = pd.DataFrame.from_dict(errors, orient="index")
+    table["off"] = (table.estimated - table.true).abs()
+    table["right"] = table.off <= (2 * table.uncertainty).clip(lower=NEAR_DB)
+    return table.assign(stretches=numbers["error_estimate"]["stretches"])
 
 
-def _run(name: str, scene: Scene, result: Result, workers: int, progress: bool | None) -> RunResult:
-    """Run a scene in memory."""
-    result.identity = simulate.identity_of(scene)
-    outcome = solving.solve([scene], [result], workers, name, mapped=False, progress=progress)
-    raise_failures(outcome)
-    run = hear(name, {}, Path(), scene, result)
-    assert run is not None
-    return run
-
-
-def _reference(
-    scene: Scene, finest: int, workers: int, progress: bool | None
-) -> errors.Measurement:
-    """March the whole track of a scene on a fine grid at a tight tolerance."""
-    track = scene.track
-    study = Study(scene, track.n_along, track.closed, finest)
-    variant = study.reference(study.own.edges)
-    pieces: list[simulate.Piece] = []
-    todo = tasks(study, [variant])
-    show = progress if progress is None else not progress
-
-    def finished(run: int, piece: simulate.Piece) -> None:
-        pieces.append(piece)
-
-    with tqdm(total=sum(task.cost for task in todo), disable=show, desc="reference") as bar:
-        outcome = pool.work(todo, workers or cost.cores(), finished, bar.update)
-    raise_failures(outcome)
-    return errors.measure(study, variant, pieces)
-
-
-def raise_failures(outcome: pool.Outcome) -> None:
-    """Raise the failure or the interruption of a march.
-
-    Raises
-    ------
-    ContactError : a march failed.
-    KeyboardInterrupt : the work was interrupted.
-    """
-    if outcome.interrupted:
-        raise KeyboardInterrupt
-    for reason in outcome.failures.values():
-        raise ContactError(reason)
-
-
-def table(comparisons: Sequence[Comparison]) -> str:
-    """Write a row for each scene, in Markdown."""
-    rows = [
-        (
-            each.name,
-            f"{each.laeq.estimated:+.2f} ± {each.laeq.uncertainty:.2f}",
-            f"{each.laeq.true:+.2f}",
-            f"{each.right} of {len(each.bands)}",
-            f"{max(abs(row.off) for row in each.bands):.1f}",
-            f"{each.order:.1f}",
-            f"{each.stretches} x {each.steps}",
-            f"{each.seconds_share:.0%}",
-        )
-        for each in comparisons
-    ]
-    head = (
-        "scene",
-        "LAeq error, estimated dB",
-        "true dB",
-        "bands right",
-        "worst off dB",
-        "order",
-        "stretches",
-        "time",
-    )
-    return tables.markdown(head, rows)
-
-
-def numbers(each: Comparison) -> dict[str, Any]:
-    """Return all numbers of a comparison for JSON."""
-    rows = [each.laeq, *each.bands]
+def row(name: str, table: pd.DataFrame) -> dict[str, Any]:
+    """Return the row of a scene in the table of docs/accuracy.md."""
+    laeq, bands = table.loc["LAeq"], table.drop(index="LAeq")
     return {
-        "name": each.name,
-        "rows": [vars(row) | {"right": row.right} for row in rows],
-        "order": each.order,
-        "stretches": each.stretches,
-        "steps": each.steps,
-        "seconds_share": each.seconds_share,
+        "scene": name,
+        "LAeq error, estimated dB": f"{laeq.estimated:+.2f} ± {laeq.uncertainty:.2f}",
+        "true dB": f"{laeq.true:+.2f}",
+        "bands right": f"{bands.right.sum()} of {len(bands)}",
+        "worst off dB": f"{bands.off.max():.1f}",
+        "stretches": laeq.stretches,
     }
 
 
+def _row_of(changes: dict[str, Any], name: str) -> dict[str, Any]:
+    """Compare a scene with changes in a worker process."""
+    return row(name, compare(scene_of(name, **changes)))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the study from the command line and return the exit code."""
-    parser = argparse.ArgumentParser(prog="python -m rolling.accuracy.estimate_study")
+    """Compare the scenes and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"of {', '.join(SCENES)}")
-    parser.add_argument("--finest", type=int, default=4, help="divisor of the spacing (4)")
-    parser.add_argument("--workers", type=int, default=0, help="processes; 0: one per core")
+    parser.add_argument("--workers", type=int, default=1, help="processes (1)")
     parser.add_argument("--seed", type=int, default=11, help="seed of the surfaces (11)")
-    parser.add_argument("--duration", type=float, default=DURATION_S, help="seconds of rolling")
-    parser.add_argument("--out", type=Path, default=Path("estimate-study.json"))
     given = parser.parse_args(arguments)
     if unknown := [name for name in given.scenes if name not in SCENES]:
         parser.error(f"no scene {unknown[0]!r}; the scenes are {', '.join(SCENES)}")
-    done: list[Comparison] = []
-    for name in given.scenes or SCENES:
-        changes = {"surface.seed": given.seed, "rolling.duration_s": given.duration}
-        done.append(compare(name, scene_of(name, **changes), given.finest, given.workers))
-        files.write_bytes(
-            given.out, json.dumps([numbers(each) for each in done], indent=1).encode()
-        )
-        print(table(done[-1:]) if len(given.scenes) == 1 else table(done), flush=True)
+    context = multiprocessing.get_context("spawn")
+    task = partial(_row_of, {"surface.seed": given.seed})
+    with ProcessPoolExecutor(given.workers, context) as pool:
+        rows = list(pool.map(task, given.scenes or SCENES))
+    print(pd.DataFrame(rows).to_string(index=False))
     return 0
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main())
