@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
+from tqdm import tqdm
 
 from rolling._typing import Array
 from rolling.contact.march import march
@@ -235,12 +236,9 @@ def rows(scene: EdgeScene, steps: int = STEPS) -> list[dict[str, object]]:
 
 def main(names: Sequence[str] = ()) -> int:
     """Print the table of all scenes, or of those whose names hold one of the given texts."""
-    for scene in SCENES:
-        if not names or any(name in scene.name for name in names):
-            print(
-                pd.DataFrame(rows(scene)).to_string(index=False, float_format="{:.2f}".format),
-                flush=True,
-            )
+    chosen = [s for s in SCENES if not names or any(name in s.name for name in names)]
+    table = pd.DataFrame([row for scene in tqdm(chosen) for row in rows(scene)])
+    print(table.to_string(index=False, float_format="{:.2f}".format))
     return 0
 
 
