@@ -26,9 +26,9 @@ from rolling.folders import files as run_folder
 from rolling.folders import run_record
 from rolling.scene import file as scene_file
 from rolling.scene.messages import SceneError
-from rolling.scene.run_names import run_names
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
+from rolling.scene.sweep import run_name
 from rolling.simulation import batch
 from rolling.simulation.batch import Run
 from rolling.simulation.pool import Outcome
@@ -213,7 +213,7 @@ def runs(folder: Path, scenes: Sequence[Scene]) -> list[Run]:
         }
         values["surface.correlation_length_um"] = length
         swept.append((values, scene))
-    names = run_names([values for values, _ in swept])
+    names = [run_name(values) for values, _ in swept]
     return [
         Run(values, scene, folder / name)
         for (values, scene), name in zip(swept, names, strict=True)

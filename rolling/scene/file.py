@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -17,12 +18,12 @@ from rolling.scene.messages import (
     Key,
     SceneError,
     all_keys,
-    nearest,
+    keys,
     numeric_keys,
     required,
     section_keys,
     shown,
-    text_keys,
+    unknown_name,
 )
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
@@ -70,7 +71,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
 def loads(
     text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()
 ) -> Scene:
-    """Read a scene from text.
+    """Read a scene from text; raise SceneError with all faults of text and overrides.
 
     Parameters
     ----------
@@ -78,36 +79,30 @@ def loads(
         Name of the text in messages.
     folder : Path
         Folder that a relative `surface.path` starts from.
-
-    Raises
-    ------
-    SceneError
-        Text or overrides have faults; each is named.
     """
     try:
         data, lines = yaml_text.parse(text, where)
     except TextError as error:
         raise SceneError([str(error)]) from error
     if data is None:
-        raise SceneError(
-            [f"{where}: empty, a scene needs at least {', '.join(['name', *required(Scene)])}"]
-        )
+        needed = ", ".join(["name", *required(Scene)])
+        raise SceneError([f"{where}: empty, a scene needs at least {needed}"])
     if not isinstance(data, dict):
-        raise SceneError(
-            [
-                f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first"
-                " being name"
-            ]
-        )
+        words = "a scene of keys and values, the first being name"
+        raise SceneError([f"{where}:1: got {shown(data)}, allowed: {words}"])
     places = {key: f"{where}:{line}" for key, line in lines.items()}
     scene = Scene.from_dict(data, folder, places, _override(data, places, overrides))
     if len(text) > _LONG_TEXT or any(len(override) > _LONG_TEXT for override in overrides):
-        try:  # `resume` will read the resolved form, which is longer
+        try:  # the resolved form, which is longer, will be read again
             yaml_text.parse(dump(scene), where)
         except TextError as error:
-            beyond = str(error).removeprefix(f"{where}:").lstrip("1234567890: ")
-            raise SceneError([f"{where}: with every default filled in: {beyond}"]) from error
+            raise SceneError([f"{where}: with every default filled in: {_bare(error)}"]) from error
     return scene
+
+
+def _bare(error: TextError) -> str:
+    """Return the message of a fault without its place."""
+    return re.sub(r"^[^ ]*: (\d+: )?", "", str(error))
 
 
 def dump(scene: Scene) -> str:
@@ -139,56 +134,37 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
     for override in overrides:
         name, equals, text = override.partition("=")
         name = name.strip()
-        known = all_keys(Scene)
         if not equals or not name:
-            faults.append(
-                f"--set: got {shown(override)}, allowed: key=value, as in rolling.load_n=50"
-            )
-            continue
-        if name not in known:
-            section = name.rpartition(".")[0] + "."
-            siblings = [
-                other for other in known if other.startswith(section) and section != "sweep."
-            ]
-            allowed = (
-                f", allowed: {', '.join(other.removeprefix(section) for other in siblings)}"
-                if siblings
-                else ""
-            )
-            faults.append(f"--set: {name}: unknown key{nearest(name, siblings or known)}{allowed}")
-            continue
-        try:
-            value, _ = yaml_text.parse(text, "--set")
-        except TextError as error:
-            faults.append(
-                f"--set: {name}: {str(error).removeprefix('--set:').lstrip('1234567890: ')}"
-            )
-            continue
-        key = _split(name)
-        inside = data
-        for depth, part in enumerate(key[:-1]):
-            if inside.get(part) is None:
-                inside[part] = {}
-                places[key[: depth + 1]] = "--set"
-            inside = inside[part]
-            if not isinstance(inside, dict):
-                # The file has another value in place of the section, which is a fault by itself.
-                break
+            example = "key=value, as in rolling.load_n=50"
+            faults.append(f"--set: got {shown(override)}, allowed: {example}")
+        elif name not in all_keys(Scene):
+            faults.append(f"--set: {name}: {unknown_name(name, Scene)}")
         else:
-            inside[key[-1]] = value
-            for old in [old for old in places if old[: len(key)] == key]:
-                del places[old]
-            places[key] = "--set"
-            sweep = data.get("sweep")
-            if isinstance(sweep, dict) and key[0] != "sweep":
-                sweeps.drop(sweep, name)
+            try:
+                _put(data, places, name, yaml_text.parse(text, "--set")[0])
+            except TextError as error:
+                faults.append(f"--set: {name}: {_bare(error)}")
     return faults
 
 
-def _split(name: str) -> tuple[str, ...]:
-    """Return the key of a dotted name, whose part after the first dot is a single name."""
-    first, dot, rest = name.partition(".")
-    return (first, rest) if dot else (first,)
+def _put(data: dict[str, Any], places: dict[Key, str], name: str, value: Any) -> None:
+    """Put the value of a dotted name into plain values, and take the name out of the sweep."""
+    section, dot, last = name.partition(".")
+    key = (section, last) if dot else (section,)
+    inside: Any = data
+    if dot:
+        if data.get(section) is None:
+            data[section], places[section,] = {}, "--set"
+        inside = data[section]
+    if not isinstance(inside, dict):  # another value in place of the section, a fault by itself
+        return
+    inside[key[-1]] = value
+    for inner in [other for other in places if other[: len(key)] == key]:
+        del places[inner]
+    places[key] = "--set"
+    sweep = data.get("sweep")
+    if isinstance(sweep, dict) and section != "sweep":
+        sweeps.drop(sweep, name)
 
 
 # ---- new sound from a stored run
@@ -208,9 +184,8 @@ RESOUND_KEYS = (
 def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
     """Give the scene of a stored run another speed, mass, thickness or sound.
 
-    Track and contact stay as they are.
-
-    `duration_s`, where the scene has one, becomes the time that the same track takes.
+    Track and contact stay as they are. `duration_s`, where the scene has one, becomes the time
+    that the same track takes.
 
     Raises
     ------
@@ -218,30 +193,23 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
         A key needs a new solution, a value is not allowed, or the sphere comes to rest before the
         track ends.
     """
-    known = {override: override.partition("=")[0].strip() for override in overrides}
-    solved = [
-        override
-        for override in overrides
-        if known[override] in set(all_keys(Scene)) - {*RESOUND_KEYS, "sound"}
-    ]
+    names = {override: override.partition("=")[0].strip() for override in overrides}
+    solved = {*all_keys(Scene)} - {*RESOUND_KEYS, "sound"}
     faults = [
-        f"--set: {known[override]}: needs a new run; without solving again allowed:"
-        f" {', '.join(RESOUND_KEYS)}"
-        for override in solved
+        f"--set: {name}: needs a new run; without solving again allowed: {', '.join(RESOUND_KEYS)}"
+        for name in names.values()
+        if name in solved
     ]
     data = scene.to_dict()
     places: dict[Key, str] = {(): "stored scene"}
-    faults += _override(
-        data, places, [override for override in overrides if override not in solved]
-    )
+    faults += _override(data, places, [text for text, name in names.items() if name not in solved])
     if not faults and scene.rolling.duration_s is not None:
         made = not isinstance(scene.surface, HeightFile)
-        distance = (
-            scene.track.distance if made else float(scene.motion.distance(scene.rolling.duration_s))
-        )
+        rolled = float(scene.motion.distance(scene.rolling.duration_s))
         try:
             motion = Motion.of(Rolling.model_validate(data["rolling"]).speed_m_s)
-            data["rolling"]["duration_s"] = float(f"{motion.duration(distance):.12g}")
+            duration = motion.duration(scene.track.distance if made else rolled)
+            data["rolling"]["duration_s"] = float(f"{duration:.12g}")
         except ValidationError:
             pass  # `from_dict` refuses the new speed
         except ValueError as error:
@@ -267,9 +235,11 @@ def schema() -> dict[str, Any]:
     names = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "string"}}
     labelled = {"type": "object", "minProperties": 1}
     swept: dict[str, Any] = {
-        key: {"anyOf": [form, labelled], "description": f"Values of {key}: {field.description}"}
-        for keys, form in ((numeric_keys(Scene), numbers), (text_keys(Scene), names))
-        for key, field in keys.items()
+        key: {
+            "anyOf": [numbers if key in numeric_keys(Scene) else names, labelled],
+            "description": f"Values of {key}: {field.description}",
+        }
+        for key, field in keys(Scene).items()
     }
     for key in section_keys(Scene):
         swept[key] = {**labelled, "description": f"Sections {key} by label"}

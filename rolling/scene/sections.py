@@ -8,26 +8,127 @@ message as in a scene file.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, ClassVar, Literal
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, dataclass_transform
 
+import numpy as np
 from pydantic import (
     AfterValidator,
+    BaseModel,
     BeforeValidator,
+    ConfigDict,
     Field,
+    ValidationError,
     WithJsonSchema,
+    field_validator,
     model_validator,
 )
 
 from rolling.scene.messages import (
+    SceneError,
     Words,
+    cut,
+    dotted,
+    explained,
     fault,
     is_number,
     plain_number,
     shown,
+    writable,
 )
-from rolling.scene.section import Section
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
 
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
+MAX_FAULTS = 100  # maximum number of faults that are named
+# Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
+# maximum.
+_SMALLEST = 1e-15
+_MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show much longer ones
+_MAX_DEPTH = 16  # maximum nesting of values typed in Python
+
+
+# ---- any section
+
+
+def plain(value: Any, depth: int = 0) -> Any:
+    """Turn a value typed in Python into the plain value of a scene file, without keys of None."""
+    if depth > _MAX_DEPTH:
+        raise SceneError([f"scene: values are nested more than {_MAX_DEPTH} times"])
+    if isinstance(value, BaseModel):
+        value = value.model_dump()
+    if isinstance(value, Mapping):
+        return {
+            writable(name) if isinstance(name, str) else name: plain(item, depth + 1)
+            for name, item in value.items()
+            if item is not None
+        }
+    if isinstance(value, list | tuple):
+        return [plain(item, depth + 1) for item in value]
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    if isinstance(value, int) and value.bit_length() > _MAX_BITS:
+        return math.inf if value > 0 else -math.inf
+    value = os.fspath(value) if isinstance(value, os.PathLike) else value
+    return writable(value) if isinstance(value, str) else value
+
+
+def required_in_files(key: str) -> Any:
+    """Require a key in the JSON Schema of a model that has a default for it in Python."""
+
+    def change(schema: dict[str, Any]) -> None:
+        schema["properties"][key].pop("default", None)
+        schema["required"] = [key, *schema.get("required", [])]
+
+    return change
+
+
+@dataclass_transform(kw_only_default=True, field_specifiers=(Field,))
+class _SceneErrors(ModelMetaclass):
+    """Metaclass of models that raise SceneError instead of the errors of pydantic."""
+
+    def __call__(cls, *positional: Any, **values: Any) -> Any:
+        if positional:
+            raise TypeError(
+                f"{cls.__name__} takes keys by name only, as in {cls.__name__}(key=value)"
+            )
+        return cls.from_values(plain(values))  # type: ignore[attr-defined]
+
+
+class Section(BaseModel, metaclass=_SceneErrors):
+    """Section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    SECTION: ClassVar[str] = ""  # its name in a scene
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Any]) -> Self:
+        """Validate plain values; raise SceneError with all faults, by their keys in a scene."""
+        try:
+            return cls.model_validate(values)
+        except ValidationError as error:
+            faults = []
+            for listed in error.errors(include_url=False)[:MAX_FAULTS]:
+                key, message = explained(listed, values, cls)
+                key = key if key[:1] == (cls.SECTION,) else (cls.SECTION, *key)
+                faults.append(f"scene: {cut(dotted(key))}: {message}")
+            raise SceneError(faults) from error
+
+    @field_validator("*")
+    @classmethod
+    def _within_reason(cls, value: Any) -> Any:
+        """Refuse sizes whose powers and quotients overflow or underflow."""
+        for number in np.ravel(value) if isinstance(value, float | tuple) else ():
+            if number and not _SMALLEST <= abs(number) <= 1 / _SMALLEST:
+                raise fault(
+                    f"got {shown(float(number))}, allowed: a size from {_SMALLEST:g} to"
+                    f" {1 / _SMALLEST:g}"
+                )
+        return value
 
 
 # ---- sphere and plate
@@ -54,16 +155,15 @@ class Sphere(Section):
 
     @model_validator(mode="after")
     def _both_or_neither(self) -> Sphere:
-        for missing, given in (
-            ("youngs_modulus_gpa", "poissons_ratio"),
-            ("poissons_ratio", "youngs_modulus_gpa"),
-        ):
-            if getattr(self, missing) is None and getattr(self, given) is not None:
-                raise fault(
-                    f"missing beside {given}; an elastic sphere needs both, a rigid sphere neither",
-                    "sphere",
-                    missing,
-                )
+        given = {name: getattr(self, name) for name in ("youngs_modulus_gpa", "poissons_ratio")}
+        missing = [name for name, value in given.items() if value is None]
+        if len(missing) == 1:
+            (other,) = {*given} - {*missing}
+            raise fault(
+                f"missing beside {other}; an elastic sphere needs both, a rigid sphere neither",
+                "sphere",
+                missing[0],
+            )
         return self
 
 
@@ -115,10 +215,7 @@ SPEED = Words("a number > 0, or at least two [time_s, speed_m_s] pairs")
 
 
 def _speed(value: Any) -> Any:
-    """Return a speed, or pairs as tuples.
-
-    The first fault of the pairs is raised at its own place.
-    """
+    """Return a speed, or pairs as tuples; raise the first fault of a pair at its own place."""
     at = ("rolling", "speed_m_s")
     if is_number(value) and value > 0:
         return float(value)
@@ -148,10 +245,7 @@ def _speed(value: Any) -> Any:
 
 
 def _step_nodes(value: float) -> float:
-    """Return the allowed value nearest to a rounded value.
-
-    0.333333 stands for a third, for example.
-    """
+    """Return the allowed value that a rounded value stands for, such as a third for 0.333333."""
     closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
     if abs(value / closest - 1) > 1e-5:
         raise fault(
@@ -208,7 +302,6 @@ class Rolling(Section):
 
 
 TOLERANCES = 1e-12, 1e-1  # allowed numbers
-UNTRIED_TOLERANCE = 1e-4  # stands for `auto` until a trial has chosen a number
 TOLERANCE = Words(f"auto, or a number >= {TOLERANCES[0]:g} and <= {TOLERANCES[1]:g}")
 
 
@@ -250,8 +343,7 @@ class Numerics(Section):
     tolerance: Tolerance = Field(
         default="auto",
         description="Maximum violation of the contact conditions over the maximum deflection [-];"
-        " auto chooses it by a trial on the track, so that the solver's error stays below the"
-        " grid's",
+        " auto takes 1e-4, and less on a surface that is smooth for the deflection of the contact",
     )
     edges: Literal["sharp", "blended"] = Field(
         default="blended",
@@ -353,18 +445,22 @@ class Sound(Section):
     )
 
     @model_validator(mode="after")
-    def of_release_only(self) -> Sound:
-        """Refuse free factors of a pressure that has none."""
-        if self.source == "vibration":
-            for key, given in (
-                ("q", self.q != 1),
-                ("gain_pa_per_w_m2", self.gain_pa_per_w_m2 is not None),
-            ):
-                if given:
-                    raise fault(
-                        f"got {plain_number(getattr(self, key))}, which only goes with source:"
-                        " release; the pressure of the vibration has no free factor",
-                        "sound",
-                        key,
-                    )
+    def _with_free_factors(self) -> Sound:
+        refuse_free_factors(self)
         return self
+
+
+def refuse_free_factors(sound: Sound) -> None:
+    """Refuse the free factors of the release for a vibration, whose pressure has none."""
+    given = {
+        "q": None if sound.q == 1 else sound.q,
+        "gain_pa_per_w_m2": sound.gain_pa_per_w_m2,
+    }
+    for key, value in given.items():
+        if sound.source == "vibration" and value is not None:
+            raise fault(
+                f"got {plain_number(value)}, which only goes with source: release; the pressure of"
+                " the vibration has no free factor",
+                "sound",
+                key,
+            )

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import ConfigDict, Field, model_validator
 
 from rolling.scene.messages import fault, plain_number
-from rolling.scene.section import Section, required_in_files
+from rolling.scene.sections import Section, required_in_files
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 

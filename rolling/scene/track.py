@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from rolling.scene.height_format import HeightFormatError
-from rolling.scene.height_header import header
+from rolling.scene import height_files
 from rolling.scene.messages import fault, plain_number
 from rolling.scene.motion import ROUNDING, Motion
 
@@ -188,8 +187,8 @@ def height_nodes(path: Path, said: str, width_nodes: int | None) -> tuple[int, i
         The file has no heights, too few, or a profile without a width.
     """
     try:
-        rows, columns = header(path).nodes
-    except HeightFormatError as error:
+        rows, columns = height_files.nodes(path)
+    except height_files.HeightFormatError as error:
         looked = f" (looked in {path.parent.absolute()})" if not path.is_file() else ""
         raise fault(f"{error.of(said)}{looked}", *_PATH) from error
     if columns == 1 and width_nodes is None:

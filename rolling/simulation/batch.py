@@ -12,7 +12,8 @@ from rolling.check import tolerance
 from rolling.folders.files import FolderError, Keeper, Unwritable, writing
 from rolling.scene import file
 from rolling.scene import sweep as sweeps
-from rolling.scene.identity import Identity, changes, differences, said
+from rolling.scene.identity import Identity, changes, said
+from rolling.scene.identity import identity_differences as differences
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 from rolling.simulation import (

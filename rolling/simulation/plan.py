@@ -10,8 +10,8 @@ from rolling.folders import files, run_record
 from rolling.folders.run_record import RunRecord
 from rolling.scene import file
 from rolling.scene.messages import SceneError
-from rolling.scene.run_names import run_names
 from rolling.scene.scene import Scene, SweepRun
+from rolling.scene.sweep import run_name
 from rolling.simulation.batch import Run, seen_from
 from rolling.surface import contact_of_scene
 
@@ -56,7 +56,7 @@ class Plan:
     def __init__(self, scene: Scene, given: bytes | None, whole: bool = True) -> None:
         self.scene, self.given, self.whole = scene, given, whole
         self.singles = scene.runs()
-        self.names = run_names([values for values, _ in self.singles]) if scene.sweep else [""]
+        self.names = [run_name(values) for values, _ in self.singles] if scene.sweep else [""]
 
     @property
     def height_files(self) -> list[Path]:

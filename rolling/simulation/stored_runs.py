@@ -16,9 +16,9 @@ from rolling.folders import program, run_folder, run_record
 from rolling.folders.files import FolderError
 from rolling.folders.run_record import RunRecord
 from rolling.scene import file
-from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
+from rolling.scene.sweep import run_name
 from rolling.simulation import batch, chosen_tolerances, result_file
 from rolling.simulation.batch import Run
 from rolling.simulation.result import Result
