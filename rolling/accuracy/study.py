@@ -6,7 +6,8 @@ import hashlib
 import io
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from concurrent.futures import BrokenExecutor, as_completed
 from pathlib import Path
 
 import numpy as np
@@ -26,16 +27,15 @@ from rolling.accuracy.variants import (
     stretch_of,
     variants_of,
 )
-from rolling.check import cost, long_steps
+from rolling.check import long_steps
 from rolling.contact.solver import ContactError
-from rolling.folders import files
-from rolling.folders.files import FolderError
-from rolling.scene import file
-from rolling.scene.run_names import run_name
+from rolling.run import pools
+from rolling.run.executor import ended_by_signal
 from rolling.scene.scene import Scene
-from rolling.simulation import pool
+from rolling.scene.sweep import run_name
 from rolling.sound.contact_sound import contact_sound
-from rolling.terminal import defaults, progress
+from rolling.terminal import defaults, files, progress
+from rolling.terminal.files import FolderError
 
 BANDS = [name for name in BAND_NAMES if 100 <= float(name) <= 16000]
 LEVELS = ("laeq_db", "third_octave_db")
@@ -101,37 +101,30 @@ def accuracy(
 def _march_all(
     scene: Scene, variants: Sequence[Variant], nodes: int, workers: int
 ) -> tuple[dict[Variant, dict[str, Array]], dict[Variant, str]]:
-    """March variants, the longest first; return their series and the reasons of failures."""
-    marched: dict[int, dict[str, Array]] = {}
-    tasks = [
-        pool.Task(number, _march_task, (scene, variant, nodes), variant.cost * nodes)
-        for number, variant in enumerate(variants)
-    ]
-    tasks.sort(key=lambda task: -task.cost)
-    total = sum(task.cost for task in tasks)
-    with progress.bar(total, f"{scene.name}: {len(variants)} variants") as bar:
-        outcome = pool.work(tasks, workers or cost.cores(), marched.__setitem__, bar.update)
-    if outcome.interrupted:
-        raise KeyboardInterrupt
-    failures = {variants[number]: reason for number, reason in outcome.failures.items()}
-    return {variants[number]: marched[number] for number in sorted(marched)}, failures
+    """March variants, the longest first; return their series and the reasons of failures.
 
-
-def _march_task(
-    scene: Scene,
-    variant: Variant,
-    nodes: int,
-    stopped: Callable[[], bool],
-    progress: Callable[[float], object],
-) -> dict[str, Array]:
-    """March a variant in a worker until it is stopped."""
-
-    def proceed(share: float) -> None:
-        if stopped():
-            raise pool.Interrupted
-        progress(share)
-
-    return march_variant(scene, variant, nodes, proceed)
+    Raises
+    ------
+    OSError : a worker was killed.
+    """
+    marched, failures = dict[Variant, dict[str, Array]](), dict[Variant, str]()
+    total = sum(variant.cost for variant in variants)
+    bar = progress.bar(total, f"{scene.name}: {len(variants)} variants")
+    with bar, ended_by_signal(), pools.local_pool(workers, [scene]) as pool:
+        futures = {
+            pool.submit(pools.Task(("", ""), march_variant, (scene, variant, nodes))): variant
+            for variant in sorted(variants, key=lambda variant: -variant.cost)
+        }
+        for future in as_completed(futures):
+            variant = futures[future]
+            try:
+                marched[variant] = future.result()
+            except ContactError as error:
+                failures[variant] = str(error)
+            except BrokenExecutor as error:
+                raise OSError("a worker process was killed; out of memory?") from error
+            bar.update(variant.cost)
+    return {variant: marched[variant] for variant in variants if variant in marched}, failures
 
 
 def _row(scene: Scene, variant: Variant, nodes: int, series: Mapping[str, Array]) -> xr.Dataset:
@@ -203,15 +196,14 @@ def _signal_db(rows: xr.Dataset, best: xr.Dataset) -> xr.DataArray:
 # ---- the command
 
 
-def measure_accuracy(
-    scene_path: Path,
-    overrides: Sequence[str] = (),
+def run_study(
+    scene: Scene,
     out: Path | None = None,
     workers: int = 0,
     finest: int = defaults.FINEST,
     duration_s: float = defaults.ACCURACY_SECONDS,
 ) -> Path:
-    """Study the first run of a scene file, print the table, and return the folder of the files.
+    """Study the first run of a scene, print the table, and return the folder of the files.
 
     A folder that holds the same study already is not computed again.
 
@@ -220,7 +212,7 @@ def measure_accuracy(
     SceneError, FolderError : before anything is computed or written.
     ContactError : as in `accuracy`.
     """
-    values, scene = file.read_scene(scene_path, overrides).runs()[0]
+    values, scene = scene.runs()[0]
     long_steps.refuse_long_steps(scene)
     identity = _identity(scene, finest, duration_s)
     folder = out or Path("outputs") / f"{scene.name}-accuracy-{identity[:8]}"
@@ -238,7 +230,6 @@ def measure_accuracy(
     files.write_bytes(folder / "accuracy.png", picture.getvalue())
     if not progress.is_quiet():
         print(work_precision.text(study))
-    print(folder)
     return folder
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -157,12 +156,7 @@ def variant_contact(scene: Scene, variant: Variant) -> RollingContact:
     return contact_of_scene.on_subcells(contact, subcells, smooth)
 
 
-def march_variant(
-    scene: Scene,
-    variant: Variant,
-    nodes: int,
-    progress: Callable[[float], object] = lambda cost: None,
-) -> dict[str, Array]:
+def march_variant(scene: Scene, variant: Variant, nodes: int) -> dict[str, Array]:
     """March a variant over a stretch of so many nodes of the scene.
 
     Returns
@@ -188,6 +182,5 @@ def march_variant(
             series["release_energy"][k] = step_energy(old, state, half_space, left_end).release
             for name in STATES:
                 series[name][k] = getattr(state, name)
-            progress(variant.cost * nodes / steps)
         old = state
     return series | {"seconds": np.array(time.process_time() - began)}
