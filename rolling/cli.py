@@ -210,9 +210,17 @@ def _check(given: argparse.Namespace) -> int:
 
 def _accuracy(given: argparse.Namespace) -> int:
     """Study speed against error."""
+    from rolling.scene import file
+
+    scene = file.read_scene(given.scene, given.set)
     with progress.step(LOADING):
         from rolling.accuracy import study
-    study.run_study(given.scene, given.set, given.out, given.workers, given.finest, given.duration)
+        from rolling.contact.solver import ContactError
+    try:
+        print(study.run_study(scene, given.out, given.workers, given.finest, given.duration))
+    except ContactError as error:
+        _say(str(error))
+        return FAILED
     return OK
 
 

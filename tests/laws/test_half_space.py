@@ -6,12 +6,12 @@ from collections import OrderedDict
 
 import numpy as np
 import pytest
+from hard_cases.dense import influence_matrix
 from helpers import STEEL
 
 from rolling.contact import _transform_kernels, half_space, spectra
 from rolling.contact.half_space import HalfSpace, love, padded_length
 from rolling.contact.subcells import half_space_of
-from rolling.verification.dense import influence_matrix
 
 SPACING = 2e-6
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hard_cases.dense import dense_contact
 from old_results import save_old
 
 from acoustics.spectrum import article_line_level_db, line_spectrum
@@ -28,7 +29,6 @@ from rolling.scene.surfaces import Gaussian
 from rolling.simulation import result_file, simulate
 from rolling.sound.contact_sound import contact_sound
 from rolling.surface import contact_of_scene
-from rolling.verification.dense import dense_contact
 
 pytestmark = pytest.mark.slow
 

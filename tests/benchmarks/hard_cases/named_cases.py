@@ -17,7 +17,6 @@ from rolling._typing import Array
 from rolling.contact import closed_forms
 from rolling.contact.state import RollingContact
 from rolling.surface import heights as surface
-from rolling.terminal import defaults
 
 STEEL = 210e9 / (1 - 0.3**2)  # E* [Pa] of the plate under a rigid sphere
 CELL = 4e-12  # [m2], area of a node at the common spacing of 2 um
@@ -379,4 +378,3 @@ CASES = [
     *_many_bounds(),
     laps(10),
 ]
-LONG = laps(-(-defaults.LONG_STEPS // 30))  # takes minutes

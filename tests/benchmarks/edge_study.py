@@ -1,6 +1,6 @@
 """Errors of contact edges on many kinds of surface, against a fine grid of the same surface.
 
-`python -m rolling.accuracy.edge_study` prints the table of docs/accuracy.md, which takes five
+`python tests/benchmarks/edge_study.py` prints the table of docs/accuracy.md, which takes five
 minutes of one free core. Arguments choose the scenes whose names contain one of them.
 """
 
@@ -12,6 +12,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
+from tqdm import tqdm
 
 from rolling._typing import Array
 from rolling.contact.march import march
@@ -33,16 +35,10 @@ BANDS_HZ = (4000.0, 8000.0, 16000.0)  # octaves
 class EdgeScene:
     """A surface under a sphere of 5 mm radius on a steel plate that yields.
 
-    Parameters
-    ----------
-    name : str
-        Name in the table.
-    make : callable
-        Function that makes the heights, an (along, across) array [m].
-    hardness_gpa, load_n : float, GPa and N
-        Hardness of the plate and normal load.
-    unseen : bool
-        True if no constant of the edges was fitted on the scene. Default: false.
+    name : str. Name in the table.
+    make : callable. Function that makes the heights, an (along, across) array [m].
+    hardness_gpa, load_n : float, GPa and N. Hardness of the plate and normal load.
+    unseen : bool. True if no constant of the edges was fitted on the scene.
     """
 
     name: str
@@ -123,18 +119,10 @@ SCENES = (
 class Stretch:
     """The numbers of one march.
 
-    Parameters
-    ----------
-    release : (steps,) array, J
-        Release of each step.
-    contact_area, plastic_area : float, m2
-        Mean areas.
-    convolutions : float
-        Mean number per step.
-    step_ms : float, ms
-        Processor time per step.
-    subcells : int
-        Sub-cells along the side of a cell.
+    release : (steps,) array, J. Release of each step.
+    contact_area, plastic_area : float, m2. Mean areas.
+    convolutions : float. Mean number per step.
+    step_ms : float, ms. Processor time per step.
     """
 
     release: Array
@@ -142,7 +130,6 @@ class Stretch:
     plastic_area: float
     convolutions: float
     step_ms: float
-    subcells: int
 
 
 def finer(contact: RollingContact, times: int) -> RollingContact:
@@ -181,7 +168,6 @@ def roll(contact: RollingContact, steps: int) -> Stretch:
         plastic_area=float(plastic),
         convolutions=float(convolutions),
         step_ms=step_ms,
-        subcells=contact.subcells,
     )
 
 
@@ -234,36 +220,25 @@ def errors(stretch: Stretch, fine: Stretch) -> dict[str, float]:
     }
 
 
-def rows(scene: EdgeScene, steps: int = STEPS, times: int = FINEST) -> list[str]:
-    """March the variants of a scene and return their rows of the table."""
+def rows(scene: EdgeScene, steps: int = STEPS) -> list[dict[str, object]]:
+    """March the variants of a scene and return their errors."""
     contact = scene.contact()
-    fine = roll(reference(contact, times), steps)
-    lines, known = [], dict[int, Stretch]()
-    for name, variant in variants(contact).items():
-        auto = name == "auto"
-        stretch = known[variant.subcells] if auto else roll(variant, steps)
-        if variant.blended:
-            known[variant.subcells] = stretch
-        off = errors(stretch, fine)
-        numbers = " | ".join(
-            f"{value:+.1f}" if key != "level" else f"{value:+.2f}" for key, value in off.items()
-        )
-        label = f"auto: {stretch.subcells}" if auto else name
-        lines.append(
-            f"| {scene.name}{', unseen' if scene.unseen else ''} | {label} | {numbers} |"
-            f" {stretch.convolutions:.1f} | {stretch.step_ms:.2f} |"
-        )
-    return lines
+    fine = roll(reference(contact), steps)
+    name = f"{scene.name} *" if scene.unseen else scene.name
+    table: list[dict[str, object]] = []
+    for edges, variant in variants(contact).items():
+        stretch = roll(variant, steps)
+        label = f"auto: {variant.subcells}" if edges == "auto" else edges
+        costs = {"convolutions": stretch.convolutions, "ms per step": stretch.step_ms}
+        table.append({"scene": name, "edges": label} | errors(stretch, fine) | costs)
+    return table
 
 
 def main(names: Sequence[str] = ()) -> int:
     """Print the table of all scenes, or of those whose names hold one of the given texts."""
-    columns = ("signal", "level", "4 kHz", "8 kHz", "16 kHz", "release %", "contact area %")
-    head = ("scene", "edges", *columns, "plastic area %", "convolutions", "ms per step")
-    print("| " + " | ".join(head) + " |\n" + "|---" * len(head) + "|", flush=True)
-    for scene in SCENES:
-        if not names or any(name in scene.name for name in names):
-            print("\n".join(rows(scene)), flush=True)
+    chosen = [s for s in SCENES if not names or any(name in s.name for name in names)]
+    table = pd.DataFrame([row for scene in tqdm(chosen) for row in rows(scene)])
+    print(table.to_string(index=False, float_format="{:.2f}".format))
     return 0
 
 

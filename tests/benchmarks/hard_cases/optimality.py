@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
+from hard_cases import subcell_deflection
 from rolling._typing import Array
 from rolling.contact import solver
 from rolling.contact.state import ContactState, RollingContact
-from rolling.verification import subcell_deflection
 
 Nodes = NDArray[np.signedinteger]
 

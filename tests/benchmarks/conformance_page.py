@@ -1,7 +1,7 @@
-"""The conformance page in Markdown: results of this package against standards and own requirements.
+"""The conformance page of `acoustics` in Markdown: results against standards and own requirements.
 
-`python -m acoustics.conformance` prints it and computes every number on it. The standards are
-IEC 61672-1 and IEC 61260-1.
+`python tests/benchmarks/conformance_page.py` computes every number on the page and prints it. The
+standards are IEC 61672-1 and IEC 61260-1.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ import math
 import sys
 from collections.abc import Iterable, Sequence
 
-from acoustics.conformance import bands, levels, resampling
-from acoustics.conformance.rows import MAX_DB, Row, Table
+from conformance import bands, levels, resampling
+from conformance.rows import MAX_DB, Row, Table
 
-COMMAND = "python -m acoustics.conformance > acoustics/CONFORMANCE.md"
+COMMAND = "python tests/benchmarks/conformance_page.py > acoustics/CONFORMANCE.md"
 
 _HEADS = ("expected", "computed", "difference", "lower limit", "upper limit")
 

@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from acoustics._typing import Array
-from acoustics.conformance.rows import ONE_PA_DB, Row, Table, known, suppression_db
 from acoustics.level import sound_levels
 from acoustics.resampling import (
     band_limit,
@@ -17,6 +16,7 @@ from acoustics.resampling import (
     undo_step_mean,
 )
 from acoustics.wav import SAMPLE_RATE_HZ
+from conformance.rows import ONE_PA_DB, Row, Table, known, suppression_db
 
 # Requirements: attenuation of an alias or an error, and ripple in the audible band.
 REJECTION_DB = 80.0

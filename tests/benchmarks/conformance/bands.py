@@ -16,11 +16,11 @@ from acoustics.bands import (
     MID_HZ,
     third_octave_mean_square,
 )
-from acoustics.conformance import standards
-from acoustics.conformance.rows import Row, Table, suppression_db, tone
 from acoustics.resampling import fade
 from acoustics.spectrum import line_spectrum
 from acoustics.wav import SAMPLE_RATE_HZ
+from conformance import standards
+from conformance.rows import Row, Table, suppression_db, tone
 
 # limit where the standard gives exact formulas and no tolerance: the fifth digit
 FREQUENCY_LIMIT_PPM = 10.0

@@ -1,4 +1,4 @@
-"""Tables of IEC 61672-1:2013 and IEC 61260-1:2014, class 1, for `acoustics.conformance`.
+"""Tables of IEC 61672-1:2013 and IEC 61260-1:2014, class 1.
 
 The limits are acceptance limits on the deviation from the design goal. The editions of 2013 and
 2014 leave out the uncertainty of a testing laboratory, which the tolerance limits of earlier

@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from acoustics.conformance import standards
-from acoustics.conformance.rows import ONE_PA_DB, Row, Table, known, tone
 from acoustics.level import level_db, sound_levels
 from acoustics.radiation import P_REF_PA
 from acoustics.resampling import band_limit
 from acoustics.time_weighting import FAST_S, SLOW_S, a_weighted, running_mean_square
 from acoustics.wav import SAMPLE_RATE_HZ
 from acoustics.weighting import a_weighting_db
+from conformance import standards
+from conformance.rows import ONE_PA_DB, Row, Table, known, tone
 
 # own limit for rounding and interpolation, where no standard gives a limit
 LEVEL_LIMIT_DB = 0.01
