@@ -105,6 +105,8 @@ class BlendedEdges:
         Undeformed gap of the nodes, and the undeformed gap as it continues within cells.
     levelled : float, m
         Half range of gaps over a cell that elastic pressures level.
+    share : float
+        Share of the remaining half range that edges take. Default: 1.
 
     Attributes
     ----------
@@ -112,8 +114,8 @@ class BlendedEdges:
         Half the range of gaps over the cell of each node.
     """
 
-    def __init__(self, gap: Array, shape: Array, levelled: float) -> None:
-        self._gap, self._shape, self.levelled = gap, shape, levelled
+    def __init__(self, gap: Array, shape: Array, levelled: float, share: float = 1.0) -> None:
+        self._gap, self._shape, self.levelled, self.share = gap, shape, levelled, share
         self.edge = np.empty_like(gap)
 
     def find(self, deflection: Array) -> None:
@@ -121,6 +123,7 @@ class BlendedEdges:
         # The edges that a solution returned must not change.
         self.edge = np.empty_like(self._gap)
         _solver_kernels.cell_ranges(self._shape, deflection, self.levelled, self.edge)
+        self.edge *= self.share
 
     def between_nodes(self, node: NDArray[np.int64]) -> Array:
         """Return the gap as it continues within cells less the gap of the nodes [m]."""
@@ -284,6 +287,7 @@ class Descent:
                 float(unit),
                 self.stiffness,
                 edges.levelled if edges else 0.0,
+                edges.share if edges else 1.0,
                 inverse.stiffness,
                 float(u_max / self.limits.total),
                 inverse.own,

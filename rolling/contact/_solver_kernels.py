@@ -259,7 +259,7 @@ def move_edges(system, slack):
     by less than `slack` [m].
     """
     p, g, compliance = system.nodes.p, system.nodes.g, system.nodes.compliance
-    edge, between_nodes, field, levelled = system.edges
+    edge, between_nodes, field, levelled, share = system.edges
     place, row_length = system.stencil.node, system.stencil.row_length
     for k in range(p.size):
         field[place[k]] = g[k] + edge[k] - compliance[k] * p[k] + between_nodes[k]
@@ -270,7 +270,7 @@ def move_edges(system, slack):
         along = field[at + row_length] - field[at - row_length]
         across = field[at + 1] - field[at - 1]
         if along == along and across == across:
-            moved = half_range(along, across, levelled)
+            moved = share * half_range(along, across, levelled)
             if abs(moved - edge[k]) <= slack:  # most often both are zero
                 continue
             g[k] += (edge[k] - moved) * (1.0 - per_hardness * p[k])

@@ -107,3 +107,29 @@ def state_of(gap, u, p, edge, hardness, g, fresh):
         return approach, np.inf
     worst, _ = worst_and_load(p, g, approach, hardness)
     return approach, worst
+
+
+@njit(cache=True)
+def yielding_overlap(gap, u, p, hardness, approach, enough):
+    """Return the maximum overlap [m] of the nodes at the hardness, or one that is `enough`.
+
+    The overlap is that of the undeformed gap and the deflection u with the approach; it is 0 where
+    no node is at the hardness. The search begins in the middle, where the pressures are highest.
+    """
+    overlap = 0.0
+    for k in range(p.size):
+        node = (k + p.size // 2) % p.size
+        if p[node] >= hardness:
+            overlap = max(overlap, approach - gap[node] - u[node])
+            if overlap >= enough:
+                break
+    return overlap
+
+
+@njit(cache=True)
+def has_partial_cells(p, edge, hardness):
+    """Tell whether any node between the bounds has an edge."""
+    count = 0
+    for k in range(p.size):
+        count += edge[k] > 0.0 and 0.0 < p[k] < hardness
+    return count > 0

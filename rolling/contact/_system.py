@@ -251,12 +251,14 @@ class Edges(NamedTuple):
     field : flat array, m. Grid as that of the stencil, for the gap as it runs within cells; it is
         not a number off the candidates.
     levelled : float, m. Half range that elastic pressures level.
+    share : float. Share of the remaining half range that edges take.
     """
 
     edge: Array
     between_nodes: Array
     field: Array
     levelled: float
+    share: float
 
 
 class System(NamedTuple):
@@ -297,8 +299,8 @@ class Packed(NamedTuple):
     stencil, model_stencil, table, coefficients : arrays
         Those of Stencil, Model, FarField and Influence.
     numbers : tuple
-        Hardness, total, deflection and stiffness of a cell, levelled range, stiffness and lift of
-        the Model, own and common gap of the FarField.
+        Hardness, total, deflection and stiffness of a cell, levelled range, share of the
+        edges, stiffness and lift of the Model, own and common gap of the FarField.
     lengths : tuple
         Tile and row length of the FarField.
     """
@@ -323,7 +325,7 @@ def unpack(packed):
     """Return the System of the fields of a Packed, as a plain tuple."""
     vectors, indices, image, grids, model, strips, coarse = packed[:7]
     stencil, model_stencil, table, coefficients, numbers, (tile, row_length) = packed[7:]
-    hardness, total, unit, stiffness, levelled, model_stiffness, lift, own, common = numbers
+    hardness, total, unit, stiffness, levelled, share, model_stiffness, lift, own, common = numbers
     # The rows that only blended edges have are else empty slices of others.
     blended = vectors.shape[0] > 6
     n = vectors.shape[1] if blended else 0
@@ -339,6 +341,7 @@ def unpack(packed):
             vectors[first + 3][:n],
             grids[grids.shape[0] - 1][: grids.shape[1] if blended else 0],
             levelled,
+            share,
         ),
         Model(
             model_stencil,

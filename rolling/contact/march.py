@@ -168,13 +168,12 @@ def _state(
 ) -> ContactState:
     """Measure a solved contact: its loaded block, areas, maxima and energy."""
     contact, window = problem.contact, problem.window
-    count, capped, maximum, work, *block = _loaded_kernels.measures(
-        solved.pressure,
-        solved.deflection,
-        contact.hardness,
-        np.empty((0, 0)) if solved.edge is None else solved.edge,
-        solver.levelled_range(problem.half_space, contact.hardness),
-    )
+    edge = np.empty((0, 0)) if solved.edge is None else solved.edge
+    fields = solved.pressure, solved.deflection, contact.hardness
+    levelled = solver.levelled_range(problem.half_space, contact.hardness)
+    count, capped, maximum, work, *block = _loaded_kernels.measures(*fields, edge, levelled)
+    if edge.size and maximum < contact.hardness:  # there is no patch that could end within a cell
+        count, capped, *_ = _loaded_kernels.measures(*fields, np.empty((0, 0)), levelled)
     cell = contact.spacing**2
     loaded = Window(
         window.row + block[0],
@@ -199,6 +198,7 @@ def _state(
         iterations=iterations,
         convolutions=convolutions,
         edge=solved.edge,
+        edge_share=solved.edge_share,
         sphere_share=sphere_share,
     )
 
@@ -259,7 +259,7 @@ def _follow(
         row, column = before.window.row - window.row, before.window.column - window.column
         previous = Previous(before.pressure, before.deflection, row, column)
     problem = _Problem(contact, k, half_space, window, gap, approach)
-    start = WarmStart(pressure, deflection, previous, close=True)
+    start = WarmStart(pressure, deflection, previous, close=True, sharp=state.edge_share == 0.0)
     return _solve(problem, start, contact.tolerance, sphere_share)
 
 

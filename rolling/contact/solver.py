@@ -13,7 +13,7 @@ double-precision check on the full window.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite
 
 import numpy as np
@@ -68,6 +68,9 @@ class Contact:
         Number of iterations of the solve.
     edge : (m, n) array, m, or None
         Half the range of gaps over the cell of each node, where edges are blended.
+    edge_share : float
+        Share of the range of gaps over each cell that its edge takes: 1 where the contact yields in
+        full, less where it hardly yields, and 0 where all edges are sharp.
     """
 
     pressure: Array
@@ -77,6 +80,7 @@ class Contact:
     residual: float
     iterations: int
     edge: Array | None = None
+    edge_share: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -114,12 +118,16 @@ class WarmStart:
     close : bool
         If true, iterate only on nodes in or near contact and check the others after convergence.
         Use it when the start is close to the solution. Default: false.
+    sharp : bool
+        If true, try sharp edges before blended edges. Use it when the previous position hardly
+        yields. Default: false.
     """
 
     pressure: Array
     deflection: Array | None = None
     previous: Previous | None = None
     close: bool = False
+    sharp: bool = False
 
 
 @dataclass(frozen=True)
@@ -273,10 +281,79 @@ def solve_contact(
     options = options or SolverOptions()
     start = start or _cold_start(half_space, gap, load, hardness)
     limits = Limits(float(hardness), float(load / half_space.spacing**2))
-    gap, p, u = _begin(half_space, gap, start)
-    edges = None
-    if shape is not None:
-        edges = BlendedEdges(gap, shape, levelled_range(half_space, hardness))
+    gap = np.ascontiguousarray(gap, dtype=float)
+    if shape is None:
+        return _converge(half_space, gap, limits, start, None, options)
+    return _blend(half_space, gap, shape, limits, start, options)
+
+
+def _blend(
+    half_space: HalfSpace,
+    gap: Array,
+    shape: Array,
+    limits: Limits,
+    start: WarmStart,
+    options: SolverOptions,
+) -> Contact:
+    """Solve with blended edges where the contact yields, and with sharp edges where it does not.
+
+    Between both the maximum overlap at the hardness, over the half range that pressures level, is
+    the share of their range that edges take. It is the overlap of the solution with whole edges,
+    so that the contact follows continuously from its surface and load.
+    """
+    hardness, iterations = limits.hardness, 0
+    levelled, sharp = levelled_range(half_space, hardness), None
+    if start.sharp:
+        # No contact is known to yield with blended edges that does not yield with sharp edges.
+        sharp = _sharp(half_space, gap, limits, start, options)
+        if sharp.pressure.max() < hardness:
+            return sharp
+        start, iterations = _continued(sharp), sharp.iterations
+    edges = BlendedEdges(gap, shape, levelled)
+    solved = _converge(half_space, gap, limits, start, edges, options)
+    iterations += solved.iterations
+    p, u = solved.pressure.ravel(), solved.deflection.ravel()
+    overlap = _state_kernels.yielding_overlap(
+        gap.ravel(), u, p, hardness, solved.approach, levelled
+    )
+    if overlap < levelled and _state_kernels.has_partial_cells(p, edges.edge.ravel(), hardness):
+        start = _continued(solved)
+        if overlap > 0:
+            edges = BlendedEdges(gap, shape, levelled, overlap / levelled)
+            solved = _converge(half_space, gap, limits, start, edges, options)
+            iterations += solved.iterations
+        elif sharp is None:
+            solved = _sharp(half_space, gap, limits, start, options)
+            iterations += solved.iterations
+        else:
+            solved = sharp
+    return replace(solved, iterations=iterations)
+
+
+def _continued(contact: Contact) -> WarmStart:
+    """Start from the solution of the same contact with other edges."""
+    return WarmStart(contact.pressure, contact.deflection, close=True)
+
+
+def _sharp(
+    half_space: HalfSpace, gap: Array, limits: Limits, start: WarmStart, options: SolverOptions
+) -> Contact:
+    """Solve with sharp edges where edges may be blended: the range over each cell is zero."""
+    contact = _converge(half_space, gap, limits, start, None, options)
+    return replace(contact, edge=np.zeros_like(gap))
+
+
+def _converge(
+    half_space: HalfSpace,
+    gap: Array,
+    limits: Limits,
+    start: WarmStart,
+    edges: BlendedEdges | None,
+    options: SolverOptions,
+) -> Contact:
+    """Iterate from a start until the contact conditions hold."""
+    p, u = _begin(half_space, gap, start)
+    if edges is not None:
         edges.find(u if start.previous is None else _extrapolated(u, start.previous))
     near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
     effort, exhausted, carried = Effort(), False, False
@@ -286,9 +363,9 @@ def solve_contact(
         goal = Goal(options.tolerance, u_max, share)
         accurate = fresh and worst <= goal.allowed
         if accurate and (carried or abs(p.sum() / limits.total - 1) <= 1e-12):
-            edge = None if edges is None else edges.edge
-            residual = float(worst / u_max)
-            return Contact(p, u, float(approach), float(u_max), residual, effort.iterations, edge)
+            edge, share = (None, 0.0) if edges is None else (edges.edge, edges.share)
+            measures = float(approach), float(u_max), float(worst / u_max)
+            return Contact(p, u, *measures, effort.iterations, edge, share)
         if effort.is_spent:
             limit = _rounding_limit(gap, u_max, options)
             raise _not_converged(effort, worst / u_max, options.tolerance, limit)
@@ -314,14 +391,14 @@ def solve_contact(
             edges.find(u)
 
 
-def _begin(half_space: HalfSpace, gap: Array, start: WarmStart) -> tuple[Array, Array, Array]:
-    """Return the gap [m], the pressure [Pa] and its deflection [m] that a solve begins with."""
-    gap, p = np.ascontiguousarray(gap, dtype=float), np.array(start.pressure, dtype=float)
+def _begin(half_space: HalfSpace, gap: Array, start: WarmStart) -> tuple[Array, Array]:
+    """Return the pressure [Pa] and its deflection [m] that a solve begins with."""
+    p = np.array(start.pressure, dtype=float)
     if p.shape != gap.shape:
         raise ValueError(
             f"the start has pressures of shape {p.shape}, the gap has shape {gap.shape}"
         )
-    return gap, p, half_space.deflection(p) if start.deflection is None else start.deflection
+    return p, half_space.deflection(p) if start.deflection is None else start.deflection
 
 
 def _extrapolated(deflection: Array, previous: Previous) -> Array:

@@ -248,6 +248,8 @@ class ContactState:
         Cost of the solve.
     edge : (rows, columns) array, m, or None
         Half the range of gaps over the cells; None unless edges are blended.
+    edge_share : float
+        Share of the range of gaps over each cell that its edge takes: 0 where all are sharp.
     sphere_share : float
         Share of the initial pressures that moved with the sphere; the rest stayed with the plate.
     """
@@ -267,4 +269,5 @@ class ContactState:
     iterations: int
     convolutions: int
     edge: Array | None = None
+    edge_share: float = 0.0
     sphere_share: float = 0.0

@@ -122,7 +122,7 @@ def edges(track: RollingContact, state: ContactState, gap: Array, u: Array, arou
     edge: Array = np.minimum(np.maximum(2 * (half - level), 0.0), most)
     inside = np.zeros_like(edge)
     inner = (slice(around + 1, -around - 1),) * 2
-    inside[inner] = edge[inner]
+    inside[inner] = state.edge_share * edge[inner]
     return inside
 
 
@@ -155,7 +155,7 @@ def violations(
     cell = track.spacing**2
 
     own = _levelled(track)
-    between = (p > 0) & (p < track.hardness) & (edge > 0)
+    between = (p > 0) & (p < track.hardness) & (edge > 0) & (p.max() >= track.hardness)
     c, s = edge[between], p[between] / track.hardness
     crossed = np.minimum(1, 2 * c / (c + 2 * own))
     # A cell that bears little touches on a small share, which no difference of counts may round.

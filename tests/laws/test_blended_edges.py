@@ -15,6 +15,7 @@ from helpers import assert_solved, make_track, releases, roll, rough, space_of, 
 from rolling.contact import solver
 from rolling.contact.state import RollingContact
 from rolling.surface.contact_of_scene import on_subcells
+from rolling.surface.heights import gaussian
 from rolling.surface.refined import refined
 
 HARDNESS = 2.1e9
@@ -201,3 +202,55 @@ def test_areas_of_blended_edges_are_those_of_a_fine_grid(coarse: RollingContact)
     for sharp, soft, finest in (plastic, contacts):
         assert abs(soft / finest - 1) < 0.04
         assert abs(soft / finest - 1) < 0.6 * abs(sharp / finest - 1)
+
+
+# A hard ceramic plate whose asperities bear less than its hardness at almost all positions. The
+# grid is coarse, so that the gap beside an elastic contact rises by more than pressures level.
+HARD = RollingContact(
+    heights=gaussian((96, 128), 8e-6, 0.3e-6, (40e-6, 40e-6), "gaussian", 1),
+    spacing=8e-6,
+    radius=2e-3,
+    contact_modulus=400e9 / 0.91,
+    hardness=8e9,
+    load=2.0,
+    step=8e-6,
+    start=0.0,
+    tolerance=1e-7,
+)
+
+
+@pytest.mark.law("Blended edges: below the hardness no area is plastic and edges are sharp.")
+@pytest.mark.parametrize("subcells", [1, 2])
+@pytest.mark.parametrize("hardness", [8e9, 5e9])
+def test_a_position_below_the_hardness_is_elastic(hardness: float, subcells: int) -> None:
+    """The pressures of sharp edges are met to ten times the tolerance, and contact area exactly."""
+    track = blended(HARD, subcells, hardness=hardness)
+    states = roll(track, 0, 40)
+    elastic = [state for state in states if state.max_pressure < hardness]
+    assert len(elastic) > 5
+    for state in states:
+        assert_solved(track, state)
+        assert (state.plastic_area > 0) == (state.max_pressure >= hardness)
+    marched = roll(replace(track, blended=False), 0, 40)
+    for state in elastic:
+        other = marched[state.position]
+        pressure = state.window.moved(state.pressure, other.window)  # its window is wider
+        assert np.abs(pressure - other.pressure).max() < 1e-6 * other.max_pressure
+        assert state.contact_area == other.contact_area
+
+
+@pytest.mark.law("Blended edges: contact is continuous where it begins to yield.")
+def test_edges_blend_in_continuously_with_yield() -> None:
+    """The deflection follows a falling hardness without a jump from sharp to blended edges.
+
+    In 100 steps of the hardness no step makes more than a twentieth of the whole change, five times
+    the mean.
+    """
+    first = roll(HARD, 5, 5)[0]
+    hardnesses = first.max_pressure * np.linspace(1.01, 0.8, 101)
+    states = [roll(replace(HARD, hardness=h, blended=True), 5, 5)[0] for h in hardnesses]
+    shares = np.array([state.edge_share for state in states])
+    assert shares[0] == 0 and shares[-1] > 0 and ((shares > 0) & (shares < 1)).sum() > 10
+    deflections = [state.window.moved(state.deflection, first.window) for state in states]
+    changes = np.array([np.abs(after - before).max() for before, after in pairwise(deflections)])
+    assert changes.max() < changes.sum() / 20

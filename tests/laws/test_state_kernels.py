@@ -100,3 +100,18 @@ def test_range_of_loaded_nodes(loaded: tuple[int, ...]) -> None:
     row[list(loaded)] = 1e-300 * (-1.0) ** np.arange(len(loaded))  # their sum is no measure
     first, end = _loaded_kernels.loaded_range(row)
     assert (first, end) == (loaded[0], loaded[-1] + 1) if loaded else first == end
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_overlap_at_the_hardness_is_that_of_plain_arrays(seed: int) -> None:
+    gap, u, p, edge = state(seed)
+    capped = p >= HARDNESS
+    flat, approach = [x.ravel() for x in (gap, u, p)], 2e-7
+    expected = max(float((approach - gap - u)[capped].max()), 0.0)
+    overlap = _state_kernels.yielding_overlap(*flat, HARDNESS, approach, np.inf)
+    assert overlap == pytest.approx(expected, rel=1e-12)
+    assert _state_kernels.yielding_overlap(*flat, HARDNESS, approach, 1e-9) >= 1e-9
+    assert _state_kernels.yielding_overlap(*flat, np.inf, approach, np.inf) == 0.0
+    partial = (edge > 0) & (p > 0) & ~capped
+    assert _state_kernels.has_partial_cells(p.ravel(), edge.ravel(), HARDNESS) == partial.any()
+    assert not _state_kernels.has_partial_cells(p.ravel(), 0 * edge.ravel(), HARDNESS)
