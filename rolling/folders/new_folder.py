@@ -209,9 +209,11 @@ def is_empty(folder: Path) -> bool:
 
     Traces of a command that was killed before its first file do not count.
     """
-    traces = {claim.LOCK, f".{run_record.FILE}.partial"}
+    trace = re.compile(
+        rf"{re.escape(claim.LOCK)}|\.{re.escape(run_record.FILE)}(\.[0-9a-f]{{16}})?\.partial"
+    )
     return all(
-        entry.name in traces and entry.is_file() and not entry.is_symlink()
+        trace.fullmatch(entry.name) and entry.is_file() and not entry.is_symlink()
         for entry in folder.iterdir()
     )
 

@@ -77,7 +77,7 @@ _VARIANT = re.compile(
     r"(\.json|_\d+-\d+\.npz)"  # numbers, and pieces of a study that is not done
 )
 _PLOT = re.compile(r"plot_[\w.]+_against_[\w.]+\.(png|svg|csv)")  # of `rolling table`
-_PARTIAL = re.compile(r"\.(.+)\.partial")
+_PARTIAL = re.compile(r"\.(.+?)(\.[0-9a-f]{16})?\.partial")
 
 
 @dataclass(frozen=True)

@@ -118,7 +118,7 @@ class Scene(Section):
         validate_default=True,
         description="Vibration of sphere and plate; absent: the load is held constant",
     )
-    sound: Sound = Field(default_factory=Sound)
+    sound: Sound = Field(default_factory=Sound, validate_default=True)
     sweep: Annotated[
         dict[str, Any],
         BeforeValidator(lambda value: sweeps.validated(value, Scene)),
@@ -179,7 +179,11 @@ class Scene(Section):
     @field_validator("sound")
     @classmethod
     def _has_source(cls, sound: Sound, info: ValidationInfo) -> Sound:
-        if sound.source == "vibration" and info.data.get("dynamics", ...) is None:
+        dynamics = info.data.get("dynamics", ...)
+        if sound.source is None and dynamics is not ...:
+            source = "release" if dynamics is None else "vibration"
+            return sound.model_copy(update={"source": source}).of_release_only()
+        if sound.source == "vibration" and dynamics is None:
             raise fault(
                 'got "vibration", which needs the section dynamics; `dynamics: {}` takes its'
                 " defaults",
@@ -294,6 +298,8 @@ class Scene(Section):
         `scene.with_(sweep={"rolling.load_n": [5, 20]})`
         """
         data, faults = self.to_dict(), list[str]()
+        if "dynamics" in {*(changes or {}), *keys}:  # the default of the source follows it
+            del data["sound"]["source"]
         given: set[str] = set()
         for short, value in [*(changes or {}).items(), *keys.items()]:
             try:

@@ -326,10 +326,11 @@ class Sound(Section):
 
     SECTION: ClassVar[str] = "sound"
 
-    source: Literal["release", "vibration"] = Field(
-        default="release",
-        description="Origin of the sound pressure: release of elastic energy, or vibration of"
-        " sphere and plate, which needs dynamics and takes neither q nor gain",
+    source: Literal["release", "vibration"] | None = Field(
+        default=None,
+        description="Origin of the sound pressure: release of elastic energy (an upper bound), or"
+        " vibration of sphere and plate, which needs dynamics and takes neither q nor gain; absent:"
+        " vibration with dynamics, otherwise release",
     )
     ball: bool = Field(
         default=True, description="Whether the vibration of the sphere is heard beside the plate's"
@@ -352,7 +353,8 @@ class Sound(Section):
     )
 
     @model_validator(mode="after")
-    def _of_release_only(self) -> Sound:
+    def of_release_only(self) -> Sound:
+        """Refuse free factors of a pressure that has none."""
         if self.source == "vibration":
             for key, given in (
                 ("q", self.q != 1),

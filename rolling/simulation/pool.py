@@ -129,11 +129,12 @@ def work(
             outcome.interrupted = asked()
             return outcome
         workers = min(workers, len(tasks))
-        if workers <= 1 or not spawning.can_start_workers():
-            with compiling.told(terminal.compiling):
-                _work_here(tasks, listener, asked, outcome)
-        else:
-            _work_in_parallel(tasks, workers, listener, asked, outcome)
+        with _worker_environment():
+            if workers <= 1 or not spawning.can_start_workers():
+                with compiling.told(terminal.compiling):
+                    _work_here(tasks, listener, asked, outcome)
+            else:
+                _work_in_parallel(tasks, workers, listener, asked, outcome)
         outcome.interrupted = asked()
     return outcome
 
@@ -172,20 +173,17 @@ def _work_in_parallel(
     has failed when the worker is killed twice.
     """
     waiting = deque(tasks)
-    with _one_thread_each():
-        while waiting:
-            suspects = _work_until_a_kill(waiting, waiting, workers, listener, asked, outcome)
-            if suspects:
-                terminal.line(_LOST)
-            for task in suspects:
-                alone = [task]
-                for _ in range(2):
-                    if alone and not asked():
-                        alone = _work_until_a_kill(
-                            deque(alone), waiting, 1, listener, asked, outcome
-                        )
+    while waiting:
+        suspects = _work_until_a_kill(waiting, waiting, workers, listener, asked, outcome)
+        if suspects:
+            terminal.line(_LOST)
+        for task in suspects:
+            alone = [task]
+            for _ in range(2):
                 if alone and not asked():
-                    outcome.failures.setdefault(task.run, _KILLED)
+                    alone = _work_until_a_kill(deque(alone), waiting, 1, listener, asked, outcome)
+            if alone and not asked():
+                outcome.failures.setdefault(task.run, _KILLED)
 
 
 def _work_until_a_kill(
@@ -280,14 +278,22 @@ def finish(task: Task, done: Any, listener: Listener, outcome: Outcome) -> Seque
 
 
 @contextmanager
-def _one_thread_each() -> Iterator[None]:
+def _worker_environment() -> Iterator[None]:
     """Limit the numerical libraries of every started process to one thread.
 
     Workers that run several threads each would compete for the cores. The limits act because
-    workers import numpy anew.
+    workers import numpy anew. Nor does a worker import modules from the working directory, where a
+    stranger's `pickle.py` may lie.
     """
     pins = dict.fromkeys(
-        ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
+        (
+            "OMP_NUM_THREADS",
+            "OPENBLAS_NUM_THREADS",
+            "MKL_NUM_THREADS",
+            "NUMBA_NUM_THREADS",
+            "PYTHONSAFEPATH",
+        ),
+        "1",
     )
     before = {name: os.environ.get(name) for name in pins}
     os.environ.update(pins)

@@ -170,9 +170,6 @@ def test_silence_is_said_and_played(pages, opened) -> None:
 def test_a_short_record_does_not_loop_unasked_and_says_why(pages, opened) -> None:
     """A record of 6 ms repeats 167 times a second: it ends, and goes on only with Loop on."""
     with opened(pages("lap")) as page:
-        until(page, "!document.querySelector('#extension').hidden")
-        page.check("input[name=source][value=record]")
-        until(page, "document.querySelector('#extension').hidden")
         assert not page.is_checked("#loop")
         said = page.locator("[data-repeats]")
         assert said.count() == 1 and said.is_visible()
@@ -188,19 +185,20 @@ def test_a_short_record_does_not_loop_unasked_and_says_why(pages, opened) -> Non
         assert page.text_content("#play") == "Pause"
 
 
-def test_a_page_of_short_records_begins_with_what_lasts(pages, opened) -> None:
-    """Records of 6 ms are blips: the page opens with the extended one, also if Play comes first."""
-    with opened(pages("lap")) as page:
+@pytest.mark.parametrize("name", ["lap", "one"])
+def test_play_plays_the_computed_record(name, pages, opened) -> None:
+    """Play sends the samples of the record, short or long, times the calibrated gain, once."""
+    path = pages(name)
+    record, gain = embedded_record(path, 0), data_of(path)["runs"][0]["playback"]["calibrated"]
+    with opened(path) as page:
         page.click("#play")
-        until(page, "parseFloat(document.querySelector('#seek').value) > 0.2")
-        assert page.is_checked("input[name=source][value=extended]") and page.is_checked("#loop")
-        assert page.text_content("#time").endswith("/ 10.923 s")
-        assert page.evaluate("tap.sources.at(-1).buffer.length") == 2**19
-        page.check("input[name=source][value=record]")
-        until(page, "document.querySelector('#play').textContent === 'Play'")
-        assert time_of(page) == pytest.approx(0.006)
-    with opened(pages("one")) as page:
-        assert page.is_checked("input[name=source][value=record]")
+        until(page, "tap.sources.length > 0")
+        assert page.evaluate("tap.gains[0].gain.value") == pytest.approx(gain, rel=1e-6)
+        hear(page, 0.02)
+        played = page.evaluate("[...tap.sources[0].buffer.getChannelData(0)]")
+        assert page.evaluate("tap.gains[0].gain.value") == pytest.approx(gain, rel=1e-6)
+    assert len(played) == len(record)
+    assert np.abs(np.array(played) - record).max() < 2**-15  # the rounding of 16 bits
 
 
 def test_a_short_record_among_long_ones_goes_round_only_when_asked_to(pages, opened) -> None:

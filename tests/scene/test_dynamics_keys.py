@@ -99,3 +99,32 @@ def test_resound_changes_bodies_and_source() -> None:
     assert changed.sound.source == "release"
     with pytest.raises(SceneError, match=r"dynamics.loads: needs a new run"):
         resound(scene(), ["dynamics.loads=5"])
+
+
+@pytest.mark.parametrize(
+    ("changes", "source"),
+    [
+        (["sound="], "vibration"),
+        (["sound.source="], "vibration"),
+        (["sound.source=release"], "release"),
+        (["sound=", "dynamics=", "plate.thickness_mm="], "release"),
+    ],
+)
+def test_with_dynamics_the_vibration_is_heard_unless_the_scene_says_otherwise(
+    changes: list[str], source: str
+) -> None:
+    assert scene(*changes).sound.source == source
+    assert Scene.from_dict(scene(*changes).to_dict()) == scene(*changes)
+
+
+def test_the_default_source_follows_dynamics_that_are_added_or_removed_in_python() -> None:
+    silent = {"dynamics": None, "plate.thickness_mm": None}
+    assert scene().with_(silent).sound.source == "release"
+    assert scene().with_(silent).with_(dynamics={}).sound.source == "vibration"
+    changes = {"sound.source": "release", "dynamics": {"loads": 5}}
+    assert scene().with_(changes).sound.source == "release"
+
+
+def test_a_free_factor_does_not_go_with_the_default_source_of_dynamics() -> None:
+    with pytest.raises(SceneError, match=r"sound\.q: got 0.5, which only goes with"):
+        scene("sound.source=", "sound.q=0.5")

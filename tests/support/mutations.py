@@ -61,7 +61,7 @@ rolling:
   start_um: 7
 numerics: {{step_nodes: 1, tolerance: 1e-4, edges: blended, precision: single}}
 recovery: {{events: true, rule: mean}}
-sound: {{distance_m: 1, q: 0.5, gain_pa_per_w_m2: 2}}
+sound: {{source: release, distance_m: 1, q: 0.5, gain_pa_per_w_m2: 2}}
 sweep:
   rolling.load_n: [5, 20, 100]
   sphere.radius_mm: [2, 5]

@@ -11,16 +11,7 @@ function begin() {
     choose(Math.max(0, runs.findIndex((run) => run.playback.calibrated_pa !== null))); // one that can be heard
     showDifference();
   say("");
-  beginWithWhatLasts();
     (window.requestIdleCallback ?? setTimeout)(decode); // so that the first play is not late
-  }
-
-  /** Where all that can be heard is over in a blip, the page begins with the extended records. */
-  function beginWithWhatLasts() {
-    const heard = runs.filter((run) => run.playback.calibrated_pa !== null);
-    if (!heard.length || !heard.every((run) => run.buzzes && run.extendable)) return;
-    choice("extended").checked = true;
-    setSource("extended");
   }
 
   /** What is drawn by hand has the colours of the screen, light or dark, or of paper. */

@@ -48,7 +48,7 @@ function startVoices(at) {
   state.voices = sounding.map((_, number) => {
     const buffer = bufferOf(number);
     const source = new AudioBufferSourceNode(context, { buffer, loop: true });
-    const gain = new GainNode(context, { gain: 0 });
+    const gain = new GainNode(context, { gain: at === 0 ? gainOf(number) : 0 }); // a fade would change the beginning of the record
     source.connect(gain).connect(state.master);
     source.start(when, modulo(at, buffer.duration));
     return { source, gain };
