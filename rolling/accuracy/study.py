@@ -14,13 +14,13 @@ from rolling.accuracy.errors import Findings, Measurement
 from rolling.accuracy.record import AIM_DB, RecordCheck
 from rolling.accuracy.variants import Study, Variant, study_of, tasks
 from rolling.check import cost, long_steps, refusals
+from rolling.contact import of_scene
 from rolling.folders import claim, files, new_folder, own_files, run_record
 from rolling.folders.claim import Claim
 from rolling.scene import file, library
 from rolling.simulation import pool, simulate, summary, tolerance_trial
 from rolling.simulation.batch import Run
 from rolling.simulation.result import Result
-from rolling.surface import contact_of_scene
 from rolling.terminal import defaults, progress
 
 
@@ -62,7 +62,7 @@ def run_study(
     study = study_of(single, duration, finest)
     refusals.refuse_variants_that_cannot_fit(study.scene, finest, workers, out or refusals.OUTPUTS)
     # this refuses a missing surface before anything is written
-    contact_of_scene.rolling_contact(study.scene)
+    of_scene.rolling_contact(study.scene)
     label = Run(values, single, Path()).label
     if len(runs) > 1:
         progress.line(

@@ -13,12 +13,13 @@ from itertools import pairwise
 from typing import Any
 
 from rolling._typing import Array
+from rolling.contact import of_scene
 from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
 from rolling.simulation import pool, simulate
-from rolling.surface import contact_of_scene, scene_surface
+from rolling.surface import scene_surface
 from rolling.surface.refined import dies_out, refined, subcell_heights
-from rolling.surface.wider import wider_heights, wider_times
+from rolling.surface.scene_surface import wider_heights, wider_times
 
 TOLERANCES = (1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6)
 FINE_TOLERANCES = (1e-3, 1e-4)  # tolerance on finer grids
@@ -249,7 +250,7 @@ def rolling_contact(scene: Scene, variant: Variant) -> RollingContact:
     their middle.
     """
     plain = scene.numerics.model_copy(update={"edges": "sharp", "subcells": 1})
-    coarse = contact_of_scene.rolling_contact(
+    coarse = of_scene.rolling_contact(
         scene.model_copy(update={"numerics": plain}), _heights(scene, variant.width)
     )
     smooth, fine = _refined(coarse.heights, variant.times)
@@ -265,7 +266,7 @@ def rolling_contact(scene: Scene, variant: Variant) -> RollingContact:
         blended=variant.edges == "blended",
         slopes=smooth,
     )
-    return contact_of_scene.on_subcells(contact, subcells_of(scene, contact), smooth)
+    return of_scene.on_subcells(contact, subcells_of(scene, contact), smooth)
 
 
 _wide: list[tuple[tuple[Any, ...], int, Array]] = []  # the last wider surface is kept
@@ -287,7 +288,7 @@ def subcells_of(scene: Scene, contact: RollingContact) -> int:
     `auto` chooses them on the variant's own grid.
     """
     chosen = scene.numerics.subcells
-    return contact_of_scene.auto_subcells(contact) if chosen == "auto" else chosen
+    return of_scene.auto_subcells(contact) if chosen == "auto" else chosen
 
 
 _warm: set[tuple[int, bool, bool]] = set()

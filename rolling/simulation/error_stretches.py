@@ -16,6 +16,7 @@ import numpy as np
 from rolling._typing import Array
 from rolling.check import cost, error_cost
 from rolling.check.error_cost import LEVELS, Layout
+from rolling.contact.of_scene import rolling_contact
 from rolling.contact.solver import ContactError
 from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
@@ -25,7 +26,6 @@ from rolling.simulation.stretches import ErrorStretches, March
 from rolling.sound import error_estimate
 from rolling.sound.error_estimate import BandPowers, StretchSignals
 from rolling.sound.vibration_sound import roughness_gain
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.refined import cells_of_patch
 from rolling.surface.scene_surface import heights
 

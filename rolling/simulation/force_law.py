@@ -17,6 +17,7 @@ import numpy as np
 
 from rolling._typing import Array
 from rolling.contact.march import march
+from rolling.contact.of_scene import rolling_contact
 from rolling.contact.solver import ContactError
 from rolling.dynamics.force_law import HIGHEST, LOWEST, ForceLaw
 from rolling.scene.scene import Scene
@@ -24,7 +25,6 @@ from rolling.simulation import pool, simulate
 from rolling.simulation.load_marches import LoadMarches, LoadPiece
 from rolling.simulation.moving_load import moving_key
 from rolling.simulation.result import Result
-from rolling.surface.contact_of_scene import rolling_contact
 
 JUDGED_STEPS = 200  # maximum length of the stretch that is marched at loads between the others
 

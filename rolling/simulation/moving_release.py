@@ -15,6 +15,7 @@ import numpy as np
 
 from rolling._typing import Array
 from rolling.contact.march import march
+from rolling.contact.of_scene import rolling_contact
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.dynamics import of_scene
@@ -22,7 +23,6 @@ from rolling.scene.scene import Scene
 from rolling.simulation import force_law, pool, simulate
 from rolling.simulation.moving_load import MOVING_SERIES, MovingPiece, MovingRelease, moving_key
 from rolling.simulation.result import Result
-from rolling.surface.contact_of_scene import rolling_contact
 
 
 def moving_release(scene: Scene, result: Result) -> MovingRelease | None:

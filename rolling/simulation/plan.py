@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rolling.check import long_steps, refusals, tolerance
+from rolling.contact import of_scene
 from rolling.folders import files, run_record
 from rolling.folders.run_record import RunRecord
 from rolling.scene import file
@@ -13,7 +14,6 @@ from rolling.scene.messages import SceneError
 from rolling.scene.run_names import run_names
 from rolling.scene.scene import Scene, SweepRun
 from rolling.simulation.batch import Run, seen_from
-from rolling.surface import contact_of_scene
 
 
 def refuse(scene: Scene, workers: int, folder: Path | None) -> None:
@@ -41,7 +41,7 @@ def refuse(scene: Scene, workers: int, folder: Path | None) -> None:
         if faults:
             raise SceneError(faults) from error
     for _, single in scene.runs():
-        contact_of_scene.rolling_contact(single)  # reads the surface
+        of_scene.rolling_contact(single)  # reads the surface
 
 
 class Plan:

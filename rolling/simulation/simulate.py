@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from rolling._typing import Array
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
+from rolling.contact.of_scene import rolling_contact
 from rolling.contact.recovery import EventTable, step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
@@ -26,7 +27,6 @@ from rolling.scene.identity import Identity, other_surface
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.simulation import pool
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import scene_surface
 
 # Steps of a piece. A cold start costs four to eight steps, which is 2 to 4 % of a piece.

@@ -16,17 +16,16 @@ import numpy as np
 
 from rolling._typing import Array
 from rolling.contact.march import march
+from rolling.contact.of_scene import rolling_contact
 from rolling.contact.recovery import StepEnergy, step_energy
 from rolling.contact.solver import ContactError
-from rolling.contact.state import ContactState, RollingContact
+from rolling.contact.state import ContactState, RollingContact, Window
 from rolling.contact.subcells import cell_means, half_space_of
-from rolling.contact.window import Window
 from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
 from rolling.simulation import force_law, pool, simulate
 from rolling.simulation.result import Result
 from rolling.simulation.slow_motion import SlowMotion
-from rolling.surface.contact_of_scene import rolling_contact
 
 SECONDS = 3e-3  # [s] of rolling that are shown
 SHARE = 0.05  # maximum share of the steps of the run

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from rolling._typing import Array
 from rolling.contact import closed_forms
+from rolling.contact.of_scene import on_subcells
 from rolling.contact.state import RollingContact
-from rolling.surface.contact_of_scene import on_subcells
 from rolling.verification.hard_cases import CAPACITY, SOLVED, WIDTH, HardCase, make_track, rough
 
 # An earlier solver failed on these seeds of random_scene.

@@ -7,7 +7,7 @@ import pytest
 from helpers import STEEL, assert_solved, make_track, roll, rough
 
 from rolling.contact import closed_forms
-from rolling.contact.window import Window
+from rolling.contact.state import Window
 from rolling.verification.dense import dense_contact
 
 

@@ -8,9 +8,9 @@ import pytest
 
 from rolling.accuracy.edge_study import reference, roll
 from rolling.check import resolution
+from rolling.contact.of_scene import rolling_contact
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
-from rolling.surface.contact_of_scene import rolling_contact
 
 TEXT = """\
 name: coarse

@@ -15,7 +15,7 @@ from rolling.folders.files import FolderError
 from rolling.scene.scene import Scene
 from rolling.simulation.simulate import STATE_SERIES, STEP_SERIES, Piece
 from rolling.surface import heights as surface
-from rolling.surface import scene_surface, wider
+from rolling.surface import scene_surface
 
 SCENE = SMALL | {
     "surface": SMALL["surface"] | {"width_um": 256, "seed": 3},
@@ -66,9 +66,9 @@ def test_height_files_are_refined_by_what_they_hold(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("width", "times"), [(256, 2), (250, 3)])
 def test_a_wider_surface_has_the_same_asperities_in_its_middle(width: float, times: int) -> None:
     scene = study(**{"surface.width_um": width, "rolling.duration_s": 0.02}).scene
-    assert wider.wider_times(scene) == times
+    assert scene_surface.wider_times(scene) == times
     own = scene_surface.heights(scene)
-    wide = wider.wider_heights(scene, times)
+    wide = scene_surface.wider_heights(scene, times)
     assert wide.shape == (own.shape[0], times * own.shape[1])
     assert np.abs(wide).mean() == pytest.approx(np.abs(own).mean(), rel=0.05)
     first = own.shape[1] * (times - 1) // 2

@@ -18,16 +18,15 @@ from acoustics.spectrum import article_line_level_db, line_spectrum
 from acoustics.weighting import a_weighting_db
 from rolling import cli
 from rolling.accuracy import variants
-from rolling.contact import closed_forms
+from rolling.contact import closed_forms, of_scene
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
-from rolling.contact.window import Window
+from rolling.contact.state import Window
 from rolling.lee2025 import half_spacing, reproduce, study
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
 from rolling.simulation import result_file, simulate
 from rolling.sound.contact_sound import contact_sound
-from rolling.surface import contact_of_scene
 from rolling.verification.dense import dense_contact
 
 pytestmark = pytest.mark.slow
@@ -298,7 +297,7 @@ def test_the_articles_own_method_agrees(reading: str, roughness: float) -> None:
     (scene,) = (
         one for one in study.scenes(SCENES / reading, study.QUICK) if _is(one, roughness, 5)
     )
-    contact = replace(contact_of_scene.rolling_contact(scene), blended=False, tolerance=1e-9)
+    contact = replace(of_scene.rolling_contact(scene), blended=False, tolerance=1e-9)
     (state,) = march(contact, 0, 0, HalfSpace(contact.spacing, contact.contact_modulus))
     w = state.loaded
     block = Window(w.row - 2, w.column - 2, w.rows + 4, w.columns + 4)
