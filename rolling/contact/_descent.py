@@ -287,11 +287,11 @@ class Descent:
                 float(unit),
                 self.stiffness,
                 edges.levelled if edges else 0.0,
-                edges.share if edges else 1.0,
                 inverse.stiffness,
                 float(u_max / self.limits.total),
                 inverse.own,
                 inverse.common,
+                edges.share if edges else 1.0,
             ),
             (tile, row_length),
         )

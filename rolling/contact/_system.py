@@ -299,8 +299,8 @@ class Packed(NamedTuple):
     stencil, model_stencil, table, coefficients : arrays
         Those of Stencil, Model, FarField and Influence.
     numbers : tuple
-        Hardness, total, deflection and stiffness of a cell, levelled range, share of the
-        edges, stiffness and lift of the Model, own and common gap of the FarField.
+        Hardness, total, deflection and stiffness of a cell, levelled range, stiffness and lift of
+        the Model, own and common gap of the FarField, share of the edges.
     lengths : tuple
         Tile and row length of the FarField.
     """
@@ -325,7 +325,7 @@ def unpack(packed):
     """Return the System of the fields of a Packed, as a plain tuple."""
     vectors, indices, image, grids, model, strips, coarse = packed[:7]
     stencil, model_stencil, table, coefficients, numbers, (tile, row_length) = packed[7:]
-    hardness, total, unit, stiffness, levelled, share, model_stiffness, lift, own, common = numbers
+    hardness, total, unit, stiffness, levelled, model_stiffness, lift, own, common, share = numbers
     # The rows that only blended edges have are else empty slices of others.
     blended = vectors.shape[0] > 6
     n = vectors.shape[1] if blended else 0
