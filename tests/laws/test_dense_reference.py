@@ -8,7 +8,7 @@ from hard_cases.dense import dense_contact
 from helpers import STEEL, assert_solved, make_track, roll, rough
 
 from rolling.contact import closed_forms
-from rolling.contact.window import Window
+from rolling.contact.state import Window
 
 
 @pytest.mark.law(

@@ -6,21 +6,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from rolling._typing import Array
-from rolling.contact.state import Maxima, RollingContact
+from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
-from rolling.surface import steepness
-from rolling.surface.refined import dies_out, subcell_heights
+from rolling.surface import refined
 from rolling.surface.scene_surface import heights
 
 
 def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
-    """Make the rolling contact of a scene over its own or other heights [m].
-
-    Raises
-    ------
-    SceneError
-        The surface cannot be made or read.
-    """
+    """Make the rolling contact of a scene over its own or other heights [m]."""
     contact = RollingContact(
         heights=heights(scene) if over is None else over,
         spacing=scene.spacing,
@@ -35,33 +28,23 @@ def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
         blended=scene.numerics.edges == "blended",
     )
     subcells = scene.numerics.subcells
-    made = on_subcells(contact, auto_subcells(contact) if subcells == "auto" else subcells)
-    shared = replace(made, known=_known[0] if _known else None)
-    _known[:] = [shared.maxima]
-    return replace(shared, known=shared.maxima)
+    return on_subcells(contact, auto_subcells(contact) if subcells == "auto" else subcells)
 
 
 def auto_subcells(contact: RollingContact) -> int:
     """Choose the sub-cells along the side of a cell for a contact, as `numerics.subcells: auto`."""
     if not contact.has_blended_edges:
         return 1
-    slope = steepness.rms_slope(_between(contact.heights).median_step, contact.spacing)
-    return steepness.auto_subcells(slope, contact.contact_modulus, contact.hardness)
+    slope = refined.rms_slope(_between(contact.heights).median_step, contact.spacing)
+    return refined.auto_subcells(slope, contact.contact_modulus, contact.hardness)
 
 
 def on_subcells(
     contact: RollingContact, subcells: int, smooth: bool | None = None
 ) -> RollingContact:
-    """Return a contact on sub-cells of its cells.
+    """Split the cells of a contact into sub-cells, r along the side of a cell.
 
-    Parameters
-    ----------
-    contact : RollingContact
-        A contact on cells.
-    subcells : int
-        Sub-cells along the side of a cell.
-    smooth : bool or None
-        True if the surface continues between its nodes. Default: its spectrum decides.
+    If `smooth`, the surface continues between its nodes. Default: its spectrum decides.
     """
     if subcells == 1 and not contact.has_blended_edges:
         return contact
@@ -79,34 +62,33 @@ def on_subcells(
 
 @dataclass(eq=False)
 class _Between:
-    """The heights between the nodes of a surface, kept for further runs over it."""
+    """Heights between the nodes of a surface, kept for further contacts on it."""
 
     heights: Array
     fine: tuple[int, Array] | None = None
 
     @cached_property
     def smooth(self) -> bool:
-        """True if the surface continues between its nodes."""
-        return dies_out(self.heights)
+        """Whether the surface continues between its nodes."""
+        return refined.dies_out(self.heights)
 
     @cached_property
     def median_step(self) -> float:
         """Median change of heights from node to node [m]."""
-        return steepness.median_step(self.heights)
+        return refined.median_step(self.heights)
 
     def on_subcells(self, subcells: int) -> Array:
         """Return the heights of sub-cells [m]."""
         if self.fine is None or self.fine[0] != subcells:
-            self.fine = subcells, subcell_heights(self.heights, subcells, self.smooth)
+            self.fine = subcells, refined.subcell_heights(self.heights, subcells, self.smooth)
         return self.fine[1]
 
 
-_kept: list[_Between] = []
-_known: list[Maxima] = []  # of the last surface, for the further pieces of its track
+_last: list[_Between] = []
 
 
 def _between(z: Array) -> _Between:
     """Return the heights between the nodes of a surface; the last surface is kept."""
-    if not _kept or _kept[0].heights is not z:
-        _kept[:] = [_Between(z)]
-    return _kept[0]
+    if not _last or _last[0].heights is not z:
+        _last[:] = [_Between(z)]
+    return _last[0]
