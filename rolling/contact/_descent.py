@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import _candidate_kernels, _projection, _solver_kernels
-from rolling.contact._model import coarse_grid, far_field, stencils
+from rolling.contact import _candidate_kernels, _condition_kernels, _solver_kernels
+from rolling.contact._far_field import coarse_grid, far_field, stencils
 from rolling.contact._system import BORDER, Direction, Limits, Packed, Step
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
 
@@ -287,11 +287,11 @@ class Descent:
                 float(unit),
                 self.stiffness,
                 edges.levelled if edges else 0.0,
-                edges.share if edges else 1.0,
                 inverse.stiffness,
                 float(u_max / self.limits.total),
                 inverse.own,
                 inverse.common,
+                edges.share if edges else 1.0,
             ),
             (tile, row_length),
         )
@@ -392,15 +392,15 @@ class Descent:
             if abs(load / self.limits.total - 1) <= 1e-13:
                 return True
             effort.snapping = False
-            _projection.settle_load(p, g, self.limits, 0.0)
+            _condition_kernels.settle_load(p, g, self.limits, 0.0)
         elif not self.direction.slope < 0:
             # Pressures of the order of rounding errors can pass for free nodes and set the
             # approach, so the projection becomes the state.
             effort.stuck += 1
             p += self._vectors[3]
-            _projection.settle_load(p, g, self.limits, 1e-9 * p.max())
+            _condition_kernels.settle_load(p, g, self.limits, 1e-9 * p.max())
         else:
-            _projection.settle_load(p, g, self.limits, 0.0)
+            _condition_kernels.settle_load(p, g, self.limits, 0.0)
         return False
 
     def _convolve(self, effort: Effort) -> None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rolling.contact._compiled import njit
+from rolling.contact._condition_kernels import approach_of, project, sum_of
 from rolling.contact._model_kernels import (
     extrapolate,
     fill,
@@ -23,9 +23,8 @@ from rolling.contact._model_kernels import (
     settle,
     sort_nodes,
 )
-from rolling.contact._projection import project, sum_of
-from rolling.contact._state_kernels import approach_of
 from rolling.contact._system import Direction, Sets, unpack
+from rolling.contact.compiling import njit
 
 # The half range of gaps over a cell is at most so many times the range that pressures level.
 # Without this limit cliffs of many deflections made 2 % of random scenes too soft to converge.

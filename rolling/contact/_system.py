@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact._compiled import njit
+from rolling.contact.compiling import njit
 
 Indices = NDArray[np.uint32]
 Singles = NDArray[np.float32]
@@ -164,7 +164,7 @@ class Model(NamedTuple):
 
 
 class FarField(NamedTuple):
-    """Far field of the model problem on a coarse grid (see _far_field_kernels).
+    """Far field of the model problem on a coarse grid (see _far_field).
 
     All grids are flat, with rows of `row_length`, of which the second half is padding.
 
@@ -299,8 +299,8 @@ class Packed(NamedTuple):
     stencil, model_stencil, table, coefficients : arrays
         Those of Stencil, Model, FarField and Influence.
     numbers : tuple
-        Hardness, total, deflection and stiffness of a cell, levelled range, share of the
-        edges, stiffness and lift of the Model, own and common gap of the FarField.
+        Hardness, total, deflection and stiffness of a cell, levelled range, stiffness and lift of
+        the Model, own and common gap of the FarField, share of the edges.
     lengths : tuple
         Tile and row length of the FarField.
     """
@@ -325,7 +325,7 @@ def unpack(packed):
     """Return the System of the fields of a Packed, as a plain tuple."""
     vectors, indices, image, grids, model, strips, coarse = packed[:7]
     stencil, model_stencil, table, coefficients, numbers, (tile, row_length) = packed[7:]
-    hardness, total, unit, stiffness, levelled, share, model_stiffness, lift, own, common = numbers
+    hardness, total, unit, stiffness, levelled, model_stiffness, lift, own, common, share = numbers
     # The rows that only blended edges have are else empty slices of others.
     blended = vectors.shape[0] > 6
     n = vectors.shape[1] if blended else 0

@@ -16,14 +16,14 @@ from acoustics.level import I_REF_W_M2
 from rolling import cli
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
-from rolling.contact.window import Window
+from rolling.contact.state import Window
 from rolling.lee2025 import reproduce
 from rolling.lee2025.cases import band_columns
 from rolling.scene import library
 from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
-from rolling.surface import contact_of_scene
+from rolling.contact import of_scene
 from rolling.verification.dense import dense_contact
 
 pytestmark = pytest.mark.slow
@@ -142,7 +142,7 @@ def test_the_articles_own_method_agrees(reading: str, roughness: float) -> None:
     Edges are sharp, as in the article (Fig. 3).
     """
     scene = runs_of(reading, quick=True)[roughness, 5.0, 1]
-    contact = replace(contact_of_scene.rolling_contact(scene), blended=False, tolerance=1e-9)
+    contact = replace(of_scene.rolling_contact(scene), blended=False, tolerance=1e-9)
     (state,) = march(contact, 0, 0, HalfSpace(contact.spacing, contact.contact_modulus))
     loaded = state.loaded
     block = Window(loaded.row - 2, loaded.column - 2, loaded.rows + 4, loaded.columns + 4)
