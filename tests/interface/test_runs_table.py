@@ -1,23 +1,35 @@
-"""Tables, statistics and plots of a sweep are what the summaries of its runs say."""
+"""Tables and statistics of runs are what the summaries of the runs say."""
 
 from __future__ import annotations
 
-import csv
 import io
 import json
+import os
 import statistics
+from dataclasses import dataclass
 from pathlib import Path
 
+import pandas as pd
 import pytest
+from finished import run_of
 from scene_text import TINY
 
-from rolling import cli
-from rolling.commands import table, work
-from rolling.figures import sweep_figures
-from rolling.folders import own_files, run_record
-from rolling.simulation import runs_table, seed_statistics
+from rolling.results.labels import labels
+from rolling.results.run_files import write_run
+from rolling.results.run_result import hear
+from rolling.results.runs_table import (
+    columns,
+    level_text,
+    levels_table,
+    numbers,
+    runs_table,
+    seed_statistics,
+    uncertain,
+)
+from rolling.scene import file
+from rolling.scene.scene import Scene
 
-SCENE = f"""\
+SWEEP = f"""\
 {TINY}sweep:
   rolling.load_n: [0.005, 0.01]
   rolling.speed_m_s: [0.1, 0.2]
@@ -25,197 +37,142 @@ SCENE = f"""\
 """
 
 
+@dataclass(frozen=True)
+class Stored:
+    """A run whose files are in its folder."""
+
+    values: dict[str, float | str]
+    scene: Scene
+    folder: Path
+
+
 @pytest.fixture(scope="module")
-def sweep(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A sweep of twelve runs, of which the last is not solved."""
+def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Stored]:
+    """Return twelve runs of a sweep, of which the last is not solved."""
     folder = tmp_path_factory.mktemp("table")
-    (folder / "tiny.yaml").write_text(SCENE)
-    out = folder / "out"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(work, "write_pictures", lambda *_: [])
-        assert (
-            cli.main(["run", str(folder / "tiny.yaml"), "--out", str(out), "--workers", "1"]) == 0
-        )
-    for path in (out / "load_n=0.01,speed_m_s=0.2,seed=3").iterdir():
-        if path.name != "run.json":
-            path.unlink()
-    return out
-
-
-def rows(path: Path) -> list[dict[str, str]]:
-    with path.open(newline="") as stream:
-        return list(csv.DictReader(stream))
-
-
-def summaries(sweep: Path, pattern: str) -> list[dict]:
-    return [json.loads(path.read_text()) for path in sorted(sweep.glob(f"{pattern}/summary.json"))]
-
-
-def test_statistics_are_those_of_the_summaries(sweep: Path) -> None:
-    table.tabulate(sweep)
-    every = rows(sweep / "statistics.csv")
-    own = [
-        row
-        for row in every
-        if (row["rolling.load_n"], row["rolling.speed_m_s"], row["level"])
-        == ("0.005", "0.1", "laeq_db")
+    stored = [
+        Stored(dict(values), scene, folder / str(number))
+        for number, (values, scene) in enumerate(file.loads(SWEEP).runs())
     ]
-    (row,) = own
-    runs = summaries(sweep, "load_n=0.005,speed_m_s=0.1,*")
-    levels = [run["laeq_db"] for run in runs]
-    stated = [run["uncertainty_db"]["laeq"] for run in runs]
-    assert len(levels) == 3 and row["runs"] == "3"
-    deviation = statistics.stdev(levels)
-    expected = {
-        "mean": statistics.fmean(levels),
-        "standard_deviation": deviation,
-        "standard_error": deviation / 3**0.5,
-        "stated_uncertainty": statistics.fmean([one**2 for one in stated]) ** 0.5,
-    }
-    for name, value in expected.items():
-        assert float(row[name]) == pytest.approx(value, rel=1e-12)
-    assert float(row["deviation_over_stated"]) == pytest.approx(
-        deviation / expected["stated_uncertainty"], rel=1e-12
-    )
-    bands = [
-        each
-        for each in every
-        if each["level"] == "third_octave_a_db" and each["band_hz"] == "12500"
-    ]
-    assert [each["runs"] for each in bands] == ["3", "3", "3", "2"]  # a run is not solved
+    for run in stored[:-1]:
+        write_run(hear("run", run.values, run.folder, run.scene, run_of(run.scene).result))
+    return stored
+
+
+def summary_of(run: Stored) -> dict:
+    return json.loads((run.folder / "summary.json").read_text())
+
+
+def test_the_table_has_every_run_and_its_numbers(runs: list[Stored]) -> None:
+    table = runs_table(runs)
+    keys = ["rolling.load_n", "rolling.speed_m_s", "surface.seed"]
+    assert list(table.index.names) == ["run", "folder", *keys]
+    assert list(table.index.get_level_values("run")) == labels(runs)
+    read = pd.read_csv(io.StringIO(table.to_csv()))
+    assert len(read) == 12 and read["laeq_db"].isna().tolist() == [False] * 11 + [True]
+    assert read["folder"].tolist() == list(range(12))
+    first = summary_of(runs[0])
+    for column, value in (
+        ("laeq_db", first["laeq_db"]),
+        ("laeq_uncertainty_db", first["uncertainty_db"]["laeq"]),
+        ("surface_ra_m", first["surface"]["ra"]),
+        ("surface_rms_slope", first["surface"]["rms_slope"]),
+        ("plastic_ratio", first["plastic_ratio"]),
+        ("steps", 25),
+        ("third_octave_db_12500", first["third_octave_db"]["12500"]),
+        ("caveats", " ".join(caveat["key"] for caveat in first["caveats"])),
+        ("rolling.load_n", 0.005),
+    ):
+        assert read[column][0] == value, column
+
+
+def test_statistics_are_those_of_the_summaries(runs: list[Stored]) -> None:
+    table = seed_statistics(runs_table(runs))
+    of_first = table[(table["rolling.load_n"] == 0.005) & (table["rolling.speed_m_s"] == 0.1)]
+    summaries = [summary_of(run) for run in runs[:3]]
+    for level, band, values, stated in (
+        (
+            "laeq_db",
+            None,
+            [summary["laeq_db"] for summary in summaries],
+            [summary["uncertainty_db"]["laeq"] for summary in summaries],
+        ),
+        (
+            "third_octave_a_db",
+            "12500",
+            [summary["third_octave_a_db"]["12500"] for summary in summaries],
+            [summary["third_octave_uncertainty_db"]["12500"] for summary in summaries],
+        ),
+    ):
+        named = of_first["level"] == level
+        named &= of_first["band_hz"] == band if band else of_first["band_hz"].isna()
+        ((_, row),) = of_first[named].iterrows()
+        deviation = statistics.stdev(values)
+        mean_stated = statistics.fmean([one**2 for one in stated]) ** 0.5
+        assert row["runs"] == 3
+        assert row["mean"] == pytest.approx(statistics.fmean(values), rel=1e-12)
+        assert row["standard_deviation"] == pytest.approx(deviation, rel=1e-12)
+        assert row["standard_error"] == pytest.approx(deviation / 3**0.5, rel=1e-12)
+        assert row["stated_uncertainty"] == pytest.approx(mean_stated, rel=1e-12)
+        ratio = deviation / mean_stated
+        assert row["deviation_over_stated"] == pytest.approx(ratio, rel=1e-12)
+    laeq = table[table["level"] == "laeq_db"]
+    assert laeq["runs"].tolist() == [3, 3, 3, 2]  # a run is not solved
+
+
+def test_statistics_over_another_key_and_over_all_runs(runs: list[Stored]) -> None:
+    over_speed = seed_statistics(runs_table(runs), "rolling.speed_m_s")
+    laeq = over_speed[over_speed["level"] == "laeq_db"]
+    assert laeq["runs"].tolist() == [2, 2, 2, 2, 2, 1]
+    assert laeq["standard_deviation"].isna().tolist() == [False] * 5 + [True]
+    alone = [Stored({"surface.seed": k}, run.scene, run.folder) for k, run in enumerate(runs[:3])]
+    every = seed_statistics(runs_table(alone))
+    assert every.columns[0] == "level" and every[every["level"] == "laeq_db"]["runs"].item() == 3
 
 
 @pytest.mark.parametrize("total", [2.5, None])
 def test_the_record_and_the_total_have_their_own_uncertainty(total: float | None) -> None:
-    """The statistics state the uncertainty of the record, whatever the error estimate found."""
     summary = {
         "laeq_db": 60.0,
         "uncertainty_db": {"laeq": 0.5},
         "laeq_uncertainty_db": total,
         "laeq_uncertainty_parts_db": {"record": 0.5, "grid": 2.4},
     }
-    columns = runs_table.numbers(summary)
-    assert columns["laeq_uncertainty_db"] == 0.5
-    assert columns["laeq_total_uncertainty_db"] == total
-    run = runs_table.Row("seed 1", "seed=1", {"surface.seed": 1}, summary)
-    (group,) = seed_statistics.groups([run])
-    level = group.of("laeq_db", seed_statistics.LEVELS["laeq_db"])
-    assert level is not None and level.stated == 0.5
+    cells = numbers(summary)
+    assert cells["laeq_uncertainty_db"] == 0.5 and cells["laeq_total_uncertainty_db"] == total
 
 
-def test_tables_have_every_run_and_every_band(sweep: Path) -> None:
-    written = table.tabulate(sweep)
-    assert [path.name for path in written if path.suffix == ".csv"] == [
-        "runs.csv",
-        "bands.csv",
-        "statistics.csv",
-    ]
-    runs = rows(sweep / "runs.csv")
-    assert len(runs) == 12 and runs[-1]["laeq_db"] == "" != runs[0]["laeq_db"]
-    bands = rows(sweep / "bands.csv")
-    assert len(bands) == 11 * 31
-    (one,) = [row for row in bands if row["run"] == runs[0]["run"] and row["band_hz"] == "12500"]
-    (summary,) = summaries(sweep, runs[0]["folder"])
-    assert float(one["third_octave_db"]) == summary["third_octave_db"]["12500"]
-
-
-def test_plots_hold_the_means(sweep: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["--plot", "plastic_ratio", "--against", "rolling.speed_m_s"]
-    assert cli.main(["table", str(sweep), *words]) == 0
-    name = "plot_plastic_ratio_against_rolling.speed_m_s"
-    assert f"{sweep / name}.svg" in capsys.readouterr().out
-    lines = rows(sweep / f"{name}.csv")
-    assert [row["curve"] for row in lines] == ["load 0.005 N"] * 2 + ["load 0.01 N"] * 2
-    runs = summaries(sweep, "load_n=0.01,speed_m_s=0.1,*")
-    mean = statistics.fmean(run["plastic_ratio"] for run in runs)
-    assert float(lines[2]["plastic_ratio_mean"]) == pytest.approx(mean, rel=1e-8)
-    two = ["--against", "rolling.load_n", "rolling.speed_m_s"]
-    assert cli.main(["table", str(sweep), "--plot", "plastic_ratio", *two]) == 0
-    cells = rows(sweep / "plot_plastic_ratio_against_rolling.load_n_rolling.speed_m_s.csv")
-    assert [row["runs"] for row in cells] == ["3", "3", "3", "2"]
-    assert float(cells[1]["plastic_ratio_mean"]) == pytest.approx(mean, rel=1e-8)
-    spectra = rows(sweep / "mean_third_octaves.csv")
-    assert len(spectra) == 4 * 31
-    # All of these are this program's own files.
-    assert own_files.foreign(sweep, run_record.read(sweep)) == []
-
-
-def test_a_number_that_one_run_lacks_can_be_plotted(
-    sweep: Path, monkeypatch: pytest.MonkeyPatch
+def test_the_terminal_shows_levels_with_uncertainty_and_each_caveat_once(
+    runs: list[Stored],
 ) -> None:
-    """The first run has no vibration, say, and all others have one."""
-    known = table.read_rows(sweep)
-    for number, row in enumerate(known[1:11]):
-        assert row.summary is not None
-        row.summary["vibration_laeq_db"] = 40.0 + number
-    monkeypatch.setattr(table, "read_rows", lambda _: known)
-    table.tabulate(sweep, ["vibration_laeq_db"])
-    lines = rows(sweep / "plot_vibration_laeq_db_against_rolling.load_n.csv")
-    # The first of three seeds has no number.
-    assert float(lines[0]["vibration_laeq_db_mean"]) == 40.5
-
-
-def test_many_curves_are_drawn_as_their_median(
-    sweep: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    rows = table.read_rows(sweep)[:11]
-    groups = seed_statistics.groups(rows, "rolling.load_n")
-    few = sweep_figures.lines("laeq_db", "surface.seed", groups, "tiny")
-    assert "mean of 1 to 2 values of load; bars: their standard deviation" in few.alt
-    assert len(few.figure.axes[0].lines) > 1
-    monkeypatch.setattr(sweep_figures, "_MOST_CURVES", 1)
-    many = sweep_figures.lines("laeq_db", "surface.seed", groups, "tiny")
-    assert "line: median of 2 curves; shaded: 90 % and all of them" in many.alt
-    (median,) = many.figure.axes[0].lines
-    slow = [row.summary["laeq_db"] for row in rows if row.values["rolling.speed_m_s"] == 0.1]
-    fast = [row.summary["laeq_db"] for row in rows if row.values["rolling.speed_m_s"] == 0.2]
-    first = [statistics.fmean(levels[::3]) for levels in (slow, fast)]  # of seed 1
-    assert median.get_ydata()[0] == pytest.approx(statistics.median(first))
-    assert "median of 6 curves" in sweep_figures.mean_third_octaves(groups, "tiny").alt
+    text = levels_table(runs)
+    lines = text.splitlines()
+    summary = summary_of(runs[0])
+    assert lines[0].split()[:2] == ["run", "LAeq"]
+    first = uncertain(summary["laeq_db"], summary["uncertainty_db"]["laeq"])
+    assert first in lines[1] and lines[1].endswith(str(runs[0].folder))
+    assert lines[12].split()[8:11] == ["-", "-", "-"]  # not solved
+    for word in ("upper bound", "microphone", "surface: Ra", "note: When it loops", "warning: "):
+        assert word in text
+    assert text.count("microphone") == 1
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--plot", "laeq"], "laeq_db"),
-        (["--against", "rolling.load"], "rolling.load_n"),
-        (["--against", "a", "b", "c"], "one for lines, two for a map"),
-        (["--over", "surface.sed"], "surface.seed"),
-    ],
+    ("level", "spread", "text"),
+    [(30.04, 0.01, "30.0 ± 0.1"), (30.06, None, "30.1"), (None, None, "silent")],
 )
-def test_unknown_names_get_the_nearest_and_nothing_is_written(
-    sweep: Path, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    before = {path.name: path.stat().st_mtime_ns for path in sweep.iterdir()}
-    assert cli.main(["table", str(sweep), *words]) == 2
-    assert message in capsys.readouterr().err
-    assert {path.name: path.stat().st_mtime_ns for path in sweep.iterdir()} == before
+def test_uncertainties_are_rounded_up(level: float | None, spread: float | None, text: str) -> None:
+    summary = {"laeq_db": level, "uncertainty_db": {"laeq": spread}, "source": "vibration"}
+    summary["steady_level_db"] = None
+    assert level_text(summary, "laeq_db") == text
+    assert level_text(summary, "steady_level_db") == "-"
 
 
-def test_parquet_holds_the_same_tables(sweep: Path) -> None:
-    """Every cell: numbers as numbers, text as text, empty cells as nulls."""
-    parquet = pytest.importorskip("pyarrow.parquet", reason="Parquet is written with pyarrow only")
-    table.tabulate(sweep)
-    for name in ("runs", "bands", "statistics"):
-        read = parquet.read_table(sweep / f"{name}.parquet").to_pylist()
-        for packed, row in zip(read, rows(sweep / f"{name}.csv"), strict=True):
-            assert {key: _as_csv(value, row[key]) for key, value in packed.items()} == row
-    content = table._parquet(b"run,x,surface\n001,2,nan\n", ["run", "surface"])
-    assert parquet.read_table(io.BytesIO(content)).to_pylist() == [
-        {"run": "001", "x": 2, "surface": "nan"}
-    ]
+def test_folders_of_any_name_are_shown_on_one_line(runs: list[Stored]) -> None:
+    odd = [Stored({}, runs[0].scene, Path(os.fsdecode(b"new\nline \xff")))]
+    assert levels_table(odd).splitlines()[1].endswith(r"new\nline \xff")
 
 
-def _as_csv(value: object, text: str) -> str:
-    """Return the text of a cell if the value says the same."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, int | float):
-        return text if float(text) == value else f"{value}"
-    return "" if value is None else str(value)
-
-
-def test_a_single_run_has_no_spread() -> None:
-    alone = seed_statistics.statistic([(70.0, 0.5), (None, None)])
-    assert alone == seed_statistics.Statistic(1, 70.0, None, None, 0.5) and alone.ratio is None
-    assert seed_statistics.statistic([(None, 0.1), ("x", None), (True, None)]) is None
+def test_columns_are_as_wide_as_their_cells() -> None:
+    text = columns([{"a": "long cell", "b": "x"}, {"a": "y", "b": "z"}])
+    assert text.splitlines() == ["a          b", "long cell  x", "y          z"]
