@@ -208,7 +208,7 @@ def numeric_keys(root: type[BaseModel]) -> frozenset[str]:
 @cache
 def all_keys(root: type[BaseModel]) -> list[str]:
     """List every name that an override can set, including sections and swept keys."""
-    swept = [f"sweep.{key}" for key in (*keys(root), *section_keys(root), "zip")]
+    swept = [f"sweep.{key}" for key in (*keys(root), *section_keys(root))]
     return [*root.model_fields, *keys(root), *swept]
 
 

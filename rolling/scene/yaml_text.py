@@ -15,7 +15,6 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq, TaggedScalar
 from ruamel.yaml.composer import Composer
-from ruamel.yaml.constructor import DuplicateKeyError
 from ruamel.yaml.error import YAMLError
 from ruamel.yaml.events import AliasEvent
 
@@ -109,17 +108,10 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
             loaded = yaml.load(text)
     except TextError as error:
         raise TextError(f"{where}:{error}") from error
-    except DuplicateKeyError as error:
-        first, second = error.context_mark.line + 1, error.problem_mark
-        name = text.splitlines()[second.line][second.column :].split(":")[0].strip()
-        raise TextError(
-            f"{where}:{second.line + 1}: {cut(name)}: given twice in the section that begins in"
-            f" line {first}"
-        ) from error
     except YAMLError as error:
         mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
         problem = getattr(error, "problem", None) or getattr(error, "reason", None)
-        problem = (problem or first_line(error)).replace("<stream end>", "the end")
+        problem = (problem or first_line(error)).replace("<stream end>", "the end").splitlines()[0]
         place = f"{where}:{mark.line + 1}" if mark else where
         raise TextError(f"{place}: not YAML: {problem}") from error
     except _READER_ERRORS as error:

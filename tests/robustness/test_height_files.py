@@ -80,7 +80,6 @@ def test_the_same_heights_come_out_of_every_format(tmp_path: Path, name: str) ->
     expected = scene_surface.scene_surface(scene(tmp_path, "reference.npy"))
     read = scene_surface.scene_surface(own)
     assert np.array_equal(read.heights, expected.heights)
-    assert read.sha256 == expected.sha256  # a run may go on with the file in another format
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("m", 1), ("mm", 1e3), ("um", 1e6), ("nm", 1e9)])
@@ -174,14 +173,6 @@ def test_a_line_without_numbers_is_named(
     assert fault(tmp_path, "h.csv").startswith(f"surface.path: h.csv:{message}")
 
 
-def test_further_lines_without_numbers_are_counted(tmp_path: Path) -> None:
-    lines = text_of(" ").splitlines()
-    for k in range(4, 14):
-        lines[k] = "BAD"
-    (tmp_path / "h.txt").write_text("\n".join(lines))
-    assert fault(tmp_path, "h.txt").endswith("(likewise 9 further lines)")
-
-
 def test_decimal_commas_get_their_own_advice(tmp_path: Path) -> None:
     (tmp_path / "h.csv").write_text("0,5;1,5\n2,5;3,5\n")
     message = fault(tmp_path, "h.csv")
@@ -249,11 +240,11 @@ def with_header(shape: str, descr: str = "'<f8'", data: bytes = bytes(8 * 64)) -
         ("(-1, 64)", "a negative shape"),
         ("(10000000000000000000000, 64)", "its header says 10^24 or more bytes of heights"),
         ("(99999999999999999999999, 0)", "nodes, allowed: at least 8"),
-        ("(" + "9" * 5000 + ", 9)", "no readable .npy file (damaged)"),
-        ("(9.0, 9)", "no readable .npy file (damaged)"),
-        ("9", "no readable .npy file (damaged)"),
-        ("(" * 200, "no readable .npy file (damaged)"),
-        ("(9, 9), 'x': " + "0" * 20000, "no readable .npy file (damaged)"),
+        ("(" + "9" * 5000 + ", 9)", "no readable .npy file (damaged, or another format)"),
+        ("(9.0, 9)", "no readable .npy file (damaged, or another format)"),
+        ("9", "no readable .npy file (damaged, or another format)"),
+        ("(" * 200, "no readable .npy file (damaged, or another format)"),
+        ("(9, 9), 'x': " + "0" * 20000, "no readable .npy file (damaged, or another format)"),
         ("()", "got a 0-D array"),
     ],
 )
