@@ -74,8 +74,8 @@ def loads(
     except TextError as error:
         raise SceneError([str(error)]) from error
     if data is None:
-        needed = ", ".join(["name", *messages.required(Scene)])
-        raise SceneError([f"{where}: empty, a scene needs at least {needed}"])
+        needed = ", ".join(name for name, key in Scene.model_fields.items() if key.is_required())
+        raise SceneError([f"{where}: empty, a scene needs at least name, {needed}"])
     if not isinstance(data, dict):
         words = "a scene of keys and values, the first being name"
         raise SceneError([f"{where}:1: got {shown(data)}, allowed: {words}"])

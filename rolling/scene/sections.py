@@ -30,7 +30,6 @@ from pydantic import (
 
 from rolling.scene.messages import (
     SceneError,
-    Words,
     cut,
     dotted,
     explained,
@@ -222,7 +221,7 @@ class Plate(Section):
 # ---- rolling
 
 
-SPEED = Words("a number > 0, or at least two [time_s, speed_m_s] pairs")
+SPEED = "a number > 0, or at least two [time_s, speed_m_s] pairs"
 
 
 def _speed(value: Any) -> Any:
@@ -231,7 +230,7 @@ def _speed(value: Any) -> Any:
     if is_number(value) and value > 0:
         return float(value)
     if not isinstance(value, list | tuple) or len(value) < 2:
-        raise fault(f"got {shown(value)}, allowed: {SPEED.allowed}", *at)
+        raise fault(f"got {shown(value)}, allowed: {SPEED}", *at)
     for i, pair in enumerate(value):
         if not isinstance(pair, list | tuple) or len(pair) != 2 or not all(map(is_number, pair)):
             raise fault(f"got {shown(pair)}, allowed: [time_s, speed_m_s], two numbers", *at, i)
@@ -256,7 +255,7 @@ _SPEEDS = [
 ]
 Speed = Annotated[
     float | tuple[tuple[float, float], ...],
-    *(SPEED, BeforeValidator(_speed), WithJsonSchema({"anyOf": _SPEEDS})),
+    *(BeforeValidator(_speed), WithJsonSchema({"anyOf": _SPEEDS})),
 ]
 
 
@@ -298,7 +297,7 @@ class Rolling(Section):
 
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 TOLERANCES = 1e-12, 1e-1  # allowed numbers
-TOLERANCE = Words(f"auto, or a number >= {TOLERANCES[0]:g} and <= {TOLERANCES[1]:g}")
+TOLERANCE = f"auto, or a number >= {TOLERANCES[0]:g} and <= {TOLERANCES[1]:g}"
 
 
 def _step_nodes(value: float) -> float:
@@ -317,7 +316,7 @@ def _tolerance(value: Any) -> Any:
         return value
     if is_number(value) and TOLERANCES[0] <= value <= TOLERANCES[1]:
         return float(value)
-    raise fault(f"got {shown(value)}, allowed: {TOLERANCE.allowed}")
+    raise fault(f"got {shown(value)}, allowed: {TOLERANCE}")
 
 
 _TOLERANCES = [
@@ -326,7 +325,7 @@ _TOLERANCES = [
 ]
 Tolerance = Annotated[
     float | Literal["auto"],
-    *(TOLERANCE, BeforeValidator(_tolerance), WithJsonSchema({"anyOf": _TOLERANCES})),
+    *(BeforeValidator(_tolerance), WithJsonSchema({"anyOf": _TOLERANCES})),
 ]
 
 
@@ -384,13 +383,10 @@ class Recovery(Section):
     rule: Literal["mean", "left_end"] = "mean"
 
 
-LOADS = Words("an odd whole number from 3 to 15")
-
-
 def _odd(value: int) -> int:
     """Refuse an even number of loads."""
     if value % 2 == 0:
-        raise fault(f"got {value}, allowed: {LOADS.allowed}")
+        raise fault(f"got {value}, allowed: an odd whole number from 3 to 15")
     return value
 
 
@@ -410,7 +406,7 @@ class Dynamics(Section):
 
     SECTION: ClassVar[str] = "dynamics"
 
-    loads: Annotated[int, LOADS, AfterValidator(_odd)] = Field(default=3, ge=3, le=15)
+    loads: Annotated[int, AfterValidator(_odd)] = Field(default=3, ge=3, le=15)
     span: float = Field(default=1.4, ge=1.05, le=4)
     release: bool | None = None
 
