@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rolling.contact._compiled import njit
 from rolling.contact._system import BORDER
+from rolling.contact.compiling import njit
 
 # Strips are so many nodes long, or a multiple of them, because shorter loops are not vectorized. A
 # further strip takes as long as some 20 nodes, so that strips closer than APART are joined.

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import _candidate_kernels, _projection, _solver_kernels
-from rolling.contact._model import coarse_grid, far_field, stencils
+from rolling.contact import _candidate_kernels, _condition_kernels, _solver_kernels
+from rolling.contact._far_field import coarse_grid, far_field, stencils
 from rolling.contact._system import BORDER, Direction, Limits, Packed, Step
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
 
@@ -105,6 +105,8 @@ class BlendedEdges:
         Undeformed gap of the nodes, and the undeformed gap as it continues within cells.
     levelled : float, m
         Half range of gaps over a cell that elastic pressures level.
+    share : float
+        Share of the remaining half range that edges take. Default: 1.
 
     Attributes
     ----------
@@ -112,8 +114,8 @@ class BlendedEdges:
         Half the range of gaps over the cell of each node.
     """
 
-    def __init__(self, gap: Array, shape: Array, levelled: float) -> None:
-        self._gap, self._shape, self.levelled = gap, shape, levelled
+    def __init__(self, gap: Array, shape: Array, levelled: float, share: float = 1.0) -> None:
+        self._gap, self._shape, self.levelled, self.share = gap, shape, levelled, share
         self.edge = np.empty_like(gap)
 
     def find(self, deflection: Array) -> None:
@@ -121,6 +123,7 @@ class BlendedEdges:
         # The edges that a solution returned must not change.
         self.edge = np.empty_like(self._gap)
         _solver_kernels.cell_ranges(self._shape, deflection, self.levelled, self.edge)
+        self.edge *= self.share
 
     def between_nodes(self, node: NDArray[np.int64]) -> Array:
         """Return the gap as it continues within cells less the gap of the nodes [m]."""
@@ -288,6 +291,7 @@ class Descent:
                 float(u_max / self.limits.total),
                 inverse.own,
                 inverse.common,
+                edges.share if edges else 1.0,
             ),
             (tile, row_length),
         )
@@ -388,15 +392,15 @@ class Descent:
             if abs(load / self.limits.total - 1) <= 1e-13:
                 return True
             effort.snapping = False
-            _projection.settle_load(p, g, self.limits, 0.0)
+            _condition_kernels.settle_load(p, g, self.limits, 0.0)
         elif not self.direction.slope < 0:
             # Pressures of the order of rounding errors can pass for free nodes and set the
             # approach, so the projection becomes the state.
             effort.stuck += 1
             p += self._vectors[3]
-            _projection.settle_load(p, g, self.limits, 1e-9 * p.max())
+            _condition_kernels.settle_load(p, g, self.limits, 1e-9 * p.max())
         else:
-            _projection.settle_load(p, g, self.limits, 0.0)
+            _condition_kernels.settle_load(p, g, self.limits, 0.0)
         return False
 
     def _convolve(self, effort: Effort) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rolling.contact._compiled import njit
+from rolling.contact.compiling import njit
 
 STRETCH = 16  # nodes of a row whose maximum height is known
 

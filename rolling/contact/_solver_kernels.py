@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rolling.contact._compiled import njit
+from rolling.contact._condition_kernels import approach_of, project, sum_of
 from rolling.contact._model_kernels import (
     extrapolate,
     fill,
@@ -23,9 +23,8 @@ from rolling.contact._model_kernels import (
     settle,
     sort_nodes,
 )
-from rolling.contact._projection import project, sum_of
-from rolling.contact._state_kernels import approach_of
 from rolling.contact._system import Direction, Sets, unpack
+from rolling.contact.compiling import njit
 
 # The half range of gaps over a cell is at most so many times the range that pressures level.
 # Without this limit cliffs of many deflections made 2 % of random scenes too soft to converge.
@@ -259,7 +258,7 @@ def move_edges(system, slack):
     by less than `slack` [m].
     """
     p, g, compliance = system.nodes.p, system.nodes.g, system.nodes.compliance
-    edge, between_nodes, field, levelled = system.edges
+    edge, between_nodes, field, levelled, share = system.edges
     place, row_length = system.stencil.node, system.stencil.row_length
     for k in range(p.size):
         field[place[k]] = g[k] + edge[k] - compliance[k] * p[k] + between_nodes[k]
@@ -270,7 +269,7 @@ def move_edges(system, slack):
         along = field[at + row_length] - field[at - row_length]
         across = field[at + 1] - field[at - 1]
         if along == along and across == across:
-            moved = half_range(along, across, levelled)
+            moved = share * half_range(along, across, levelled)
             if abs(moved - edge[k]) <= slack:  # most often both are zero
                 continue
             g[k] += (edge[k] - moved) * (1.0 - per_hardness * p[k])

@@ -1,109 +1,206 @@
-"""Compiled measures of a state: its deformed gaps, approach and violation.
-
-Candidates lie between the bounds or on one of them in no order that a processor could foresee, and
-a wrong guess costs as much as ten sums. The passes therefore select values instead of branching.
-"""
+"""Compiled passes over solved states: loaded nodes, their measures, release and events."""
 
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
-import numpy as np
+from rolling.contact.compiling import njit
 
-from rolling.contact._compiled import njit
-from rolling.contact._projection import sum_of
-
-MAXIMA = 256  # maxima that are found at a time
+AT_ONCE = 16  # nodes whose sum tells whether any of them is loaded
 
 
 @njit(cache=True, fused=True)
-def sum_inside(p, values, hardness):
-    """Return the number of pressures between the bounds, and the sum of their values."""
-    inside, total = 0.0, 0.0
-    for k in range(p.size):
-        free = 0.0 < p[k] < hardness
-        inside += 1.0 if free else 0.0
-        total += values[k] if free else 0.0
-    return inside, total
+def sum_of_sizes(values):
+    """Return the sum of absolute values."""
+    total = 0.0
+    for k in range(values.size):
+        total += abs(values[k])
+    return total
 
 
 @njit(cache=True)
-def middle_of_bounds(p, g, hardness):
-    """Return the middle of the interval over which the approach is free [m].
-
-    It is free where no pressure is between the bounds: above the highest capped node, and below the
-    lowest open node.
-    """
-    lowest_open, highest_capped = np.inf, -np.inf
-    for k in range(p.size):
-        if p[k] <= 0.0:
-            lowest_open = min(lowest_open, g[k])
-        elif p[k] >= hardness:
-            highest_capped = max(highest_capped, g[k])
-    middle = 0.5 * (lowest_open + highest_capped)
-    # An infinite middle means that each node is capped, or that the open nodes are no candidates.
-    return middle if np.isfinite(middle) else highest_capped
+def loaded_range(row):
+    """Return the first loaded node of a row and the node after the last, or equal numbers."""
+    first, end = 0, row.size
+    while end - first >= AT_ONCE and sum_of_sizes(row[first : first + AT_ONCE]) == 0.0:
+        first += AT_ONCE
+    while first < end and row[first] == 0.0:
+        first += 1
+    while end - first >= AT_ONCE and sum_of_sizes(row[end - AT_ONCE : end]) == 0.0:
+        end -= AT_ONCE
+    while first < end and row[end - 1] == 0.0:
+        end -= 1
+    return first, end
 
 
 @njit(cache=True)
-def approach_of(p, g, hardness):
-    """Return the approach [m] of pressures p over deformed gaps g, flat arrays.
+def reach(pressure):
+    """Return the maximum distances of a row and a column from a loaded row and column.
 
-    The mean gap of the nodes between the bounds vanishes there.
+    They are at least half the window, which must fit.
     """
-    inside, total = sum_inside(p, g, hardness)
-    return total / inside if inside else middle_of_bounds(p, g, hardness)
-
-
-@njit(cache=True, fused=True)
-def raise_maxima(p, g, approach, hardness, maxima):
-    """Raise maxima to the violations [m] of the contact conditions by as many nodes."""
-    for k in range(maxima.size):
-        gap = g[k] - approach
-        opening = gap if p[k] > 0.0 else 0.0
-        overlap = -gap if p[k] < hardness else 0.0
-        maxima[k] = max(maxima[k], max(opening, overlap))
+    rows, columns = pressure.shape
+    first_row, last_row, first_column, end_column = rows, 0, columns, 1
+    for i in range(rows):
+        first, end = loaded_range(pressure[i])
+        if first == end:
+            continue
+        first_row, last_row = min(first_row, i), i
+        first_column, end_column = min(first_column, first), max(end_column, end)
+    return (
+        max(last_row, rows - 1 - first_row, (rows + 1) // 2),
+        max(end_column - 1, columns - 1 - first_column, (columns + 1) // 2),
+    )
 
 
 @njit(cache=True)
-def worst_and_load(p, g, approach, hardness):
-    """Return the maximum violation of the contact conditions [m] and the sum of pressures [Pa]."""
-    # A single maximum would wait for the one before it.
-    maxima = np.zeros(MAXIMA)
-    for k in range(0, p.size, MAXIMA):
-        last = min(k + MAXIMA, p.size)
-        raise_maxima(p[k:last], g[k:last], approach, hardness, maxima[: last - k])
-    return maxima.max(), sum_of(p)
+def measures(pressure, deflection, hardness, edge, levelled):
+    """Measure the loaded nodes of a window.
 
+    Returns the numbers of nodes in contact and at the hardness, the maximum pressure, the sum of p
+    u, and the block of the loaded nodes.
 
-@njit(cache=True, fused=True)
-def deform(gap, u, p, edge, hardness, g):
-    """Set g to the deformed gaps; return how many of them are not a number.
-
-    A cell that the edge of a patch crosses has gap = edge (1 - 2 p / H): a gap lower by the edge on
-    a node that gives 2 edge / H by itself. An empty `edge` means sharp edges.
+    A cell that the edge of a patch crosses is in contact and at the hardness on its share of the
+    hardness. It counts so as far as its range of gaps counts (see `cell_ranges`), and as an elastic
+    node for the rest. An empty `edge` means sharp edges.
     """
-    per_hardness = 2.0 / hardness
-    strange = 0.0
-    for k in range(g.size):
-        v = gap[k] + u[k]
+    count, capped, maximum, work = 0.0, 0.0, 0.0, 0.0
+    first_row, last_row, first_column, last_column = pressure.shape[0], -1, pressure.shape[1], -1
+    for i in range(pressure.shape[0]):
+        row = pressure[i]
+        first, end = loaded_range(row)
+        if first == end:
+            continue
+        p = row[first:end]
+        touching, full, highest, pu = measure_row(p, deflection[i, first:end], hardness)
         if edge.size:
-            v = (gap[k] - edge[k]) + (u[k] + edge[k] * (p[k] * per_hardness))
-        g[k] = v
-        strange += 1.0 if v != v else 0.0
-    return strange
+            crossing, in_contact, at_hardness = shares_of_row(
+                p, edge[i, first:end], hardness, levelled
+            )
+            touching = (touching - crossing) + in_contact
+            full += at_hardness
+        count += touching
+        capped += full
+        maximum = max(maximum, highest)
+        work += pu
+        first_row, last_row = min(first_row, i), i
+        first_column, last_column = min(first_column, first), max(last_column, end - 1)
+    return count, capped, maximum, work, first_row, last_row, first_column, last_column
+
+
+@njit(cache=True, fused=True)
+def measure_row(p, u, hardness):
+    """Return the numbers of nodes in contact and at the hardness, max p, and the sum of p u."""
+    count, capped, highest, work = 0.0, 0.0, 0.0, 0.0
+    for k in range(p.size):
+        count += 1.0 if p[k] > 0.0 else 0.0
+        capped += 1.0 if p[k] >= hardness else 0.0
+        highest = max(highest, p[k])
+        work += p[k] * u[k]
+    return count, capped, highest, work
+
+
+@njit(cache=True, fused=True)
+def shares_of_row(p, edge, hardness, levelled):
+    """Return the number of cells that edges cross, and of them in contact and at the hardness."""
+    crossing, in_contact, capped = 0.0, 0.0, 0.0
+    for k in range(p.size):
+        crosses = (0.0 < p[k] < hardness) and edge[k] > 0.0
+        half = edge[k] if crosses else 1.0
+        crossed = half / max(half, 0.5 * half + levelled)
+        full = crossed * (p[k] / hardness)
+        crossing += 1.0 if crosses else 0.0
+        in_contact += (1.0 - crossed) + full if crosses else 0.0
+        capped += full if crosses else 0.0
+    return crossing, in_contact, capped
 
 
 @njit(cache=True)
-def state_of(gap, u, p, edge, hardness, g, fresh):
-    """Return approach [m] and maximum violation [m] of a state.
+def node_work(old, offset, new, left_end, cell, work):
+    """Set `work` to pressure times fall of the deflection [J] of each node.
 
-    The state has undeformed gaps, deflections u and pressures p, as flat arrays. Its deformed gaps
-    before the approach is subtracted go into g [m] (see `deform`). The violation of the contact
-    conditions is infinite where numbers are not finite, and unless the deflections are `fresh`.
+    Returns the sums of release and loading.
+
+    Positive work is release, and negative work is loading. `old` and `new` are pressure and
+    deflection on their windows; the old window begins at `offset` (row, column) in the new window.
+    A node outside the old window was unloaded before and is unloaded now.
     """
-    strange = deform(gap, u, p, edge, hardness, g)
-    approach = approach_of(p, g, hardness)
-    if strange or not fresh:
-        return approach, np.inf
-    worst, _ = worst_and_load(p, g, approach, hardness)
-    return approach, worst
+    p_old, u_old = old
+    p_new, u_new = new
+    row_offset, column_offset = offset
+    release = 0.0
+    loading = 0.0
+    work[:] = 0.0
+    first = max(0, -column_offset)
+    end = max(first, min(p_old.shape[1], work.shape[1] - column_offset))
+    a, b = first + column_offset, end + column_offset
+    for i in range(max(0, -row_offset), min(p_old.shape[0], work.shape[0] - row_offset)):
+        k = i + row_offset
+        released, loaded = row_work(
+            (p_old[i, first:end], u_old[i, first:end]),
+            (p_new[k, a:b], u_new[k, a:b]),
+            left_end,
+            cell,
+            work[k, a:b],
+        )
+        release += released
+        loading += loaded
+    return release, loading
+
+
+@njit(cache=True, fused=True)
+def row_work(old, new, left_end, cell, work):
+    """Set the work of a row of nodes as `node_work` does; return its sums."""
+    p_old, u_old = old
+    p_new, u_new = new
+    release, loading = 0.0, 0.0
+    for k in range(work.size):
+        p = p_old[k] if left_end else 0.5 * (p_old[k] + p_new[k])
+        w = p * (u_old[k] - u_new[k]) * cell
+        work[k] = w
+        release += max(w, 0.0)
+        loading -= min(w, 0.0)
+    return release, loading
+
+
+@njit(cache=True)
+def extend_events(work, origin, step, open_event, table, count):
+    """Add the releases of a step to the table of events.
+
+    A node that released in the previous step continues its event.
+
+    `work` [J] begins at node `origin` (row, column); `open_event` holds one more than the last
+    event of each node of the surface, or 0, and `table` the columns node, first, last, energy and
+    peak.
+
+    Returns the new count, or -1 - (rows needed), without a change, when the table is too short.
+    """
+    row, column = origin
+    node, first, last, energy, peak = table
+    along, across = open_event.shape
+    needed = count
+    for i in range(work.shape[0]):
+        for j in range(work.shape[1]):
+            if work[i, j] > 0.0:
+                needed += 1
+    if needed > energy.size:
+        return -1 - needed
+    for i in range(work.shape[0]):
+        for j in range(work.shape[1]):
+            w = work[i, j]
+            if not w > 0.0:
+                continue
+            a, b = (row + i) % along, (column + j) % across
+            event = open_event[a, b] - 1
+            if event < 0 or last[event] != step:
+                event = count
+                count += 1
+                open_event[a, b] = count
+                first[event] = step
+                energy[event] = 0.0
+                peak[event] = 0.0
+                node[event, 0] = a
+                node[event, 1] = b
+            last[event] = step + 1
+            energy[event] += w
+            peak[event] = max(peak[event], w)
+    return count

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact._compiled import njit
+from rolling.contact.compiling import njit
 
 Indices = NDArray[np.uint32]
 Singles = NDArray[np.float32]
@@ -164,7 +164,7 @@ class Model(NamedTuple):
 
 
 class FarField(NamedTuple):
-    """Far field of the model problem on a coarse grid (see _far_field_kernels).
+    """Far field of the model problem on a coarse grid (see _far_field).
 
     All grids are flat, with rows of `row_length`, of which the second half is padding.
 
@@ -251,12 +251,14 @@ class Edges(NamedTuple):
     field : flat array, m. Grid as that of the stencil, for the gap as it runs within cells; it is
         not a number off the candidates.
     levelled : float, m. Half range that elastic pressures level.
+    share : float. Share of the remaining half range that edges take.
     """
 
     edge: Array
     between_nodes: Array
     field: Array
     levelled: float
+    share: float
 
 
 class System(NamedTuple):
@@ -298,7 +300,7 @@ class Packed(NamedTuple):
         Those of Stencil, Model, FarField and Influence.
     numbers : tuple
         Hardness, total, deflection and stiffness of a cell, levelled range, stiffness and lift of
-        the Model, own and common gap of the FarField.
+        the Model, own and common gap of the FarField, share of the edges.
     lengths : tuple
         Tile and row length of the FarField.
     """
@@ -323,7 +325,7 @@ def unpack(packed):
     """Return the System of the fields of a Packed, as a plain tuple."""
     vectors, indices, image, grids, model, strips, coarse = packed[:7]
     stencil, model_stencil, table, coefficients, numbers, (tile, row_length) = packed[7:]
-    hardness, total, unit, stiffness, levelled, model_stiffness, lift, own, common = numbers
+    hardness, total, unit, stiffness, levelled, model_stiffness, lift, own, common, share = numbers
     # The rows that only blended edges have are else empty slices of others.
     blended = vectors.shape[0] > 6
     n = vectors.shape[1] if blended else 0
@@ -339,6 +341,7 @@ def unpack(packed):
             vectors[first + 3][:n],
             grids[grids.shape[0] - 1][: grids.shape[1] if blended else 0],
             levelled,
+            share,
         ),
         Model(
             model_stencil,

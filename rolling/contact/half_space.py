@@ -5,14 +5,25 @@ Love's influence coefficients are convolved with the pressure by zero-padded FFT
 
 from __future__ import annotations
 
+import sys
 from bisect import bisect_left
+from collections import OrderedDict
+from collections.abc import Callable
+from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import _loaded_kernels, _transform_kernels, spectra
-from rolling.contact._fftw import pyfftw
+from rolling.contact import _state_kernels, _transform_kernels
+
+# The interface of pyfftw to Dask is not used. It imports all arrays of Dask and pandas, a third of
+# the time that a process of this program takes to start, so its import fails here.
+_unused = sys.modules.setdefault("dask.array.fft", None)  # type: ignore[arg-type]
+import pyfftw  # noqa: E402
+
+if _unused is None:
+    del sys.modules["dask.array.fft"]
 
 # These padded lengths are quick for their size, along columns and across them, by a trial of the
 # even products of 2, 3, 5 and 7 up to 650: any length between two of them costs more than the
@@ -96,6 +107,39 @@ def love(rows: Array, columns: Array) -> Array:
     return corner(x + h, y + h) + corner(x - h, y - h) - corner(x + h, y - h) - corner(x - h, y + h)
 
 
+# Bytes of spectra that a process keeps beside its transforms: the hundred sizes of a rough track up
+# to 300 nodes across, or seven sizes of 1,000 nodes. A longer spectrum is not kept at all.
+KEPT_SPECTRA = 2**26
+
+_kept: OrderedDict[tuple[int, int, int], Array] = OrderedDict()
+_lock = Lock()
+
+
+def half_spectrum(
+    m: int, n: int, subcells: int, coefficients: Callable[[Array, Array], Array]
+) -> Array:
+    """Return m // 2 + 1 rows and n // 2 + 1 columns of the transform of wrapped coefficients.
+
+    The transform is real, and its other rows mirror these, because the coefficients are even in
+    both directions. It is kept for other precisions and half-spaces, by padded lengths and number
+    of sub-cells along the side of a cell.
+    """
+    key = (m, n, subcells)
+    with _lock:
+        if key in _kept:
+            _kept.move_to_end(key)
+            return _kept[key]
+    rows, columns = (np.minimum(np.arange(k), k - np.arange(k)) for k in (m, n))
+    quarter = coefficients(np.arange(m // 2 + 1.0), np.arange(n // 2 + 1.0))
+    half = np.fft.rfft2(quarter[rows[:, None], columns]).real[: m // 2 + 1].copy()
+    if half.nbytes <= KEPT_SPECTRA:
+        with _lock:
+            _kept[key] = half
+            while sum(kept.nbytes for kept in _kept.values()) > KEPT_SPECTRA:
+                _kept.popitem(last=False)
+    return half
+
+
 class HalfSpace:
     """Elastic half-space under pressure on windows of square cells.
 
@@ -163,7 +207,7 @@ class HalfSpace:
             The window exceeds the longest transform.
         """
         m, n = pressure.shape
-        convolution = self.convolution(*_loaded_kernels.reach(pressure))
+        convolution = self.convolution(*_state_kernels.reach(pressure))
         block = convolution.block(m, n)
         _transform_kernels.load(pressure, block)
         convolution.apply(m, n)
@@ -191,7 +235,7 @@ class HalfSpace:
 
     def _make(self, m: int, n: int, single: bool) -> Convolution:
         """Make the transforms of a padded size."""
-        return Convolution(m, n, single, spectra.half_spectrum(m, n, 1, love))
+        return Convolution(m, n, single, half_spectrum(m, n, 1, love))
 
     def _length(self, reach: int, across: bool) -> int:
         """Return the padded length for nodes up to `reach` spacings from one another."""

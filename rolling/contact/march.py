@@ -12,11 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact import _loaded_kernels, _march_kernels, closed_forms, solver
+from rolling.contact import _march_kernels, _state_kernels, closed_forms, solver
 from rolling.contact.half_space import MOST_NODES, HalfSpace
-from rolling.contact.solver import Contact, ContactError, Previous, SolverOptions, WarmStart
-from rolling.contact.state import ContactState, RollingContact
-from rolling.contact.window import Window
+from rolling.contact.solver import Contact, ContactError, Previous, WarmStart
+from rolling.contact.state import ContactState, RollingContact, Window
 
 # Up to a step of so many nodes a window includes the next position as well, whose deflection is
 # then known in advance.
@@ -119,7 +118,6 @@ class _Problem:
     def solve(self, start: WarmStart, tolerance: float) -> Contact:
         """Solve the contact from a warm start to a tolerance."""
         contact = self.contact
-        options = SolverOptions(tolerance, contact.single)
         return solver.solve_contact(
             self.half_space,
             self.gap,
@@ -127,7 +125,8 @@ class _Problem:
             start,
             contact.hardness,
             contact.shape(self.k, self.window, self.gap),
-            options,
+            tolerance,
+            contact.single,
         )
 
     def wider(self, approach: float) -> _Problem | None:
@@ -168,13 +167,12 @@ def _state(
 ) -> ContactState:
     """Measure a solved contact: its loaded block, areas, maxima and energy."""
     contact, window = problem.contact, problem.window
-    count, capped, maximum, work, *block = _loaded_kernels.measures(
-        solved.pressure,
-        solved.deflection,
-        contact.hardness,
-        np.empty((0, 0)) if solved.edge is None else solved.edge,
-        solver.levelled_range(problem.half_space, contact.hardness),
-    )
+    edge = np.empty((0, 0)) if solved.edge is None else solved.edge
+    fields = solved.pressure, solved.deflection, contact.hardness
+    levelled = solver.levelled_range(problem.half_space, contact.hardness)
+    count, capped, maximum, work, *block = _state_kernels.measures(*fields, edge, levelled)
+    if edge.size and maximum < contact.hardness:  # there is no patch that could end within a cell
+        count, capped, *_ = _state_kernels.measures(*fields, np.empty((0, 0)), levelled)
     cell = contact.spacing**2
     loaded = Window(
         window.row + block[0],
@@ -199,6 +197,7 @@ def _state(
         iterations=iterations,
         convolutions=convolutions,
         edge=solved.edge,
+        edge_share=solved.edge_share,
         sphere_share=sphere_share,
     )
 
@@ -259,7 +258,7 @@ def _follow(
         row, column = before.window.row - window.row, before.window.column - window.column
         previous = Previous(before.pressure, before.deflection, row, column)
     problem = _Problem(contact, k, half_space, window, gap, approach)
-    start = WarmStart(pressure, deflection, previous, close=True)
+    start = WarmStart(pressure, deflection, previous, close=True, sharp=state.edge_share == 0.0)
     return _solve(problem, start, contact.tolerance, sphere_share)
 
 

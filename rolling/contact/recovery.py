@@ -16,11 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import _recovery_kernels
+from rolling.contact import _state_kernels
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.state import ContactState
+from rolling.contact.state import ContactState, Window
 from rolling.contact.subcells import cell_means
-from rolling.contact.window import Window
 
 
 @dataclass(frozen=True)
@@ -77,7 +76,7 @@ def step_energy(
         u_old = half_space.deflection(p_old)
     work = np.empty((window.rows, window.columns))
     cell = half_space.spacing**2
-    release, loading = _recovery_kernels.node_work(
+    release, loading = _state_kernels.node_work(
         (p_old, u_old), offset, (new.pressure, new.deflection), left_end, cell, work
     )
     defect = loading - release - (new.stored_energy - old.stored_energy)
@@ -130,7 +129,7 @@ class EventTable:
         origin = window.row, window.column
         while True:
             table = self.node, self.first, self.last, self.energy, self.peak
-            count = _recovery_kernels.extend_events(
+            count = _state_kernels.extend_events(
                 released, origin, step, self._open, table, self.count
             )
             if count >= 0:

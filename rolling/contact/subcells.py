@@ -15,8 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import _subcell_kernels, spectra
-from rolling.contact.half_space import GROUP, Convolution, HalfSpace, love, padded_length
+from rolling.contact import _transform_kernels
+from rolling.contact.half_space import (
+    GROUP,
+    Convolution,
+    HalfSpace,
+    half_spectrum,
+    love,
+    padded_length,
+)
 
 
 def interpolation(subcells: int) -> Array:
@@ -119,7 +126,7 @@ class SubcellConvolution(Convolution):
 
     def __init__(self, m: int, n: int, single: bool, subcells: int) -> None:
         coefficients = partial(mean_coefficients, subcells=subcells)
-        spectrum = spectra.half_spectrum(m, n, subcells, coefficients)
+        spectrum = half_spectrum(m, n, subcells, coefficients)
         super().__init__(m, n, single, spectrum)
         self._subcells = subcells
         # Blocks of any shape follow one another without gaps, so that passes over a block touch no
@@ -154,18 +161,18 @@ class SubcellConvolution(Convolution):
         loaded, side = listed, (0,) * r
         if loaded is None:
             loaded = np.empty(fine.size // r**2 + 1, np.int64)
-            loaded = loaded[: _subcell_kernels.loaded_cells(fine, side, loaded)]
+            loaded = loaded[: _transform_kernels.loaded_cells(fine, side, loaded)]
         if len(self._own) < loaded.size:
             self._own = np.empty((2 * loaded.size, r * r), fine.dtype)
-        _subcell_kernels.spread(fine, loaded, self._weights, side, cells, self._own)
+        _transform_kernels.spread(fine, loaded, self._weights, side, cells, self._own)
         self._transform(count)
         if listed is not None:
-            _subcell_kernels.gather(
+            _transform_kernels.gather(
                 cells, listed, self._weights, self._block, self._own, side, fine
             )
             return
-        _subcell_kernels.gather_all(cells, self._weights, fine)
-        _subcell_kernels.add_own(self._own, loaded, self._block, side, fine)
+        _transform_kernels.gather_all(cells, self._weights, fine)
+        _transform_kernels.add_own(self._own, loaded, self._block, side, fine)
 
     def cells_of(
         self, node: NDArray[np.int64], columns: int, block: tuple[int, int, int, int]
@@ -178,7 +185,9 @@ class SubcellConvolution(Convolution):
         cells, r = np.empty(node.size, np.int64), self._subcells
         across = block[3] // r
         seen = np.zeros(block[2] // r * across, np.uint8)
-        return cells[: _subcell_kernels.cells_of(node, columns, block[:2], across, r, seen, cells)]
+        return cells[
+            : _transform_kernels.cells_of(node, columns, block[:2], across, r, seen, cells)
+        ]
 
 
 def half_space_of(spacing: float, contact_modulus: float, subcells: int = 1) -> HalfSpace:

@@ -20,7 +20,7 @@ from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
-from rolling.surface.contact_of_scene import rolling_contact
+from rolling.contact.of_scene import rolling_contact
 
 TEXT = """\
 name: coarse

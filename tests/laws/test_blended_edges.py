@@ -13,8 +13,9 @@ import pytest
 from helpers import assert_solved, make_track, releases, roll, rough, space_of, step_energies
 
 from rolling.contact import solver
+from rolling.contact.of_scene import on_subcells
 from rolling.contact.state import RollingContact
-from rolling.surface.contact_of_scene import on_subcells
+from rolling.surface.heights import gaussian
 from rolling.surface.refined import refined
 
 HARDNESS = 2.1e9
@@ -110,7 +111,7 @@ def test_second_lap_equals_the_first(subcells: int) -> None:
 
 @pytest.mark.parametrize("subcells", [1, 2])
 def test_history_stays_below_the_error_of_the_solver(subcells: int) -> None:
-    """Any start agrees better than the solver at 1e-4, and from the fourth step on to 30 dB."""
+    """Any start agrees better than the solver at 1e-4, and from the fourth step on by 25 dB."""
     exact, track = (
         blended(
             make_track(rough(60, 60, 1e-7), load=0.2, hardness=HARDNESS, tolerance=tolerance),
@@ -123,11 +124,11 @@ def test_history_stays_below_the_error_of_the_solver(subcells: int) -> None:
     for first in (20, 30, 40):
         later = releases(track, roll(track, first, 60))
         assert error_db(later, signal[first:]) < solver
-        assert error_db(later[3:], signal[first + 3 :]) < solver - 30
+        assert error_db(later[3:], signal[first + 3 :]) < solver - 25
     # The second lap begins with another history than the first.
     lap = releases(track, roll(track, 60, 120))
     assert error_db(lap, signal) < solver
-    assert error_db(lap[3:], signal[3:]) < solver - 30
+    assert error_db(lap[3:], signal[3:]) < solver - 25
 
 
 @pytest.mark.law("Blended edges: the mirrored track releases what the track takes up.")
@@ -168,12 +169,11 @@ def test_no_edge_is_no_change(coarse: RollingContact) -> None:
     track = replace(coarse, tolerance=1e-9)
     sharp = roll(track, 0, 0)[0]
     gap = track.gap(0, sharp.window)
-    start, options = (
-        solver.WarmStart(sharp.pressure, close=True),
-        solver.SolverOptions(track.tolerance),
-    )
+    start = solver.WarmStart(sharp.pressure, close=True)
     level = -sharp.deflection  # with it the deflected gap has no slope at all
-    again = solver.solve_contact(space_of(track), gap, track.load, start, HARDNESS, level, options)
+    again = solver.solve_contact(
+        space_of(track), gap, track.load, start, HARDNESS, level, track.tolerance
+    )
     assert not again.edge.any()
     assert np.abs(again.pressure - sharp.pressure).max() < 1e-6 * HARDNESS
 
@@ -201,3 +201,55 @@ def test_areas_of_blended_edges_are_those_of_a_fine_grid(coarse: RollingContact)
     for sharp, soft, finest in (plastic, contacts):
         assert abs(soft / finest - 1) < 0.04
         assert abs(soft / finest - 1) < 0.6 * abs(sharp / finest - 1)
+
+
+# A hard ceramic plate whose asperities bear less than its hardness at almost all positions. The
+# grid is coarse, so that the gap beside an elastic contact rises by more than pressures level.
+HARD = RollingContact(
+    heights=gaussian((96, 128), 8e-6, 0.3e-6, (40e-6, 40e-6), "gaussian", 1),
+    spacing=8e-6,
+    radius=2e-3,
+    contact_modulus=400e9 / 0.91,
+    hardness=8e9,
+    load=2.0,
+    step=8e-6,
+    start=0.0,
+    tolerance=1e-7,
+)
+
+
+@pytest.mark.law("Blended edges: below the hardness no area is plastic and edges are sharp.")
+@pytest.mark.parametrize("subcells", [1, 2])
+@pytest.mark.parametrize("hardness", [8e9, 5e9])
+def test_a_position_below_the_hardness_is_elastic(hardness: float, subcells: int) -> None:
+    """The pressures of sharp edges are met to ten times the tolerance, and contact area exactly."""
+    track = blended(HARD, subcells, hardness=hardness)
+    states = roll(track, 0, 40)
+    elastic = [state for state in states if state.max_pressure < hardness]
+    assert len(elastic) > 5
+    for state in states:
+        assert_solved(track, state)
+        assert (state.plastic_area > 0) == (state.max_pressure >= hardness)
+    marched = roll(replace(track, blended=False), 0, 40)
+    for state in elastic:
+        other = marched[state.position]
+        pressure = state.window.moved(state.pressure, other.window)  # its window is wider
+        assert np.abs(pressure - other.pressure).max() < 1e-6 * other.max_pressure
+        assert state.contact_area == other.contact_area
+
+
+@pytest.mark.law("Blended edges: contact is continuous where it begins to yield.")
+def test_edges_blend_in_continuously_with_yield() -> None:
+    """The deflection follows a falling hardness without a jump from sharp to blended edges.
+
+    In 100 steps of the hardness no step makes more than a twentieth of the whole change, five times
+    the mean.
+    """
+    first = roll(HARD, 5, 5)[0]
+    hardnesses = first.max_pressure * np.linspace(1.01, 0.8, 101)
+    states = [roll(replace(HARD, hardness=h, blended=True), 5, 5)[0] for h in hardnesses]
+    shares = np.array([state.edge_share for state in states])
+    assert shares[0] == 0 and shares[-1] > 0 and ((shares > 0) & (shares < 1)).sum() > 10
+    deflections = [state.window.moved(state.deflection, first.window) for state in states]
+    changes = np.array([np.abs(after - before).max() for before, after in pairwise(deflections)])
+    assert changes.max() < changes.sum() / 20

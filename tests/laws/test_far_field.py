@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rolling.contact import _far_field_kernels as kernels
-from rolling.contact._model import (
+from rolling.contact import _far_field as kernels
+from rolling.contact._far_field import (
     FORGOTTEN,
     coarse_grid,
     far_field,

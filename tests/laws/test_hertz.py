@@ -8,7 +8,7 @@ from helpers import STEEL, assert_solved, make_track, roll
 
 from rolling.contact import closed_forms
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.solver import ContactError, SolverOptions, solve_contact
+from rolling.contact.solver import ContactError, solve_contact
 
 LOAD, RADIUS = 20.0, 5e-3
 A = closed_forms.hertz_radius(LOAD, RADIUS, STEEL)  # 69 um
@@ -114,6 +114,6 @@ def test_a_refusal_for_rounding_names_a_tolerance_that_is_met() -> None:
     x = np.arange(-20, 21) * space.spacing
     gap = 1e3 + (x[:, None] ** 2 + x**2) / (2 * 5e-3)
     with pytest.raises(ContactError, match=r"gaps of up to 1e\+03 m") as error:
-        solve_contact(space, gap, 5.0, options=SolverOptions(1e-9))
+        solve_contact(space, gap, 5.0, tolerance=1e-9)
     named = float(str(error.value).split("a tolerance of at least ")[1].split()[0])
-    assert solve_contact(space, gap, 5.0, options=SolverOptions(1.01 * named)).residual <= named
+    assert solve_contact(space, gap, 5.0, tolerance=1.01 * named).residual <= named

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rolling.contact import _march_kernels, _model_kernels, _projection
-from rolling.contact._model import LONGEST_WAVE, inverse_stencil, square_stencil
+from rolling.contact import _condition_kernels, _march_kernels, _model_kernels
+from rolling.contact._far_field import LONGEST_WAVE, inverse_stencil, square_stencil
 from rolling.contact._system import Limits, Model, Nodes, Sets
 from rolling.contact.half_space import love
 
@@ -206,7 +206,9 @@ def test_projection_is_the_nearest_feasible_pressure() -> None:
     trial[order[free : free + bound]] = 1.0
     asked, moving = trial.copy(), order[:free]
     sets = Sets(order, free, bound)
-    slope, longest = _projection.project(p, rng.normal(size=n), 0.1, trial, sets, limits, direction)
+    slope, longest = _condition_kernels.project(
+        p, rng.normal(size=n), 0.1, trial, sets, limits, direction
+    )
     assert np.isfinite(slope)
     assert longest >= 1
     after = p + direction

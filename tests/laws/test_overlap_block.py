@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rolling.contact import _march_kernels
-from rolling.contact.state import Maxima
+from rolling.contact.state import maxima_of
 
 pytestmark = pytest.mark.kernel
 
@@ -31,10 +31,8 @@ def test_overlap_block_is_that_of_a_plain_search(seed: int) -> None:
     rise = (rows * SPACING - x)[:, None] ** 2 + (columns * SPACING - y) ** 2
     gap = rise / (2 * RADIUS) - heights[np.ix_(rows % along, columns % across)]
     below = np.argwhere(gap < approach)
-    known = Maxima(heights, rising=False)
-    got = _march_kernels.overlap_block(
-        heights, known.stretches, known.rows, known.highest, SPACING, RADIUS, x, y, approach
-    )
+    maxima = maxima_of(heights, rising=False)
+    got = _march_kernels.overlap_block(*maxima, SPACING, RADIUS, x, y, approach)
     if below.size == 0:
         assert got[1] < got[0]
         return

@@ -13,7 +13,7 @@ import pytest
 from helpers import make_track, releases, roll, rough, step_energies
 
 from rolling.contact import recovery
-from rolling.contact.window import Window
+from rolling.contact.state import Window
 
 STEPS = 60
 

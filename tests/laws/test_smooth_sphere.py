@@ -113,7 +113,7 @@ def test_sphere_is_silent_in_solves_that_know_nothing_of_each_other(hardness: fl
             LOAD,
             solver.WarmStart(start),
             hardness,
-            options=solver.SolverOptions(track.tolerance),
+            tolerance=track.tolerance,
         )
         assert answer.iterations > 0
         assert not np.array_equal(answer.pressure, p)

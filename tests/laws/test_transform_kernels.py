@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from rolling.contact import _transform_kernels as kernels
-from rolling.contact import spectra
-from rolling.contact.half_space import Convolution, HalfSpace, love, padded_length
+from rolling.contact.half_space import Convolution, HalfSpace, half_spectrum, love, padded_length
 
 pytestmark = pytest.mark.kernel
 
@@ -73,7 +72,7 @@ def test_rows_side_by_side_come_back(side: int, rows: int, columns: int) -> None
 @pytest.mark.parametrize("n", [4, 10, 16])
 def test_pairs_of_rows_share_a_transform(m: int, n: int) -> None:
     """Any even lengths, columns with and without a middle frequency, whole or in halves."""
-    transforms = Convolution(m, n, False, spectra.half_spectrum(m, n, 1, love))
+    transforms = Convolution(m, n, False, half_spectrum(m, n, 1, love))
     for rows in {m, max(m - 1, 1), (m + 1) // 2}:
         pressure = np.random.default_rng(rows).normal(size=(rows, n))
         block = transforms.block(m, n)

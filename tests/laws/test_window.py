@@ -10,7 +10,7 @@ import pytest
 from helpers import STEEL, assert_solved, make_track, releases, roll, rough, space_of
 
 from rolling.contact import solver
-from rolling.contact.window import Window
+from rolling.contact.state import Window
 
 
 @pytest.mark.law("Window: a window twice as large gives the same answer.")
@@ -34,7 +34,7 @@ def test_window_twice_as_large_gives_the_same_answer(hardness: float) -> None:
             track.load,
             solver.WarmStart(start),
             hardness,
-            options=solver.SolverOptions(track.tolerance),
+            tolerance=track.tolerance,
         )
         inner = large.moved(solved.pressure, w)
         assert np.abs(inner - state.pressure).max() < 1e-7 * state.max_pressure
