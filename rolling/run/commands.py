@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from acoustics import extension, wav
-from rolling.check import long_steps, refusals
+from rolling.check import refusals
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.results import labels, result_file, runs_table
@@ -78,9 +78,7 @@ def refuse_impossible(scene: Scene, workers: int, folder: Path) -> None:
     ------
     SceneError : a package is missing, steps are too long, or memory or disk do not suffice.
     """
-    refusals.refuse_unavailable(scene)
-    long_steps.refuse_long_steps(scene)
-    refusals.refuse_what_cannot_fit(scene, workers, folder)
+    refusals.refuse(scene, workers, folder)
 
 
 def resound(

@@ -18,9 +18,8 @@ from pathlib import Path
 import rolling
 from rolling.scene import file, identity
 from rolling.scene import sweep as sweeps
-from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
-from rolling.scene.sweep import Value
+from rolling.scene.sweep import Value, run_name
 from rolling.terminal import files
 from rolling.terminal.files import FolderError
 

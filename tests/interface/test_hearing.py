@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from report_runs import run_results
+from rolling.simulation.run_result import RunResult
 
 from rolling.report import hearing, text
-from rolling.simulation.run_result import RunResult
 
 
 def with_record(run: RunResult, pressure: np.ndarray, laeq_db: float) -> RunResult:

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 from PIL import Image
 from report_runs import HOSTILE, NO_PAGE, Runs, run_results
+from rolling.commands import work
+from rolling.folders import run_record
+from rolling.simulation.simulate import PressureMap
 from ruamel.yaml import YAML
 
 from rolling import cli, commands
-from rolling.commands import work
-from rolling.folders import run_record
 from rolling.report import citation, page, pressure_maps, text
 from rolling.report.playback import PEAK, playbacks
 from rolling.scene.motion import Motion
-from rolling.simulation.simulate import PressureMap
 
 SHORT = ("--set", "rolling.duration_s=0.0006", "--workers", "1")
 MARKUP = re.compile(r"<(?P<tag>[a-z]+)[^>]*?(?:src|href)=\"(?P<target>[^\"]*)\"", re.S)

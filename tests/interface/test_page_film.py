@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from report_browser import data_of, until
 from report_runs import run_results
+from rolling.simulation import slow_march
 from test_slow_motion import LUMINANCE, flashes
 
 from rolling.report import film_motion
-from rolling.simulation import slow_march
 
 
 def test_runs_that_share_a_march_show_the_place_of_the_largest_force(runs, monkeypatch) -> None:

@@ -18,12 +18,12 @@ from report_browser import (
     until,
 )
 from report_runs import run_results
+from rolling.simulation import result_file
 
 from rolling import commands
 from rolling.contact import closed_forms
 from rolling.figures import run_figures
 from rolling.report import pressure_maps
-from rolling.simulation import result_file
 
 
 def expected_map(folder: Path, seconds: float) -> int:
