@@ -238,7 +238,7 @@ class Scene(Section):
         SceneError
             The data has faults. The known faults come first.
         """
-        data = sweeps.with_first_sections(plain(data))
+        data = plain(data)
         scene, new_faults = None, list[sweeps.Fault]()
         try:
             scene = cls.model_validate(data)

@@ -83,7 +83,7 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         ("load_n: 20", "load_n: true", "15: rolling.load_n: got true, allowed: a number"),
         ("load_n: 20", "load_n:", "15: rolling.load_n: missing; Normal load [N]"),
         ("load_n: 20", "load_n: !big 20", "15: rolling.load_n: got the tag !big, allowed: plain"),
-        ("load_n: 20", "load_n: [[[1]]]", "15: rolling.load_n[0][0][0]: nested too deeply"),
+        ("load_n: 20", "load_n: [[[[[[1]]]]]]", "[0][0][0][0]: nested too deeply"),
         ("load_n: 20", "load: 20\n  load_n: 20", "15: rolling.load: unknown key, nearest: load_n"),
         ("speed_m_s: 0.1", "speed_m_s: 0", f"16: rolling.speed_m_s: got 0, allowed: {PAIRS}"),
         ("speed_m_s: 0.1", "speed_m_s: [[0, 1]]", f"got [[0, 1]], allowed: {PAIRS}"),
