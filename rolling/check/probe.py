@@ -139,7 +139,7 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
     chosen = [k for k, reason in enumerate(reasons) if not reason]
     chosen.sort(key=lambda k: str(scene_surface.identity(scenes[k])))
     result = [Probe.without(reason) for reason in reasons]
-    bar = progress.Bar(POSITIONS * len(chosen), "solving positions")
+    bar = progress.bar(POSITIONS * len(chosen), "solving positions")
     with bar, compiling.told(progress.compiling):
         for k in chosen:
             result[k] = probe(rolling_contact(scenes[k]), scenes[k].track.solved_steps, bar.update)

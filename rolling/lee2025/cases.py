@@ -11,17 +11,17 @@ import numpy as np
 import pandas as pd
 
 from acoustics.bands import BAND_NAMES, MID_HZ
-from acoustics.drawn_lines import NOTHING_DB, Lines
+from acoustics.plot_style import NOTHING_DB, Lines
 from acoustics.level import I_REF_W_M2, P_REF_PA
 from acoustics.spectrum import article_line_level_db
 from acoustics.uncertainty import level_uncertainty
 from acoustics.weighting import a_weighting_db
-from rolling import commands
 from rolling._typing import Array
-from rolling.commands.interface import open_run
-from rolling.commands.run_files import Wanted
+from rolling.results.run_result import Run
+from rolling.run import commands
+from rolling.run.folder import stored_runs
+from rolling.run.stored import open_runs
 from rolling.scene.surfaces import Gaussian
-from rolling.simulation.run_result import RunResult
 from rolling.surface import scene_surface
 from rolling.terminal import progress
 
@@ -42,25 +42,15 @@ CURVES = ["curve_hz", "curve_db"]  # columns of arrays
 
 def finished_runs(
     scene_path: Path, folder: Path, workers: int, overrides: Sequence[str] = ()
-) -> list[RunResult]:
-    """Run a scene file into a folder, or continue it there, and open its complete runs.
-
-    Raises KeyboardInterrupt if the run is interrupted.
-    """
-    wanted = Wanted(page=False, pictures=False, workers=workers)
-    if folder.exists():
-        report = commands.resume(folder, wanted)
-    else:
-        report = commands.run(scene_path, overrides, folder, wanted=wanted)
-    for label, reason in report.failures.items():
+) -> list[Run]:
+    """Run a scene file into a folder, or continue it there, and open its complete runs."""
+    failures = commands.run_scene(scene_path, overrides, folder, workers=workers, report=False)
+    for label, reason in failures.items():
         progress.line(f"failed: {folder.name}, {label}: {reason}")
-    if report.interrupted:
-        raise KeyboardInterrupt
-    runs = [open_run(result.parent) for result in sorted(folder.rglob("result.h5"))]
-    return [run for run in runs if run.result.complete]
+    return open_runs([run for run in stored_runs(folder) if run.is_done])
 
 
-def case_of(reading: str, run: RunResult) -> dict[str, Any]:
+def case_of(reading: str, run: Run) -> dict[str, Any]:
     """Return the row of a run; the names of its columns end in their units."""
     scene, summary = run.scene, run.summary
     surface = scene.surface
@@ -91,7 +81,7 @@ def case_of(reading: str, run: RunResult) -> dict[str, Any]:
     }
 
 
-def _sound_measures(run: RunResult) -> dict[str, float]:
+def _sound_measures(run: Run) -> dict[str, float]:
     """Compute levels of the fluctuation of the release [dB] and its spectral centroid [Hz].
 
     LAeq is 10 lg of the release. The same fluctuation as 20 lg has no absolute value.
@@ -113,7 +103,7 @@ def _sound_measures(run: RunResult) -> dict[str, float]:
     }
 
 
-def _line_measures(run: RunResult) -> dict[str, Any]:
+def _line_measures(run: Run) -> dict[str, Any]:
     """Compute the article's A-weighted line spectrum and its heights [dB] with 10 and 20 lg."""
     scene, power = run.scene, run.release_power
     rate_hz = len(power) / run.summary["duration_s"]
@@ -149,7 +139,7 @@ def band_columns(names: Iterable[str]) -> list[str]:
     return [f"band_{name}_hz_db" for name in names]
 
 
-def maps_of(run: RunResult) -> Maps:
+def maps_of(run: Run) -> Maps:
     """Return thinned maps of heights, contact pressure and deflection of a run at an end load."""
     scene, snapshot = run.scene, run.result.snapshot
     assert isinstance(scene.surface, Gaussian)

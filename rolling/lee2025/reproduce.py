@@ -13,7 +13,6 @@ from typing import Any
 
 import pandas as pd
 
-from rolling.folders.files import FolderError, write_bytes
 from rolling.lee2025 import statements
 from rolling.lee2025.cases import CURVES, Maps, by_reading, case_of, finished_runs, frame, maps_of
 from rolling.lee2025.conditions import FAILS, HOLDS, IN_PART, NOT_RUN
@@ -22,6 +21,7 @@ from rolling.scene.file import read_scene
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
 from rolling.terminal import defaults, progress
+from rolling.terminal.files import FolderError, write_bytes
 
 STUDY = "lee2025"
 LENGTHS = "correlation-length"  # sweep of the article's outlook

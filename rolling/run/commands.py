@@ -65,20 +65,10 @@ def run_scene(
     if not isinstance(scene, Scene):
         scene = file.read_scene(scene, overrides)
     folder = out or default_folder(scene)
-    refuse_impossible(scene, workers, folder)
+    refusals.refuse(scene, workers, folder)
     if part is not None and not scene.sweep:
         raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
     return _run(scene, folder, [], part, workers, cluster, report)
-
-
-def refuse_impossible(scene: Scene, workers: int, folder: Path) -> None:
-    """Refuse a scene that cannot be run here, before anything is computed or written.
-
-    Raises
-    ------
-    SceneError : a package is missing, steps are too long, or memory or disk do not suffice.
-    """
-    refusals.refuse(scene, workers, folder)
 
 
 def resound(
@@ -111,7 +101,7 @@ def resound(
         raise FolderError(f"{source}: no run in it is done, so there is no march to take")
     scene = file.resound(folders.stored_scene(source), overrides)
     folder = out or default_folder(scene)
-    refuse_impossible(scene, workers, folder)
+    refusals.refuse(scene, workers, folder)
     return _run(scene, folder, stored, None, workers, None, report)
 
 

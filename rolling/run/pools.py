@@ -222,14 +222,15 @@ class Cluster:
         SceneError : Dask is missing, no scheduler answers, or a worker runs another program.
         """
         try:
-            from distributed import Client
+            import distributed
         except ImportError as error:
             install = 'pip install "rolling-contact-noise[cluster]"'
             raise SceneError([f"--cluster: needs Dask: {install}"]) from error
         for name in ("distributed", "tornado", "tornado.application", "asyncio"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
         address = _answering(self.address)
-        self._client: Any = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+        dask: Any = distributed
+        self._client = dask.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
         self._executor = self._client.get_executor(pure=False)
         try:
             self._refuse_other_programs()
