@@ -98,7 +98,7 @@ def march(
 
 @dataclass(frozen=True)
 class _Problem:
-        """Return the problem on a window for a larger approach [m], or None if it fits."""
+    """Contact to be solved at position k on a window that holds the overlap up to an approach."""
 
     contact: RollingContact
     k: int
