@@ -26,21 +26,20 @@ __version__ = "0.2.0.dev0"
 
 if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling import check, plot
-    from rolling.commands import save_run
-    from rolling.commands.interface import SweepError, open_run, simulate, simulate_sweep
     from rolling.contact import closed_forms
     from rolling.contact.half_space import HalfSpace
     from rolling.contact.march import march
     from rolling.contact.solver import ContactError, solve_contact
-    from rolling.folders.files import FolderError
+    from rolling.run.interface import SweepError, open_run, save_run, simulate, simulate_sweep
     from rolling.scene.file import read_scene
     from rolling.scene.messages import SceneError
     from rolling.scene.scene import Scene
     from rolling.scene.sections import Dynamics, Numerics, Plate, Recovery, Rolling, Sound, Sphere
     from rolling.scene.surfaces import Gaussian, HeightFile, Smooth
+    from rolling.terminal.files import FolderError
 
 _SECTIONS, _SURFACES = "rolling.scene.sections", "rolling.scene.surfaces"
-_RUNS = "rolling.commands.interface"
+_RUNS = "rolling.run.interface"
 _PLACES = {  # module and name in it; None stands for the module itself
     "read_scene": ("rolling.scene.file", "read_scene"),
     "Scene": ("rolling.scene.scene", "Scene"),
@@ -60,8 +59,8 @@ _PLACES = {  # module and name in it; None stands for the module itself
     "simulate_sweep": (_RUNS, "simulate_sweep"),
     "open_run": (_RUNS, "open_run"),
     "SweepError": (_RUNS, "SweepError"),
-    "save_run": ("rolling.commands", "save_run"),
-    "FolderError": ("rolling.folders.files", "FolderError"),
+    "save_run": (_RUNS, "save_run"),
+    "FolderError": ("rolling.terminal.files", "FolderError"),
     "plot": ("rolling.plot", None),
     "HalfSpace": ("rolling.contact.half_space", "HalfSpace"),
     "solve_contact": ("rolling.contact.solver", "solve_contact"),

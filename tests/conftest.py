@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from rolling.commands import work
 from rolling.terminal import progress
 
 
@@ -25,13 +24,7 @@ def floating_point_errors() -> Iterator[None]:
 def no_lines_of_long_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Say no lines for steps that only a busy machine makes long: tests compare what is printed."""
     monkeypatch.setattr(progress, "PATIENCE", 600.0)
-    monkeypatch.setattr(progress, "FIRST_LINE", 600.0)
-
-
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leave out pictures and page, which take longer than the rest of a short run."""
-    monkeypatch.setattr(work, "write_pictures", lambda *_: [])
+    monkeypatch.setattr(progress, "LINE_SECONDS", 600.0)
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest selects by -m

@@ -6,7 +6,6 @@ A quasi-static release belongs to a place. Only this module turns it into power,
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -124,85 +123,6 @@ def middle_speeds(motion: Motion, steps: int, step: float) -> tuple[Array, Array
     return times, np.asarray(motion.speed(times), dtype=float)
 
 
-@dataclass(frozen=True)
-class _Release:
-    """Energy released along the track, and the motion that turns it into power.
-
-    Attributes
-    ----------
-    per_metre : (steps,) array, J/m
-        Energy released in each step over its length.
-    step : float, m
-        Length of a step.
-    """
-
-    motion: Motion
-    per_metre: Array
-    step: float
-
-    @property
-    def steps(self) -> int:
-        """Number of steps."""
-        return len(self.per_metre)
-
-    @cached_property
-    def duration(self) -> float:
-        """Time [s] that the steps take."""
-        return self.motion.duration(self.steps * self.step)
-
-    @property
-    def samples(self) -> int:
-        """Samples of the sound in that time."""
-        return max(2, round(self.duration * wav.SAMPLE_RATE_HZ))
-
-    @cached_property
-    def constant_speed(self) -> bool:
-        """True where the speed stays the same for all steps."""
-        return self.motion.is_constant(self.duration)
-
-    @cached_property
-    def middle(self) -> tuple[Array, Array]:
-        """Time [s] and speed [m/s] at the middle of each step."""
-        return middle_speeds(self.motion, self.steps, self.step)
-
-    @cached_property
-    def step_duration(self) -> Array:
-        """Time [s] that each step takes."""
-        return np.diff(self.motion.time(np.arange(self.steps + 1) * self.step))
-
-    @cached_property
-    def power(self) -> Array:
-        """Release power [W] at the middle of each step."""
-        return self.per_metre * self.middle[1]
-
-    @property
-    def mean_power(self) -> float:
-        """Mean release power [W] over time."""
-        return float(self.per_metre.mean()) * self.steps * self.step / self.duration
-
-    @property
-    def highest(self) -> float:
-        """Nyquist frequency [Hz] of the steps at the maximum speed."""
-        return self.motion.fastest(self.duration) / (2 * self.step)
-
-    def fluctuation(self, closed: bool) -> Array:
-        """Return the fluctuation of the release power [W] at the samples of the sound."""
-        if self.constant_speed:
-            return _at_constant_speed(self.power, closed, self.duration, self.samples)
-        return _at_changing_speed(self.motion, self.per_metre, self.step, closed, self.samples)
-
-    def white_error(self) -> float:
-        """Return the rms within hearing [W] of an error that is white along the track.
-
-        The error is as large as the mean release.
-
-        At a speed v the error fills the band up to v / (2 step).
-        """
-        speeds = self.middle[1]
-        heard = np.minimum(np.square(speeds), AUDIBLE_HZ[1] * 2 * self.step * speeds)
-        return float(self.per_metre.mean() * np.sqrt(np.average(heard, weights=self.step_duration)))
-
-
 def contact_sound(
     scene: Scene,
     release_energy: Array,
@@ -231,31 +151,49 @@ def contact_sound(
     has_seam : bool
         If true, the step from the end of the surface to its beginning stands out. Default: false.
     """
-    release = _Release(scene.motion, release_energy / step, step)
-    looped = closed and release.constant_speed
-    audible, audible_rms = _heard(scene, release.fluctuation(closed))
-    resolved_rms = resolved_fluctuation(scene) * release.white_error()
+    motion, steps, per_metre = scene.motion, len(release_energy), release_energy / step
+    duration = motion.duration(steps * step)
+    constant, highest = motion.is_constant(duration), motion.fastest(duration) / (2 * step)
+    looped, times = closed and constant, np.asarray(motion.time(np.arange(steps + 1) * step))
+    time, speed = middle_speeds(motion, steps, step)
+    power, step_duration = per_metre * speed, np.diff(times)
+    mean_power = float(per_metre.mean()) * steps * step / duration
+    samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
+    if constant:
+        fluctuation = _at_constant_speed(power, closed, duration, samples)
+    else:
+        fluctuation = _at_changing_speed(motion, per_metre, step, closed, samples)
+
+    audible = resampling.band_limit(_intensity(scene, fluctuation), wav.SAMPLE_RATE_HZ, *AUDIBLE_HZ)
+    audible_rms = float(np.sqrt(np.mean(np.square(audible))) / _intensity(scene, np.ones(1))[0])
+    resolved_rms = resolved_fluctuation(scene) * _white_rms(per_metre, step, speed, step_duration)
     if audible_rms <= resolved_rms:
         audible = np.zeros_like(audible)
     pressure, factor = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
-    levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, release.highest, looped)
-    lap = release.per_metre[:lap_steps]
-    mean_intensity = float(_intensity(scene, np.array([release.mean_power]))[0])
+    levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, looped)
+    lap = per_metre[:lap_steps]
+    mean_intensity = float(_intensity(scene, np.array([mean_power]))[0])
     return ContactSound(
         pressure=pressure,
         factor=float(factor),
         closed=looped,
-        constant_speed=release.constant_speed,
-        duration=release.duration,
-        highest=release.highest,
+        constant_speed=constant,
+        duration=duration,
+        highest=highest,
         levels=levels,
-        uncertainty=_level_uncertainty(scene, pressure, levels, release.steps / len(lap)),
+        uncertainty=uncertainty.level_uncertainty(
+            pressure,
+            wav.SAMPLE_RATE_HZ,
+            levels,
+            scene.sound.gain_pa_per_w_m2 is None,
+            laps=steps / len(lap),
+        ),
         steady_level=level.level_db(mean_intensity, level.I_REF_W_M2),
-        steady_uncertainty=uncertainty.steady_uncertainty_db(lap, release.steps / release.duration),
-        time=release.middle[0],
-        step_duration=release.step_duration,
-        power=release.power,
-        mean_power=release.mean_power,
+        steady_uncertainty=uncertainty.steady_uncertainty_db(lap, steps / duration),
+        time=time,
+        step_duration=step_duration,
+        power=power,
+        mean_power=mean_power,
         audible_rms=audible_rms,
         resolved_rms=resolved_rms,
         has_seam=has_seam,
@@ -273,26 +211,18 @@ def oversampling(motion: Motion, duration: float, step: float) -> int:
     return max(1, int(np.ceil(motion.fastest(duration) / step / wav.SAMPLE_RATE_HZ)))
 
 
-def _heard(scene: Scene, fluctuation: Array) -> tuple[Array, float]:
-    """Return the audible intensity [W/m2] at the listener, and its rms as release power [W]."""
-    audible = resampling.band_limit(_intensity(scene, fluctuation), wav.SAMPLE_RATE_HZ, *AUDIBLE_HZ)
-    of_one_watt = _intensity(scene, np.ones(1))[0]
-    return audible, float(np.sqrt(np.mean(np.square(audible))) / of_one_watt)
+def _white_rms(per_metre: Array, step: float, speed: Array, step_duration: Array) -> float:
+    """Return the rms within hearing [W] of an error as large as the mean release.
+
+    The error is white along the track. At a speed v it fills the band up to v / (2 step).
+    """
+    heard = np.minimum(np.square(speed), AUDIBLE_HZ[1] * 2 * step * speed)
+    return float(per_metre.mean() * np.sqrt(np.average(heard, weights=step_duration)))
 
 
 def _intensity(scene: Scene, power: Array) -> Array:
     """Return the intensity [W/m2] that a release power [W] makes at the listener."""
     return radiation.intensity(power, scene.sound.distance_m, scene.sound.q)
-
-
-def _level_uncertainty(
-    scene: Scene, pressure: Array, levels: level.SoundLevels, laps: float
-) -> uncertainty.LevelUncertainty:
-    """Estimate the uncertainty of the levels [dB] of a record over several laps."""
-    own_factor = scene.sound.gain_pa_per_w_m2 is None
-    return uncertainty.level_uncertainty(
-        pressure, wav.SAMPLE_RATE_HZ, levels, own_factor, laps=laps
-    )
 
 
 def _at_constant_speed(power: Array, closed: bool, duration: float, samples: int) -> Array:

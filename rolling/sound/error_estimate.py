@@ -8,7 +8,7 @@ known far better than either power. The module takes arrays and plain numbers; i
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,10 +25,11 @@ from rolling._typing import Array
 ORDER_LIMITS = 0.5, 1.5
 DOUBT = 0.5  # standard uncertainty of the part that is extrapolated, over this part
 DEFAULT_ORDER = 1.0  # the order where it cannot be measured
-SHARED_BELOW_HZ = 1000.0  # bands below share an estimate, because a stretch is short
+SHARED_UP_TO_HZ = 800.0  # bands up to this one share an estimate, because a stretch is short
 LEAST_LINES = 2  # minimum number of lines of a stretch in a band with its own estimate
-JUDGED_HZ = 1000.0, 16000.0  # bands whose standard error decides whether stretches suffice
-WANTED_DB = 0.2  # standard error [dB] that suffices
+# Lines of a transform with a Hann window over independent lines.
+HANN_LINES = 1.5
+JUDGED_HZ = 1000.0, 16000.0  # bands whose standard error is judged
 SOUND_SHARE = 1e-4  # a band with less than this share of the fluctuation carries no sound
 _FIRST_LINE = 2  # below this line the Hann window mixes the mean into the lines
 # Rows of the sums: powers of three levels, and powers of the differences between two levels.
@@ -73,11 +74,13 @@ class BandPowers:
     """Powers of the signal and of differences between levels of accuracy, by band.
 
     sums : (stretches, 6, bands) array. Mean squares over the passes, weighted by their speed.
+    lines : (bands,) array. Number of lines of a stretch at the typical speed.
     groups : tuple of tuples of int. Numbers of the bands that share an estimate.
     tolerance_ratio : float. As in `StretchSignals`.
     """
 
     sums: Array
+    lines: NDArray[np.int64]
     groups: tuple[tuple[int, ...], ...]
     tolerance_ratio: float
 
@@ -108,12 +111,11 @@ class RecordLevels:
         own_factor: bool,
     ) -> RecordLevels:
         """Make the powers from the band levels of a record [dB]."""
-
-        def power(levels: dict[str, float | None]) -> Array:
-            values = [levels[name] for name in BAND_NAMES]
-            return np.array([np.nan if x is None else 10.0 ** (x / 10.0) for x in values])
-
-        return cls(power(third_octave_db), power(third_octave_a_db), own_factor)
+        z, a = (
+            np.array([np.nan if x is None else 10 ** (x / 10) for x in map(db.get, BAND_NAMES)])
+            for db in (third_octave_db, third_octave_a_db)
+        )
+        return cls(z, a, own_factor)
 
 
 @dataclass(frozen=True)
@@ -145,23 +147,24 @@ class LevelErrors:
 
 def band_powers(signals: StretchSignals) -> BandPowers:
     """Sum the line powers of all levels to third octaves, stretch by stretch."""
-    spectra = [
+    own, tight, fine, coarse = (
         _spectrum(values) for values in (signals.own, signals.tight, signals.fine, signals.coarse)
-    ]
-    own, tight, fine, coarse = spectra
-    powers = np.stack(
-        [_square(x) for x in (own, tight, fine, own - tight, tight - fine, coarse - tight)], axis=1
     )
-    steps = signals.own.shape[1]
-    waves = np.arange(powers.shape[2]) / (steps * signals.step)  # per metre
-    sums = np.zeros((len(powers), powers.shape[1], len(BAND_NAMES)))
+    spectra = own, tight, fine, own - tight, tight - fine, coarse - tight
+    powers = np.stack([np.abs(lines) ** 2 for lines in spectra], axis=1)
+    length = signals.own.shape[1] * signals.step
+    waves = np.arange(_FIRST_LINE, powers.shape[2]) / length  # per metre
+    sums = np.zeros((len(powers), len(spectra), len(BAND_NAMES)))
     for stretch, lines, speeds in zip(sums, powers, signals.speeds, strict=True):
         for speed, passes in zip(*np.unique(speeds[speeds > 0], return_counts=True), strict=True):
-            frequency = speed * waves[_FIRST_LINE:]
-            for row, squares in zip(stretch, lines, strict=True):
-                row += passes * signals.power(speed, frequency, squares[_FIRST_LINE:])
-    width_hz = _typical_speed(signals.speeds) / (steps * signals.step)
-    return BandPowers(sums, _groups(sums[:, _FINE].sum(axis=0), width_hz), signals.tolerance_ratio)
+            for row, squares in zip(stretch, lines[:, _FIRST_LINE:], strict=True):
+                row += passes * signals.power(speed, speed * waves, squares)
+    moving = signals.speeds[signals.speeds > 0]
+    frequency = waves * (np.median(moving) if len(moving) else 0.0)
+    lines_of_bands = np.histogram(frequency, np.asarray(EDGES_HZ))[0]
+    loud = int(np.flatnonzero(sums[:, _FINE].sum(axis=0)).max(initial=-1))
+    groups = _groups(lines_of_bands, loud + 1)
+    return BandPowers(sums, lines_of_bands, groups, signals.tolerance_ratio)
 
 
 def _spectrum(values: Array) -> NDArray[np.complex128]:
@@ -171,72 +174,44 @@ def _spectrum(values: Array) -> NDArray[np.complex128]:
     return np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * hann, axis=1)
 
 
-def _square(spectrum: NDArray[np.complex128]) -> Array:
-    """Return the squared magnitudes of a spectrum."""
-    return np.asarray(spectrum.real**2 + spectrum.imag**2)
-
-
-def _typical_speed(speeds: Array) -> float:
-    """Return the median of the speeds above zero [m/s], or 0 without one."""
-    moving = speeds[speeds > 0]
-    return float(np.median(moving)) if len(moving) else 0.0
-
-
-def _groups(power: Array, width_hz: float) -> tuple[tuple[int, ...], ...]:
-    """Group the bands that share an estimate, up to the last band with power.
-
-    The bands below 1 kHz form a group. A group with too few lines takes up the next band.
-    """
-
-    def lines(group: list[int]) -> int:
-        return sum(_lines(band, width_hz) for band in group)
-
-    low = [band for band, nominal in enumerate(NOMINAL_HZ) if nominal < SHARED_BELOW_HZ]
-    groups = [low]
-    for band in range(len(low), int(np.flatnonzero(power).max(initial=-1)) + 1):
-        if lines(groups[-1]) >= LEAST_LINES:
-            groups.append([])
-        groups[-1].append(band)
-    if len(groups) > 1 and lines(groups[-1]) < LEAST_LINES:  # the steps end within the band
-        groups[-2:] = [groups[-2] + groups[-1]]
-    return tuple(tuple(group) for group in groups)
-
-
-def _lines(band: int, width_hz: float) -> int:
-    """Return the number of usable lines of a stretch in a band; `width_hz` is their distance."""
-    if width_hz <= 0:
-        return 0
-    low, high = (math.ceil(float(EDGES_HZ[band + end]) / width_hz) for end in (0, 1))
-    return max(0, high - max(low, _FIRST_LINE))
+def _groups(lines: NDArray[np.int64], bands: int) -> tuple[tuple[int, ...], ...]:
+    """Group the first bands so that each group has enough lines; the low bands form a group."""
+    groups, group = list[tuple[int, ...]](), list[int]()
+    for band in range(bands):
+        group.append(band)
+        if NOMINAL_HZ[band] >= SHARED_UP_TO_HZ and lines[group].sum() >= LEAST_LINES:
+            groups.append(tuple(group))
+            group = []
+    if group:  # the steps end within a band
+        groups[-1:] = [(*(groups[-1] if groups else ()), *group)]
+    return tuple(groups)
 
 
 # ---- errors
 
 
 def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:
-    """Estimate the errors of a record's levels.
+    """Estimate the errors of a record's levels and their standard errors.
 
-    Their standard errors come from the jackknife over stretches, from the doubt about the bands of
-    a group and from the doubt about the order that extrapolates them.
+    The part that the order extrapolates is in doubt by half.
     """
-    total = powers.sums.sum(axis=0)
+    total, bands = powers.sums.sum(axis=0), len(BAND_NAMES)
     order, measured = _order(total)
-    bands = len(BAND_NAMES)
+    factor = refinement_factor(order)
     numbers = _reported(total, powers, record)
     spread = _jackknife(powers.sums, lambda part: _reported(part, powers, record))
-    spread[:bands] = _band_spread(spread[:bands], numbers[:bands], powers.groups)
-    spread = np.hypot(spread, DOUBT * (1.0 - 1.0 / refinement_factor(order)) * np.abs(numbers))
-    grid, solver = numbers[:bands], numbers[bands : 2 * bands]
+    spread[:bands] = np.hypot(spread[:bands], _scatter(powers))
+    spread = np.hypot(spread, DOUBT * (1.0 - 1.0 / factor) * np.abs(numbers))
     return LevelErrors(
         order=order,
         order_measured=measured,
-        grid_db=grid,
+        grid_db=numbers[:bands],
         grid_uncertainty_db=spread[:bands],
-        solver_db=solver,
+        solver_db=numbers[bands : 2 * bands],
         laeq_grid_db=float(numbers[-2]),
         laeq_grid_uncertainty_db=float(spread[-2]),
         laeq_solver_db=float(numbers[-1]),
-        grid_signal_db=_signal_db(total[_GRID], total[_FINE], refinement_factor(order)),
+        grid_signal_db=_signal_db(total[_GRID], total[_FINE], factor),
         solver_signal_db=_signal_db(
             total[_SOLVER], total[_TIGHT], _solver_factor(powers.tolerance_ratio)
         ),
@@ -246,68 +221,49 @@ def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:
 def worst_uncertainty_db(powers: BandPowers) -> float:
     """Return the maximum standard error [dB] of the bands of 1 to 16 kHz that carry sound.
 
-    It is infinite if no band does or fewer than two stretches are known.
+    It is infinite if no band does.
     """
-    if len(powers.sums) < 2:
-        return math.inf
     spread = _jackknife(powers.sums, lambda part: _ratios(part, powers)[0])
-    power = powers.sums[:, _FINE].sum(axis=0)
-    nominal = np.array(NOMINAL_HZ)
+    spread = np.hypot(spread, _scatter(powers))
+    power, nominal = powers.sums[:, _FINE].sum(axis=0), np.array(NOMINAL_HZ)
     judged = (nominal >= JUDGED_HZ[0]) & (nominal <= JUDGED_HZ[1])
     judged &= (power > SOUND_SHARE * power.sum()) & np.isfinite(spread)
-    return float(spread[judged].max()) if judged.any() else math.inf
+    return float(spread[judged].max(initial=0.0)) if judged.any() else math.inf
 
 
 def _jackknife(sums: Array, numbers: Callable[[Array], Array]) -> Array:
-    """Return standard errors from leaving out each stretch in turn; NaN below two stretches.
-
-    They are widened by Student's factor, so that twice the standard error holds 95 % even for four
-    stretches.
-    """
+    """Return widened standard errors of numbers from leaving out each stretch in turn."""
     count = len(sums)
-    if count < 2:
-        return np.full_like(numbers(sums.sum(axis=0)), np.nan)
     left_out = np.array([numbers(np.delete(sums, k, axis=0).sum(axis=0)) for k in range(count)])
-    widened = float(stdtrit(count - 1, 0.975) / ndtri(0.975))
-    return np.asarray(widened * np.sqrt((count - 1) * np.var(left_out, axis=0)))
+    return np.asarray(_widening(count) * np.sqrt((count - 1) * np.var(left_out, axis=0)))
 
 
-def _band_spread(spread: Array, errors: Array, groups: Sequence[Sequence[int]]) -> Array:
-    """Return standard errors of bands [dB] from a few stretches and their neighbours.
+def _scatter(powers: BandPowers) -> Array:
+    """Return the widened standard error of bands [dB] if differences of grids are independent.
 
-    The jackknife over four stretches is often too small by chance in a single band. Above the
-    lowest group it is therefore at least the rms over a group and its neighbours. Bands of a group
-    may differ from each other as much as the group differs from the nearest of its neighbours.
-
-    Parameters
-    ----------
-    spread, errors : (bands,) arrays, dB. Standard errors by the jackknife, and errors.
-    groups : sequence of sequences of int. Numbers of the bands that share an estimate.
+    A jackknife over four stretches is often smaller by chance. The power of n independent lines
+    plus independent differences of a share e of it scatters by sqrt(2 e / n). A gain that all lines
+    share is no such difference.
     """
-    known = [
-        bands
-        for group in groups
-        if (bands := [band for band in group if np.isfinite(spread[band] + errors[band])])
-    ]
-    firsts = [bands[0] for bands in known]
-    result = spread.copy()
-    for k, bands in enumerate(known):
-        near = [j for j in (k - 1, k + 1) if 0 <= j < len(known)]
-        own = spread[firsts[k]]
-        if k > 0:
-            around = spread[[firsts[k], *(firsts[j] for j in near if j > 0)]]
-            own = max(own, float(np.sqrt(np.mean(around**2))))
-        steps = [abs(errors[firsts[k]] - errors[firsts[j]]) for j in near]
-        shared = min(steps, default=0.0) if len(bands) > 1 else 0.0
-        result[bands] = math.hypot(own, shared)
-    return result
+    count, total = len(powers.sums), powers.sums.sum(axis=0)
+    factor, spread = refinement_factor(_order(total)[0]), np.full(len(BAND_NAMES), np.nan)
+    for group in map(list, powers.groups):
+        lines = max(1.0, count * powers.lines[group].sum() / HANN_LINES)
+        tight, fine, difference = total[[_TIGHT, _FINE, _GRID]][:, group].sum(axis=1)
+        if fine > 0:
+            independent = max(0.0, difference - (math.sqrt(tight) - math.sqrt(fine)) ** 2)
+            share = math.sqrt(2 * independent / fine / lines)
+            spread[group] = _widening(count) * factor * 10 / math.log(10) * share
+    return spread
+
+
+def _widening(count: int) -> float:
+    """Return Student's factor, with which twice a standard error holds 95 %; NaN for one."""
+    return float(stdtrit(count - 1, 0.975) / ndtri(0.975)) if count > 1 else math.nan
 
 
 def _order(total: Array) -> tuple[float, bool]:
-    """Return the observed order of convergence of the signal within its limits.
-
-    The second value tells whether it could be observed.
-    """
+    """Return the order of convergence of the signal within its limits, and whether it is known."""
     coarse, grid = float(total[_COARSE].sum()), float(total[_GRID].sum())
     if not (coarse > 0 and grid > 0):
         return DEFAULT_ORDER, False
@@ -320,24 +276,22 @@ def refinement_factor(order: float) -> float:
 
 
 def _solver_factor(tolerance_ratio: float) -> float:
-    """Return the whole error over the difference between a tolerance and the tight tolerance.
+    """Return the whole error over its difference to the tight tolerance; NaN if both are equal.
 
-    The error is proportional to the tolerance. The result is NaN if both are equal.
+    The error is proportional to the tolerance.
     """
     return 1.0 / (1.0 - tolerance_ratio) if tolerance_ratio < 1.0 else math.nan
 
 
 def _ratios(total: Array, powers: BandPowers) -> tuple[Array, Array]:
     """Return the errors of the power of each band [dB] from grid and solver."""
-    factor = refinement_factor(_order(total)[0])
+    factor, of_solver = refinement_factor(_order(total)[0]), _solver_factor(powers.tolerance_ratio)
     grid, solver = np.full((2, len(BAND_NAMES)), np.nan)
-    for group in powers.groups:
-        own, tight, fine = total[:3, list(group)].sum(axis=1)
+    for group in map(list, powers.groups):
+        own, tight, fine = total[:3, group].sum(axis=1)
         if min(own, tight, fine) > 0:
-            grid[list(group)] = factor * 10.0 * math.log10(tight / fine)
-            solver[list(group)] = (
-                _solver_factor(powers.tolerance_ratio) * 10.0 * math.log10(own / tight)
-            )
+            grid[group] = factor * 10.0 * math.log10(tight / fine)
+            solver[group] = of_solver * 10.0 * math.log10(own / tight)
     return grid, solver
 
 

@@ -6,6 +6,7 @@ with no factor left to choose. The levels belong to this pressure, sound power s
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -21,7 +22,6 @@ from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import Motion
 from rolling.scene.scene import Scene
-from rolling.sound import radiators
 from rolling.sound.contact_sound import ContactSound, faded
 from rolling.sound.error_estimate import Gain
 
@@ -198,7 +198,7 @@ def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
 
 def _sources(scene: Scene) -> list[ThinPlate | HalfSpaceBody | Ball]:
     """Return the bodies that are heard."""
-    return [radiators.ground(scene), *([radiators.ball(scene)] if scene.sound.ball else [])]
+    return [_ground(scene), *([_ball(scene)] if scene.sound.ball else [])]
 
 
 def _heard(signal: Array, samples: int) -> Array:
@@ -210,8 +210,8 @@ def _heard(signal: Array, samples: int) -> Array:
 
 def _powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
     """Return the sound power [W] of plate and sphere in third octaves."""
-    ground, rate = radiators.ground(scene), wav.SAMPLE_RATE_HZ
-    ball = band_power(force, rate, radiators.ball(scene))
+    ground, rate = _ground(scene), wav.SAMPLE_RATE_HZ
+    ball = band_power(force, rate, _ball(scene))
     plate = np.full(len(ball), np.nan)
     if isinstance(ground, ThinPlate):
         plate = band_power(force, rate, ground)
@@ -219,3 +219,23 @@ def _powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
             plate[EDGES_HZ[1:] > ground.critical_hz] = np.nan
     known = known_bands(highest)
     return np.where(known, plate, np.nan), np.where(known, ball, np.nan)
+
+
+def _ground(scene: Scene) -> ThinPlate | HalfSpaceBody:
+    """Return the plate that bends, or the half-space where the scene gives no thickness."""
+    plate, bending = scene.plate, of_scene.plate(scene)
+    if bending is not None:
+        return ThinPlate(
+            bending.mass_per_area_kg_m2, bending.bending_stiffness_n_m, plate.loss_factor or 0.0
+        )
+    assert plate.density_kg_m3 is not None  # dynamics needs it
+    # An incompressible half-space would carry compression at once, and radiate nothing.
+    nu = min(plate.poissons_ratio, 0.499)
+    stiffness = plate.youngs_modulus_gpa * 1e9 * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
+    return HalfSpaceBody(plate.density_kg_m3, math.sqrt(stiffness / plate.density_kg_m3))
+
+
+def _ball(scene: Scene) -> Ball:
+    """Return the sphere."""
+    assert scene.sphere.density_kg_m3 is not None  # dynamics needs it
+    return Ball(scene.radius, scene.sphere.density_kg_m3)

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from rolling._typing import Array
-from rolling.scene.identity import heights_digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian, HeightFile
@@ -36,15 +35,11 @@ class SceneSurface:
         Node spacing.
     levelling : Levelling or None
         Levelling of heights from a file; None for made heights.
-    sha256 : str or None
-        Digest of the numbers as their file holds them, before unit and levelling; None for made
-        heights.
     """
 
     heights: Array
     spacing: float
     levelling: Levelling | None = None
-    sha256: str | None = None
 
     @cached_property
     def statistics(self) -> Statistics:
@@ -148,7 +143,7 @@ def _make(scene: Scene) -> SceneSurface:
         stored = height_file.stored(path)  # the digest belongs to the array that is used
         read = height_file.usable(stored, path, s.height_unit, s.n_across)
         heights, plane = levelling.level(read, spacing, s.level)
-        return SceneSurface(heights, spacing, plane, heights_digest(stored))
+        return SceneSurface(heights, spacing, plane)
     track = scene.track
     shape = track.n_along, track.n_across
     if isinstance(s, Gaussian):

@@ -1,277 +1,17 @@
-"""Arguments of the command line: each function adds the arguments of a subject to a parser."""
+"""Arguments of the command line by name, and usage errors that name the nearest word."""
 
 from __future__ import annotations
 
 import argparse
+import difflib
+import re
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from rolling.terminal import defaults
 
-
-def scene(sub: argparse.ArgumentParser) -> None:
-    """Add the scene file of a command."""
-    sub.add_argument(
-        "scene",
-        type=_path,
-        metavar="SCENE",
-        help="scene file (YAML), or a name of `rolling scenes`",
-    )
-
-
-def folder(sub: argparse.ArgumentParser) -> None:
-    """Add a run folder."""
-    sub.add_argument("folder", type=_path, metavar="RUN", help="run folder")
-
-
-def settings(sub: argparse.ArgumentParser) -> None:
-    """Add values of keys, `--set`."""
-    sub.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="override, such as rolling.load_n=50",
-    )
-
-
-def target(sub: argparse.ArgumentParser, default: str = "outputs/NAME/TIME") -> None:
-    """Add the folder to make, `--out` and `--force`."""
-    sub.add_argument(
-        "--out", type=_path, metavar="FOLDER", help=f"run folder to make (default: {default})"
-    )
-    _flag(
-        sub,
-        "--force",
-        "replace the run in --out, which stays beside it as OUT.previous until the new one is done",
-    )
-
-
-def part(sub: argparse.ArgumentParser) -> None:
-    """Add the share of a sweep."""
-    sub.add_argument(
-        "--part",
-        type=_part,
-        metavar="K/N",
-        help="do every N-th run of a sweep from run K on, in an --out that the commands of all"
-        " parts share: for array jobs",
-    )
-
-
-def accuracy_target(sub: argparse.ArgumentParser) -> None:
-    """Add the folder of an accuracy study."""
-    target(sub, "outputs/NAME-accuracy/TIME")
-
-
-def workers(sub: argparse.ArgumentParser) -> None:
-    """Add the number of processes."""
-    sub.add_argument(
-        "--workers", type=_count, default=0, metavar="N", help="processes (default: one per core)"
-    )
-
-
-def cluster(sub: argparse.ArgumentParser) -> None:
-    """Add the scheduler of a cluster."""
-    sub.add_argument(
-        "--cluster",
-        metavar="ADDRESS",
-        help="solve on the workers of a Dask scheduler: its address, or its scheduler file (.json)",
-    )
-
-
-def drawn(sub: argparse.ArgumentParser) -> None:
-    """Add the choice of pictures and page."""
-    _flag(sub, "--no-report", "write no report page")
-    drawn = sub.add_mutually_exclusive_group()
-    drawn.add_argument(
-        "--pictures",
-        action="store_const",
-        const=True,
-        help="write pictures and all other files of each run, also of more than"
-        f" {defaults.MOST_RUNS_ON_PAGE} runs",
-    )
-    drawn.add_argument(
-        "--no-pictures",
-        action="store_const",
-        const=False,
-        dest="pictures",
-        help="draw nothing: no pictures, none of their tables, no report page",
-    )
-
-
-def opened(sub: argparse.ArgumentParser) -> None:
-    """Add the option that opens the page."""
-    _flag(sub, "--open", "open the report page in a browser")
-
-
-def reported_folders(sub: argparse.ArgumentParser) -> None:
-    """Add run folders and the file of their page."""
-    sub.add_argument(
-        "folders", type=_path, nargs="+", metavar="RUN", help="run folder, of one run or of a sweep"
-    )
-    sub.add_argument(
-        "--out",
-        type=_path,
-        metavar="FILE",
-        help="page to write (default: RUN/report.html, of several RUN"
-        " outputs/report/TIME/report.html)",
-    )
-    _flag(sub, "--force", "replace the page in --out")
-
-
-def extension(sub: argparse.ArgumentParser) -> None:
-    """Add the length of an extended record."""
-    sub.add_argument(
-        "--seconds",
-        type=_seconds,
-        default=defaults.EXTENDED_SECONDS,
-        metavar="S",
-        help=f"length of the record to make (default {defaults.EXTENDED_SECONDS:g}), up to"
-        f" {defaults.MOST_EXTENDED_SECONDS:g}",
-    )
-
-
-def fast(sub: argparse.ArgumentParser) -> None:
-    """Add the check that solves nothing."""
-    _flag(sub, "--fast", "solve no positions; use closed forms and estimates only")
-
-
-def study(sub: argparse.ArgumentParser) -> None:
-    """Add a study and the part that is run."""
-    sub.add_argument(
-        "study",
-        choices=("lee2025",),
-        metavar="STUDY",
-        help="lee2025: Lee, Kim & Kim, Inventions 10(1), 17",
-    )
-    sub.add_argument(
-        "--readings", nargs="+", default=[], metavar="NAME", help="readings to run (default: all)"
-    )
-    _flag(
-        sub,
-        "--quick",
-        f"{defaults.QUICK_SEEDS} surface,"
-        f" loads of {', '.join(map(str, defaults.QUICK_LOADS_N))} N,"
-        f" {defaults.QUICK_SECONDS:g} s in steps {defaults.QUICK_STRIDES} times as long;"
-        " without the outlook unless named",
-    )
-    sub.add_argument(
-        "--out", type=_path, metavar="FOLDER", help="folder of the study (default: outputs/STUDY)"
-    )
-
-
-def take_over(sub: argparse.ArgumentParser) -> None:
-    """Add the claim on a folder of another process."""
-    _flag(
-        sub,
-        "--take-over",
-        "go on although a process of another host is recorded; that process must have ended",
-    )
-
-
-def watch(sub: argparse.ArgumentParser) -> None:
-    """Add the choice to follow a folder."""
-    _flag(
-        sub, "--watch", "print the status again when it changes, until no run is waiting or running"
-    )
-
-
-def tabulated(sub: argparse.ArgumentParser) -> None:
-    """Add the numbers that are plotted, and the keys that they are plotted against."""
-    sub.add_argument(
-        "--plot",
-        nargs="+",
-        default=[],
-        metavar="NUMBER",
-        help="columns of runs.csv to plot (default: laeq_db)",
-    )
-    sub.add_argument(
-        "--against",
-        nargs="+",
-        default=[],
-        metavar="KEY",
-        help="a swept key for lines, or two for a map (default: the first swept key)",
-    )
-    sub.add_argument(
-        "--over",
-        metavar="KEY",
-        help="the swept key over which statistics are made (default: surface.seed)",
-    )
-
-
-def trial(sub: argparse.ArgumentParser) -> None:
-    """Add a scene on other grids, or hard cases."""
-    sub.add_argument(
-        "scene",
-        type=_path,
-        nargs="?",
-        metavar="SCENE",
-        help="scene file (YAML) or name, not with --hard",
-    )
-    sub.add_argument(
-        "--finest",
-        type=_power_of_two,
-        metavar="N",
-        help=f"divide the spacing by 2, 4, ... up to N (default {defaults.FINEST})",
-    )
-    sub.add_argument(
-        "--duration",
-        type=_seconds,
-        metavar="S",
-        help=f"seconds of rolling at most (default {defaults.ACCURACY_SECONDS:g}:"
-        " no third octave from 100 Hz is empty)",
-    )
-    _flag(sub, "--hard", "judge the solver on hard cases instead")
-    random, part = defaults.RANDOM_SCENES, defaults.OTHER_SCENES
-    sub.add_argument(
-        "--random",
-        type=_count,
-        metavar="N",
-        help=f"with --hard: N random scenes (default {random:,}),"
-        f" and N/{part} odd ones, N/{part} blended ones and N/{part} on sub-cells"
-        f" ({random + 3 * (random // part):,} in all by default)",
-    )
-    _flag(sub, "--long", f"with --hard: the march of {defaults.LONG_STEPS:,} steps as well")
-
-
-def volume(parser: argparse.ArgumentParser, default: Any) -> None:
-    """Add the options that say more or less."""
-    either = parser.add_mutually_exclusive_group()
-    either.add_argument(
-        "-q",
-        "--quiet",
-        action="store_true",
-        default=default,
-        help="print refusals, errors and the folder (or page) only",
-    )
-    either.add_argument(
-        "-v",
-        "--verbose",
-        action="store_true",
-        default=default,
-        help="say more: pieces, windows, iterations and times",
-    )
-
-
-def all_scenes(sub: argparse.ArgumentParser) -> None:
-    """Add the list of all scenes."""
-    _flag(sub, "--all", "list the scenes of studies as well")
-
-
-def library_scene(sub: argparse.ArgumentParser) -> None:
-    """Add the name of a scene of the library."""
-    sub.add_argument(
-        "name",
-        nargs="?",
-        default="quickstart",
-        metavar="NAME",
-        help="name of the scene (default: quickstart)",
-    )
-
-
-def _flag(sub: argparse.ArgumentParser, name: str, text: str) -> None:
-    """Add an option without a value."""
-    sub.add_argument(name, action="store_true", help=text)
+_LIKENESS = 0.5  # least likeness of a nearest name, between 0 and 1
 
 
 def _path(text: str) -> Path:
@@ -288,12 +28,13 @@ def _count(text: str) -> int:
 
 
 def _part(text: str) -> tuple[int, int]:
-    number, slash, count = text.partition("/")
-    if not (slash and number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+    match = re.fullmatch(r"(\d{1,9})/(\d{1,9})", text)
+    number, count = map(int, match.groups()) if match else (0, 0)
+    if not 1 <= number <= count:
         raise argparse.ArgumentTypeError(
             f"got {text!r}, allowed: K/N, such as 3/40, with K from 1 to N"
         )
-    return int(number), int(count)
+    return number, count
 
 
 def _power_of_two(text: str) -> int:
@@ -308,3 +49,150 @@ def _seconds(text: str) -> float:
     if not 0 < value < float("inf"):
         raise argparse.ArgumentTypeError("more than 0")
     return value
+
+
+_FLAG: dict[str, Any] = {"action": "store_true"}
+_LIST: dict[str, Any] = {"nargs": "+", "default": []}
+
+ARGUMENTS: dict[str, dict[str, Any]] = {
+    "scene": {
+        "type": _path,
+        "metavar": "SCENE",
+        "help": "scene file (YAML), or a name of `rolling scenes`",
+    },
+    "folder": {"type": _path, "metavar": "RUN", "help": "run folder"},
+    "folders": {"type": _path, "metavar": "RUN", "nargs": "+", "help": "run folders"},
+    "--set": {
+        "action": "append",
+        "default": [],
+        "metavar": "KEY=VALUE",
+        "help": "override, such as rolling.load_n=50",
+    },
+    "--out": {"type": _path, "metavar": "FOLDER", "help": "run folder; again: goes on there"},
+    "--part": {
+        "type": _part,
+        "metavar": "K/N",
+        "help": "do every N-th march of a sweep from march K on, in a folder that the commands of"
+        " all parts share: for array jobs",
+    },
+    "--workers": {
+        "type": _count,
+        "default": 0,
+        "metavar": "N",
+        "help": "processes (default: one per core)",
+    },
+    "--cluster": {
+        "metavar": "ADDRESS",
+        "help": "solve on the workers of a Dask scheduler: its address, or its scheduler file"
+        " (.json)",
+    },
+    "--no-report": {**_FLAG, "help": "write no report page and no figures"},
+    "--open": {**_FLAG, "help": "open the report page in a browser"},
+    "--fast": {**_FLAG, "help": "solve no positions; use closed forms and estimates only"},
+    "--watch": {
+        **_FLAG,
+        "help": "print the status again when it changes, until no run is waiting or running",
+    },
+    "--plot": {
+        **_LIST,
+        "metavar": "NUMBER",
+        "help": "columns of runs.csv to plot (default: laeq_db)",
+    },
+    "--against": {
+        **_LIST,
+        "metavar": "KEY",
+        "help": "a swept key for lines, or two for a map (default: the first swept key)",
+    },
+    "--over": {
+        "metavar": "KEY",
+        "default": "surface.seed",
+        "help": "the swept key over which statistics are made (default: surface.seed)",
+    },
+    "--figure": {**_LIST, "metavar": "NAME", "help": "figures to draw (default: all)"},
+    "--format": {
+        "choices": ("png", "svg", "csv"),
+        "default": "png",
+        "help": "picture, or its numbers (default: png)",
+    },
+    "--seconds": {
+        "type": _seconds,
+        "default": defaults.EXTENDED_SECONDS,
+        "metavar": "S",
+        "help": f"length of the record to make (default {defaults.EXTENDED_SECONDS:g}), up to"
+        f" {defaults.MOST_EXTENDED_SECONDS:g}",
+    },
+    "--finest": {
+        "type": _power_of_two,
+        "default": defaults.FINEST,
+        "metavar": "N",
+        "help": f"divide the spacing by 2, 4, ... up to N (default {defaults.FINEST})",
+    },
+    "--duration": {
+        "type": _seconds,
+        "default": defaults.ACCURACY_SECONDS,
+        "metavar": "S",
+        "help": f"seconds of rolling at most (default {defaults.ACCURACY_SECONDS:g}:"
+        " no third octave from 100 Hz is empty)",
+    },
+    "study": {
+        "choices": ("lee2025",),
+        "metavar": "STUDY",
+        "help": "lee2025: Lee, Kim & Kim, Inventions 10(1), 17",
+    },
+    "--readings": {**_LIST, "metavar": "NAME", "help": "readings to run (default: all)"},
+    "--quick": {
+        **_FLAG,
+        "help": f"{defaults.QUICK_SEEDS} surface, loads of"
+        f" {', '.join(map(str, defaults.QUICK_LOADS_N))} N, {defaults.QUICK_SECONDS:g} s in steps"
+        f" {defaults.QUICK_STRIDES} times as long",
+    },
+    "--all": {**_FLAG, "help": "list the scenes of studies as well"},
+    "name": {
+        "nargs": "?",
+        "default": "quickstart",
+        "metavar": "NAME",
+        "help": "name of the scene (default: quickstart)",
+    },
+}
+
+
+def add(parser: argparse.ArgumentParser, names: Sequence[str], **changes: str) -> None:
+    """Add arguments to the parser of a command; `changes` are help texts by destination."""
+    for name in names:
+        settings = dict(ARGUMENTS[name])
+        settings["help"] = changes.get(name.lstrip("-"), settings["help"])
+        parser.add_argument(name, **settings)
+
+
+def add_volume(parser: argparse.ArgumentParser, default: Any) -> None:
+    """Add the options that say more or less."""
+    either = parser.add_mutually_exclusive_group()
+    for short, name, text in (
+        ("-q", "--quiet", "print refusals, errors and the folder (or page) only"),
+        ("-v", "--verbose", "say more: steps and times"),
+    ):
+        either.add_argument(short, name, action="store_true", default=default, help=text)
+
+
+def refuse_unknown_command(
+    parser: argparse.ArgumentParser, words: Sequence[str], commands: Sequence[str]
+) -> None:
+    """Exit with a usage error if the first word that is no option is no command."""
+    name = next((word for word in words if not word.startswith("-")), None)
+    if name is not None and name not in commands:
+        near = _nearest(name, commands)
+        parser.error(f"COMMAND: got {name}{near}, allowed: {', '.join(commands)}")
+
+
+def refuse_unknown_arguments(parser: argparse.ArgumentParser, unknown: Sequence[str]) -> NoReturn:
+    """Exit with a usage error about arguments that a command does not take."""
+    options = sorted(set(re.findall(r"--[a-z][a-z-]*", parser.format_help())))
+    slips = [word.partition("=")[0] for word in unknown if word.startswith("--")]
+    near = next(filter(None, (_nearest(slip, options) for slip in slips)), "")
+    parser.error(f"got {' '.join(unknown)}{near}, allowed: {', '.join(options)}")
+
+
+def _nearest(name: str, names: Sequence[str]) -> str:
+    """Return ", nearest: NAME" with the name that is like a misspelt one, or nothing."""
+    near = difflib.get_close_matches(name.lower(), names, 1, _LIKENESS)
+    return f", nearest: {near[0]}" if near else ""

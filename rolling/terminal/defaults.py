@@ -1,17 +1,12 @@
 """Numbers that help texts name and commands use, in a module that imports nothing."""
 
-MOST_RUNS_ON_PAGE = 24  # which grows by half a megabyte and more with each
+MOST_RUNS_ON_PAGE = 24  # with player, pictures and slow motion each: half a megabyte and more
 MOST_RUNS_COMPARED = 400  # with a curve each in pictures of all runs, and a row on the terminal
 FEW_RUNS = 20  # of more, on the terminal
 
-# `rolling accuracy SCENE`
+# `rolling accuracy`
 FINEST = 4  # divisor of the spacing for the reference
 ACCURACY_SECONDS = 0.045  # [s] of rolling: no third octave from 100 Hz is empty
-
-# `rolling accuracy --hard`
-RANDOM_SCENES = 2000
-OTHER_SCENES = 4  # odd scenes, blended scenes and scenes on sub-cells: a fourth of that each
-LONG_STEPS = 100_000
 
 # `rolling extend`
 EXTENDED_SECONDS = 30.0
@@ -24,4 +19,5 @@ QUICK_LOADS_N = (5, 20, 100)
 # longer.
 QUICK_SECONDS = 0.015
 QUICK_STRIDES = 3
+
 WATCH_SECONDS = 2.0  # between two looks at a folder

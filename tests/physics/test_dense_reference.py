@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hard_cases.dense import dense_contact
 from helpers import STEEL, assert_solved, make_track, roll, rough
 
 from rolling.contact import closed_forms
 from rolling.contact.state import Window
-from rolling.verification.dense import dense_contact
 
 
 @pytest.mark.law(

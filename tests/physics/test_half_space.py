@@ -6,12 +6,12 @@ import weakref
 
 import numpy as np
 import pytest
+from hard_cases.dense import influence_matrix
 from helpers import STEEL
 
 from rolling.contact import _transform_kernels, half_space
 from rolling.contact.half_space import HalfSpace, love, padded_length
 from rolling.contact.subcells import half_space_of
-from rolling.verification.dense import influence_matrix
 
 SPACING = 2e-6
 

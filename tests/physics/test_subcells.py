@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import edge_study
 import numpy as np
 import pytest
+from hard_cases import optimality, subcell_deflection
 from helpers import STEEL, assert_solved, make_track, releases, roll, rough, step_energies
 
-from rolling.accuracy import edge_study
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.of_scene import auto_subcells, on_subcells, rolling_contact
 from rolling.contact.recovery import EventTable
@@ -16,7 +17,6 @@ from rolling.contact.subcells import SubcellSpace, cell_means
 from rolling.scene.file import loads
 from rolling.simulation import simulate
 from rolling.surface.refined import dies_out, subcell_heights
-from rolling.verification import optimality, subcell_deflection
 
 CLOSED = """\
 name: closed

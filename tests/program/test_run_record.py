@@ -155,7 +155,7 @@ def test_the_digest_follows_every_module_and_asset(tmp_path: Path) -> None:
     digests = [digest()]
     assert digests[0] == program.sources_digest()
     for name in (
-        "rolling/lee2025/study.py",
+        "rolling/lee2025/cases.py",
         "rolling/report/assets/report.css",
         "acoustics/new.py",
     ):

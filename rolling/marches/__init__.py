@@ -1,0 +1,1 @@
+"""Pieces of a march, which any number of processes solve, and the results that they make."""

@@ -1,0 +1,106 @@
+"""Stretches of a run that are marched again, for the estimate of its errors.
+
+Each stretch is marched from a cold start over the positions of the run: on the run's grid at a
+tight tolerance, at half the spacing and the tight tolerance, and at twice the spacing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from rolling._typing import Array
+from rolling.check import error_cost
+from rolling.check.error_cost import LEVELS, Layout
+from rolling.marches.piece import Piece
+from rolling.marches.result import Result
+from rolling.scene.scene import Scene
+from rolling.sound import error_estimate
+from rolling.sound.error_estimate import BandPowers, StretchSignals
+from rolling.sound.vibration_sound import roughness_gain
+
+
+def stretch_layout(scene: Scene) -> Layout | None:
+    """Return the stretches that the estimate of a scene asks for, or None."""
+    if not scene.numerics.error_estimate or scene.surface.kind == "smooth":
+        return None
+    return error_cost.layout(scene)
+
+
+def stretch_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) -> list[Piece]:
+    """Return the marches of stretches that the estimate of a run lacks.
+
+    `piece` makes a piece from its kind, first and last position, cost of a step in steps of the
+    run, and level.
+    """
+    layout = stretch_layout(scene)
+    if layout is None or not result.complete:
+        return []
+    stretches = result.stretches
+    known = stretches.marches if stretches and stretches.steps == layout.steps else {}
+    return [
+        piece("error", first, first + layout.steps, scale, level=level)
+        for first in layout.firsts
+        for level in LEVELS
+        if (first, level) not in known
+        for scale in [error_cost.level_cost(scene, level)]
+    ]
+
+
+def stretch_firsts(scene: Scene, result: Result) -> tuple[int, ...]:
+    """Return the first positions of a run's stretches; none where they are missing or failed."""
+    layout, stretches = stretch_layout(scene), result.stretches
+    if layout is None or stretches is None or stretches.fault or stretches.steps != layout.steps:
+        return ()
+    known = stretches.marches
+    complete = all((first, level) in known for first in layout.firsts for level in LEVELS)
+    return layout.firsts if complete else ()
+
+
+def stretch_powers(scene: Scene, result: Result) -> BandPowers:
+    """Compute the band powers of the complete stretches of a run at the speeds of the scene."""
+    stretches, firsts = result.stretches, stretch_firsts(scene, result)
+    assert stretches is not None
+    vibrates = scene.sound.source == "vibration"
+    own = result.series["approach" if vibrates else "release_energy"]
+
+    def signals(level: str) -> Array:
+        marches = [stretches.marches[first, level] for first in firsts]
+        return np.array([m.approach[:-1] if vibrates else m.release for m in marches])
+
+    return error_estimate.band_powers(
+        StretchSignals(
+            own=np.array([own[first : first + stretches.steps] for first in firsts]),
+            tight=signals("tight"),
+            fine=signals("fine"),
+            coarse=signals("coarse"),
+            step=result.step,
+            speeds=np.array([_speeds(scene, result, first) for first in firsts]),
+            tolerance_ratio=error_cost.tight_tolerance(scene) / scene.tolerance,
+            gain=roughness_gain(scene) if vibrates else None,
+        )
+    )
+
+
+def plastic_area(scene: Scene, result: Result, level: str) -> float:
+    """Return the mean area at the hardness of the complete stretches of a run on a level [m2]."""
+    assert result.stretches is not None
+    marches, firsts = result.stretches.marches, stretch_firsts(scene, result)
+    return float(np.mean([marches[first, level].plastic_area for first in firsts]))
+
+
+def _speeds(scene: Scene, result: Result, first: int) -> Array:
+    """Return the mean speed at each pass over a stretch [m/s], 0 where the run ends before."""
+    assert result.stretches is not None
+    length = result.stretches.steps * result.step
+    laps = math.ceil(result.steps / result.solved_steps)
+    begin = (first + np.arange(laps) * result.solved_steps) * result.step
+    whole = begin + length <= result.steps * result.step * (1 + 1e-12)
+    reached = scene.motion.final_distance
+    begins, ends = np.minimum(begin, reached), np.minimum(begin + length, reached)
+    times = np.asarray(scene.motion.time(ends) - scene.motion.time(begins))
+    rolled = whole & (times > 0)
+    speeds: Array = np.divide(ends - begins, times, out=np.zeros(laps), where=rolled)
+    return speeds

@@ -1,0 +1,239 @@
+"""Force law of a run: the loads of its marches, the law, its error, and the load that moves.
+
+A law needs marches at several loads, since contact without memory has a force for each place and
+approach. The loads depend on the scene alone. The motion over the law gives the force at each
+position of a lap. A march under this force gives the release under the moving load.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from rolling._typing import Array
+from rolling.contact.solver import ContactError
+from rolling.dynamics import of_scene
+from rolling.dynamics.force_law import HIGHEST, LOWEST, ForceLaw
+from rolling.marches.piece import Piece
+from rolling.marches.result import LoadMarches, MovingRelease, Result, vibration_key
+from rolling.scene.scene import Scene
+
+JUDGED_STEPS = 200  # maximum length of the stretch that is marched at loads between the others
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Loads [N] of a force law.
+
+    marched : list of float, N. The loads in ascending order.
+    lacking : list of float, N. Loads beyond them that the force reaches and that lack pieces.
+    failed : bool. Whether the track could not be marched at a load that the force reaches.
+    """
+
+    marched: list[float]
+    lacking: list[float]
+    failed: bool = False
+
+
+def law_loads(scene: Scene, result: Result) -> Loads:
+    """Return the loads of a run's force law, up to the extremes of its contact force.
+
+    Loads are added in batches, each up to the extremes over the law before. No batch follows one
+    with a load that failed. Raise ContactError where a force law or a motion is not possible.
+    """
+    assert result.complete
+    marches = result.load_marches or LoadMarches(result.solved_steps)
+    loads = _first_loads(scene)
+    if lacking := [x for x in loads if x != scene.load and marches.missing(x)]:
+        return Loads(loads, lacking)
+    for load in loads:
+        if load in marches.faults:
+            raise ContactError(f"force law at {load:.4g} N: {marches.faults[load]}")
+    failed = False
+    while not failed and (further := _beyond(scene, loads, *_extremes(scene, result, loads))):
+        if lacking := [load for load in further if marches.missing(load)]:
+            return Loads(loads, lacking)
+        failed = any(load in marches.faults for load in further)
+        loads = sorted([*loads, *(load for load in further if load not in marches.faults)])
+    return Loads(loads, [], failed)
+
+
+def law_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) -> list[Piece]:
+    """Return the pieces at other loads that the force law of a run lacks now.
+
+    `piece` makes a piece from its kind, first and last position and load [N].
+    """
+    marches = result.load_marches or LoadMarches(result.solved_steps)
+    if not result.complete:
+        lacking = [load for load in _first_loads(scene) if load != scene.load]
+    else:
+        loads = law_loads(scene, result)
+        lacking = loads.lacking
+        if not lacking and not loads.failed:
+            last = min(JUDGED_STEPS, result.solved_steps)
+            known = {*marches.judging, *marches.faults}
+            between = [load for load in _between(loads.marched) if load not in known]
+            return [piece("judge", 0, last, load=load) for load in between]
+    return [
+        piece("load", first, last, load=load)
+        for load in lacking
+        for first, last in marches.missing(load)
+    ]
+
+
+def _first_loads(scene: Scene) -> list[float]:
+    """Return the loads [N] that a scene asks for, the scene's own in the middle."""
+    assert scene.dynamics is not None
+    half = scene.dynamics.loads // 2
+    return [_load(scene, power) for power in range(-half, half + 1)]
+
+
+def _load(scene: Scene, power: int) -> float:
+    """Return the scene's load times a power of the span [N]."""
+    assert scene.dynamics is not None
+    return scene.load if power == 0 else scene.load * scene.dynamics.span**power
+
+
+def _extremes(scene: Scene, result: Result, loads: Sequence[float]) -> tuple[float, float]:
+    """Return minimum and maximum force [N] over a law, from one motion for each law."""
+    key = vibration_key(scene), tuple(loads)
+    if key not in result.extremes:
+        result.extremes[key] = of_scene.extremes(scene, law_over(scene, result, loads))
+    return result.extremes[key]
+
+
+def _beyond(scene: Scene, loads: Sequence[float], least: float, most: float) -> list[float]:
+    """Return loads beyond the given ones up to the extremes of the force [N]."""
+    further = []
+    for sign, wanted, limit in ((1, most, HIGHEST), (-1, least, LOWEST)):
+        for k in range(1, 100):
+            load = _load(scene, sign * k)
+            if sign * (wanted - _load(scene, sign * (k - 1))) <= 0:
+                break
+            if sign * (load - scene.load * limit) > 0:
+                break
+            if load not in loads:
+                further.append(load)
+    return further
+
+
+def _between(loads: Sequence[float]) -> list[float]:
+    """Return the geometric means of neighbouring loads [N]."""
+    return [math.sqrt(low * high) for low, high in pairwise(loads)]
+
+
+def force_law(scene: Scene, result: Result) -> ForceLaw:
+    """Return the force law of a run whose marches are there.
+
+    Raise ContactError where the approach does not rise with the load.
+    """
+    return law_over(scene, result, law_loads(scene, result).marched)
+
+
+def law_over(
+    scene: Scene, result: Result, loads: Sequence[float], last: int | None = None
+) -> ForceLaw:
+    """Return the force law over some ascending loads [N], up to a last position or of the track.
+
+    Raise ContactError where the approach does not rise with the load.
+    """
+    marches = result.load_marches
+    assert marches is not None
+    # The last position of a closed track is its first.
+    closed = last is None and scene.track.lap_steps <= result.solved_steps
+    count = result.solved_steps + (not closed) if last is None else last + 1
+    own = result.series["approach"]
+    rows = [own if load == scene.load else marches.approach[load] for load in loads]
+    position = np.arange(count, dtype=np.float64) * result.step
+    period = count * result.step if closed else None
+    try:
+        return ForceLaw(position, np.array(loads), np.array(rows)[:, :count], period)
+    except ValueError as error:
+        raise ContactError(
+            f"{error}: the solver's error is larger than the difference between two loads; take a"
+            " larger dynamics.span or a smaller numerics.tolerance"
+        ) from error
+
+
+@dataclass(frozen=True)
+class LawError:
+    """Error of a force law halfway between its loads.
+
+    newtons : float, N. Rms error of the force along a stretch, the maximum over the loads.
+    decibels : float, dB. The error of a level of the force that it makes where the force departs
+        from a marched load as far as this load does.
+    """
+
+    newtons: float
+    decibels: float
+
+
+def law_error(scene: Scene, result: Result, loads: Sequence[float]) -> LawError | None:
+    """Compare a law over some loads [N] with marches between them; None where there are none."""
+    marches = result.load_marches
+    between = [load for load in _between(loads) if marches and load in marches.judging]
+    if marches is None or not between:
+        return None
+    steps = len(marches.judging[between[0]]) - 1
+    law = law_over(scene, result, loads, steps)
+    position = np.arange(steps + 1) * result.step
+    newtons, ratios = [], []
+    for load in between:
+        departure = law.force(position, marches.judging[load]) - load
+        error = float(np.sqrt(np.mean(np.square(departure))))
+        newtons.append(error)
+        ratios.append(error / float(np.abs(np.array(loads) - load).min()))
+    return LawError(max(newtons), 20 * math.log10(1 + max(ratios)))
+
+
+# ---- moving load
+
+
+def load_along(scene: Scene, result: Result) -> MovingRelease:
+    """Return force and approach of the motion at each position of a lap.
+
+    A fault stands in their place where the sphere passes a position under more than one load, or
+    under none. A motion of fewer than two positions has the constant load of the scene.
+    """
+    key, steps = vibration_key(scene), result.solved_steps
+    motion = of_scene.motion(scene, force_law(scene, result))
+    closed = scene.track.closed and scene.motion.is_constant(scene.duration)
+    repeats = closed and motion.settled
+    if result.steps > steps and not repeats:
+        return MovingRelease.impossible(
+            key, steps, "the record passes the track more than once, and its force does not repeat"
+        )
+    if motion.flight_share > 0:
+        return MovingRelease.impossible(
+            key, steps, "the sphere loses contact, and nothing is released under no load"
+        )
+    count = round(len(motion.force_n) * steps / result.steps)
+    # A sphere that rests stays at its position.
+    moved = np.flatnonzero(np.diff(motion.position_m[:count], prepend=-np.inf) > 0)
+    if len(moved) < 2:  # it rests, or passes the lap before its force changes
+        load, mean = np.full(steps + 1, scene.load), motion.approach_m.mean()
+        return MovingRelease(key, load, np.full(steps + 1, mean))
+    places = motion.position_m[moved]
+    lap = steps * result.step if repeats else None
+    positions = np.arange(steps + 1, dtype=float) * result.step
+    force = _at(positions, places, motion.force_n[moved], lap)
+    approach = _at(positions, places, motion.approach_m[moved], lap)
+    if repeats:
+        force[-1] = force[0]  # to the last digit
+    if not force.min() > 0:
+        return MovingRelease.impossible(key, steps, "the contact force falls to zero")
+    return MovingRelease(key, force, approach)
+
+
+def _at(positions: Array, places: Array, values: Array, lap: float | None) -> Array:
+    """Interpolate values between places [m]; they repeat after a lap [m], unless it is None."""
+    from scipy.interpolate import CubicSpline  # slow to import, for motions only
+
+    if lap is None:
+        return np.asarray(CubicSpline(places, values)(positions))
+    around, again = np.append(places, places[0] + lap), np.append(values, values[0])
+    return np.asarray(CubicSpline(around, again, bc_type="periodic")(positions))

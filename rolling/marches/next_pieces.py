@@ -1,0 +1,69 @@
+"""Pieces that a run lacks: its track first, then the marches beside it, and the film last."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rolling.check import cost
+from rolling.marches.error_stretches import stretch_pieces
+from rolling.marches.force_law import law_pieces, load_along
+from rolling.marches.piece import Piece, march_piece
+from rolling.marches.result import Result, vibration_key
+from rolling.marches.slow_motion import film_stretch
+from rolling.scene.scene import Scene
+
+
+def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]:
+    """Return the pieces that a run lacks and that can be marched now; none when it is whole.
+
+    The result gets the load of its moving march, which needs the motion of the sphere.
+
+    Parameters
+    ----------
+    scene : Scene. A scene without a sweep.
+    result : Result. Its result so far.
+    film : bool. Whether the run gets a slow motion. Default: false.
+
+    Raises
+    ------
+    ContactError : a force law or a motion is not possible.
+    """
+    step_seconds = cost.expected_seconds(scene) / result.solved_steps
+
+    def piece(kind: str, first: int, last: int, scale: float = 1.0, **fields: Any) -> Piece:
+        seconds = (last - first) * step_seconds * scale
+        return Piece(scene, result.identity, kind, first, last, seconds, **fields)
+
+    pieces = [piece("track", first, last) for first, last in result.missing()]
+    pieces += stretch_pieces(scene, result, piece)
+    law = [] if scene.dynamics is None else law_pieces(scene, result, piece)
+    pieces += law
+    if scene.moves_release and result.complete and not law:
+        if result.moving is None or result.moving.key != vibration_key(scene):
+            result.moving = load_along(scene, result)
+        moving = result.moving
+        pieces += [piece("moving", *ends, forces=moving.force) for ends in moving.missing()]
+    if film and not pieces and result.slow_motion is None:
+        stretch = film_stretch(scene, result)
+        if stretch is not None:
+            pieces = [piece("film", stretch.first, stretch.last, stride=stretch.stride)]
+    return pieces
+
+
+def march_all(
+    scene: Scene,
+    film: bool = False,
+    progress: Callable[[float], object] = lambda seconds: None,
+) -> Result:
+    """March all pieces of a scene without a sweep in this process, and return the result.
+
+    `progress` receives the expected time [s] of each piece when it is done. Raise ContactError
+    where the contact cannot be solved.
+    """
+    result = Result.empty(scene)
+    while pieces := next_pieces(scene, result, film):
+        for piece in pieces:
+            result.add(piece, march_piece(piece))
+            progress(piece.cost)
+    return result

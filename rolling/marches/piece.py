@@ -1,0 +1,237 @@
+"""Pieces of work: each marches some positions from a cold start and depends on its fields alone.
+
+The numbers are therefore equal for any number of workers, and for a run that was interrupted.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling._typing import Array
+from rolling.check import cost, error_cost
+from rolling.contact.half_space import HalfSpace
+from rolling.contact.march import march
+from rolling.contact.recovery import step_energy
+from rolling.contact.solver import ContactError
+from rolling.contact.state import ContactState, RollingContact
+from rolling.contact.subcells import half_space_of
+from rolling.marches.observers import Events, Film, Maps, Observer, Series
+from rolling.scene.identity import contact_keys, digest
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+from rolling.contact.of_scene import rolling_contact
+from rolling.surface.refined import cells_of_patch
+from rolling.surface.scene_surface import heights
+
+# Steps of a piece. A cold start costs four to eight steps, which is 2 to 4 % of a piece.
+PIECE_STEPS = 200
+SIDES = {"tight": 1.0, "fine": 0.5, "coarse": 2.0}  # side of a cell on a level, in the run's cells
+# Names of the arrays of each kind. Kinds other than the track return a `fault` where a contact
+# cannot be solved, because the run goes on without them.
+_SERIES = {
+    "load": ("approach", "step_time"),
+    "judge": ("approach", "step_time"),
+    "moving": ("release_energy", "loading_energy", "energy_defect", "approach"),
+    "error": ("release_energy", "approach", "plastic_area", "step_time"),
+}
+
+
+def contact_identity(scene: Scene) -> str:
+    """Return the digest of all that changes the contact of a scene, without making its surface.
+
+    A height file counts with the digest of its bytes. Raise SceneError if it is unreadable.
+    """
+    return digest(contact_keys(scene))
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """Positions that are marched from a cold start.
+
+    scene : Scene. A scene without a sweep.
+    identity : str. Contact identity, which the scene must still have when the piece is marched.
+    kind : str. "track"; "load", at another load; "judge", at a load between the others; "moving",
+        under the load of each position; "error", on a level of accuracy; "film", for slow motion.
+    first, last : int. First and last position.
+    cost : float, s. Expected time.
+    load : float, N. Load of the kinds "load" and "judge".
+    forces : (positions,) array, N. Load at each position of a lap of the kind "moving".
+    level : str. Level of the kind "error": "tight", "fine" or "coarse".
+    stride : int. Positions from one map to the next of the kind "film".
+    """
+
+    scene: Scene
+    identity: str
+    kind: str
+    first: int
+    last: int
+    cost: float
+    load: float = math.nan
+    forces: Array | None = None
+    level: str = ""
+    stride: int = 0
+
+    @cached_property
+    def key(self) -> str:
+        """File-safe text that is unique among the pieces of an identity."""
+        suffix = {"error": self.level, "film": str(self.stride)}.get(self.kind, "")
+        if self.kind in ("load", "judge"):
+            suffix = _short_digest(self.load.hex().encode())
+        elif self.forces is not None:
+            suffix = _short_digest(self.forces.tobytes())
+        return "-".join(filter(None, (self.kind, str(self.first), str(self.last), suffix)))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Piece) and hash(self) == hash(other)
+
+    def __hash__(self) -> int:
+        return hash((self.identity, self.key))
+
+
+def _short_digest(content: bytes) -> str:
+    """Return 16 hex digits of the SHA-256 of some bytes."""
+    return hashlib.sha256(content).hexdigest()[:16]
+
+
+def track_pieces(steps: int) -> list[tuple[int, int]]:
+    """Return the first and last position of each piece of a track with `steps` steps."""
+    return [(first, min(first + PIECE_STEPS, steps)) for first in range(0, steps, PIECE_STEPS)]
+
+
+def march_piece(
+    piece: Piece, progress: Callable[[int], object] = lambda steps: None
+) -> dict[str, NDArray[Any]]:
+    """March a piece and return plain arrays by name.
+
+    Parameters
+    ----------
+    piece : Piece. The piece.
+    progress : callable. It receives the number of steps, 1 after each step.
+
+    Raises
+    ------
+    ContactError : a contact of the track cannot be solved, or the height file was replaced.
+    """
+    contact, scene = _contact_of(piece), piece.scene
+    first, last = piece.first, piece.last
+    if piece.kind == "error":
+        first, last = 0, last - first
+    observers: list[Observer] = [Series(first)]
+    if piece.kind == "track":
+        observers.append(Maps(contact, first, last, scene.track.solved_steps))
+        if scene.recovery.events:
+            observers.append(Events(contact))
+    elif piece.kind == "film":
+        observers = [Film(contact, first, piece.stride)]
+    energies, left_end = piece.kind not in ("load", "judge"), scene.recovery.rule == "left_end"
+    try:
+        _observe(contact, (first, last), observers, energies, left_end, progress)
+    except ContactError as error:
+        if piece.kind == "track":
+            raise
+        return {"fault": np.array(str(error))}
+    arrays: dict[str, NDArray[Any]] = {}
+    for observer in observers:
+        arrays |= observer.arrays()
+    names = _SERIES.get(piece.kind)
+    return arrays if names is None else {name: arrays[name] for name in names}
+
+
+def _observe(
+    contact: RollingContact,
+    positions: tuple[int, int],
+    observers: list[Observer],
+    energies: bool,
+    left_end: bool,
+    progress: Callable[[int], object],
+) -> None:
+    """March between two positions and show each state and the energies of its step to observers."""
+    old: ContactState | None = None
+    half_space = half_space_for(contact)
+    for state in march(contact, *positions, half_space):
+        energy = None
+        if old is not None:
+            energy = step_energy(old, state, half_space, left_end) if energies else None
+            progress(1)
+        for observer in observers:
+            observer(state, energy)
+        old = state
+
+
+@lru_cache(maxsize=4)
+def _half_space(spacing: float, contact_modulus: float, subcells: int) -> HalfSpace:
+    """Return the half-space of a spacing [m], a contact modulus [Pa] and sub-cells, made once."""
+    return half_space_of(spacing, contact_modulus, subcells)
+
+
+def half_space_for(contact: RollingContact) -> HalfSpace:
+    """Return the half-space of a contact; equal contacts share it."""
+    return _half_space(contact.spacing, contact.contact_modulus, contact.subcells)
+
+
+def _contact_of(piece: Piece) -> RollingContact:
+    """Return the contact that a piece marches.
+
+    Raise ContactError if the height file is gone or has other bytes than the identity says.
+    """
+    scene = piece.scene
+    try:
+        contact = rolling_contact(scene)
+        same = scene.height_path is None or contact_identity(scene) == piece.identity
+    except SceneError as error:
+        raise ContactError(f"the surface that was solved is gone: {error}") from error
+    if not same:
+        raise ContactError(f"{scene.height_path} is not the surface that was solved")
+    if piece.kind == "error":
+        return level_contact(scene, piece.level, piece.first, piece.last - piece.first)
+    if piece.kind == "moving":
+        return replace(contact, loads=piece.forces)
+    return contact if math.isnan(piece.load) else replace(contact, load=piece.load)
+
+
+def level_contact(scene: Scene, level: str, first: int, steps: int) -> RollingContact:
+    """Return the contact of a stretch on a level of accuracy, on the patch of surface around it.
+
+    Position 0 of the contact is the first position of the stretch. All levels have the run's number
+    of sub-cells per cell.
+    """
+    tolerance = scene.tolerance if level == "coarse" else error_cost.tight_tolerance(scene)
+    return contact_on_grid(scene, SIDES[level], tolerance, first, steps)
+
+
+def contact_on_grid(
+    scene: Scene, side: float, tolerance: float, first: int, steps: int
+) -> RollingContact:
+    """Return the contact of a stretch with cells of another side, in cells of the run, 1/2, 1 or 2.
+
+    Position 0 of the contact is the first position of the stretch.
+    """
+    whole, surface = rolling_contact(scene), heights(scene)
+    # Twice the radius of overlap holds the highest peaks, and a few nodes hold the run-in.
+    spacing = whole.cell_spacing
+    margin = math.ceil(
+        (2 * cost.overlap_radius(scene, cost.roughness(scene)[0]) + 8 * whole.step) / spacing
+    )
+    place = whole.position(first)
+    row = math.floor(place / spacing) - margin
+    rows = math.ceil(steps * whole.step / spacing) + 2 * margin
+    if rows >= len(surface):
+        row, rows = 0, len(surface)
+    rows += rows % 2
+    # Flat cells begin where the cells of the run begin, and places count from a centre.
+    off_centre = 0.0 if whole.slopes else (side - 1) / 2 * spacing
+    return replace(
+        whole,
+        heights=cells_of_patch(surface, row, rows, side, whole.subcells, whole.slopes),
+        spacing=whole.spacing * side,
+        start=place - row * spacing - off_centre,
+        tolerance=tolerance,
+    )

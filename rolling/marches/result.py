@@ -1,0 +1,330 @@
+"""Result of a run while its pieces come in: series, maps, events, and marches beside the track."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rolling._typing import Array
+from rolling.contact.recovery import join_events
+from rolling.marches.observers import (
+    STATE_SERIES,
+    STEP_SERIES,
+    PressureMap,
+    SlowMotion,
+    Snapshot,
+    events_of,
+    maps_of,
+    slow_motion_of,
+    snapshot_of,
+)
+from rolling.marches.piece import Piece, contact_identity, track_pieces
+from rolling.scene.identity import digest
+from rolling.scene.scene import Scene
+
+MOVING_SERIES = ("release_energy", "loading_energy", "energy_defect")
+
+
+def vibration_key(scene: Scene) -> str:
+    """Return a digest that is equal for scenes of equal contact whose force is equal."""
+    data, plate = scene.model_dump(mode="json"), scene.plate
+    bodies = scene.sphere.density_kg_m3, plate.density_kg_m3, plate.thickness_mm
+    speed = data["rolling"]["speed_m_s"]
+    return digest([speed, scene.track.steps, bodies, data["dynamics"]])
+
+
+@dataclass
+class LoadMarches:
+    """Marches of a track at other loads than the scene's, for its force law.
+
+    steps : int. Number of different steps of the track.
+    approach : dict. Approach by load [N], (steps + 1,) m; NaN where it is not solved yet.
+    judging : dict. Approach by load [N] on the stretch that judges the force law, (n + 1,) m.
+    faults : dict. Reason by load [N] where a contact cannot be solved.
+    seconds : float, s. Time of all marches.
+    """
+
+    steps: int
+    approach: dict[float, Array] = field(default_factory=dict)
+    judging: dict[float, Array] = field(default_factory=dict)
+    faults: dict[float, str] = field(default_factory=dict)
+    seconds: float = 0.0
+    _failures: dict[float, dict[int, str]] = field(default_factory=dict, repr=False)
+
+    @property
+    def fault(self) -> str:
+        """Reason why the track could not be marched at a load; empty if it could."""
+        if not self.faults:
+            return ""
+        load = min(self.faults)
+        return f"{load:.4g} N: {self.faults[load]}"
+
+    def missing(self, load: float) -> list[tuple[int, int]]:
+        """Return first and last position of the pieces that a load [N] lacks."""
+        if load in self.faults:
+            return []
+        failures, approach = self._failures.get(load, {}), self.approach.get(load)
+        return [
+            (first, last)
+            for first, last in track_pieces(self.steps)
+            if first not in failures
+            and (approach is None or np.isnan(approach[first + 1 : last + 1]).any())
+        ]
+
+    def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
+        """Add a piece; a load with a failed piece is dropped when its other pieces are there.
+
+        The reason is that of the first failed piece, so it does not depend on their order.
+        """
+        load, fault = piece.load, arrays.get("fault")
+        if fault is None:
+            self.seconds += float(arrays["step_time"].sum())
+        if piece.kind == "judge":
+            if fault is None:
+                self.judging[load] = arrays["approach"]
+            else:
+                self.faults[load] = str(fault)
+            return
+        if fault is None:
+            whole = self.approach.setdefault(load, np.full(self.steps + 1, np.nan))
+            _fill_states(whole, piece, arrays["approach"])
+        else:
+            self._failures.setdefault(load, {})[piece.first] = str(fault)
+        failures = self._failures.get(load)
+        if failures and not self.missing(load):
+            self.faults[load] = failures[min(failures)]
+            self.approach.pop(load, None)
+
+
+@dataclass
+class MovingRelease:
+    """March of a lap under the moving load; its series are NaN where it is not solved yet.
+
+    key : str. Digest of the vibration that moves the load, as `vibration_key`.
+    force : (steps + 1,) array, N. Contact force at each position.
+    motion_approach : (steps + 1,) array, m. Approach of the motion at each position.
+    approach : (steps + 1,) array, m. Approach of the march.
+    steps : dict. Series of the steps, (steps,) J.
+    fault : str. Reason why there is no such march; empty if there is one.
+    """
+
+    key: str
+    force: Array
+    motion_approach: Array
+    approach: Array = field(default_factory=lambda: np.empty(0))
+    steps: dict[str, Array] = field(default_factory=dict)
+    fault: str = ""
+    _failures: dict[int, str] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        if not self.steps:
+            self.approach = np.full(len(self.force), np.nan)
+            self.steps = {name: np.full(len(self.force) - 1, np.nan) for name in MOVING_SERIES}
+
+    @classmethod
+    def impossible(cls, key: str, steps: int, fault: str) -> MovingRelease:
+        """Return a march without numbers for a track that cannot have one."""
+        unknown = np.full(steps + 1, np.nan)
+        return cls(key, unknown, unknown, fault=fault)
+
+    @property
+    def repeats(self) -> bool:
+        """Whether the load ends as it began, so that a lap of the release repeats."""
+        return bool(self.force[0] == self.force[-1])
+
+    @property
+    def law_error(self) -> float:
+        """Maximum difference between the approaches of march and motion [m]."""
+        return float(np.abs(self.approach - self.motion_approach).max())
+
+    def missing(self) -> list[tuple[int, int]]:
+        """Return first and last position of the pieces that the march lacks."""
+        if self.fault:
+            return []
+        unknown = np.isnan(self.steps["release_energy"])
+        pieces = track_pieces(len(unknown))
+        return [(a, b) for a, b in pieces if a not in self._failures and unknown[a:b].any()]
+
+    def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
+        """Add a piece; the first piece that failed is the fault of the march when all are there."""
+        if "fault" in arrays:
+            self._failures[piece.first] = str(arrays["fault"])
+        else:
+            for name in MOVING_SERIES:
+                self.steps[name][piece.first : piece.last] = arrays[name]
+            _fill_states(self.approach, piece, arrays["approach"])
+        if self._failures and not self.missing():
+            self.fault = self._failures[min(self._failures)]
+
+
+@dataclass(frozen=True)
+class StretchMarch:
+    """March of a stretch on a level of accuracy.
+
+    release : (steps,) array, J. Release per step; NaN if the march failed.
+    approach : (steps + 1,) array, m. Approach at each position; NaN if the march failed.
+    plastic_area : float, m2. Mean area at the hardness.
+    seconds : float, s. Time of the march.
+    fault : str. Reason of a failure; empty if there is none.
+    """
+
+    release: Array
+    approach: Array
+    plastic_area: float
+    seconds: float
+    fault: str = ""
+
+
+@dataclass
+class ErrorStretches:
+    """Marches of the stretches of a run for its error estimate.
+
+    steps : int. Number of steps of a stretch.
+    marches : dict. Marches by first position and level.
+    """
+
+    steps: int
+    marches: dict[tuple[int, str], StretchMarch] = field(default_factory=dict)
+
+    @property
+    def fault(self) -> str:
+        """The reason of the first failure along the track; empty if there is none."""
+        faults = {key: march.fault for key, march in self.marches.items() if march.fault}
+        return faults[min(faults)] if faults else ""
+
+    @property
+    def seconds(self) -> float:
+        """Time of all marches [s]."""
+        return sum(march.seconds for march in self.marches.values())
+
+    def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
+        """Add the march of a stretch on a level."""
+        if "fault" in arrays:
+            nan, fault = np.full(self.steps + 1, np.nan), f"{piece.level}: {arrays['fault']}"
+            march = StretchMarch(nan[1:], nan, np.nan, 0.0, fault)
+        else:
+            march = StretchMarch(
+                arrays["release_energy"],
+                arrays["approach"],
+                float(arrays["plastic_area"][-self.steps :].mean()),
+                float(arrays["step_time"].sum()),
+            )
+        self.marches[piece.first, piece.level] = march
+
+
+@dataclass
+class Result:
+    """Solved lap of a run; its series are NaN where a step is not solved yet.
+
+    identity : str. Contact identity of the scene that is solved.
+    steps : int. Steps of the whole run.
+    solved_steps : int. Number of different steps; the other steps repeat them.
+    step : float, m. Length of a step.
+    start : float, m. First position along the track.
+    series : dict. Series of the lap by name, in SI units.
+    snapshot : Snapshot. Pressure and deflection at the end of the first piece. Default: None.
+    maps : dict. Pressure maps along the track, by position.
+    event_pieces : dict. Tables of recovery events by the first position of their piece; a single
+        table when the run is complete.
+    stretches : ErrorStretches. Stretches that were marched for the error estimate. Default: None.
+    slow_motion : SlowMotion. Contiguous maps around the loudest event, for the page. Default: None.
+    load_marches : LoadMarches. Marches at other loads, for the force law. Default: None.
+    moving : MovingRelease. March under the moving load. Default: None.
+    extremes : dict. Minimum and maximum of the contact force [N] by vibration and loads of the law,
+        kept because each takes a motion. They are not stored.
+    """
+
+    identity: str
+    steps: int
+    solved_steps: int
+    step: float
+    start: float
+    series: dict[str, Array]
+    snapshot: Snapshot | None = None
+    maps: dict[int, PressureMap] = field(default_factory=dict)
+    event_pieces: dict[int, dict[str, NDArray[Any]]] = field(default_factory=dict)
+    stretches: ErrorStretches | None = None
+    slow_motion: SlowMotion | None = None
+    load_marches: LoadMarches | None = None
+    moving: MovingRelease | None = None
+    extremes: dict[tuple[str, tuple[float, ...]], tuple[float, float]] = field(
+        default_factory=dict, repr=False
+    )
+
+    @classmethod
+    def empty(cls, scene: Scene) -> Result:
+        """Return the result of a scene without a sweep, without a solved step."""
+        track = scene.track
+        solved = track.solved_steps
+        # Views of a single NaN take no memory in a sweep of many runs before their first piece.
+        series = {name: np.broadcast_to(np.nan, solved) for name in STEP_SERIES}
+        series |= {name: np.broadcast_to(np.nan, solved + 1) for name in STATE_SERIES}
+        return cls(contact_identity(scene), track.steps, solved, track.step, scene.start, series)
+
+    def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
+        """Add the arrays of a piece, as `march_piece` returns them."""
+        if piece.kind == "track":
+            self._add_track(piece, arrays)
+        elif piece.kind in ("load", "judge"):
+            self.load_marches = self.load_marches or LoadMarches(self.solved_steps)
+            self.load_marches.add(piece, arrays)
+        elif piece.kind == "moving":
+            assert self.moving is not None  # `next_pieces` made it with its forces
+            self.moving.add(piece, arrays)
+        elif piece.kind == "error":
+            steps = piece.last - piece.first
+            if self.stretches is None or self.stretches.steps != steps:
+                self.stretches = ErrorStretches(steps)
+            self.stretches.add(piece, arrays)
+        elif "fault" in arrays:
+            self.slow_motion = SlowMotion.none()
+        else:
+            self.slow_motion = slow_motion_of(piece.first, piece.stride, arrays)
+
+    def _add_track(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
+        if not self.series["approach"].flags.writeable:
+            self.series = {name: values.copy() for name, values in self.series.items()}
+        for name in STEP_SERIES:
+            self.series[name][piece.first : piece.last] = arrays[name]
+        for name in STATE_SERIES:
+            _fill_states(self.series[name], piece, arrays[name])
+        self.snapshot = snapshot_of(arrays) or self.snapshot
+        self.maps |= maps_of(arrays)
+        events = events_of(arrays)
+        if events is not None:
+            self.event_pieces[piece.first] = events
+
+    def missing(self) -> list[tuple[int, int]]:
+        """Return first and last position of the pieces of the track that are not solved yet."""
+        unknown = np.isnan(self.series["release_energy"])
+        return [(a, b) for a, b in track_pieces(self.solved_steps) if unknown[a:b].any()]
+
+    @property
+    def complete(self) -> bool:
+        """Whether all steps of the track are solved."""
+        return not np.isnan(self.series["release_energy"]).any()
+
+    def whole(self, name: str) -> Array:
+        """Return a series of the whole run with repeated laps."""
+        values: Array = self.series[name]
+        places = np.arange(self.steps) % self.solved_steps
+        if name in STATE_SERIES:
+            places = np.append(places, (self.steps - 1) % self.solved_steps + 1)
+        return np.asarray(values[places])
+
+    def events(self) -> dict[str, NDArray[Any]] | None:
+        """Return the table of recovery events on the solved steps, or None if not requested."""
+        if not self.event_pieces:
+            return None
+        table = join_events([self.event_pieces[first] for first in sorted(self.event_pieces)])
+        if self.complete:  # it is joined only once
+            self.event_pieces = {0: table}
+        return table
+
+
+def _fill_states(whole: Array, piece: Piece, values: Array) -> None:
+    """Fill in the states of a piece up to its last position."""
+    whole[piece.last + 1 - len(values) : piece.last + 1] = values

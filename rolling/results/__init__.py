@@ -1,0 +1,1 @@
+"""Finished runs: their sound, numbers, caveats and labels, and the files that hold them."""

@@ -1,0 +1,273 @@
+"""The caveats of a run's numbers, in the same words on terminal, page and in files."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from acoustics.bands import OFF_DB
+from rolling.check import findings, resolution
+from rolling.marches.result import MovingRelease
+from rolling.results.run_errors import RunErrors
+from rolling.scene.scene import Scene
+from rolling.sound import solver_error
+from rolling.sound.contact_sound import ContactSound
+from rolling.sound.vibration_sound import Vibration
+
+BENT = 0.1  # range of the plate's displacement over its thickness up to which it is small
+SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
+WANTED_DB = 0.2  # standard error up to which an error estimate says enough
+# These stand beside every level.
+HEADLINE = (
+    "upper_bound",
+    "assumed_q",
+    "fixed_gain",
+    "on_axis",
+    "infinite_plate",
+    "unvalidated",
+    "uncertainty",
+)
+REPEATS = ("short_loop", "short_track")  # these stand beside every player
+# All other caveats are warnings.
+STANDING = (
+    *HEADLINE,
+    *REPEATS,
+    "not_loopable",
+    "quasi_static",
+    "constant_load_release",
+    "moving_load_release",
+)
+
+
+@dataclass(frozen=True)
+class Caveat:
+    """A limit of the numbers of runs.
+
+    key : str. Name for programs, which never changes with the wording.
+    text : str. The caveat in plain sentences.
+    labels : tuple of str. The runs that it concerns; empty: all runs.
+    """
+
+    key: str
+    text: str
+    labels: tuple[str, ...] = ()
+
+    @property
+    def line(self) -> str:
+        """The text with the labels of its runs."""
+        return self.text + (f" ({'; '.join(self.labels)})" if self.labels else "")
+
+
+def caveats(
+    scene: Scene,
+    sound: ContactSound,
+    errors: RunErrors | None = None,
+    vibration: Vibration | None = None,
+    moving: MovingRelease | None = None,
+) -> list[dict[str, str]]:
+    """List key and text of the caveats of a run, its warnings last.
+
+    scene : Scene. A scene without a sweep.
+    sound : ContactSound. The sound of the run.
+    errors : RunErrors. Errors from grid and solver. Default: the scene does not ask for them.
+    vibration : Vibration. Vibration of sphere and plate. Default: the run has none.
+    moving : MovingRelease. The release under the moving load, or its fault. Default: none.
+    """
+    knows_grid = _knows_grid(scene, errors)
+    texts = (
+        _of_levels(scene, sound, errors)
+        | _of_record(scene, sound)
+        | _of_load(scene, moving)
+        | {
+            each.key: f"{each.quantity}: {each.warning}"
+            for each in findings.findings(scene)
+            # A measured error of the grid stands for the rule's estimate.
+            if each.warning and not (knows_grid and each.key == resolution.KEY)
+        }
+        | _of_errors(scene, errors)
+        | _of_vibration(scene, vibration)
+    )
+    if sound.source == "release":
+        hidden = solver_error.doubt(scene, sound.audible_rms, sound.resolved_rms)
+        texts |= {"solver": f"solver: {hidden}"} if hidden else {}
+    return [{"key": key, "text": text} for key, text in texts.items()]
+
+
+def gathered(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[Caveat]:
+    """Merge the caveats of runs by key, in the words of the first run.
+
+    runs : sequence of pairs. Label and summary of each run.
+    """
+    by_key: dict[str, dict[str, str]] = {}
+    for label, summary in runs:
+        for caveat in summary["caveats"]:
+            by_key.setdefault(caveat["key"], {})[label] = caveat["text"]
+    merged = []
+    for key, texts in by_key.items():
+        first, text = next(iter(texts.items()))
+        if len(set(texts.values())) > 1:
+            text += f" (in the numbers of {first})"
+        merged.append(Caveat(key, text, () if len(texts) == len(runs) else tuple(texts)))
+    return merged
+
+
+def _of_levels(scene: Scene, sound: ContactSound, errors: RunErrors | None) -> dict[str, str]:
+    """Return the caveats of the levels; a silent run has none."""
+    s, texts = scene.sound, dict[str, str]()
+    if sound.steady_level is None and sound.levels.level_db is None:
+        return texts
+    fixed = s.gain_pa_per_w_m2 is not None
+    if sound.source == "vibration":
+        sources = "plate and sphere" if s.ball else "plate"
+        texts["on_axis"] = (
+            f"Levels are the pressure of {sources} on the axis through the contact, at one listener"
+            f" at {s.distance_m:g} m without a room."
+        )
+        body = "an infinite plate without modes, edges or supports"
+        texts["infinite_plate"] = (
+            f"The sphere rolls on {'a half-space' if scene.plate.thickness_mm is None else body},"
+            " pressed by a constant force without mass; friction, rocking and rotation are left"
+            " out."
+        )
+    elif s.q == 1:
+        levels = "The steady level is" if fixed or sound.levels.level_db is None else "Levels are"
+        texts["upper_bound"] = (
+            f"{levels} an upper bound: all released energy counts as radiated (q = 1)."
+        )
+    else:
+        texts["assumed_q"] = (
+            f"The scene assumes that {s.q:g} of the released energy is radiated (q)."
+        )
+    if fixed and sound.source == "release":
+        texts["fixed_gain"] = (
+            f"The scene's gain of {s.gain_pa_per_w_m2:g} Pa per W/m² decides every level but the"
+            " steady one."
+        )
+    texts["unvalidated"] = "No level has been validated against a microphone."
+    if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
+        texts["uncertainty"] = (
+            "± covers the record's length alone, taken as stationary Gaussian noise; it holds no"
+            " error of model, grid or solver."
+        )
+        if errors is not None and errors.levels:
+            law = ", solver and force law" if sound.source == "vibration" else " and solver"
+            texts["uncertainty"] += (
+                f" Errors of grid{law} are estimated beside the levels, which are not corrected for"
+                " them."
+            )
+    return texts
+
+
+def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
+    """Return the caveats of a record that does not loop, or whose repetition is heard."""
+    texts = {}
+    if not sound.loops:
+        texts["not_loopable"] = (
+            "The ends of the record do not fit together: a loop of it clicks."
+            if sound.closed
+            else "The record does not close on itself: it is faded at both ends, and a loop of it"
+            " has gaps."
+        )
+    if sound.levels.level_db is None:
+        return texts
+    lap = scene.track.lap_steps * scene.track.step
+    period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))
+    rate = f"{1 / period:.2g}" if 1 / period < 10 else f"{1 / period:.0f}"
+    heard = f"{rate} times a second: the pitch that is heard is the repetition, not the contact."
+    if sound.loops and sound.duration < SHORT_S:
+        texts["short_loop"] = f"When it loops, the record of {sound.duration:.3g} s repeats {heard}"
+    elif period < min(SHORT_S, 0.999 * sound.duration):
+        texts["short_track"] = f"The track repeats in the record every {period:.3g} s, {heard}"
+    return texts
+
+
+def _of_load(scene: Scene, moving: MovingRelease | None) -> dict[str, str]:
+    """Return the caveat of the load under which the release was computed."""
+    if scene.dynamics is None:
+        return {
+            "quasi_static": "The load is held constant: the sphere neither bounces nor rings on its"
+            " contact."
+        }
+    if moving is None:
+        return {
+            "constant_load_release": "The release is computed under the constant load;"
+            " dynamics.release: true computes it under the moving load."
+        }
+    if moving.fault:
+        return {
+            "no_moving_release": "release: of the constant load, because there is none under the"
+            f" moving load: {moving.fault}"
+        }
+    return {
+        "moving_load_release": "The release is computed under the moving load; the series along the"
+        " track are of the constant load."
+    }
+
+
+def _knows_grid(scene: Scene, errors: RunErrors | None) -> bool:
+    """Return whether the error of the grid in the release was measured."""
+    levels = errors.levels if errors and scene.sound.source == "release" else None
+    return levels is not None and math.isfinite(levels.grid_signal_db)
+
+
+def _of_errors(scene: Scene, errors: RunErrors | None) -> dict[str, str]:
+    """Return the warnings of the error estimate: its absence, its reach, and bands that are off."""
+    if errors is None:
+        return {}
+    if errors.levels is None:
+        return {"no_error_estimate": f"error estimate: none, because {errors.reason}"}
+    texts, signal = {}, errors.levels.grid_signal_db
+    if _knows_grid(scene, errors) and (coarse := resolution.measured(scene, signal)):
+        texts[resolution.KEY] = coarse
+    if errors.worst_uncertainty_db > WANTED_DB:
+        length = "duration_s" if scene.rolling.distance_mm is None else "distance_mm"
+        texts["error_estimate_reach"] = (
+            f"error estimate: its standard errors reach {errors.worst_uncertainty_db:.1f} dB"
+            f" between 1 and 16 kHz, {WANTED_DB:g} dB are wanted: a longer"
+            f" rolling.{length} pays for more stretches"
+        )
+    if off := errors.off_db():
+        bands = ", ".join(f"{name} Hz ({error:+.1f})" for name, error in off.items())
+        texts["band_errors"] = (
+            f"grid and solver: third octaves off by more than {OFF_DB:g} dB: {bands};"
+            " a smaller surface.spacing_um brings them down"
+        )
+    return texts
+
+
+def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
+    """Return the warnings of a vibration: extrapolated forces, flight, drift, a plate far bent."""
+    texts: dict[str, str] = {}
+    if vibration is None:
+        return texts
+    motion, loads = vibration.motion, vibration.law.load_n
+    if motion.outside_share > 0:
+        texts["force_outside"] = (
+            f"force law: the contact force leaves the marched loads of {loads[0]:.3g} to"
+            f" {loads[-1]:.3g} N for {100 * motion.outside_share:.2g} % of the time, and is"
+            " extrapolated there"
+        )
+    if motion.flight_share > 0:
+        impacts = f"{motion.impacts} impact{'' if motion.impacts == 1 else 's'}"
+        text = f"contact: lost for {100 * motion.flight_share:.2g} % of the time, with {impacts}"
+        if motion.flight_share == 1:
+            text += ": the record is shorter than a flight; choose a longer one"
+        texts["impacts"] = text
+    if scene.track.closed and not motion.settled and scene.surface.kind != "smooth":
+        text = "motion: it does not repeat from lap to lap, so its record does not loop"
+        if motion.flight_share > 0:
+            text += "; impacts need not repeat"
+        elif scene.motion.is_constant(scene.duration):
+            text += "; it has not run in, so another record may have another level"
+        texts["not_settled"] = text
+    thickness = scene.plate.thickness_mm
+    if thickness is not None and (bent := 1e3 * np.ptp(motion.plate_m) / thickness) > BENT:
+        texts["plate_deflection"] = (
+            f"plate: it sinks and rises by {bent:.2g} of its thickness; thin-plate theory wants a"
+            f" deflection that is small against it, at most about {BENT:g}"
+        )
+    return texts

@@ -1,0 +1,226 @@
+"""The words of a scene's keys, and the labels that distinguish runs on terminal, page and files."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+from rolling.scene.scene import Scene
+from rolling.scene.sweep import Value
+
+LONGEST = 72  # characters of a label: the width of a row in a legend
+_PROMINENT = 3  # differences that a label names even where fewer would distinguish the runs
+_PATH = "surface.path"
+
+
+class Word(NamedTuple):
+    """The words for a key: quantity, unit, text for its absence; minor: labels avoid the key."""
+
+    name: str
+    unit: str = ""
+    absent: str = ""
+    minor: bool = False
+
+
+WORDS = {  # in the order in which labels name them
+    "rolling.load_n": Word("load", "N"),
+    "rolling.speed_m_s": Word("speed", "m/s"),
+    "surface.kind": Word("surface"),
+    _PATH: Word("heights"),
+    "surface.roughness_ra_um": Word("Ra", "µm"),
+    "surface.correlation_length_um": Word("correlation length", "µm"),
+    "surface.correlation_length_across_um": Word(
+        "correlation length across", "µm", "correlation length across as along"
+    ),
+    "surface.autocorrelation": Word("autocorrelation"),
+    "surface.height_unit": Word("height unit"),
+    "surface.level": Word("levelling"),
+    "surface.seed": Word("seed"),
+    "sphere.radius_mm": Word("sphere radius", "mm"),
+    "sphere.youngs_modulus_gpa": Word("sphere Young's modulus", "GPa", "rigid sphere"),
+    "sphere.poissons_ratio": Word("sphere Poisson's ratio"),
+    "sphere.density_kg_m3": Word("sphere density", "kg/m³", "sphere density as steel"),
+    "plate.youngs_modulus_gpa": Word("Young's modulus", "GPa"),
+    "plate.poissons_ratio": Word("Poisson's ratio"),
+    "plate.hardness_gpa": Word("hardness", "GPa", "no hardness"),
+    "plate.density_kg_m3": Word("plate density", "kg/m³", "no plate density"),
+    "plate.thickness_mm": Word("thickness", "mm", "half-space"),
+    "plate.loss_factor": Word("loss factor", "", "no loss factor"),
+    "surface.spacing_um": Word("spacing", "µm"),
+    "numerics.step_nodes": Word("step", "nodes"),
+    "numerics.edges": Word("edges"),
+    "numerics.subcells": Word("sub-cells"),
+    "recovery.rule": Word("release rule"),
+    "sound.source": Word("source"),
+    "sound.ball": Word("ball"),
+    "sound.distance_m": Word("distance", "m"),
+    "sound.q": Word("q"),
+    "sound.gain_pa_per_w_m2": Word("gain", "Pa per W/m²", "no fixed gain"),
+    "numerics.tolerance": Word("tolerance", minor=True),
+    "surface.width_um": Word("width", "µm", minor=True),
+    "rolling.duration_s": Word("duration", "s", "once round the file", minor=True),
+    "rolling.distance_mm": Word("distance rolled", "mm", "no distance rolled", minor=True),
+    "rolling.start_um": Word("start", "µm", minor=True),
+    "dynamics.loads": Word("loads", minor=True),
+    "dynamics.span": Word("span", minor=True),
+    "dynamics.release": Word("release under the moving load", minor=True),
+    "numerics.precision": Word("precision", minor=True),
+    "numerics.error_estimate": Word("error estimate", minor=True),
+    "recovery.events": Word("recovery events", minor=True),
+    "sound.loudness": Word("loudness", minor=True),
+}
+
+
+class Labelled(Protocol):
+    """A run, solved or not, with its swept values by dotted key, its scene and its folder."""
+
+    @property
+    def values(self) -> Mapping[str, Value]: ...  # noqa: D102
+    @property
+    def scene(self) -> Scene: ...  # noqa: D102
+    @property
+    def folder(self) -> Path: ...  # noqa: D102
+
+
+def named(key: str) -> tuple[str, str]:
+    """Return word and unit of a dotted key: rolling.load_n is load in N."""
+    word = WORDS.get(key, Word(key))  # a section has its own name
+    return word.name, word.unit
+
+
+def worded(key: str, value: float | str) -> str:
+    """Write a value with its word and unit, or with its label: load 5 N, surface lapped."""
+    name, unit = named(key)
+    return f"{name} {printable(value) if isinstance(value, str) else f'{value:g} {unit}'}".rstrip()
+
+
+def labels(runs: Sequence[Labelled]) -> list[str]:
+    """Name runs by their differences in labels that differ and have at most `LONGEST` characters.
+
+    The scene's name comes first where names differ; swept values and other differences follow, as
+    many as distinguish the runs. The names of the folders, and at last a number, distinguish runs
+    of equal scenes. A single run is named by its swept values, or by its load.
+    """
+    names = [run.scene.name for run in runs]
+    rows = zip(*_parts(runs), strict=True)
+    texts = [", ".join(filter(None, row)) for row in rows]
+    if len(set(names)) > 1:
+        texts = [f"{name}, {text}" for name, text in zip(names, texts, strict=True)]
+    homes = [(run.folder.parent if run.values else run.folder).resolve().name for run in runs]
+    shared: dict[str, set[str]] = {}
+    for text, home in zip(texts, homes, strict=True):
+        shared.setdefault(text, set()).add(home)
+    texts = [
+        f"{text} ({printable(home)})" if len(shared[text]) > 1 else text
+        for text, home in zip(texts, homes, strict=True)
+    ]
+    return _numbered([_cut(text, LONGEST) for text in texts])
+
+
+def title(name: str, label: str) -> str:
+    """Put the scene's name before a label, unless the label begins with it."""
+    return label if label.partition(", ")[0] == name else f"{name}, {label}"
+
+
+def printable(text: str) -> str:
+    r"""Escape control characters, directions of writing and bytes that are not UTF-8.
+
+    A line feed becomes \n, the byte 255 in the name of a file \xff.
+    """
+
+    def escaped(letter: str) -> str:
+        if 0xDC80 <= ord(letter) <= 0xDCFF:  # Python's surrogate for a byte that is not UTF-8
+            return f"\\x{ord(letter) - 0xDC00:02x}"
+        return letter.encode("unicode_escape").decode("ascii")
+
+    return "".join(letter if letter.isprintable() else escaped(letter) for letter in text)
+
+
+def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
+    """Choose the keys that labels name, and return a text of each of them for each run."""
+    swept = list(dict.fromkeys(key for run in runs for key in run.values))
+    sections = {key for key in swept if key not in WORDS}  # swept under labels
+    keys = [*swept, *(key for key in WORDS if key.partition(".")[0] not in sections)]
+    texts = {key: _texts(key, runs) for key in dict.fromkeys(keys)}
+    minor = {key: WORDS.get(key, Word(key)).minor for key in texts}
+    differing = sorted((key for key in texts if len(set(texts[key])) > 1), key=minor.__getitem__)
+    names = [run.scene.name for run in runs]
+    chosen = [key for key in swept if key in differing] or swept
+    if len(set(names)) == 1:
+        major = [key for key in differing if key not in chosen and not minor[key]]
+        chosen += major[: max(0, _PROMINENT - len(chosen))]
+    for key in differing:
+        known = [names, *(texts[name] for name in chosen)]
+        rows = len(set(zip(*known, strict=True)))
+        if key not in chosen and len(set(zip(*known, texts[key], strict=True))) > rows:
+            chosen.append(key)
+    return [texts[key] for key in chosen or ["rolling.load_n"]]
+
+
+def _texts(key: str, runs: Sequence[Labelled]) -> list[str]:
+    """Write the value of a key for each run, as short as different values stay different."""
+    word = WORDS.get(key, Word(key))
+    swept = [run.values.get(key) for run in runs]
+    values = [_value(run.scene, key) for run in runs]
+    present = {value for value in values if value is not None}
+    written = {}
+    for digits in range(1, 20):
+        written = {value: _written(word, value, digits) for value in present}
+        if len(set(written.values())) == len(present):
+            break
+    texts = []
+    for run, label, value in zip(runs, swept, values, strict=True):
+        section, _, last = key.partition(".")
+        if isinstance(label, str) and key != _PATH and label != value:  # swept under labels
+            texts.append(f"{word.name} {printable(label)}")
+        elif value is not None:
+            texts.append(written[value])
+        else:  # a key that the kind of surface lacks has no words
+            texts.append(word.absent if hasattr(getattr(run.scene, section), last) else "")
+    return texts
+
+
+def _value(scene: Scene, key: str) -> Any:
+    """Read the value of a dotted key, or None; a height file is its place on the disk."""
+    if key == _PATH:
+        return scene.height_path and scene.height_path.resolve()
+    section, _, last = key.partition(".")
+    return getattr(getattr(scene, section), last, None) if last else None
+
+
+def _written(word: Word, value: Any, detail: int) -> str:
+    """Write a value with its word and unit; more detail shows all digits, or more folders."""
+    if isinstance(value, bool):
+        return f"{'with' if value else 'without'} {word.name}"
+    if isinstance(value, Path):
+        return f"{word.name} {printable('/'.join(value.parts[-detail:]))}"
+    if isinstance(value, str):
+        return f"{word.name} {printable(value.replace('_', ' '))}"
+    if isinstance(value, tuple) and detail == 1:  # a speed that changes
+        speeds = [speed for _, speed in value]
+        return f"{word.name} {min(speeds):g} to {max(speeds):g} {word.unit}"
+    if isinstance(value, tuple):
+        points = (f"{speed!r} {word.unit} at {time!r} s" for time, speed in value)
+        return f"{word.name} {', '.join(points)}"
+    return f"{word.name} {f'{value:g}' if detail == 1 else value} {word.unit}".rstrip()
+
+
+def _cut(text: str, longest: int) -> str:
+    """Cut a long text in its middle."""
+    head = longest // 2
+    return text if len(text) <= longest else f"{text[:head]}…{text[head + 1 - longest :]}"
+
+
+def _numbered(texts: Sequence[str]) -> list[str]:
+    """Append a number to texts that are equal."""
+    count, numbers, numbered = Counter(texts), Counter[str](), dict[str, None]()
+    for text in texts:
+        label = text
+        while count[text] > 1 and (label in count or label in numbered):
+            numbers[text] += 1
+            ending = f" ({numbers[text]})"
+            label = text[: LONGEST - len(ending)] + ending
+        numbered[label] = None
+    return list(numbered)

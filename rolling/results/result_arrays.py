@@ -1,0 +1,341 @@
+"""The arrays of result.h5: their names, dimensions and units, from a run and into a result."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import rolling
+from acoustics import wav
+from acoustics.bands import MID_HZ
+from rolling.check.error_cost import LEVELS
+from rolling.marches.observers import (
+    EVENT_COLUMNS,
+    STATE_SERIES,
+    STEP_SERIES,
+    PressureMap,
+    SlowMotion,
+    Snapshot,
+)
+from rolling.marches.result import (
+    MOVING_SERIES,
+    ErrorStretches,
+    LoadMarches,
+    MovingRelease,
+    Result,
+    StretchMarch,
+)
+from rolling.scene import file as scene_file
+from rolling.sound.vibration_sound import Vibration
+
+if TYPE_CHECKING:
+    from rolling.results.run_result import Run
+
+FORMAT = 3
+Arrays = dict[str, NDArray[Any]]
+# Dimensions, unit and type of each variable by its path. A step series has an entry for the step
+# from each position to the next, a state series one for each position.
+TABLE = {
+    "step": ("step", "m", "f8"),
+    "position": ("position", "m", "f8"),
+    "time": ("step", "s", "f8"),
+    "position_time": ("position", "s", "f8"),
+    "release_energy": ("step", "J", "f8"),
+    "loading_energy": ("step", "J", "f8"),
+    "energy_defect": ("step", "J", "f8"),
+    "speed": ("step", "m/s", "f8"),
+    "release_power": ("step", "W", "f8"),
+    "loading_power": ("step", "W", "f8"),
+    "release_per_metre": ("step", "J/m", "f8"),
+    "loading_per_metre": ("step", "J/m", "f8"),
+    "approach": ("position", "m", "f8"),
+    "contact_area": ("position", "m2", "f8"),
+    "plastic_area": ("position", "m2", "f8"),
+    "max_pressure": ("position", "Pa", "f8"),
+    "max_deflection": ("position", "m", "f8"),
+    "stored_energy": ("position", "J", "f8"),
+    "residual": ("position", "1", "f8"),
+    "iterations": ("position", "1", "f8"),
+    "convolutions": ("position", "1", "f8"),
+    "snapshot/along": ("along", "m", "f8"),
+    "snapshot/across": ("across", "m", "f8"),
+    "snapshot/pressure": ("along across", "Pa", "f8"),
+    "snapshot/deflection": ("along across", "m", "f8"),
+    "pressure_maps/position": ("map", "1", "i8"),
+    "pressure_maps/distance": ("map", "m", "f8"),
+    "pressure_maps/along": ("map", "m", "f8"),
+    "pressure_maps/across": ("map", "m", "f8"),
+    "pressure_maps/cell": ("map", "m", "f8"),
+    "pressure_maps/rows": ("map", "1", "i8"),
+    "pressure_maps/columns": ("map", "1", "i8"),
+    "pressure_maps/pressure": ("map row column", "Pa", "f4"),
+    "events/node": ("event axis", "1", "i4"),
+    "events/first": ("event", "position", "i8"),
+    "events/last": ("event", "position", "i8"),
+    "events/energy": ("event", "J", "f8"),
+    "events/peak": ("event", "J per step", "f8"),
+    "error_estimate/first": ("stretch", "position", "i8"),
+    "error_estimate/release_energy": ("stretch level stretch_step", "J", "f8"),
+    "error_estimate/approach": ("stretch level stretch_place", "m", "f8"),
+    "error_estimate/plastic_area": ("stretch level", "m2", "f8"),
+    "slow_motion/map_position": ("map_position", "1", "i8"),
+    "slow_motion/along": ("along", "m", "f8"),
+    "slow_motion/across": ("across", "m", "f8"),
+    "slow_motion/pressure": ("map_position along across", "Pa", "u1"),
+    "slow_motion/release": ("map_position along across", "J", "u2"),
+    "force_law/load": ("load", "N", "f8"),
+    "force_law/place": ("place", "m", "f8"),
+    "force_law/approach": ("load place", "m", "f8"),
+    "force_law/judging_load": ("judging_load", "N", "f8"),
+    "force_law/judging_approach": ("judging_load judging_place", "m", "f8"),
+    "moving_release/place": ("place", "m", "f8"),
+    "moving_release/force": ("place", "N", "f8"),
+    "moving_release/approach": ("place", "m", "f8"),
+    "moving_release/motion_approach": ("place", "m", "f8"),
+    "moving_release/release_energy": ("place_step", "J", "f8"),
+    "moving_release/loading_energy": ("place_step", "J", "f8"),
+    "moving_release/energy_defect": ("place_step", "J", "f8"),
+    "contact_force/force_time": ("force_time", "s", "f8"),
+    "contact_force/force": ("force_time", "N", "f8"),
+    "contact_force/band": ("band", "Hz", "f8"),
+    "contact_force/band_rms": ("band", "N", "f8"),
+    "sound/sound_time": ("sound_time", "s", "f8"),
+    "sound/pressure": ("sound_time", "Pa", "f8"),
+}
+Facts = dict[str, Any]
+Group = tuple[Arrays, Facts]  # arrays and attributes of a group
+
+
+def fixed_lengths(result: Result) -> dict[str, int]:
+    """Return the lengths of the dimensions that the scene of a result fixes."""
+    return {
+        "step": result.steps,
+        "position": result.steps + 1,
+        "place": result.solved_steps + 1,
+        "place_step": result.solved_steps,
+        "axis": 2,
+        "level": len(LEVELS),
+        "band": len(MID_HZ),
+    }
+
+
+# ---- from a run
+
+
+def groups_of(run: Run) -> dict[str, Group]:
+    """Return the groups of the file of a run by name; the root, with the series, has none."""
+    result, sound = run.result, run.sound
+    arrays = {"step": run.distance, "position": run.position}
+    arrays |= {"time": run.time, "position_time": run.position_time}
+    arrays |= {name: values for name, values in run.series.items() if name in TABLE}
+    facts = {
+        "title": f"rolling contact noise: {run.scene.name}",
+        "format": FORMAT,
+        "program": rolling.__version__,
+        "identity": result.identity,
+        "scene": scene_file.dump(run.scene),
+        "load_n": run.scene.load,
+        "steps": result.steps,
+        "solved_steps": result.solved_steps,
+        "step_m": result.step,
+        "start_m": result.start,
+    }
+    groups: dict[str, Group] = {"": (arrays, facts)}
+    for name, (field, write, _) in _GROUPS.items():
+        if content := getattr(result, field):
+            groups[name] = write(content, run)
+    if run.vibration is not None:
+        groups["contact_force"] = _contact_force(run.vibration)
+    samples = np.arange(len(sound.pressure)) / sound.sample_rate
+    of_sound: dict[str, Any] = {"sample_rate_hz": sound.sample_rate, "closed": int(sound.closed)}
+    if sound.factor is not None:
+        of_sound["factor_pa_per_w_m2"] = sound.factor
+    groups["sound"] = {"sound_time": samples, "pressure": sound.pressure}, of_sound
+    return groups
+
+
+def fill(result: Result, groups: dict[str, Group]) -> None:
+    """Fill an empty result with the arrays of the groups of its file."""
+    series, _ = groups[""]
+    for name in (*STEP_SERIES, *STATE_SERIES):
+        if name in TABLE:
+            result.series[name] = series[name][: len(result.series[name])].copy()
+    for name, (field, _, read) in _GROUPS.items():
+        if name in groups:
+            setattr(result, field, read(*groups[name], result))
+
+
+# ---- groups of a result, each written and read
+
+
+def _write_snapshot(snapshot: Snapshot, run: Run) -> Group:
+    rows, columns = (np.arange(count) * run.scene.spacing for count in snapshot.pressure.shape)
+    return {
+        "along": snapshot.along + rows,
+        "across": snapshot.across + columns,
+        "pressure": snapshot.pressure,
+        "deflection": snapshot.deflection,
+    }, {"distance_m": snapshot.distance}
+
+
+def _read_snapshot(arrays: Arrays, facts: Facts, result: Result) -> Snapshot:
+    along, across = float(arrays["along"][0]), float(arrays["across"][0])
+    return Snapshot(facts["distance_m"], along, across, arrays["pressure"], arrays["deflection"])
+
+
+_PLACES = ("position", "distance", "along", "across", "cell")
+
+
+def _write_maps(maps: dict[int, PressureMap], run: Run) -> Group:
+    ordered = [maps[position] for position in sorted(maps)]
+    shapes = np.array([each.pressure.shape for each in ordered])
+    padded = np.full((len(maps), *shapes.max(axis=0)), np.nan, dtype=np.float32)
+    for block, each, (rows, columns) in zip(padded, ordered, shapes, strict=True):
+        block[:rows, :columns] = each.pressure
+    arrays = {name: np.array([getattr(each, name) for each in ordered]) for name in _PLACES}
+    return arrays | {"rows": shapes[:, 0], "columns": shapes[:, 1], "pressure": padded}, {}
+
+
+def _read_maps(arrays: Arrays, facts: Facts, result: Result) -> dict[int, PressureMap]:
+    maps, shapes = {}, zip(arrays["rows"].tolist(), arrays["columns"].tolist(), strict=True)
+    places = zip(*(arrays[name].tolist() for name in _PLACES), strict=True)
+    for place, (rows, columns), padded in zip(places, shapes, arrays["pressure"], strict=True):
+        fields = dict(zip(_PLACES, place, strict=True))
+        maps[place[0]] = PressureMap(**fields, pressure=padded[:rows, :columns].copy())
+    return maps
+
+
+def _write_events(pieces: dict[int, Arrays], run: Run) -> Group:
+    return dict(run.events or {}), {}
+
+
+def _read_events(arrays: Arrays, facts: Facts, result: Result) -> dict[int, Arrays]:
+    return {0: {name: arrays[name] for name in EVENT_COLUMNS}}
+
+
+_STRETCH = {"release_energy": "release", "approach": "approach", "plastic_area": "plastic_area"}
+
+
+def _write_stretches(stretches: ErrorStretches, run: Run) -> Group:
+    firsts = sorted({first for first, _ in stretches.marches})
+    marches = [[stretches.marches[first, level] for level in LEVELS] for first in firsts]
+    arrays = {
+        name: np.array([[getattr(march, field) for march in row] for row in marches])
+        for name, field in _STRETCH.items()
+    }
+    faults = [[march.fault for march in row] for row in marches]
+    return {"first": np.array(firsts)} | arrays, {"faults": json.dumps(faults)}
+
+
+def _read_stretches(arrays: Arrays, facts: Facts, result: Result) -> ErrorStretches:
+    release, approach, areas = (arrays[name] for name in _STRETCH)
+    stretches, faults = ErrorStretches(release.shape[2]), json.loads(facts["faults"])
+    for row, first in enumerate(arrays["first"].tolist()):
+        for column, level in enumerate(LEVELS):
+            at, fault = (row, column), faults[row][column]
+            march = StretchMarch(release[at], approach[at], float(areas[at]), 0.0, fault)
+            stretches.marches[first, level] = march
+    return stretches
+
+
+_FILM = ("first", "stride", "along", "across", "cell", "pressure_unit", "release_unit")
+
+
+def _write_film(film: SlowMotion, run: Run) -> Group:
+    """Return the film; it has no arrays where its stretch could not be solved again."""
+    facts = {name: getattr(film, name) for name in _FILM}
+    rows, columns = ((np.arange(count) + 0.5) * film.cell for count in film.pressure.shape[1:])
+    arrays = {
+        "map_position": film.positions,
+        "along": film.along + rows,
+        "across": film.across + columns,
+        "pressure": film.pressure,
+        "release": film.release,
+    }
+    return arrays if film.pressure.size else {}, facts
+
+
+def _read_film(arrays: Arrays, facts: Facts, result: Result) -> SlowMotion:
+    if not arrays:
+        return SlowMotion.none()
+    fields = {name: facts[name] for name in _FILM}
+    return SlowMotion(**fields, pressure=arrays["pressure"], release=arrays["release"])
+
+
+def _write_law(marches: LoadMarches, run: Run) -> Group:
+    """Return the approach at each load, the scene's own included."""
+    by_load = marches.approach | {run.scene.load: run.result.series["approach"]}
+    loads, between = sorted(by_load), sorted(marches.judging)
+    arrays = {
+        "load": np.array(loads),
+        "place": _places(run.result),
+        "approach": np.array([by_load[load] for load in loads]),
+    }
+    if between:
+        arrays["judging_load"] = np.array(between)
+        arrays["judging_approach"] = np.array([marches.judging[load] for load in between])
+    faults = {repr(load): marches.faults[load] for load in sorted(marches.faults)}
+    return arrays, {"own_load_n": run.scene.load, "faults": json.dumps(faults)}
+
+
+def _read_law(arrays: Arrays, facts: Facts, result: Result) -> LoadMarches:
+    marches = LoadMarches(result.solved_steps)
+    marches.approach = dict(zip(arrays["load"].tolist(), arrays["approach"], strict=True))
+    del marches.approach[facts["own_load_n"]]
+    if "judging_load" in arrays:
+        judging = zip(arrays["judging_load"].tolist(), arrays["judging_approach"], strict=True)
+        marches.judging = dict(judging)
+    marches.faults = {float(load): text for load, text in json.loads(facts["faults"]).items()}
+    return marches
+
+
+def _write_moving(moving: MovingRelease, run: Run) -> Group:
+    facts = {"key": moving.key, "fault": moving.fault}
+    arrays = {"place": _places(run.result), "force": moving.force, "approach": moving.approach}
+    arrays |= {"motion_approach": moving.motion_approach, **moving.steps}
+    return {} if moving.fault else arrays, facts
+
+
+def _read_moving(arrays: Arrays, facts: Facts, result: Result) -> MovingRelease:
+    if facts["fault"]:
+        return MovingRelease.impossible(facts["key"], result.solved_steps, facts["fault"])
+    force, motion = arrays["force"], arrays["motion_approach"]
+    steps = {name: arrays[name] for name in MOVING_SERIES}
+    return MovingRelease(facts["key"], force, motion, arrays["approach"], steps)
+
+
+def _places(result: Result) -> NDArray[np.float64]:
+    """Return the positions of a lap [m]."""
+    return np.asarray(result.start + np.arange(result.solved_steps + 1) * result.step)
+
+
+def _contact_force(vibration: Vibration) -> Group:
+    """Return the contact force at the samples of the sound, and its bands."""
+    force = vibration.motion.force_n
+    return {
+        "force_time": np.arange(len(vibration.force)) / wav.SAMPLE_RATE_HZ,
+        "force": vibration.load + vibration.force,
+        "band": np.array(MID_HZ),
+        "band_rms": vibration.force_bands,
+    }, {
+        "closed": int(vibration.closed),
+        "minimum_n": float(force.min()),
+        "maximum_n": float(force.max()),
+        "time_step_s": vibration.motion.time_step_s,
+    }
+
+
+# Name of the group, field of the result, writer and reader.
+_GROUPS: dict[str, tuple[str, Callable[[Any, Run], Group], Callable[..., Any]]] = {
+    "snapshot": ("snapshot", _write_snapshot, _read_snapshot),
+    "pressure_maps": ("maps", _write_maps, _read_maps),
+    "events": ("event_pieces", _write_events, _read_events),
+    "error_estimate": ("stretches", _write_stretches, _read_stretches),
+    "slow_motion": ("slow_motion", _write_film, _read_film),
+    "force_law": ("load_marches", _write_law, _read_law),
+    "moving_release": ("moving", _write_moving, _read_moving),
+}

@@ -1,0 +1,249 @@
+"""Finished runs with their sound: the input of figures and page, and the results in Python."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from acoustics import wav
+from rolling._typing import Array
+from rolling.contact.recovery import EventStatistics, event_statistics
+from rolling.marches import force_law
+from rolling.marches.observers import STATE_SERIES, STEP_SERIES
+from rolling.marches.result import Result
+from rolling.results import labels, result_file, runs_table
+from rolling.results.run_errors import RunErrors, run_errors
+from rolling.results.summary import summarize
+from rolling.scene.scene import Scene
+from rolling.scene.sweep import Value
+from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
+from rolling.sound.vibration_sound import Vibration, heard, vibrate
+from rolling.surface.scene_surface import scene_surface
+from rolling.terminal import files
+
+if TYPE_CHECKING:
+    import xarray
+
+Writer = Callable[["Run", Path, bool], Path]  # run, folder, report
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Run:
+    """A run with its sound. It equals no other run, so it can be the key of a dictionary.
+
+    label : str. The label that distinguishes the run from the other runs, such as `load 5 N`.
+    values : dict. The swept values of the run, by dotted key.
+    folder : Path. The run folder; the working directory for a run that is in memory only.
+    scene : Scene. The scene without a sweep.
+    result : Result. Series of the solved lap, pressure maps, snapshot and recovery events.
+    sound : ContactSound. Sound pressure, levels and their uncertainty.
+    summary : dict. The numbers of summary.json; a run that was opened has the stored ones.
+    errors : RunErrors. Errors from grid and solver; None unless the scene asks for an estimate.
+    vibration : Vibration. Vibration of sphere and plate; None unless the scene has dynamics.
+    writer : callable. The function behind `save`, which stands above this module.
+    """
+
+    label: str
+    values: Mapping[str, Value]
+    folder: Path
+    scene: Scene
+    result: Result
+    sound: ContactSound
+    summary: dict[str, Any]
+    errors: RunErrors | None = None
+    vibration: Vibration | None = None
+    writer: Writer | None = None
+
+    @property
+    def home(self) -> Path:
+        """The folder that `rolling run` made: the folder of the sweep for a run of a sweep."""
+        return self.folder.parent if self.values else self.folder
+
+    @cached_property  # joining the pieces of the track takes time
+    def events(self) -> dict[str, NDArray[Any]] | None:
+        """The table of recovery events, or None if none were requested."""
+        return self.result.events()
+
+    @cached_property
+    def event_statistics(self) -> EventStatistics | None:
+        """Statistics of the recovery events on the solved track, or None without events."""
+        length = self.result.solved_steps * self.result.step
+        return event_statistics(self.events, length) if self.events else None
+
+    @property
+    def title(self) -> str:
+        """The scene and the label."""
+        return labels.title(self.scene.name, self.label)
+
+    @property
+    def laps(self) -> float:
+        """Number of times that the record holds the solved track, at least 1."""
+        return max(1.0, self.result.steps / self.result.solved_steps)
+
+    @cached_property
+    def series(self) -> Mapping[str, Array]:
+        """All series of the whole run by name, in SI units.
+
+        Energies, powers, `speed` and `step_time` have the shape (steps,) and stand at `distance`
+        and `time`. States, such as `contact_area`, have the shape (steps + 1,) and stand at
+        `position` and `position_time`. `step_time` is NaN in a run that was opened.
+        """
+        step = self.result.step
+        _, speed = middle_speeds(self.scene.motion, self.result.steps, step)
+        series = {name: self.result.whole(name) for name in STEP_SERIES} | {"speed": speed}
+        for kind in ("release", "loading"):
+            series[f"{kind}_per_metre"] = series[f"{kind}_energy"] * (1 / step)
+            series[f"{kind}_power"] = series[f"{kind}_energy"] * (speed / step)
+        return MappingProxyType(series | {name: self.result.whole(name) for name in STATE_SERIES})
+
+    @property
+    def release_power(self) -> Array:
+        """(steps,) W. Elastic energy released per time, at `distance` and `time`."""
+        return self.series["release_power"]
+
+    @cached_property
+    def distance(self) -> Array:
+        """(steps,) m. Distance along the track at the middle of each step."""
+        middles = (np.arange(self.result.steps) + 0.5) * self.result.step
+        return np.asarray(self.result.start + middles, dtype=float)
+
+    @cached_property
+    def time(self) -> Array:
+        """(steps,) s. Time at the middle of each step."""
+        return middle_speeds(self.scene.motion, self.result.steps, self.result.step)[0]
+
+    @cached_property
+    def position(self) -> Array:
+        """(steps + 1,) m. Distance along the track at each position; a step joins two positions."""
+        ends = np.arange(self.result.steps + 1) * self.result.step
+        return np.asarray(self.result.start + ends, dtype=float)
+
+    @cached_property
+    def position_time(self) -> Array:
+        """(steps + 1,) s. Time at each position."""
+        ends, motion = np.arange(self.result.steps + 1) * self.result.step, self.scene.motion
+        return np.asarray(motion.time(np.minimum(ends, motion.final_distance)), dtype=float)
+
+    def play(self) -> Any:
+        """Return a player for a notebook; without IPython, print the name of the WAV file.
+
+        The gain makes all runs equally loud, so levels are compared by their numbers. A run without
+        files writes listen.wav into the working directory.
+
+        Returns
+        -------
+        player : IPython.display.Audio, or None.
+        """
+        gain = wav.listening_gain(self.sound.pressure)
+        try:
+            from IPython.display import Audio  # type: ignore[import-not-found, unused-ignore]
+        except ImportError:
+            path = self.folder / "listen.wav"
+            if not path.is_file():
+                content = wav.listening(self.sound.pressure, gain, self.title, self.title)
+                files.write_bytes(path, content)
+            print(f"listen: {path}")
+            return None
+        return Audio(self.sound.pressure * gain, rate=self.sound.sample_rate, normalize=False)
+
+    def save(self, folder: Path | str, report: bool = True) -> Path:
+        """Write the run folder that `rolling run` would write.
+
+        Parameters
+        ----------
+        folder : Path or str. The folder to make.
+        report : bool. Write the report page as well. Default: true.
+
+        Returns
+        -------
+        folder : Path. The new folder, for `open_run`.
+
+        Raises
+        ------
+        FolderError : the folder exists already.
+        TypeError : the run does not come from `simulate`, `simulate_sweep` or `open_run`.
+        """
+        if self.writer is None:
+            raise TypeError("only runs of simulate, simulate_sweep and open_run can be saved")
+        return self.writer(self, Path(folder), report)
+
+    def to_xarray(self) -> xarray.DataTree:
+        """Return the content of result.h5 as a tree.
+
+        The root holds the series. The groups are snapshot, pressure_maps, events, error_estimate,
+        slow_motion, force_law, moving_release, contact_force and sound, as far as the run has them.
+
+        Returns
+        -------
+        tree : xarray.DataTree. Every variable has its unit in `attrs`.
+        """
+        return result_file.tree(self)
+
+    def __repr__(self) -> str:
+        return f"<run {self.title}: LAeq {self._level('laeq_db')} dB(A), {self.result.steps} steps>"
+
+    def _repr_html_(self) -> str:
+        """Write levels and caveats for a notebook."""
+        levels = "".join(
+            f"<tr><td>{name}</td><td>{self._level(key)}</td><td>{unit}</td></tr>"
+            for key, (name, unit) in runs_table.LEVELS.items()
+        )
+        caveats = "".join(
+            f"<li>{html.escape(each['text'])}</li>" for each in self.summary["caveats"]
+        )
+        return f"<h4>{html.escape(self.title)}</h4><table>{levels}</table><ul>{caveats}</ul>"
+
+    def _level(self, key: str) -> str:
+        """Write a level with its uncertainty [dB]."""
+        return runs_table.level_text(self.summary, key)
+
+
+def hear(
+    label: str,
+    values: Mapping[str, Value],
+    folder: Path,
+    scene: Scene,
+    result: Result,
+    summary: dict[str, Any] | None = None,
+) -> Run:
+    """Make the sound of a whole result, and its numbers unless they are stored already.
+
+    Raises
+    ------
+    ContactError : the marches make no force law.
+    """
+    closed = result.steps % result.solved_steps == 0 and scene.track.closed
+    moving = result.moving if scene.moves_release else None
+    energy = result.whole("release_energy")
+    if moving is not None and not moving.fault:
+        closed = closed and moving.repeats
+        laps = np.arange(result.steps) % result.solved_steps
+        energy = moving.steps["release_energy"][laps]
+    release = contact_sound(
+        scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam
+    )
+    vibration = _vibration(scene, result, release)
+    vibrates = vibration is not None and scene.sound.source == "vibration"
+    sound = heard(release, vibration) if vibration and vibrates else release
+    errors = run_errors(scene, result, sound, vibration)
+    if summary is None:
+        summary = summarize(scene, result, sound, release, errors, vibration, moving)
+    return Run(label, values, folder, scene, result, sound, summary, errors, vibration)
+
+
+def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration | None:
+    """Return the vibration of a run; None without dynamics."""
+    if scene.dynamics is None:
+        return None
+    whole_laps = scene.track.closed and result.steps % result.solved_steps == 0
+    law = force_law.force_law(scene, result)
+    laps = result.steps / result.solved_steps
+    return vibrate(scene, law, release.highest, whole_laps and release.constant_speed, laps)

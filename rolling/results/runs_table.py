@@ -1,0 +1,218 @@
+"""Tables of runs: numbers as a data frame, statistics over seeds, and lines for a terminal."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from acoustics.bands import BAND_NAMES
+from rolling.results.caveats import HEADLINE, REPEATS, STANDING, gathered
+from rolling.results.labels import Labelled, labels, printable
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+SEED = "surface.seed"
+LEVELS = {  # keys of the summary with name and unit
+    "laeq_db": ("LAeq", "dB(A)"),
+    "level_db": ("LZeq", "dB"),
+    "laf_max_db": ("LAFmax", "dB(A)"),
+    "las_max_db": ("LASmax", "dB(A)"),
+    "lz_peak_db": ("LZpeak", "dB"),
+    "steady_level_db": ("steady level", "dB re 1 pW/m²"),
+}
+BANDS = ("third_octave_db", "third_octave_a_db", "third_octave_uncertainty_db")
+_METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
+
+
+def stored_summary(run: Labelled) -> dict[str, Any] | None:
+    """Return the summary of a run, from its file unless it is in memory; None without one."""
+    summary: dict[str, Any] | None = getattr(run, "summary", None)
+    path = run.folder / "summary.json"
+    if summary is None and path.is_file():
+        summary = json.loads(path.read_bytes())
+    return summary
+
+
+def runs_table(runs: Sequence[Labelled]) -> pd.DataFrame:
+    """Return the numbers of runs, one row per run.
+
+    The index holds label, folder and the swept keys. The columns are all single numbers of
+    summary.json, the keys of the caveats, and the third octaves, such as `third_octave_db_1000`. A
+    run without a summary has empty cells.
+    """
+    import pandas as pd  # slow to import, for tables only
+
+    swept = list(dict.fromkeys(key for run in runs for key in run.values))
+    rows = []
+    for run, label in zip(runs, labels(runs), strict=True):
+        names = {"run": label, "folder": run.folder.name}
+        places = names | {key: run.values.get(key) for key in swept}
+        rows.append(places | numbers(stored_summary(run) or {}))
+    return pd.DataFrame(rows).convert_dtypes().set_index(["run", "folder", *swept])
+
+
+def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the numbers of a summary by the names of their columns.
+
+    The uncertainty of LAeq from the length of the record has the column `laeq_uncertainty_db`, like
+    that of any other level; the one with grid and solver has `laeq_total_uncertainty_db`.
+    """
+    cells: dict[str, Any] = {}
+    for key, value in summary.items():
+        if key == "caveats":
+            cells[key] = " ".join(caveat["key"] for caveat in value)
+        elif key == "uncertainty_db":
+            cells |= {f"{name}_uncertainty_db": spread for name, spread in value.items()}
+        elif key == "surface":
+            cells |= {
+                f"surface_{name}{'_m' if name in _METRES else ''}": number
+                for name, number in value.items()
+            }
+        elif key == "levelling" and value:
+            cells |= {f"levelling_{name}": inner for name, inner in value.items()}
+        elif key == "laeq_uncertainty_db":
+            cells["laeq_total_uncertainty_db"] = value
+        elif key not in ("name", "levelling") and not isinstance(value, Mapping):
+            cells[key] = value
+    bands = {
+        f"{key}_{name}": level for key in BANDS for name, level in summary.get(key, {}).items()
+    }
+    return cells | bands
+
+
+def seed_statistics(table: pd.DataFrame, over: str = SEED) -> pd.DataFrame:
+    """Return statistics of levels and third octaves over runs that differ in one key alone.
+
+    A sweep of seeds repeats an experiment: `deviation_over_stated` near 1 confirms the uncertainty
+    that a record states.
+
+    table : DataFrame. A table of runs, as `runs_table` returns it.
+    over : str. The swept key over which the statistics are made. Default: the seed.
+    """
+    import pandas as pd
+
+    keys = [name for name in table.index.names if name not in ("run", "folder", over)]
+    stated = {name: f"{_spread(name)}_uncertainty_db" for name in LEVELS} | {
+        f"{kind}_{band}": f"{BANDS[2]}_{band}" for kind in BANDS[:2] for band in BAND_NAMES
+    }
+    stated = {name: spread for name, spread in stated.items() if name in table}
+    values = table[[*stated]].astype(float)
+    spreads = table[[*stated.values()]].astype(float).set_axis([*stated], axis=1)
+    groups = [table.index.get_level_values(key) for key in keys] or [np.zeros(len(table), int)]
+    of_levels = values.groupby(groups, sort=False, dropna=False)
+    square = np.square(spreads.where(values.notna()))
+    parts = {
+        "runs": of_levels.count(),
+        "mean": of_levels.mean(),
+        "standard_deviation": of_levels.std(),
+        "standard_error": of_levels.sem(),
+        "stated_uncertainty": np.sqrt(square.groupby(groups, sort=False, dropna=False).mean()),
+    }
+    parts["deviation_over_stated"] = parts["standard_deviation"] / parts["stated_uncertainty"]
+    statistics = pd.concat(parts, axis=1).stack(level=1, future_stack=True)
+    statistics = statistics.rename_axis([*(keys or ["all"]), "level"]).reset_index()
+    names = statistics["level"].str.extract(r"^(third_octave(?:_a)?_db)_(.+)$")
+    statistics["level"] = names[0].fillna(statistics["level"])
+    statistics.insert(len(keys or ["all"]) + 1, "band_hz", names[1])
+    statistics = statistics[statistics["runs"] > 0].astype({"runs": int})
+    return statistics if keys else statistics.drop(columns="all")
+
+
+# ---- texts
+
+
+def uncertain(level: float, uncertainty: float | None) -> str:
+    """Write a level with its standard uncertainty [dB], rounded up to a tenth.
+
+    The uncertainty never prints as 0.0 dB, because no level is known exactly.
+    """
+    spread = "" if uncertainty is None else f" ± {math.ceil(uncertainty * 10) / 10:.1f}"
+    return f"{level:.1f}{spread}"
+
+
+def level_text(summary: Mapping[str, Any], key: str) -> str:
+    """Write a level of a summary with its uncertainty [dB]."""
+    if (level := summary[key]) is None:
+        no_level = key == "steady_level_db" and summary["source"] == "vibration"
+        return "-" if no_level else "silent"
+    return uncertain(level, summary["uncertainty_db"][_spread(key)])
+
+
+def error_line(label: str, summary: Mapping[str, Any]) -> str:
+    """Write the error estimate of a run, or an empty text without one."""
+    estimate, grid = summary.get("error_estimate", {}), summary.get("laeq_grid_error_db")
+    if "stretches" not in estimate or grid is None:
+        return ""
+    solver, spread = summary["laeq_solver_error_db"] or 0.0, summary["uncertainty_db"]["laeq"]
+    grid_spread = summary["laeq_grid_error_uncertainty_db"] or 0.0
+    signal = [
+        f"{summary[key]:.0f} dB from the {name}"
+        for key, name in (("grid_signal_db", "grid"), ("solver_signal_db", "solver"))
+        if summary[key] is not None
+    ]
+    return (
+        f"errors of {label}: LAeq {grid:+.2f} ± {grid_spread:.2f} dB from the grid, {solver:+.2f}"
+        f" dB from the solver, corrected {uncertain(summary['laeq_db'] - grid - solver, spread)}"
+        f" dB(A); rms error of the {summary['source']} over its fluctuation {', '.join(signal)};"
+        f" {estimate['stretches']} stretches of {estimate['steps']} steps, order"
+        f" {estimate['order']:.1f}"
+    )
+
+
+def levels_table(runs: Sequence[Labelled]) -> str:
+    """Write levels, cost and folders of runs for a terminal, with their caveats below."""
+    names, summaries = labels(runs), [stored_summary(run) for run in runs]
+    rows = []
+    for run, label, summary in zip(runs, names, summaries, strict=True):
+        row = {"run": label} | dict.fromkeys(
+            ("LAeq dB(A)", "LZeq dB", "steady dB", "plastic ratio", "steps", "ms/step"), "-"
+        )
+        if summary is not None:
+            row["LAeq dB(A)"] = level_text(summary, "laeq_db")
+            row["LZeq dB"] = level_text(summary, "level_db").partition(" ")[0]
+            row["steady dB"] = level_text(summary, "steady_level_db").partition(" ")[0]
+            row["plastic ratio"] = f"{summary['plastic_ratio']:.3f}"
+            row["steps"] = f"{summary['steps']}"
+            row["ms/step"] = "-" if summary["step_ms"] is None else f"{summary['step_ms']:.1f}"
+        rows.append(row | {"files": printable(str(run.folder))})
+    known = [(name, each) for name, each in zip(names, summaries, strict=True) if each is not None]
+    errors = [line for name, summary in known if (line := error_line(name, summary))]
+    return "\n".join([columns(rows), *errors, *_remarks(known)])
+
+
+def columns(rows: Sequence[Mapping[str, str]]) -> str:
+    """Write rows of the same keys in aligned columns, two spaces apart, for a terminal."""
+    cells = [[*rows[0]], *([*row.values()] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    lines = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in cells)
+    return "\n".join(lines)
+
+
+def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
+    """Write the caveats of the levels, the surfaces, the short repetitions and the warnings."""
+    remarks = gathered(runs)
+    beside = [each.line for each in remarks if each.key in HEADLINE]
+    surfaces = dict.fromkeys(
+        f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, skewness"
+        f" {s['skewness']:.2f}, kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
+        for s in (summary["surface"] for _, summary in runs)
+    )
+    tilts = dict.fromkeys(
+        f"tilt: {levelling['text']}"
+        for _, summary in runs
+        if (levelling := summary["levelling"])
+        and (levelling["slope_along"] or levelling["slope_across"])
+    )
+    repeats = [f"note: {each.line}" for each in remarks if each.key in REPEATS]
+    warnings = [f"warning: {each.line}" for each in remarks if each.key not in STANDING]
+    return [*([" ".join(beside)] if beside else []), "", *surfaces, *tilts, *repeats, *warnings]
+
+
+def _spread(key: str) -> str:
+    """Return the name of a level in `uncertainty_db`."""
+    return "steady" if key.startswith("steady") else key.removesuffix("_db")

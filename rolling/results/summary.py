@@ -1,0 +1,267 @@
+"""The numbers of summary.json and the provenance of a run."""
+
+from __future__ import annotations
+
+import platform
+import subprocess
+from dataclasses import asdict
+from datetime import UTC, datetime
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import rolling
+from acoustics import loudness
+from acoustics.bands import BAND_NAMES
+from acoustics.level import SoundLevels, level_db
+from rolling._typing import Array
+from rolling.check import cost, height_files
+from rolling.contact import closed_forms
+from rolling.dynamics import of_scene
+from rolling.marches import force_law
+from rolling.marches.observers import STATE_SERIES
+from rolling.marches.result import MovingRelease, Result
+from rolling.results.caveats import caveats
+from rolling.results.run_errors import RunErrors, known, numbers
+from rolling.scene.scene import Scene
+from rolling.sound.contact_sound import ContactSound
+from rolling.sound.vibration_sound import P_REF_W, Vibration
+from rolling.surface.levelling import Levelling
+from rolling.surface.scene_surface import scene_surface
+
+_PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "h5netcdf", "xarray", "pydantic")
+
+
+def summarize(
+    scene: Scene,
+    result: Result,
+    sound: ContactSound,
+    release: ContactSound,
+    errors: RunErrors | None,
+    vibration: Vibration | None,
+    moving: MovingRelease | None,
+) -> dict[str, Any]:
+    """Collect the numbers of a run; levels of silence are None.
+
+    scene : Scene. A scene without a sweep.
+    result : Result. The whole result.
+    sound, release : ContactSound. The sound that is heard, and that of the release.
+    errors : RunErrors. Errors from grid and solver, or None.
+    vibration : Vibration. Vibration of sphere and plate, or None.
+    moving : MovingRelease. The release under the moving load, or None.
+    """
+    made, seconds = scene_surface(scene), result.series["step_time"]
+    law = _law(scene, result, vibration)
+    heard_law = law.get("force_law_error_db") if sound.source == "vibration" else None
+    spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
+    del spreads["third_octave"]
+    times = seconds[np.isfinite(seconds)]  # unknown of marches that were read from a file
+    return {
+        "name": scene.name,
+        "load_n": scene.load,
+        "steps": result.steps,
+        "source": sound.source,
+        **asdict(sound.levels),
+        "steady_level_db": sound.steady_level,
+        "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},
+        "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
+        **numbers(errors, sound.uncertainty.laeq_db, heard_law),
+        **_loudness(scene, sound),
+        **_release(release, sound),
+        **_contact(scene, result),
+        "tolerance": scene.tolerance,
+        "step_ms": float(np.median(times) * 1e3) if len(times) else None,
+        "seconds": float(times.sum()),
+        "caveats": caveats(scene, sound, errors, vibration, moving),
+        "surface": asdict(made.statistics),
+        "levelling": _levelling(made.levelling) if made.levelling else None,
+        **_vibration(scene, release, vibration),
+        **law,
+        **_moving(result, moving),
+    }
+
+
+def provenance(scene: Scene) -> dict[str, Any]:
+    """Collect the provenance of the numbers: versions, state of the source, machine, seed."""
+    packages = (*_PACKAGES, "mosqito") if scene.sound.loudness else _PACKAGES
+    return {
+        "program": rolling.__version__,
+        "source": _commit(),
+        "python": platform.python_version(),
+        "packages": {name: _version(name) for name in packages},
+        "machine": f"{platform.system()} {platform.machine()}, {cost.cores()} processors",
+        "seed": getattr(scene.surface, "seed", None),
+        "written": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+_version = cache(metadata.version)
+
+
+@cache
+def _commit() -> str | None:
+    """Return the commit of the checkout with the mark of changes; None outside a checkout."""
+    root = Path(rolling.__file__).parents[1]
+    git = ["git", "--git-dir", str(root / ".git"), "--work-tree", str(root)]
+    command = [*git, "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=10)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout.strip() or None
+
+
+def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
+    """Compute loudness and sharpness if the scene requests them."""
+    if not scene.sound.loudness:
+        return {}
+    heard = loudness.loudness(sound.pressure, sound.sample_rate, sound.closed)
+    return {"loudness_sone": heard.sone, "sharpness_acum": heard.acum}
+
+
+def _release(release: ContactSound, sound: ContactSound) -> dict[str, Any]:
+    """Return the duration of a record, and the release power behind it."""
+    return {
+        "duration_s": sound.duration,
+        "loops": sound.loops,
+        "highest_frequency_hz": sound.highest,
+        "factor_pa_per_w_m2": sound.factor,
+        "release_power_mean_w": release.mean_power,
+        "release_power_rms_w": release.power_rms,
+        "release_power_audible_rms_w": release.audible_rms,
+        "release_power_resolved_rms_w": release.resolved_rms,
+    }
+
+
+def _contact(scene: Scene, result: Result) -> dict[str, Any]:
+    """Return areas, pressure, balance and effort over all positions."""
+    state = {name: result.whole(name) for name in STATE_SERIES}
+    radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    hertz_area, plastic = float(np.pi * radius**2), float(state["plastic_area"].mean())
+    defect = np.abs(result.whole("energy_defect")).max()
+    return {
+        "hertz_area_m2": hertz_area,
+        "contact_area_mean_m2": float(state["contact_area"].mean()),
+        "plastic_area_mean_m2": plastic,
+        "plastic_ratio": plastic / hertz_area,
+        "max_pressure_pa": float(state["max_pressure"].max()),
+        "energy_balance_error": float(defect / state["stored_energy"].max()),
+        "residual_max": float(state["residual"].max()),
+        "iterations_mean": float(state["iterations"].mean()),
+        "convolutions_mean": float(state["convolutions"].mean()),
+    }
+
+
+def _levelling(levelling: Levelling) -> dict[str, Any]:
+    """Return the tilt removed from the heights of a file, and the seam of the levelled heights."""
+    seam = levelling.seams[0]
+    return {
+        "slope_along": levelling.taken[0],
+        "slope_across": levelling.taken[1],
+        "height_along_m": levelling.rises[0],
+        "height_across_m": levelling.rises[1],
+        "ra_before_m": levelling.ra_before,
+        "ra_after_m": levelling.ra_after,
+        "seam_step_m": seam.step,
+        "seam_neighbours_m": seam.neighbours,
+        "seam_stands_out": seam.stands_out,
+        "text": height_files.tilt_text(levelling),
+    }
+
+
+def _moving(result: Result, moving: MovingRelease | None) -> dict[str, Any]:
+    """Return the numbers of a release under the moving load."""
+    if moving is None or moving.fault:
+        return {}
+    defect = np.abs(moving.steps["energy_defect"]).max()
+    return {
+        "force_law_error_m": moving.law_error,
+        "moving_release_balance_error": float(defect / result.series["stored_energy"].max()),
+    }
+
+
+def _law(scene: Scene, result: Result, vibration: Vibration | None) -> dict[str, Any]:
+    """Return the loads of the force law, its error, and the time of its marches."""
+    marches = result.load_marches
+    if vibration is None or marches is None:
+        return {}
+    loads = vibration.law.load_n.tolist()
+    error = force_law.law_error(scene, result, loads)
+    return {
+        "force_law_loads": len(loads),
+        "force_law_min_n": loads[0],
+        "force_law_max_n": loads[-1],
+        "force_law_error_n": error and error.newtons,
+        "force_law_error_db": error and error.decibels,
+        "force_law_fault": marches.fault or None,
+    }
+
+
+def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None) -> dict[str, Any]:
+    """Return the numbers of a vibration: levels of both sources, force, bodies and motion."""
+    if vibration is None:
+        return {}
+    chain, motion, ratio = vibration.chain, vibration.motion, vibration.force_ratio
+    plate = of_scene.plate(scene)
+    radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    return {
+        **_difference(scene, release.levels, vibration.levels),
+        "plate_power_level_db": _total(vibration.plate_power),
+        "ball_power_level_db": _total(vibration.ball_power),
+        "plate_power_third_octave_db": vibration.power_levels(),
+        "ball_power_third_octave_db": vibration.ball_power_levels(),
+        "loss_factor": scene.plate.loss_factor,
+        "force_rms_n": vibration.rms_ratio * vibration.load,
+        "force_rms_ratio": vibration.rms_ratio,
+        "force_max_ratio": float(ratio.max()),
+        "force_min_ratio": float(ratio.min()),
+        "force_third_octave_n": dict(
+            zip(BAND_NAMES, map(known, vibration.force_bands.tolist()), strict=True)
+        ),
+        "flight_share": motion.flight_share,
+        "impacts": motion.impacts,
+        "ball_mass_kg": chain.mass_kg,
+        "contact_stiffness_n_m": chain.stiffness_n_m,
+        "plate_mobility_s_kg": chain.mobility_s_kg,
+        "resonance_hz": chain.resonance_hz,
+        "resonance_q": known(chain.quality),
+        "resonance_wavelength_m": scene.motion.fastest(scene.duration) / chain.resonance_hz,
+        "critical_hz": plate and plate.critical_hz,
+        "bending_limit_hz": plate and of_scene.bending_limit_hz(plate),
+        "plate_deflection_m": float(np.ptp(motion.plate_m)),
+        "contact_radius_over_thickness": plate and float(radius / plate.thickness_m),
+        "force_outside_share": motion.outside_share,
+        "motion_time_step_s": motion.time_step_s,
+        "motion_balance_error": motion.energy_error,
+        "motion_settled": bool(motion.settled),
+        "motion_laps": motion.laps,
+        "motion_transient_s": known(motion.transient_s),
+    }
+
+
+def _difference(scene: Scene, release: SoundLevels, vibration: SoundLevels) -> dict[str, Any]:
+    """Return the levels of both sources, their difference, and the q that makes them equal."""
+    difference = equal = None
+    if release.laeq_db is not None and vibration.laeq_db is not None:
+        difference = release.laeq_db - vibration.laeq_db
+        if scene.sound.gain_pa_per_w_m2 is None:  # the level of a release follows 10 lg q
+            equal = scene.sound.q * 10 ** (-difference / 10)
+    return {
+        "vibration_laeq_db": vibration.laeq_db,
+        "vibration_level_db": vibration.level_db,
+        "vibration_third_octave_db": vibration.third_octave_db,
+        "release_laeq_db": release.laeq_db,
+        "release_level_db": release.level_db,
+        "release_third_octave_db": release.third_octave_db,
+        "release_over_vibration_db": difference,
+        "equivalent_q": equal,
+    }
+
+
+def _total(power: Array) -> float | None:
+    """Return the level of the bands together [dB re 1 pW]; None where all are unknown."""
+    finite = power[np.isfinite(power)]
+    return level_db(float(finite.sum()), P_REF_W) if len(finite) else None

@@ -1,0 +1,1 @@
+"""Runs of scenes: one loop on all cores or on a cluster, and the folders of their files."""

@@ -1,0 +1,234 @@
+"""The loop that hands out the pieces of runs to a pool, and completes each run after its last."""
+
+from __future__ import annotations
+
+import errno
+import signal
+from collections import Counter, defaultdict, deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rolling.check import cost
+from rolling.contact.solver import ContactError
+from rolling.marches.next_pieces import next_pieces
+from rolling.marches.piece import contact_identity
+from rolling.marches.result import Result
+from rolling.run.pools import Pool, Task
+from rolling.run.worker import Failure, solve_piece
+from rolling.scene.scene import Scene
+from rolling.terminal import progress
+
+LOOK_SECONDS = 0.5  # between two looks at the pool
+MOST_BREAKS = 3  # of the pool by a task, before its runs have failed
+LOST = "a worker process was killed; the tasks that it may have had are done again, one by one"
+KILLED = f"a worker process was killed {MOST_BREAKS} times while it had this run; out of memory?"
+# Errors of a disk, which stop all runs. Another error of the system stops the run of its folder.
+OF_A_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
+
+
+@contextmanager
+def ended_by_signal() -> Iterator[None]:
+    """Raise KeyboardInterrupt for SIGTERM as for Ctrl-C, in the main thread."""
+
+    def interrupt(number: int, frame: Any) -> None:
+        raise KeyboardInterrupt
+
+    try:
+        before = signal.signal(signal.SIGTERM, interrupt)
+    except ValueError:  # only the main thread may handle signals
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+class RunLoop:
+    """Loop over the pieces that runs lack. Runs that need equal pieces share them.
+
+    Runs with one contact identity begin together, the longest marches first. A run begins when the
+    pool has room, so that a sweep of many runs keeps few results in memory.
+
+    Attributes
+    ----------
+    failures : dict. Reason of each failed run, by the number of the run.
+    """
+
+    def __init__(
+        self,
+        scenes: Sequence[Scene],
+        results: Mapping[int, Result],
+        finish: Callable[[int, Result], Task | None],
+        finished: Callable[[int], object],
+        pieces: Path | None,
+        film: bool,
+        bar: progress.Bar,
+    ) -> None:
+        """Prepare the runs.
+
+        Parameters
+        ----------
+        scenes : sequence of Scene. Scenes without a sweep, one per run.
+        results : mapping. Results of earlier marches by number of the run; others begin empty.
+        finish : callable. It receives number and result of a complete run, and returns the task
+            that remains, or None.
+        finished : callable. It receives the number of a run that is done.
+        pieces : Path. Folder for files of pieces; None keeps them in memory.
+        film : bool. Whether complete runs get a slow motion.
+        bar : Bar. It receives the expected time of pieces [s].
+        """
+        self._bar = bar
+        self._scenes, self._pieces, self._film = scenes, pieces, film
+        self._finish, self._finished = finish, finished
+        self._results = dict(results)
+        self._costs = {number: cost.expected_seconds(scene) for number, scene in enumerate(scenes)}
+        groups = defaultdict(list)
+        for number, scene in enumerate(scenes):
+            groups[contact_identity(scene)].append(number)
+        self._groups = deque(sorted(groups.values(), key=lambda group: -self._costs[group[0]]))
+        self._queue: deque[Task] = deque()
+        self._suspects: deque[Task] = deque()  # tasks in hand when the pool broke
+        self._flying: dict[Future[Any], Task] = {}
+        self._wanting: dict[tuple[str, str], list[int]] = {}  # runs by the key of their task
+        self._lacking: Counter[int] = Counter()  # pieces that each run waits for
+        self._breaks: Counter[tuple[str, str]] = Counter()
+        self.failures: dict[int, str] = {}
+        bar.grow(sum(self._costs[group[0]] for group in self._groups))
+
+    def run(self, pool: Pool) -> None:
+        """Hand out all pieces and collect their results.
+
+        Raises
+        ------
+        OSError : a disk is full or read-only, or a cluster is gone.
+        KeyboardInterrupt : Ctrl-C or SIGTERM. Files of finished pieces are kept.
+        """
+        with ended_by_signal():
+            while self._groups or self._queue or self._suspects or self._flying:
+                self._hand_out(pool)
+                done, _ = wait(self._flying, LOOK_SECONDS, FIRST_COMPLETED)
+                pool.look()
+                self._bar.tick()
+                broken = [future for future in done if not self._collect(future, pool)]
+                if broken:
+                    self._suspect(pool)
+
+    def _hand_out(self, pool: Pool) -> None:
+        """Fill the slots of the pool; a suspect is alone in it."""
+        while not any(self._breaks[task.key] for task in self._flying.values()):
+            while not (self._queue or self._suspects) and self._groups:
+                self._begin(self._groups.popleft())
+            waiting = self._suspects or self._queue
+            if not waiting or len(self._flying) >= (1 if self._suspects else pool.slots):
+                return
+            task = waiting.popleft()
+            if not self._wanting.get(task.key):  # its runs have failed
+                self._wanting.pop(task.key, None)
+                continue
+            try:
+                self._flying[pool.submit(task)] = task
+            except BrokenExecutor:
+                waiting.appendleft(task)
+                self._suspect(pool)
+
+    def _begin(self, group: Sequence[int]) -> None:
+        """Begin the runs of one contact identity."""
+        self._bar.grow(-self._costs[group[0]])
+        for number in group:
+            if number not in self._results:
+                self._results[number] = Result.empty(self._scenes[number])
+            self._advance(number)
+
+    def _advance(self, number: int) -> None:
+        """Queue the pieces that a run lacks next, or the task that completes it."""
+        result = self._results[number]
+        try:
+            pieces = next_pieces(self._scenes[number], result, self._film)
+        except ContactError as error:
+            self._fail(number, str(error))
+            return
+        for piece in pieces:
+            key = piece.identity, piece.key
+            if key in self._wanting:
+                self._wanting[key].append(number)
+            else:
+                self._wanting[key] = [number]
+                self._queue.append(Task(key, solve_piece, (piece, self._pieces), piece))
+                self._bar.grow(piece.cost)
+            self._lacking[number] += 1
+        if pieces:
+            return
+        task = self._finish(number, result)
+        del self._results[number]
+        if task is None:
+            self._finished(number)
+        else:
+            self._wanting[task.key] = [number]
+            self._queue.appendleft(task)  # it frees the memory of its run
+
+    def _collect(self, future: Future[Any], pool: Pool) -> bool:
+        """Take the value of a task; return false where the pool broke."""
+        task = self._flying[future]
+        reason = ""
+        try:
+            value = future.result()
+        except BrokenExecutor:
+            return False
+        except CancelledError:
+            pool.rebuild()
+            raise
+        except OSError as error:
+            if task.piece is not None or error.errno in OF_A_DISK:
+                raise
+            reason = str(error)
+        except Exception as error:
+            reason = pool.reason(error)
+        del self._flying[future]
+        self._breaks.pop(task.key, None)
+        self._bar.update(task.cost)
+        numbers = self._wanting.pop(task.key, [])
+        if reason or isinstance(value, Failure):
+            for number in numbers:
+                self._fail(number, reason or value.reason)
+        elif task.piece is None:
+            for number in numbers:
+                self._finished(number)
+        else:
+            for number in numbers:
+                self._add(number, task, value)
+        return True
+
+    def _add(self, number: int, task: Task, value: dict[str, Any]) -> None:
+        """Add a piece to a run, and go on with the run after the last piece that it waits for."""
+        if number in self.failures:
+            return
+        assert task.piece is not None
+        self._results[number].add(task.piece, value)
+        self._lacking[number] -= 1
+        if not self._lacking[number]:
+            self._advance(number)
+
+    def _fail(self, number: int, reason: str) -> None:
+        """Note that a run failed, and forget its other tasks."""
+        self.failures.setdefault(number, reason)
+        self._results.pop(number, None)
+        for numbers in self._wanting.values():
+            if number in numbers:
+                numbers.remove(number)
+
+    def _suspect(self, pool: Pool) -> None:
+        """Rebuild a broken pool; each task in hand is done again, alone."""
+        progress.line(LOST)
+        for task in self._flying.values():
+            self._breaks[task.key] += 1
+            if self._breaks[task.key] < MOST_BREAKS:
+                self._suspects.append(task)
+            else:
+                for number in self._wanting.pop(task.key, []):
+                    self._fail(number, KILLED)
+        self._flying.clear()
+        pool.rebuild()

@@ -1,0 +1,335 @@
+"""Run folders: their scene, their runs, states that the files tell, and the lock of a command.
+
+A folder holds scene.yaml, report.html, runs.csv and figures/. Each run has result.h5, summary.json,
+signal.wav and listen.wav, a single run in the folder itself, a run of a sweep in a folder below.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import rolling
+from rolling.scene import file, identity
+from rolling.scene import sweep as sweeps
+from rolling.scene.scene import Scene
+from rolling.scene.sweep import Value, run_name
+from rolling.terminal import files
+from rolling.terminal.files import FolderError
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
+SCENE, RESULT, SUMMARY, FAILED, PIECES = (
+    "scene.yaml",
+    "result.h5",
+    "summary.json",
+    "failed.json",
+    "pieces",
+)
+MARK = "# rolling-contact-noise run folder, format 2"  # the first line of scene.yaml begins so
+LOCK, PART_LOCK = ".lock", ".lock-{}-of-{}"
+LOCK_SECONDS = 2.0  # patience with the momentary look of `status`
+MOST_NAMED = 20  # runs of a state that the status names
+STATES = ("done", "running", "waiting", "failed")
+
+Part = tuple[int, int]  # number from 1 on, and count of the parts of a sweep
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """A run of a scene and its folder.
+
+    values : mapping. The swept values of the run, by dotted key.
+    scene : Scene. The scene with these values, without a sweep.
+    folder : Path. The folder of the run.
+    """
+
+    values: Mapping[str, Value]
+    scene: Scene
+    folder: Path
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the run is whole: its summary is written after its result."""
+        return (self.folder / RESULT).is_file() and (self.folder / SUMMARY).is_file()
+
+    @property
+    def failure(self) -> str | None:
+        """The reason of the last failure, or None."""
+        try:
+            return str(json.loads((self.folder / FAILED).read_bytes())["reason"])
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+        except (OSError, ValueError, KeyError, TypeError):
+            return "unknown"
+
+
+def runs_in(folder: Path, scene: Scene) -> list[RunFolder]:
+    """Return the runs of a scene in a folder; a single run lies in the folder itself."""
+    return [RunFolder(values, single, folder / run_name(values)) for values, single in scene.runs()]
+
+
+def stored_runs(folder: Path) -> list[RunFolder]:
+    """Return the runs of a run folder, or the run of a folder inside the folder of a sweep.
+
+    Raises
+    ------
+    FolderError : the folder is no run folder of this version.
+    SceneError : its scene cannot be read.
+    """
+    above = folder.absolute().parent
+    if not (folder / SCENE).is_file() and _is_marked(above):
+        runs = [
+            run for run in runs_in(above, stored_scene(above)) if run.folder.name == folder.name
+        ]
+        if runs:
+            return [RunFolder(runs[0].values, runs[0].scene, folder)]
+    return runs_in(folder, stored_scene(folder))
+
+
+def stored_scene(folder: Path) -> Scene:
+    """Read the scene of a run folder.
+
+    Raises
+    ------
+    FolderError : the folder is no run folder of this version.
+    SceneError : its scene cannot be read.
+    """
+    if not _is_marked(folder):
+        raise FolderError(
+            f"{folder}: {_foreign(folder) or 'no run folder, there is no scene.yaml'}"
+        )
+    return file.read_scene(folder / SCENE)
+
+
+def _is_marked(folder: Path) -> bool:
+    """Return whether this program wrote the scene of a folder."""
+    try:
+        with (folder / SCENE).open("rb") as stream:
+            return stream.read(len(MARK)) == MARK.encode()
+    except OSError:
+        return False
+
+
+def _foreign(folder: Path) -> str:
+    """Say why an existing folder cannot become a run folder; empty if it can."""
+    if not folder.exists():
+        return ""
+    if not folder.is_dir():
+        return "not a folder"
+    if (folder / "run.json").exists() or (folder / "resolved.yaml").exists():
+        return (
+            "made by version 0.1 of rolling-contact-noise, which reads it; version"
+            f" {rolling.__version__} does not"
+        )
+    strangers = [path.name for path in folder.iterdir() if not _is_own(path.name)]
+    if strangers:
+        return f"no run folder, it holds {', '.join(sorted(strangers)[:3])}"
+    return ""
+
+
+def _is_own(name: str) -> bool:
+    """Return whether a file in a folder without a scene is a lock or a file half written."""
+    return name.startswith(LOCK) or (name.startswith(".") and name.endswith(".partial"))
+
+
+def refuse_other(folder: Path, scene: Scene) -> bool:
+    """Refuse a folder that holds something else than runs of a scene.
+
+    Returns
+    -------
+    is_same : Whether the folder holds exactly this scene; false for a new folder, and for a sweep
+        whose runs are a part of the scene's.
+
+    Raises
+    ------
+    FolderError : the folder is foreign, or holds another scene.
+    """
+    if not _is_marked(folder):
+        if reason := _foreign(folder):
+            raise FolderError(
+                f"{folder}: {reason}; take another --out, such as {free_name(folder)}"
+            )
+        return False
+    old, new = stored_scene(folder), seen_from(folder, scene)
+    lines = identity.differences(old, new)
+    if not lines:
+        return True
+    if old.sweep and new.sweep and identity.contains(old, new):
+        return False
+    text = "".join(f"\n  {text}" for text in lines)
+    raise FolderError(
+        f"{folder}: holds runs of another scene; take another --out, such as"
+        f" {free_name(folder)}{text}"
+    )
+
+
+def free_name(folder: Path) -> Path:
+    """Return the first name like that of a folder which does not exist."""
+    number = 2
+    while (free := folder.with_name(f"{folder.name}-{number}")).exists():
+        number += 1
+    return free
+
+
+def write_scene(folder: Path, scene: Scene) -> None:
+    """Write the resolved scene of a run folder."""
+    head = f"{MARK}, written by version {rolling.__version__}\n"
+    text = file.dump(seen_from(folder, scene))
+    files.write_bytes(folder / SCENE, (head + text).encode())
+
+
+def seen_from(folder: Path, scene: Scene) -> Scene:
+    """Return a scene whose paths to height files are relative to a run folder."""
+
+    def moved(path: str) -> str:
+        if Path(path).is_absolute():
+            return path
+        # Links are resolved first, because ".." of a linked folder leads elsewhere.
+        heights = (scene.folder / path).parent.resolve() / Path(path).name
+        return Path(os.path.relpath(heights, folder.resolve())).as_posix()
+
+    before = scene.to_dict()
+    data = sweeps.with_paths(before, moved)
+    return scene if data == before else Scene.from_dict(data, folder)
+
+
+def default_folder(scene: Scene) -> Path:
+    """Return the folder of a scene that is given without --out."""
+    return Path("outputs") / f"{scene.name}-{identity.scene_identity(scene)[:8]}"
+
+
+# ---- the lock
+
+
+@contextmanager
+def held(folder: Path, part: Part | None = None) -> Iterator[None]:
+    """Hold the lock of a folder, or of a part of its sweep, while a command hands out pieces.
+
+    Parts exclude a command for the whole folder, and equal parts exclude each other.
+
+    Raises
+    ------
+    FolderError : another command holds a lock, or the folder cannot be written.
+    """
+    from filelock import FileLock, Timeout
+
+    path = folder / (LOCK if part is None else PART_LOCK.format(*part))
+    lock = FileLock(path)
+    try:
+        lock.acquire(timeout=LOCK_SECONDS)
+    except Timeout as error:
+        raise _in_use(folder, path) from error
+    except OSError as error:
+        raise FolderError(f"{folder}: cannot be written ({error.strerror or error})") from error
+    try:
+        others = folder.glob(f"{LOCK}-*") if part is None else [folder / LOCK]
+        for other in others:
+            if is_locked(other):
+                raise _in_use(folder, other)
+        yield
+    finally:
+        with suppress(OSError):  # a waiting command notices that the file is gone
+            path.unlink()
+        lock.release()
+
+
+def _in_use(folder: Path, lock: Path) -> FolderError:
+    return FolderError(
+        f"{folder}: in use, another command works on it; wait for it to end, or stop it. Where none"
+        f" does, because the disk keeps the lock of a dead command, delete {lock}"
+    )
+
+
+def is_locked(path: Path) -> bool:
+    """Return whether a process holds a lock file, without creating or keeping anything."""
+    try:
+        lock = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0))
+    except OSError:
+        return False
+    try:
+        if fcntl is not None:
+            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        return False
+    except OSError:  # held, or a disk without locks, where the file itself is the lock
+        return True
+    finally:
+        os.close(lock)
+
+
+# ---- files that a killed command left
+
+
+def tidy(folder: Path, runs: Sequence[RunFolder]) -> None:
+    """Remove failures of earlier attempts and files half written in a folder and its runs.
+
+    Raises
+    ------
+    FolderError : the folder of a run or of the pieces is a link, which leads elsewhere.
+    """
+    for place in (folder / PIECES, *(run.folder for run in runs if run.values)):
+        if place.is_symlink():
+            raise FolderError(f"{place}: a link, but results are written into real folders only")
+    for place in {folder, *(run.folder for run in runs)}:
+        with suppress(OSError):  # a place that is no folder
+            (place / FAILED).unlink(missing_ok=True)
+            for path in place.glob(".*.partial"):
+                path.unlink(missing_ok=True)
+
+
+def drop_pieces(folder: Path, contact: str) -> None:
+    """Remove the pieces of a contact identity whose runs are done."""
+    pieces = folder / PIECES
+    shutil.rmtree(pieces / contact[:16], ignore_errors=True)
+    with suppress(OSError):  # pieces of other marches are there
+        pieces.rmdir()
+
+
+# ---- status
+
+
+def states(folder: Path) -> dict[str, tuple[str, str]]:
+    """Return state and reason of each run of a folder by the name of its folder."""
+    is_running = any(map(is_locked, folder.glob(f"{LOCK}*")))
+    found = {}
+    for run in stored_runs(folder):
+        if run.is_done:
+            state = "done", ""
+        elif (reason := run.failure) is not None:
+            state = "failed", reason
+        else:
+            state = "running" if is_running else "waiting", ""
+        found[run.folder.name] = state
+    return found
+
+
+def status(folder: Path) -> str:
+    """Return the progress of a run folder in words: counts of states, and runs that failed."""
+    runs = states(folder)
+    counts = Counter(state for state, _ in runs.values())
+    named = ", ".join(f"{counts[state]} {state}" for state in STATES if counts[state])
+    lines = [f"{folder}: {len(runs)} {'run' if len(runs) == 1 else 'runs'}: {named}"]
+    pieces = sum(1 for _ in (folder / PIECES).glob("*/*.npz"))
+    if pieces:
+        lines.append(f"  {pieces} pieces of unfinished runs are solved")
+    failed = [
+        f"  failed: {name}: {text}" for name, (state, text) in runs.items() if state == "failed"
+    ]
+    lines += failed[:MOST_NAMED]
+    if len(failed) > MOST_NAMED:
+        lines.append(f"  failed: {len(failed) - MOST_NAMED} more")
+    return "\n".join(lines)
+
+
+def is_at_rest(folder: Path) -> bool:
+    """Return whether no run of a folder is waiting or running."""
+    return all(state in ("done", "failed") for state, _ in states(folder).values())

@@ -1,0 +1,139 @@
+"""Runs for Python: simulated in memory, opened from their folders, saved into new ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from rolling.check import refusals
+from rolling.contact.solver import ContactError
+from rolling.marches.result import Result
+from rolling.results import labels
+from rolling.results.run_result import Run, hear
+from rolling.run.executor import RunLoop
+from rolling.run.folder import RunFolder
+from rolling.run.pools import local_pool
+from rolling.run.stored import open_run, save_run
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+from rolling.scene.sweep import Value
+from rolling.terminal import progress as terminal
+
+__all__ = ["SweepError", "open_run", "save_run", "simulate", "simulate_sweep"]
+
+Values = Value | tuple[Value, ...]
+
+
+class SweepError(ContactError):
+    """Runs of a sweep that failed, beside the successful runs.
+
+    failures : dict. Reasons by the label of the run.
+    runs : dict. The successful runs, as `simulate_sweep` returns them.
+    """
+
+    def __init__(self, failures: dict[str, str], runs: dict[Values, Run]) -> None:
+        super().__init__("\n".join(f"{label}: {reason}" for label, reason in failures.items()))
+        self.failures, self.runs = failures, runs
+
+
+def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> Run:
+    """Simulate a scene in memory: contact, released energy, sound and levels.
+
+    Parameters
+    ----------
+    scene : Scene. A scene without a sweep.
+    workers : int. Processes; 0: one per core. The numbers do not depend on it. Default: 0.
+    progress : bool. Whether a progress bar is shown. Default: on a terminal and in a notebook.
+
+    Returns
+    -------
+    run : the series in SI units, the sound and its levels.
+
+    Raises
+    ------
+    SceneError : the scene sweeps, does not fit into memory, or its surface cannot be read.
+    ContactError : a contact has no solution, for instance because the load exceeds the capacity of
+        the surface.
+    KeyboardInterrupt : Ctrl-C was pressed.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> scene = rolling.Scene.from_dict({
+    ...     "name": "small",
+    ...     "sphere": {"radius_mm": 5},
+    ...     "plate": {"youngs_modulus_gpa": 210, "poissons_ratio": 0.3},
+    ...     "surface": {"kind": "gaussian", "roughness_ra_um": 0.1, "correlation_length_um": 10,
+    ...                 "spacing_um": 2, "width_um": 128, "seed": 3},
+    ...     "rolling": {"load_n": 0.1, "speed_m_s": 0.1, "duration_s": 0.002},
+    ... })
+    >>> run = rolling.simulate(scene, workers=1, progress=False)
+    >>> run.series["contact_area"].shape, run.release_power.shape
+    ((101,), (100,))
+    """
+    if scene.sweep:
+        raise SceneError(
+            [f"sweep: the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them"]
+        )
+    runs, failures = _simulated(scene, workers, progress)
+    if failures:
+        raise ContactError(next(iter(failures.values())))
+    (run,) = runs.values()
+    return run
+
+
+def simulate_sweep(
+    scene: Scene, workers: int = 0, progress: bool | None = None
+) -> dict[Values, Run]:
+    """Simulate every run of a scene that sweeps, in memory.
+
+    Parameters
+    ----------
+    scene : Scene. A scene with a sweep.
+    workers, progress : as in `simulate`.
+
+    Returns
+    -------
+    runs : dict. Runs by their swept value, or by a tuple of values if several keys are swept.
+
+    Raises
+    ------
+    SceneError : the scene does not sweep, or as in `simulate`.
+    SweepError : a run failed; the error holds the other runs. It is a ContactError.
+    KeyboardInterrupt : Ctrl-C was pressed.
+    """
+    if not scene.sweep:
+        raise SceneError(["sweep: the scene has no sweep; simulate runs it"])
+    runs, failures = _simulated(scene, workers, progress)
+    if failures:
+        raise SweepError(failures, runs)
+    return runs
+
+
+def _simulated(
+    scene: Scene, workers: int, shown: bool | None
+) -> tuple[dict[Values, Run], dict[str, str]]:
+    """Simulate the runs of a scene; return them by swept values, and failures by label."""
+    refusals.refuse(scene, workers)
+    runs = [RunFolder(values, single, Path()) for values, single in scene.runs()]
+    names, heard = labels.labels(runs), dict[int, Run]()
+
+    def finish(number: int, result: Result) -> None:
+        run = runs[number]
+        heard[number] = replace(
+            hear(names[number], run.values, run.folder, run.scene, result), writer=save_run
+        )
+
+    scenes = [run.scene for run in runs]
+    with terminal.bar(0.0, scene.name, shown) as bar:
+        loop = RunLoop(scenes, {}, finish, lambda number: None, None, False, bar)
+        with local_pool(workers, scenes) as pool:
+            loop.run(pool)
+    swept = {_key(run): heard[number] for number, run in enumerate(runs) if number in heard}
+    return swept, {names[number]: reason for number, reason in loop.failures.items()}
+
+
+def _key(run: RunFolder) -> Values:
+    """Return the key of a run in a sweep: its swept value, or the tuple of its values."""
+    values = tuple(run.values.values())
+    return values[0] if len(values) == 1 else values

@@ -1,0 +1,337 @@
+"""Places where tasks are done: this process, processes of this machine, workers of a cluster.
+
+Each pool is a context with `slots`, the number of tasks that it takes at a time, and `submit`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import logging
+import os
+import pickle
+import sys
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, Self, cast
+
+from rolling.check import cost
+from rolling.run import worker
+from rolling.scene.messages import SceneError
+from rolling.terminal import program, progress
+
+if TYPE_CHECKING:
+    from rolling.marches.piece import Piece
+    from rolling.scene.scene import Scene
+
+# A worker imports nothing from the working directory, and runs its libraries on one thread. Large
+# surfaces are no leak of memory.
+ENVIRONMENT = {
+    "PYTHONSAFEPATH": "1",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "NUMBA_NUM_THREADS": "1",
+    "LOKY_MAX_MEMORY_LEAK_SIZE": "1e15",
+}
+CONNECT_SECONDS = 10.0
+COUNT_SECONDS = 5.0  # between two counts of the workers of a cluster
+PORT = 8786  # of a scheduler whose address names none
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A call for a pool: the march of a piece, or the last files of a run.
+
+    key : identity and key of the piece, or "finish" and the number of the run.
+    function : callable. It stands in a module that can be imported.
+    arguments : tuple. The arguments of the call.
+    piece : Piece. None for the files of a run.
+    """
+
+    key: tuple[str, str]
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    piece: Piece | None = None
+
+    @property
+    def cost(self) -> float:
+        """The expected time [s]."""
+        return 0.0 if self.piece is None else self.piece.cost
+
+
+class Pool(Protocol):
+    """Place where tasks are done, used as a context."""
+
+    @property
+    def slots(self) -> int:
+        """The number of tasks that may be in hand at the same time."""
+
+    def submit(self, task: Task) -> Future[Any]:
+        """Hand out a task."""
+
+    def rebuild(self) -> None:
+        """Replace processes that broke."""
+
+    def look(self) -> None:
+        """Pass on messages of the workers."""
+
+    def reason(self, error: Exception) -> str:
+        """Return the reason why a task failed, or raise its error."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, *error: object) -> None: ...
+
+
+class ThisProcess:
+    """Pool that does each task at once in this process."""
+
+    slots = 1
+
+    def __init__(self) -> None:
+        self._stack = ExitStack()
+
+    def __enter__(self) -> Self:
+        from rolling.contact import compiling
+
+        self._stack.enter_context(compiling.told(progress.compiling))
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._stack.close()
+
+    def submit(self, task: Task) -> Future[Any]:
+        """Do a task and return its completed future."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(task.function(*task.arguments))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+    def rebuild(self) -> None:
+        """Do nothing: this process is whole."""
+
+    def look(self) -> None:
+        """Do nothing: this process speaks itself."""
+
+    def reason(self, error: Exception) -> str:
+        """Raise the error, which is none of the physics."""
+        raise error
+
+
+class LocalPool:
+    """Pool of processes of this machine that end with this process.
+
+    The processes do not import the main module, so scripts need no `__main__` guard.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self._workers, self.slots = workers, 2 * workers
+        self._before: dict[str, str | None] = {}
+
+    def __enter__(self) -> Self:
+        self._before = {name: os.environ.get(name) for name in ENVIRONMENT}
+        os.environ.update(ENVIRONMENT)
+        self._start()
+        return self
+
+    def _start(self) -> None:
+        from loky import ProcessPoolExecutor
+        from loky.backend import get_context
+
+        context = get_context("loky")
+        self._compiles = context.Event()
+        self._pool = ProcessPoolExecutor(
+            self._workers,
+            context=context,
+            initializer=worker.begin,
+            initargs=(os.getpid(), self._compiles),
+        )
+
+    def __exit__(self, *error: object) -> None:
+        self._pool.shutdown(wait=True, kill_workers=True)
+        for name, value in self._before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+    def submit(self, task: Task) -> Future[Any]:
+        """Hand a task to a process."""
+        future: Future[Any] = self._pool.submit(task.function, *task.arguments)
+        return future
+
+    def rebuild(self) -> None:
+        """Start new processes in place of a pool that broke."""
+        self._pool.shutdown(wait=True, kill_workers=True)
+        self._start()
+
+    def look(self) -> None:
+        """Say once that a process compiles."""
+        if self._compiles.is_set():
+            progress.compiling()
+
+    def reason(self, error: Exception) -> str:
+        """Raise the error, which is none of the physics."""
+        raise error
+
+
+def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
+    """Return a pool for scenes; 0 workers: one per core. One piece needs this process only."""
+    from rolling.marches.piece import track_pieces
+
+    pieces = sum(len(track_pieces(scene.track.solved_steps)) for scene in scenes)
+    workers = min(workers or cost.cores(), pieces)
+    if workers <= 1:
+        return ThisProcess()
+    try:
+        from loky.backend import get_context
+
+        get_context("loky").Lock()  # which needs semaphores, on Linux in /dev/shm
+    except (ImportError, NotImplementedError, OSError) as error:
+        print(
+            "warning: no worker processes, because the system has no semaphores for them"
+            f" (is /dev/shm there and writable? {error}): all is done in one process",
+            file=sys.stderr,
+        )
+        return ThisProcess()
+    return LocalPool(workers)
+
+
+class Cluster:
+    """Pool of the workers of a Dask scheduler, which share the run folder with this process.
+
+    address : str. Address of the scheduler, or the name of its scheduler file.
+    """
+
+    def __init__(self, address: str) -> None:
+        self.address = address
+        self._counted, self._workers = 0.0, 1
+
+    def __enter__(self) -> Self:
+        """Connect to the scheduler.
+
+        Raises
+        ------
+        SceneError : Dask is missing, no scheduler answers, or a worker runs another program.
+        """
+        try:
+            import distributed
+        except ImportError as error:
+            install = 'pip install "rolling-contact-noise[cluster]"'
+            raise SceneError([f"--cluster: needs Dask: {install}"]) from error
+        for name in ("distributed", "tornado", "tornado.application", "asyncio"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+        address = _answering(self.address)
+        dask: Any = distributed
+        self._client = dask.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+        self._executor = self._client.get_executor(pure=False)
+        try:
+            self._refuse_other_programs()
+        except BaseException:
+            self._client.close(timeout=2)
+            raise
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        try:
+            self._executor.shutdown(wait=False, cancel_futures=True)
+            self._client.close(timeout=2)
+        except Exception:  # a scheduler that is gone cannot be told
+            return
+
+    def _refuse_other_programs(self) -> None:
+        own = program.identity()
+        answers = self._client.run(program.identity, on_error="return")
+        others = [
+            f"  {address}: {getattr(answer, 'version', answer)}, sources"
+            f" {getattr(answer, 'sources', 'unknown')[:12]}"
+            for address, answer in answers.items()
+            if getattr(answer, "sources", None) != own.sources
+        ]
+        if others or not answers:
+            lines = "\n".join(others) or "  it has no worker"
+            raise SceneError(
+                [
+                    f"--cluster: {self.address}: all workers must run version {own.version},"
+                    f" sources {own.sources[:12]}\n{lines}"
+                ]
+            )
+
+    @property
+    def slots(self) -> int:
+        """Twice the number of workers."""
+        if time.monotonic() - self._counted > COUNT_SECONDS and self._client.status == "running":
+            self._workers = len(self._client.scheduler_info(n_workers=-1)["workers"])
+            self._counted = time.monotonic()
+        return 2 * max(1, self._workers)
+
+    def submit(self, task: Task) -> Future[Any]:
+        """Hand a task to the scheduler, which gives it to another worker if one is killed."""
+        content = pickle.dumps((task.function, task.arguments))
+        future: Future[Any] = self._executor.submit(worker.act, content, program.identity().sources)
+        return future
+
+    def rebuild(self) -> None:
+        """Raise ConnectionError: a scheduler cannot be replaced from here."""
+        raise self.gone()
+
+    def look(self) -> None:
+        """Raise ConnectionError when the scheduler is gone."""
+        if self._client.status == "closed":
+            raise self.gone()
+
+    def gone(self) -> ConnectionError:
+        """Return the error of a lost scheduler."""
+        return ConnectionError(f"the scheduler at {self.address} is gone")
+
+    def reason(self, error: Exception) -> str:
+        """Return the reason why a task failed on its workers, or raise its error."""
+        from distributed.scheduler import KilledWorker
+
+        if isinstance(error, KilledWorker):
+            return "its workers were killed again and again; out of memory?"
+        if isinstance(error, worker.OtherProgramError):
+            raise OSError(f"a worker that joined late runs another program: {error}") from error
+        raise error
+
+
+def _answering(text: str) -> str:
+    """Return the address of a scheduler that answers; a scheduler file (.json) may name it.
+
+    A client of Dask waits for ever for a program that takes its call and never answers, so the
+    question comes first.
+    """
+    address, reason = text, "not one of Dask"
+    try:
+        if text.endswith(".json"):
+            address = str(json.loads(Path(text).read_text(encoding="utf-8"))["address"])
+        if not address.rpartition(":")[2].isdecimal():
+            address += f":{PORT}"
+        with ThreadPoolExecutor(1) as thread:  # a notebook has a loop of its own in this one
+            thread.submit(asyncio.run, _ask(address)).result()
+    except TimeoutError:
+        reason = "a time-out"
+    except OSError as error:
+        reason = str(error.strerror or error.__cause__ or error)
+    except Exception:  # of any kind where another program answers
+        pass
+    else:
+        return address
+    raise SceneError([f"--cluster: {text}: no scheduler answers ({reason})"])
+
+
+async def _ask(address: str) -> None:
+    """Connect to an address as a client of Dask does, and hang up."""
+    from distributed import comm, security
+
+    dask: Any = comm
+    arguments = cast(Any, security.Security)().get_connection_args("client")
+    call = dask.connect(address, timeout=CONNECT_SECONDS, **arguments)
+    (await asyncio.wait_for(call, CONNECT_SECONDS + 1)).abort()

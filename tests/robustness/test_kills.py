@@ -1,0 +1,179 @@
+"""Kills and interruptions at any moment: the same command goes on, to the same bytes."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+from commands import (
+    PATIENCE,
+    SWEEP,
+    WHOLE,
+    contents,
+    pieces,
+    rolling,
+    started,
+    tree,
+    wait_for,
+    words_of,
+)
+
+from rolling import cli
+
+pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL here")
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.yaml"
+    path.write_text(SWEEP)
+    return path
+
+
+def undisturbed(folder: Path, text: str) -> dict[str, bytes]:
+    """Return the files of a run that nothing disturbs."""
+    scene, out = folder / "undisturbed.yaml", folder / "undisturbed"
+    scene.write_text(text)
+    assert cli.main(words_of(scene, out, "--workers", "1")) == 0
+    return contents(out)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    return undisturbed(tmp_path_factory.mktemp("whole"), SWEEP)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", [SWEEP, WHOLE], ids=["sweep", "whole"])
+def test_killed_at_random_moments_it_goes_on_to_the_same_bytes(text: str, tmp_path: Path) -> None:
+    """A command lives between 0.2 s, the start of Python, and an undisturbed run."""
+    scene, draw = tmp_path / "scene.yaml", random.Random(1)
+    scene.write_text(text)
+    began = time.monotonic()
+    expected = undisturbed(tmp_path, text)
+    longest = time.monotonic() - began
+    kills, rounds = 0, 0
+    while kills < 20:
+        rounds += 1
+        out = tmp_path / f"out-{rounds}"
+        while True:
+            with started(words_of(scene, out, "--workers", "2"), tmp_path) as command:
+                try:
+                    code = command.wait(draw.uniform(0.2, longest))
+                except subprocess.TimeoutExpired:  # the kill follows
+                    kills += 1
+                    continue
+            assert code == 0, (tmp_path / "said").read_text()
+            break
+        assert contents(out) == expected
+        assert not list(out.rglob("*.partial")) and not (out / "pieces").exists()
+
+
+def test_a_killed_command_goes_on_with_its_pieces(
+    scene: Path, tmp_path: Path, whole: dict[str, bytes]
+) -> None:
+    out = tmp_path / "out"
+    with started(words_of(scene, out, "--workers", "1"), tmp_path) as command:
+        wait_for(lambda: len(pieces(out)) >= 2)
+        command.kill()
+        command.wait()
+    kept = {path: path.stat().st_mtime_ns for path in pieces(out)}
+    with started(words_of(scene, out, "--workers", "1"), tmp_path) as command:
+        wait_for(lambda: len(pieces(out)) > len(kept) or command.poll() is not None)
+        again = {path: path.stat().st_mtime_ns for path in kept if path.exists()}
+        assert again.items() <= kept.items()  # none of them was marched again
+        assert command.wait(PATIENCE) == 0
+    assert contents(out) == whole
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "term"])
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_an_interruption_ends_with_130_and_keeps_pieces(
+    scene: Path, tmp_path: Path, workers: str, number: int
+) -> None:
+    out = tmp_path / "out"
+    with started(words_of(scene, out, "--workers", workers), tmp_path) as command:
+        wait_for(lambda: pieces(out))
+        below = psutil.Process(command.pid).children(recursive=True)
+        command.send_signal(number)
+        assert command.wait(PATIENCE) == 130
+        assert not any(process.is_running() for process in psutil.wait_procs(below, 10)[1])
+    assert "interrupted" in (tmp_path / "said").read_text()
+    assert "Traceback" not in (tmp_path / "said").read_text()
+    assert pieces(out) and not (out / ".lock").exists()
+    status = rolling(["status", out], tmp_path)
+    assert "waiting" in status.stdout and "pieces" in status.stdout
+
+
+def test_no_process_outlives_a_killed_command(scene: Path, tmp_path: Path) -> None:
+    """The kernel or a thread ends workers within 10 s of their parent."""
+    with started(words_of(scene, tmp_path / "out", "--workers", "2"), tmp_path) as command:
+        wait_for(lambda: pieces(tmp_path / "out"))
+        below = psutil.Process(command.pid).children(recursive=True)
+        assert len(below) >= 2
+        command.kill()
+        command.wait()
+        _, alive = psutil.wait_procs(below, 10)
+    assert not alive
+
+
+def workers_of(command: subprocess.Popen[str]) -> list[psutil.Process]:
+    """Return the worker processes of a command, which have loaded the solver."""
+    below = psutil.Process(command.pid).children()
+    return [process for process in below if "popen_loky" in " ".join(process.cmdline())]
+
+
+def test_a_killed_worker_costs_its_piece_only(
+    scene: Path, tmp_path: Path, whole: dict[str, bytes]
+) -> None:
+    out = tmp_path / "out"
+    words = [word for word in words_of(scene, out, "--workers", "2") if word != "-q"]
+    with started(words, tmp_path) as command:
+        wait_for(lambda: pieces(out))
+        os.kill(workers_of(command)[0].pid, signal.SIGKILL)
+        assert command.wait(PATIENCE) == 0
+    assert "a worker process was killed" in (tmp_path / "said").read_text()
+    assert contents(out) == whole
+
+
+# A run with seed 13 kills each process that begins its march, as Linux does without memory.
+KILLER = """\
+import os, signal
+from rolling.contact import march
+
+inner = march.march
+
+def killing(contact, *arguments, **named):
+    if contact.load == 2.0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return inner(contact, *arguments, **named)
+
+march.march = killing
+"""
+
+
+def test_a_run_that_kills_its_workers_fails_alone_and_by_name(
+    scene: Path, tmp_path: Path, whole: dict[str, bytes]
+) -> None:
+    (tmp_path / "sitecustomize.py").write_text(KILLER)
+    out = tmp_path / "out"
+    path = os.pathsep.join([str(tmp_path), str(Path(__file__).parents[2])])
+    done = rolling(words_of(scene, out, "--workers", "2"), tmp_path, PYTHONPATH=path)
+    assert done.returncode == 1, done.stderr
+    assert "failed: load 2 N: a worker process was killed 3 times" in done.stderr
+    assert (out / "load_n=1" / "result.h5").is_file()
+    assert [name for name in tree(out) if "load_n=2" in name] == [
+        "load_n=2",
+        "load_n=2/failed.json",
+    ]
+    status = rolling(["status", out], tmp_path).stdout
+    assert "1 done, 1 failed" in status and "load_n=2: a worker process was killed" in status
+    done = rolling(words_of(scene, out, "--workers", "2"), tmp_path)  # without the killer
+    assert done.returncode == 0 and not (out / "load_n=2" / "failed.json").exists()
+    assert contents(out) == whole

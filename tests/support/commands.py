@@ -1,0 +1,109 @@
+"""The program in processes of its own, and small scenes whose marches have several pieces."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+PATIENCE = 600.0  # [s] until a command has surely hung, on whatever machine
+
+# Two runs of 600 steps in three pieces each, of 5 ms per step.
+SWEEP = """\
+name: pieces
+sphere: {radius_mm: 5}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, \
+width_um: 200, seed: 3}
+rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.012}
+sweep: {rolling.load_n: [1, 2]}
+"""
+# All kinds of marches: track, events, other loads, moving load, error estimate and film.
+WHOLE = """\
+name: whole
+sphere: {radius_mm: 5, density_kg_m3: 7850}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, density_kg_m3: 7850, thickness_mm: 10}
+surface: {kind: gaussian, roughness_ra_um: 0.05, correlation_length_um: 10, spacing_um: 2, \
+width_um: 128, seed: 3}
+rolling: {load_n: 0.5, speed_m_s: 0.1, duration_s: 0.01}
+numerics: {error_estimate: true}
+recovery: {events: true}
+dynamics: {release: true}
+"""
+
+
+def words_of(scene: Path, out: Path, *more: str) -> list[str]:
+    """Return the words of a quiet run without a page."""
+    return ["run", str(scene), "--out", str(out), "--no-report", "-q", *more]
+
+
+def rolling(
+    words: Sequence[object], folder: Path, **environment: str
+) -> subprocess.CompletedProcess[str]:
+    """Run a command to its end in a folder."""
+    return subprocess.run(
+        [sys.executable, "-m", "rolling", *map(str, words)],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT), **environment},
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+    )
+
+
+@contextmanager
+def started(words: Sequence[object], folder: Path) -> Iterator[subprocess.Popen[str]]:
+    """Start a command in a folder, and kill it in the end."""
+    with (folder / "said").open("w") as said:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "rolling", *map(str, words)],
+            cwd=folder,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
+            stdout=said,
+            stderr=said,
+            text=True,
+        )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
+def wait_for(condition: Callable[[], object]) -> None:
+    """Wait until a condition holds."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, "waited for nothing"
+        time.sleep(0.02)
+
+
+def pieces(out: Path) -> list[Path]:
+    """Return the files of solved pieces in a run folder."""
+    return [*out.glob("pieces/*/*.npz")]
+
+
+def contents(out: Path) -> dict[str, bytes]:
+    """Return the results and sounds of a folder by path; they hold no times of the machine."""
+    names = ("result.h5", "signal.wav", "listen.wav")
+    return {
+        str(path.relative_to(out)): path.read_bytes()
+        for path in out.rglob("*.*")
+        if path.name in names
+    }
+
+
+def tree(folder: Path) -> dict[str, str]:
+    """Return the content below a folder by path."""
+    return {
+        path.relative_to(folder).as_posix(): f"-> {path.readlink()}"
+        if path.is_symlink()
+        else (path.read_bytes().decode("utf-8", "replace") if path.is_file() else "folder")
+        for path in sorted(folder.rglob("*"))
+    }
