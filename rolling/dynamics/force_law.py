@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rolling._typing import Array
-from rolling.dynamics import _law_kernels
-from rolling.dynamics._law_kernels import LawTable
+from rolling.dynamics import _motion_kernels
+from rolling.dynamics._motion_kernels import LawTable
 
 EQUAL = 1e-6  # relative; positions that differ less from equal distances count as equally spaced
 # Loads of a law are added up to these multiples of the scene's. A force beyond them is
@@ -122,7 +122,7 @@ class ForceLaw:
         """Return the approach [m] under a constant load [N] >= 0 at positions [m]."""
         x = np.asarray(position_m, dtype=float)
         laws = np.empty((x.size, self.table.values.shape[1]))
-        _law_kernels.laws_at(x.ravel(), self.table, laws)
+        _motion_kernels.laws_at(x.ravel(), self.table, laws)
         weights = _integrals(self.table.breaks, float(load_n) ** (2 / 3))
         return np.asarray(laws[:, 0] + laws[:, 1:] @ weights).reshape(x.shape)
 
@@ -137,7 +137,7 @@ class ForceLaw:
             np.asarray(position_m, dtype=float), np.asarray(approach_m, dtype=float)
         )
         values = np.empty((x.size, 4))
-        _law_kernels.evaluate(x.ravel(), d.ravel(), self.table, values)
+        _motion_kernels.evaluate(x.ravel(), d.ravel(), self.table, values)
         return values.reshape((*x.shape, 4))
 
 
