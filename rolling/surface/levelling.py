@@ -77,7 +77,7 @@ class Levelling:
 
 
 def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
-    """Subtract the least-squares plane from heights of zero mean, where it is wanted.
+    """Subtract the least-squares plane from heights of zero mean, where the mode asks for it.
 
     Heights that keep their plane are returned as they are.
 
@@ -93,11 +93,11 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
     """
     seams = seam(heights, 0), seam(heights, 1)
     plane = slope(heights, spacing, 0), slope(heights, spacing, 1)
-    wanted = [
+    tilted = [
         mode == "plane" or (mode == "auto" and _helps(heights, spacing, k, seams[k], plane[k]))
         for k in (0, 1)
     ]
-    taken = plane[0] if wanted[0] else 0.0, plane[1] if wanted[1] else 0.0
+    taken = plane[0] if tilted[0] else 0.0, plane[1] if tilted[1] else 0.0
     before = after = float(np.abs(heights).mean())
     if any(taken):
         along, across = (

@@ -71,35 +71,23 @@ _kept: dict[tuple[Any, ...], SceneSurface] = {}  # the oldest first
 
 
 def scene_surface(scene: Scene) -> SceneSurface:
-    """Generate or read the surface of a scene.
-
-    Raises
-    ------
-    SceneError
-        The surface cannot be made or read.
-    """
+    """Generate or read the surface of a scene; raise SceneError where that fails."""
     key = identity(scene)
     if key not in _kept:
         try:
             with progress.step(_making(scene)):
-                made = _make(scene)
+                fresh = _make(scene)
         except surface.SurfaceError as error:
             place = "surface.path" if scene.height_path else "surface"
             raise SceneError([f"{place}: {error}"]) from error
-        _kept[key] = made
+        _kept[key] = fresh
         while sum(other.heights.nbytes for other in _kept.values()) > _MOST_KEPT and len(_kept) > 1:
             del _kept[next(iter(_kept))]
     return _kept[key]
 
 
 def heights(scene: Scene) -> Array:
-    """Return the surface heights of a scene [m], shape (along, across).
-
-    Raises
-    ------
-    SceneError
-        The surface cannot be made or read.
-    """
+    """Return the surface heights of a scene [m], shape (along, across)."""
     return scene_surface(scene).heights
 
 
@@ -107,11 +95,6 @@ def identity(scene: Scene) -> tuple[Any, ...]:
     """Return values that are equal for scenes with the same surface.
 
     A file that was written again counts as another file.
-
-    Raises
-    ------
-    SceneError
-        The height file is missing or has no heights.
     """
     track, path = scene.track, scene.height_path
     try:
@@ -137,6 +120,7 @@ def _making(scene: Scene) -> str:
 
 
 def _make(scene: Scene) -> SceneSurface:
+    """Generate or read the surface of a scene, and level heights from a file."""
     s, spacing = scene.surface, scene.spacing
     if isinstance(s, HeightFile) and scene.height_path:
         path = scene.height_path
@@ -149,10 +133,10 @@ def _make(scene: Scene) -> SceneSurface:
     if isinstance(s, Gaussian):
         across = s.correlation_length_across_um or s.correlation_length_um
         lengths = (s.correlation_length_um * 1e-6, across * 1e-6)
-        made = surface.gaussian(
+        heights = surface.gaussian(
             shape, spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed
         )
-        return SceneSurface(made, spacing)
+        return SceneSurface(heights, spacing)
     return SceneSurface(surface.smooth(shape), spacing)
 
 
