@@ -16,8 +16,8 @@ from rolling._typing import Array
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian, HeightFile
-from rolling.surface import height_file, levelling
 from rolling.surface import heights as surface
+from rolling.surface import levelling
 from rolling.surface.heights import Correlation, Statistics
 from rolling.surface.levelling import Levelling
 from rolling.terminal import progress
@@ -123,9 +123,7 @@ def _make(scene: Scene) -> SceneSurface:
     """Generate or read the surface of a scene, and level heights from a file."""
     s, spacing = scene.surface, scene.spacing
     if isinstance(s, HeightFile) and scene.height_path:
-        path = scene.height_path
-        stored = height_file.stored(path)  # the digest belongs to the array that is used
-        read = height_file.usable(stored, path, s.height_unit, s.n_across)
+        read = levelling.read_heights(scene.height_path, s.height_unit, s.n_across)
         heights, plane = levelling.level(read, spacing, s.level)
         return SceneSurface(heights, spacing, plane)
     track = scene.track
