@@ -141,26 +141,6 @@ class ForceLaw:
         return values.reshape((*x.shape, 4))
 
 
-def hertz_law(
-    load_n: float, radius_m: float, contact_modulus_pa: float, track_m: ArrayLike = (0, 0, 0, 0)
-) -> ForceLaw:
-    """Return the law of a smooth sphere on a track of given heights, spaced 1 m apart.
-
-    Parameters
-    ----------
-    load_n : float, N
-        Load about which the law holds.
-    radius_m, contact_modulus_pa : float, m, Pa
-        Radius R and contact modulus E*, F = 4/3 E* sqrt(R) d^(3/2).
-    track_m : array (n,), m
-        Heights of the track, which lower the approach that a force needs. Default: flat.
-    """
-    height = np.asarray(track_m, dtype=float)
-    loads = load_n * np.array([0.5, 1.0, 2.0])
-    depth = (loads / (4 / 3 * contact_modulus_pa * np.sqrt(radius_m))) ** (2 / 3)
-    return ForceLaw(np.arange(height.size, dtype=float), loads, depth[:, None] - height)
-
-
 def _broken_line(s: Array, approach: Array) -> tuple[Array, Array]:
     """Return the breaks (m,) in s, and lift-off and slopes (n, 1 + m) of the quadratic spline.
 
