@@ -37,7 +37,7 @@ from acoustics.plot_style import (
     steps,
     unit_prefix,
 )
-from acoustics.spectrogram import Spectrogram
+from acoustics.spectrum import Spectrogram
 
 __all__ = [
     "COLOURS",
@@ -313,7 +313,7 @@ def spectrogram(
     >>> import numpy as np
     >>> from matplotlib.figure import Figure
     >>> from acoustics import plots
-    >>> from acoustics.spectrogram import spectrogram
+    >>> from acoustics.spectrum import spectrogram
     >>> shown = spectrogram(np.random.default_rng(1).standard_normal(24000), 48000)
     >>> plots.spectrogram(Figure().subplots(), shown, 0.5, (20.0, 90.0)).get_xlabel()
     'time [ms]'

@@ -14,9 +14,8 @@ from acoustics import plots
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.level import P_REF_PA
 from acoustics.plots import Lines
-from acoustics.spectrogram import Spectrogram
-from acoustics.spectrogram import spectrogram as spectrogram_of
-from acoustics.spectrum import line_spectrum, welch
+from acoustics.spectrum import Spectrogram, line_spectrum, welch
+from acoustics.spectrum import spectrogram as spectrogram_of
 from acoustics.weighting import a_weighting_db
 from rolling._typing import Array
 from rolling.figures.picture import (

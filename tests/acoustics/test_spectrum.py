@@ -103,15 +103,6 @@ def test_welch_gives_the_level_of_a_tone_through_its_noise_bandwidth(frequency_h
     assert frequency_hz != 1000.0 or abs(highest_db) < 1e-6
 
 
-@pytest.mark.parametrize(
-    ("n", "line_width_hz"), [(24000, 10.0), (4800, 40.0), (40, 3000.0), (3, 16000.0), (1, 48000.0)]
-)
-def test_welch_of_a_short_record_has_wider_lines(n, line_width_hz):
-    psd = welch(noise(5, n), 48000.0)
-    assert psd.line_width_hz == line_width_hz
-    assert len(psd.psd) == len(psd.frequency_hz) and np.all(np.isfinite(psd.psd))
-
-
 def test_welch_keeps_the_mean_and_refuses_what_is_no_record():
     assert welch(np.full(4800, 2.0), 48000.0).psd[0] > 0.0
     with pytest.raises(ValueError, match="finite"):
