@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from acoustics import plots
 from acoustics.bands import BAND_NAMES, EDGES_HZ, MID_HZ, band_uncertainty_db
+from acoustics.plot_style import envelope
 from acoustics.spectrum import spectrogram
 
 
@@ -128,8 +129,8 @@ def test_envelope_keeps_every_extreme():
     # column, times rising.
     time, power = np.arange(200_000) / 2e4, np.ones(200_000)
     power[[123_456, 77]] = 5.0, -3.0
-    t, p = plots.power_envelope(time, power)
-    assert len(t) <= 2 * 1500 and np.all(np.diff(t) >= 0.0) and plots.is_thinned(time)
+    t, p = envelope(time, power)
+    assert len(t) <= 2 * 1500 and np.all(np.diff(t) >= 0.0)
     assert p.max() == 5.0 and p.min() == -3.0
     width = 10.0 / 1500
     assert t[p == 5.0] == pytest.approx(time[123_456], abs=width) and t[p == -3.0] == pytest.approx(
@@ -155,26 +156,6 @@ def test_spectrogram_places_a_tone(ax):
     at = [int((ms - left) / (right - left) * columns) for ms in (100.0, 400.0)]
     quiet, loud = np.ma.filled(image.get_array()[row, at], np.nan)
     assert loud > 70.0 and not quiet > loud - 60.0
-
-
-@pytest.mark.parametrize(("scale", "unit"), [(2.0, "W"), (2e-4, "µW"), (2e-8, "nW"), (0.0, "W")])
-def test_power_in_engineering_units(ax, scale, unit):
-    plots.power(
-        ax, np.arange(100) / 200.0, scale * (1.0 + 0.1 * np.sin(np.arange(100))), scale, 0.5
-    )
-    drawn(ax)
-    assert ax.get_ylabel() == f"release power [{unit}]" and ax.get_xlabel() == "time [ms]"
-    assert legend(ax)[1].startswith("mean ") and legend(ax)[1].endswith(f" {unit}")
-    assert ax.get_xlim() == (0.0, 500.0)
-
-
-def test_a_steady_power_looks_steady(ax):
-    # Solver noise of 2e-8 must not fill the axis.
-    plots.power(
-        ax, np.arange(100) / 5e4, 180e-6 * (1.0 + 2e-8 * np.sin(np.arange(100))), 180e-6, 2e-3
-    )
-    low, high = drawn(ax).get_ylim()
-    assert low < 0.99 * 180.0 and high > 1.01 * 180.0
 
 
 def test_level_limits():

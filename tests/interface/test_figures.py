@@ -181,6 +181,16 @@ def test_a_run_with_dynamics_has_four_figures_of_its_vibration() -> None:
 # ---- axes and notes
 
 
+@pytest.mark.parametrize(("scale", "unit"), [(2.0, "W"), (2e-4, "µW"), (2e-8, "nW"), (0.0, "W")])
+def test_a_steady_release_power_looks_steady_in_its_own_unit(scale, unit, three) -> None:
+    """A ripple of 2e-8, the error of the solver, does not fill the axis."""
+    run = sounding(three[0], scale * 2e-5 * (1.0 + 2e-8 * np.sin(np.arange(100))))
+    ax = plot.release_power(run, Figure().subplots())
+    assert ax.get_ylabel() == f"release power [{unit}]" and ax.get_xlabel() == "time [ms]"
+    low, high = ax.get_ylim()
+    assert scale == 0 or high / low > 1.02
+
+
 def test_compared_runs_have_the_same_axes(three) -> None:
     first, last = three[0], three[-1]
     spectrograms = [single("spectrogram", run, three).figure.axes[0] for run in (first, last)]
