@@ -11,22 +11,27 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from acoustics._typing import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, LEAST_BT, MID_HZ, OFF_DB, reliable
-from acoustics.drawn_lines import DENSE, NOTHING_DB, PER_OCTAVE, Lines, is_thinned, power_envelope
 from acoustics.plot_style import (
     COLOURS,
+    DENSE,
     FEW,
     GREY,
     LINE_STYLES,
     MARKERS,
+    NOTHING_DB,
+    PER_OCTAVE,
+    Lines,
     bars,
     finish,
+    is_thinned,
     level_limits,
     look_of,
     numbers,
+    power_envelope,
     say_if_silent,
     short_name,
     steps,
@@ -42,13 +47,15 @@ __all__ = [
     "PER_OCTAVE",
     "BandErrors",
     "Lines",
+    "bars",
     "drawn_as_means",
     "is_thinned",
-    "level_against",
     "level_limits",
+    "look_of",
     "power",
     "power_envelope",
     "power_share",
+    "short_name",
     "spectrogram",
     "spectrum",
     "third_octaves",
@@ -284,7 +291,6 @@ def _error_marks(
 
 def spectrogram(
     ax: Axes,
-    bar: Axes | None,
     shown: Spectrogram,
     duration_s: float,
     limits_db: tuple[float, float],
@@ -293,8 +299,7 @@ def spectrogram(
 
     Parameters
     ----------
-    ax : axes to draw on.
-    bar : axes of the colour bar; with None the bar takes its room from `ax`.
+    ax : axes to draw on; the colour bar takes its room from them.
     shown : Spectrogram. Its rows have equal width on a logarithmic scale.
     duration_s : float, s. Duration of the record, the whole width of the axes.
     limits_db : pair of float, dB. Levels of the first and the last colour.
@@ -310,7 +315,7 @@ def spectrogram(
     >>> from acoustics import plots
     >>> from acoustics.spectrogram import spectrogram
     >>> shown = spectrogram(np.random.default_rng(1).standard_normal(24000), 48000)
-    >>> plots.spectrogram(Figure().subplots(), None, shown, 0.5, (20.0, 90.0)).get_xlabel()
+    >>> plots.spectrogram(Figure().subplots(), shown, 0.5, (20.0, 90.0)).get_xlabel()
     'time [ms]'
     """
     factor, prefix = unit_prefix(duration_s)
@@ -336,13 +341,7 @@ def spectrogram(
     ax.set_yticks(np.log10(MID_HZ[octaves]), [short_name(name) for name in BAND_NAMES[octaves]])
     ax.set_xlabel(f"time [{prefix}s]")
     ax.set_ylabel("frequency [Hz]")
-    ax.figure.colorbar(
-        image,
-        cax=bar,
-        ax=None if bar else ax,
-        label="density level [dB re (20 µPa)²/Hz]",
-        extend="both",
-    )
+    ax.figure.colorbar(image, ax=ax, label="density level [dB re (20 µPa)²/Hz]", extend="both")
     return ax
 
 
@@ -415,56 +414,3 @@ def power_share(power_w: Array, mean_w: float) -> tuple[float, float]:
     """
     mean = mean_w or 1.0
     return min(float(power_w.min()) / mean, 0.99), max(float(power_w.max()) / mean, 1.01)
-
-
-def level_against(
-    ax: Axes,
-    x: Sequence[float] | Array,
-    curves: Sequence[tuple[str, Sequence[float | None], Sequence[float | None]]],
-    xlabel: str,
-    limits_db: tuple[float, float] | None = None,
-) -> Axes:
-    """Draw levels against a varied quantity, such as the load.
-
-    The axis is logarithmic if the quantity varies by more than a decade.
-
-    Parameters
-    ----------
-    ax : axes to draw on.
-    x : array (n,). Values of the quantity.
-    curves : sequence of triples. Label with the weighting, levels (n,) in dB and their standard
-        uncertainty (n,) in dB; None is a gap.
-    xlabel : str. Name and unit of the quantity.
-    limits_db : pair of float, dB. Limits of the level axis. Default: `level_limits` of the curves.
-
-    Returns
-    -------
-    the axes
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from acoustics import plots
-    >>> curve = ("LAeq", [60.0, None, 70.0], [0.5, None, 0.2])
-    >>> plots.level_against(Figure().subplots(), [5, 20, 100], [curve], "load [N]").get_xscale()
-    'log'
-    """
-    values = np.asarray(x, dtype=float)
-    order = np.argsort(values)
-    seen: list[float] = []
-    for number, (label, levels, uncertainty) in enumerate(curves):
-        level, spread = numbers(levels)[order], numbers(uncertainty)[order]
-        seen += [*level]
-        look = look_of(number, len(curves))
-        ax.plot(values[order], level, markersize=5, label=label, **look)
-        bars(ax, values[order], level, spread, look["color"])
-    if values.min(initial=np.inf) > 0.0 and values.max() > 10.0 * values.min():
-        ax.set_xscale("log")
-        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        ax.xaxis.set_minor_formatter(NullFormatter())
-    if len(values) <= 8:
-        ax.set_xticks(np.unique(values), [f"{value:g}" for value in np.unique(values)])
-        ax.xaxis.set_minor_locator(NullLocator())
-    ax.set_ylim(limits_db or level_limits(seen))
-    ax.set_xlabel(xlabel)
-    return finish(ax, "level [dB]")

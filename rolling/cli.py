@@ -228,7 +228,7 @@ def _reproduce(given: argparse.Namespace) -> int:
     """Reproduce a study."""
     with progress.step(LOADING):
         from rolling.lee2025 import reproduce
-    return reproduce.reproduce(given.out, given.workers, given.readings, given.quick)
+    return reproduce.reproduce(given.readings, given.out, given.quick, given.workers)
 
 
 def _scenes(given: argparse.Namespace) -> int:
@@ -340,6 +340,7 @@ _COMMANDS = {
 _OUT = {
     "run": "run folder (default: outputs/NAME-DIGITS); again: goes on there",
     "report": "page to write (default: RUN/report.html)",
+    "reproduce": "folder of the study (default: outputs/STUDY); again: goes on there",
     "plot": "folder of the files (default: RUN/figures)",
 }
 

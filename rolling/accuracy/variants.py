@@ -15,10 +15,10 @@ from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.scene.scene import Scene
-from rolling.surface import contact_of_scene
+from rolling.contact import of_scene
 from rolling.surface.refined import dies_out, refined, subcell_heights
 from rolling.surface.scene_surface import heights
-from rolling.surface.wider import wider_heights, wider_times
+from rolling.surface.scene_surface import wider_heights, wider_times
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 REFERENCE_TOLERANCE, SOLVER_TOLERANCE = 1e-6, 1e-8
@@ -137,7 +137,7 @@ def variant_contact(scene: Scene, variant: Variant) -> RollingContact:
     """
     plain = scene.with_({"numerics.edges": "sharp", "numerics.subcells": 1})
     own = heights(scene) if variant.width == 1 else wider_heights(scene, variant.width)
-    coarse = contact_of_scene.rolling_contact(plain, own)
+    coarse = of_scene.rolling_contact(plain, own)
     smooth, spacing = dies_out(own), coarse.spacing / variant.times
     fine = refined(own, variant.times) if smooth else subcell_heights(own, variant.times, smooth)
     contact = replace(
@@ -152,8 +152,8 @@ def variant_contact(scene: Scene, variant: Variant) -> RollingContact:
         slopes=smooth,
     )
     chosen = scene.numerics.subcells
-    subcells = contact_of_scene.auto_subcells(contact) if chosen == "auto" else chosen
-    return contact_of_scene.on_subcells(contact, subcells, smooth)
+    subcells = of_scene.auto_subcells(contact) if chosen == "auto" else chosen
+    return of_scene.on_subcells(contact, subcells, smooth)
 
 
 def march_variant(scene: Scene, variant: Variant, nodes: int) -> dict[str, Array]:

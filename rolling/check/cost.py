@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
-from rolling.surface import heights, steepness
+from rolling.surface import heights, refined
 from rolling.surface.scene_surface import scene_surface
 
 # A rough surface overlaps the sphere by this many rms roughnesses more than a smooth surface. The
@@ -106,9 +106,9 @@ def subcells(scene: Scene, is_read: bool = True) -> int:
     if scene.height_path is None:
         slope = SLOPE_MARGIN * roughness(scene)[1]
     else:
-        step = steepness.median_step(scene_surface(scene).heights)
-        slope = steepness.rms_slope(step, scene.spacing)
-    return steepness.auto_subcells(slope, scene.contact_modulus, scene.hardness)
+        step = refined.median_step(scene_surface(scene).heights)
+        slope = refined.rms_slope(step, scene.spacing)
+    return refined.auto_subcells(slope, scene.contact_modulus, scene.hardness)
 
 
 def has_blended_edges(scene: Scene) -> bool:

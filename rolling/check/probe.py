@@ -22,15 +22,14 @@ from rolling.check.finding import Finding, clock, computing, si
 from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
+from rolling.contact.of_scene import rolling_contact
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
-from rolling.contact.state import ContactState, RollingContact
+from rolling.contact.state import ContactState, RollingContact, Window
 from rolling.contact.subcells import half_space_of
-from rolling.contact.window import Window
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import scene_surface
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.terminal import progress
 
 POSITIONS = 8
@@ -140,7 +139,7 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
     chosen = [k for k, reason in enumerate(reasons) if not reason]
     chosen.sort(key=lambda k: str(scene_surface.identity(scenes[k])))
     result = [Probe.without(reason) for reason in reasons]
-    bar = progress.bar(POSITIONS * len(chosen), "solving positions", delay=1, leave=False)
+    bar = progress.bar(POSITIONS * len(chosen), "solving positions")
     with bar, compiling.told(progress.compiling):
         for k in chosen:
             result[k] = probe(rolling_contact(scenes[k]), scenes[k].track.solved_steps, bar.update)

@@ -15,7 +15,7 @@ from rolling.check.finding import Finding, rounded_down, rounded_up, si
 from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian, MadeSurface
-from rolling.surface import steepness
+from rolling.surface import refined
 
 KEY = "resolution"
 WANTED_DB = -20.0  # rms error of the release over its rms fluctuation
@@ -71,7 +71,7 @@ def grid_signal_db(scene: Scene) -> float | None:
         error += min(SHARP_FLAT_DB, sharp) if flat else sharp
     if cost.has_blended_edges(scene):
         slope_of_heights = cost.SLOPE_MARGIN * slope
-        usual = steepness.auto_subcells(slope_of_heights, scene.contact_modulus, scene.hardness)
+        usual = refined.auto_subcells(slope_of_heights, scene.contact_modulus, scene.hardness)
         error += SUBCELLS_DB * math.log2(cost.subcells(scene) / usual)
     return error
 

@@ -27,7 +27,7 @@ from rolling.marches.observers import Events, Film, Maps, Observer, Series
 from rolling.scene.identity import contact_keys, digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.surface.contact_of_scene import rolling_contact
+from rolling.contact.of_scene import rolling_contact
 from rolling.surface.refined import cells_of_patch
 from rolling.surface.scene_surface import heights
 

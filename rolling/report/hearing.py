@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,56 +11,54 @@ from acoustics.bands import AUDIBLE_HZ
 from acoustics.spectrum import line_spectrum
 from acoustics.weighting import a_weighting_db
 from rolling._typing import Array
-from rolling.contact import closed_forms
+from rolling.figures.vibration import hertz_radius
 from rolling.report.assumed import surface_words
+from rolling.results.run_result import Run
 from rolling.scene.surfaces import Gaussian
-from rolling.simulation.run_result import RunResult
 
-VIBRATION_WORDS = [
-    (
-        "q that equals them",
-        "the share of the released power that would have to become sound for the release to be as"
-        " loud as the vibration in LAeq. The two are not added: above 1 no share would do.",
-    ),
-    (
-        "F/W",
-        "the force between sphere and plate over the load. It fluctuates about 1; at 0 the sphere"
-        " flies.",
-    ),
-]
 MOST = 0.8  # share of the A-weighted power that counts as most of it
 ALIKE = 0.05  # relative difference of pitch that is not named
 MOST_KINDS = 3  # of a part of the situation that are all named
 MAINLY = 0.5  # share of the sound that is called most
 DIFFERS = 2.0  # standard uncertainties of a difference of levels that is named
+WORDS = {  # explained where a run has the number
+    "steady_level_db": (
+        "steady level",
+        "the level of the mean released power. A constant power makes no sound: it is the energy"
+        " that is there, not the part that is heard.",
+    ),
+    "equivalent_q": (
+        "q that equals them",
+        "the share of the released power that would have to become sound for the release to be as"
+        " loud as the vibration in LAeq. The two are not added: above 1 no share would do.",
+    ),
+    "force_max_ratio": (
+        "F/W",
+        "the force between sphere and plate over the load. It fluctuates about 1; at 0 the sphere"
+        " flies.",
+    ),
+    "plastic_ratio": (
+        "plastic ratio",
+        "the area that yields at the hardness over the area of Hertz's smooth elastic contact.",
+    ),
+}
 
 
-@dataclass(frozen=True)
-class Colour:
-    """The frequencies at which the A-weighted power of a record lies.
+def colour(run: Run) -> tuple[float, float, float] | None:
+    """Return the mean of the A-weighted log frequency and the ends of its inner 80 % [Hz].
 
-    middle_hz : float, Hz. Mean of the logarithm of the frequency, as a frequency.
-    low_hz, high_hz : float, Hz. Frequencies with a tenth of the power below and above.
+    The result is None for a silent run.
     """
-
-    middle_hz: float
-    low_hz: float
-    high_hz: float
-
-
-def colour(run: RunResult) -> Colour | None:
-    """Measure where the A-weighted power of a record lies; None for a silent one."""
     if run.sound.levels.laeq_db is None:
         return None
     frequency, power = _weighted(run)
     share = np.cumsum(power) / power.sum()
     outside = (1.0 - MOST) / 2.0
     low, high = (float(frequency[np.searchsorted(share, at)]) for at in (outside, 1.0 - outside))
-    middle = math.exp(float(np.average(np.log(frequency), weights=power)))
-    return Colour(middle, low, high)
+    return math.exp(float(np.average(np.log(frequency), weights=power))), low, high
 
 
-def _weighted(run: RunResult) -> tuple[Array, Array]:
+def _weighted(run: Run) -> tuple[Array, Array]:
     """Return the audible lines of a record: frequencies [Hz] and A-weighted mean squares [Pa2]."""
     frequency, power = line_spectrum(run.sound.pressure, run.sound.sample_rate)
     heard = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
@@ -69,8 +66,11 @@ def _weighted(run: RunResult) -> tuple[Array, Array]:
     return frequency, power[heard] * 10.0 ** (a_weighting_db(frequency) / 10.0)
 
 
-def situation(runs: Sequence[RunResult]) -> str:
-    """Say what rolls over what; a part that differs between the runs is said with all its kinds."""
+# ---- situation
+
+
+def situation(runs: Sequence[Run]) -> str:
+    """Describe bodies, motion and listener; a part that differs between runs has all its kinds."""
     body, diameter, speed, load, thickness, plate, surface, distance = (
         _kinds(list(dict.fromkeys(part))) for part in zip(*map(_parts, runs), strict=True)
     )
@@ -80,10 +80,10 @@ def situation(runs: Sequence[RunResult]) -> str:
     )
 
 
-def _parts(run: RunResult) -> tuple[str, ...]:
+def _parts(run: Run) -> tuple[str, ...]:
     """Return sphere, diameter, speed, load, thickness, plate, surface and distance in words."""
-    scene = run.scene
-    yields = f" that yields at {scene.plate.hardness_gpa:g} GPa" if scene.plate.hardness_gpa else ""
+    scene, plate = run.scene, run.scene.plate
+    yields = f" that yields at {plate.hardness_gpa:g} GPa" if plate.hardness_gpa else ""
     speed = "changing speed"
     if run.sound.constant_speed:
         speed = f"{scene.motion.fastest(run.sound.duration):.3g} m/s"
@@ -92,8 +92,8 @@ def _parts(run: RunResult) -> tuple[str, ...]:
         f"{2 * scene.sphere.radius_mm:g} mm",
         speed,
         f"{scene.load:g} N",
-        f"a {thickness:g} mm thick plate" if (thickness := scene.plate.thickness_mm) else "a plate",
-        f"{scene.plate.youngs_modulus_gpa:g} GPa{yields}",
+        f"a {plate.thickness_mm:g} mm thick plate" if plate.thickness_mm else "a plate",
+        f"{plate.youngs_modulus_gpa:g} GPa{yields}",
         surface_words(scene),
         f"{scene.sound.distance_m:g} m",
     )
@@ -107,51 +107,44 @@ def _kinds(words: Sequence[str]) -> str:
     return f"{head} or {words[-1]}" if head else words[-1]
 
 
-def sentences(runs: Sequence[RunResult]) -> list[str]:
+# ---- comparison and reason
+
+
+def sentences(runs: Sequence[Run]) -> list[str]:
     """Compare the loudest run with the quietest, and explain the frequencies of its sound."""
-    heard = [(run, own) for run in runs if (own := colour(run))]
-    if not heard:
+    sounding = [(run, heard) for run in runs if (heard := colour(run))]
+    if not sounding:
         return []
-    by_level = sorted(heard, key=lambda pair: pair[0].summary["laeq_db"])
-    (quiet, dull), (loud, bright) = by_level[0], by_level[-1]
-    said = []
-    if loud is not quiet:
-        said.append(_comparison(loud, bright, quiet, dull))
-    said.append(f"{_place(loud, bright)} {_reason(loud)}")
-    return said
+    by_level = sorted(sounding, key=lambda pair: float(pair[0].summary["laeq_db"]))
+    (quiet, (dull_hz, _, _)), (loud, (bright_hz, low_hz, high_hz)) = by_level[0], by_level[-1]
+    place = (
+        f"{loud.label}: {percent(MOST)} of the A-weighted power lies between"
+        f" {kilohertz(low_hz)} and {kilohertz(high_hz)}. {_reason(loud)}"
+    )
+    return [place] if loud is quiet else [_comparison(loud, bright_hz, quiet, dull_hz), place]
 
 
-def _comparison(loud: RunResult, bright: Colour, quiet: RunResult, dull: Colour) -> str:
-    """Compare two runs in level and pitch."""
+def _comparison(loud: Run, bright_hz: float, quiet: Run, dull_hz: float) -> str:
+    """Compare two runs in level and in the mean of their A-weighted log frequency [Hz]."""
     by = loud.summary["laeq_db"] - quiet.summary["laeq_db"]
     parts = [run.summary["uncertainty_db"]["laeq"] or 0.0 for run in (loud, quiet)]
+    level = f"{by:.{0 if by >= 10 else 1}f} dB louder than {quiet.label}"
     if by < DIFFERS * math.hypot(*parts):
         level = f"as loud as {quiet.label} within the uncertainty"
-    else:
-        level = f"{by:.{0 if by >= 10 else 1}f} dB louder than {quiet.label}"
-    ratio = bright.middle_hz / dull.middle_hz
     pitch = "of the same colour"
-    if abs(ratio - 1.0) > ALIKE:
-        pitch = "brighter" if ratio > 1 else "darker"
+    if abs(bright_hz / dull_hz - 1.0) > ALIKE:
+        pitch = "brighter" if bright_hz > dull_hz else "darker"
     return (
         f"{loud.label}: {level} and {pitch} (mean of the A-weighted log frequency"
-        f" {kilohertz(bright.middle_hz)} against {kilohertz(dull.middle_hz)})."
+        f" {kilohertz(bright_hz)} against {kilohertz(dull_hz)})."
     )
 
 
-def _place(run: RunResult, own: Colour) -> str:
-    """Name the frequencies with most of the sound of a run."""
-    return (
-        f"{run.label}: {percent(MOST)} of what the ear weighs lies between"
-        f" {kilohertz(own.low_hz)} and {kilohertz(own.high_hz)}."
-    )
-
-
-def _reason(run: RunResult) -> str:
+def _reason(run: Run) -> str:
     """Give the rates at which the sphere passes its own contact width and the asperities."""
     scene = run.scene
     speed = float(scene.motion.distance(run.sound.duration)) / run.sound.duration
-    width = 2 * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    width = 2 * hertz_radius(run)
     text = f"The sphere rolls over its own contact width, {_rate(width, speed)}"
     if run.sound.source == "vibration":
         return f"{text}. {_shaken(run)}"
@@ -164,23 +157,24 @@ def _reason(run: RunResult) -> str:
     text = f"{text}, and over a correlation length of the surface, {_rate(length, speed)}."
     if share < MAINLY:
         return (
-            f"{text} Only {percent(share)} of what is heard lies between the two rates, where waves"
-            " of the surface fit into the contact."
+            f"{text} Only {percent(share)} of the A-weighted power lies between the two rates,"
+            " where waves of the surface fit into the contact."
         )
     return (
         f"{text} Waves of the surface between these two lengths fit into the contact:"
-        f" {percent(share)} of what is heard lies between the two rates."
+        f" {percent(share)} of the A-weighted power lies between the two rates."
     )
 
 
-def _shaken(run: RunResult) -> str:
-    """Say at which frequency the ball rings on its contact, and how long it flies."""
+def _shaken(run: Run) -> str:
+    """State the frequency at which the ball rings on its contact, and how long it flies."""
     summary = run.summary
     flies = ""
     if summary["flight_share"] > 0:
+        times = "time" if summary["impacts"] == 1 else "times"
         flies = (
             f" It flies for {percent(summary['flight_share'])} of the time, and hits the plate"
-            f" {summary['impacts']} {'time' if summary['impacts'] == 1 else 'times'}."
+            f" {summary['impacts']} {times}."
         )
     return (
         f"The ball rings on its contact at {kilohertz(summary['resonance_hz'])}, where waves of the"
@@ -189,7 +183,7 @@ def _shaken(run: RunResult) -> str:
 
 
 def _rate(length: float, speed: float) -> str:
-    """Write a length with the time to pass it and the rate."""
+    """Write a length [m] with the time to pass it and the rate."""
     return (
         f"{length * 1e6:.3g} µm, once in {length / speed * 1e3:.2g} ms"
         f" ({kilohertz(speed / length)})"
@@ -206,25 +200,13 @@ def percent(share: float) -> str:
     return f"{100 * share:.0f} %"
 
 
-def explanations(runs: Sequence[RunResult]) -> list[tuple[str, str]]:
+def explanations(runs: Sequence[Run]) -> list[tuple[str, str]]:
     """Explain the words of the table of levels at which a stranger stumbles."""
-    texts = []
-    if any(run.sound.source != "vibration" for run in runs):
-        texts.append(
-            (
-                "steady level",
-                "the level of the mean released power. A constant power makes no sound: it is the"
-                " energy that is there, not what is heard.",
-            )
-        )
-    if any("equivalent_q" in run.summary for run in runs):
-        texts += VIBRATION_WORDS
-    texts.append(
-        (
-            "plastic ratio",
-            "the area that yields at the hardness over the area of Hertz's smooth elastic contact.",
-        )
-    )
+    texts = [
+        words
+        for key, words in WORDS.items()
+        if any(run.summary.get(key) is not None for run in runs)
+    ]
     levels = [(run.summary["laeq_db"], run.summary["level_db"]) for run in runs]
     if any(a is not None and z is not None and a > z for a, z in levels):
         texts.append(

@@ -6,294 +6,175 @@ behaviour are in `assets/`.
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import jinja2
 import numpy as np
+from markupsafe import Markup
 
-from acoustics import extension, wav
+from acoustics import wav
 from acoustics.bands import BAND_NAMES
 from acoustics.plot_style import PREFIXES
 from rolling import __version__
-from rolling.figures import run_figures
-from rolling.figures.picture import Picture
-from rolling.figures.seed_figures import SEED
-from rolling.folders import program
-from rolling.report import assumed, citation, hearing, playback, templates
-from rolling.report import text as report_text
-from rolling.report.films import Film, film_of
-from rolling.report.playback import Playback
-from rolling.report.run_maps import MapScale, RunMaps, maps_of
-from rolling.simulation import caveats
-from rolling.simulation.caveats import Caveat
-from rolling.simulation.labels import printable
-from rolling.simulation.run_result import RunResult
+from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
+from rolling.figures.picture import Picture, slug
+from rolling.report import assumed, film, hearing, maps, playback, text
+from rolling.results import caveats
+from rolling.results.labels import printable
+from rolling.results.run_result import Run
 from rolling.terminal import defaults
 
-LARGEST_CSV = 200_000  # bytes on the page; longer tables stay in the run folder
-GENERATOR = f"{program.NAME} {__version__}"
+LARGEST_CSV = 200_000  # bytes on the page; `rolling plot` writes longer tables
+PROGRAM = "rolling-contact-noise"
 MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
-EXTENDED = range(18, 22)  # powers of two: lengths of extended records in samples
-SECTIONS = {  # by their places on the page
-    "listen": "Listen",
-    "slow": "Slow motion",
-    "contact": "Contact",
-    "spectra": "Spectra",
-    "compare": "Two runs compared",
-    "spectrograms": "Spectrograms",
-    "levels": "Levels",
-    "vibration": "Vibration",
-    "surface": "Surface",
-    "events": "Recovery events",
-    "assumed": "Assumed and warned",
-    "again": "Make it again",
-}
-TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
-# Maps keep their colours, which have a scale; ground, axes and letters around them turn dark.
-MAPS = ("spectrogram", "surface", "contact")
-DARK = (
-    b'<style class="dark">@media (prefers-color-scheme: dark) {'
-    b' svg { fill: #e6e8eb; } [style*="fill: #ffffff"] { fill: #15181c !important; }'
-    b' [style*="fill: #404040"] { fill: #a3abb5 !important; }'
-    b' [style*="stroke: #000000"] { stroke: #e6e8eb !important; } }</style>'
+SCRIPTS = (  # the parts of the page's script, in their order
+    *("core", "player", "choices", "motion", "contact", "film", "film_motion"),
+    *("downloads", "compare", "abx", "keys", "begin"),
 )
+TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
-# pictures of single runs, even if several are compared
-OWN = (*TIMELINES, "surface", "contact", "recovery_events", *VIBRATION)
 
 
-@dataclass(frozen=True)
-class TimeAxis:
-    """The plot area of a picture over time [percent of the picture], and its time limits [s]."""
-
-    left: float
-    right: float
-    top: float
-    bottom: float
-    begin: float
-    end: float
-
-
-@dataclass(frozen=True)
-class Exhibit:
-    """A picture on the page, with its curves as a link if they are short enough.
-
-    Parameters
-    ----------
-    name, alt : str. As in `Picture`.
-    src : str. Data URI of the SVG file.
-    csv : str or None. Data URI of the curves; None if they are too long.
-    has_curves : bool. Whether the picture has curves at all.
-    time : TimeAxis or None. The time axis of a picture over time.
-    size : (int, int), pixels. Width and height of the picture, so that nothing moves as it loads.
-    """
-
-    name: str
-    alt: str
-    src: str
-    csv: str | None
-    has_curves: bool
-    time: TimeAxis | None
-    size: tuple[int, int]
-
-
-@dataclass(frozen=True)
-class Surface:
-    """A surface with the labels of the runs that share it."""
-
-    labels: list[str]
-    words: str
-    statistics: dict[str, float]
-    picture: Exhibit
-
-
-@dataclass(frozen=True)
-class RunView:
-    """A run on the page.
-
-    Parameters
-    ----------
-    label : str. Label that distinguishes the run from the other runs.
-    run : RunResult. The run.
-    playback : Playback. Gains of its record.
-    wav : str. Data URI of its record.
-    pictures : dict of Exhibit. Its own pictures by name.
-    maps : RunMaps or None. Its pressure maps.
-    film : Film or None. Its slow motion.
-    """
-
-    label: str
-    run: RunResult
-    playback: Playback
-    wav: str
-    pictures: dict[str, Exhibit]
-    maps: RunMaps | None
-    film: Film | None
-
-    @property
-    def repeats(self) -> list[Caveat]:
-        """Caveats of a record that sounds as the tone of its repetition."""
-        return [
-            caveat for caveat in caveats.stored(self.run.summary) if caveat.key in caveats.REPEATS
-        ]
-
-    @property
-    def player(self) -> dict[str, Any]:
-        """Numbers of the run for the script of the page, as JSON."""
-        sound = self.run.sound
-        maps = (
-            asdict(self.maps) | {"sheet": _uri("image/png", self.maps.sheet)} if self.maps else None
-        )
-        return {
-            "label": self.label,
-            "seconds": len(sound.pressure) / sound.sample_rate,
-            "loops": sound.loops,
-            "buzzes": any(caveat.key == "short_loop" for caveat in self.repeats),
-            "playback": asdict(self.playback),
-            "maps": maps,
-            "film": _film_data(self.film) if self.film else None,
-            "slug": templates.slug(self.label),
-            "bands": _rounded(sound.levels.third_octave_db),
-            "spreads": _rounded(self.run.summary["third_octave_uncertainty_db"]),
-            "laps": self.run.laps,
-            "extendable": not sound.not_extendable,
-            "kurtosis": round(extension.kurtosis(sound.pressure), 3)
-            if sound.pressure.any()
-            else None,
-        }
-
-
-def is_page(path: Path) -> bool:
-    """Return whether a file is a page of this program, of version 0.2.0 or later."""
-    with path.open("rb") as file:
-        return f'<meta name="generator" content="{program.NAME} '.encode() in file.read(4096)
-
-
-def belongs(run: RunResult | None, name: str, runs: int) -> bool:
-    """Return whether a picture is on the page; comparisons replace the curves of single runs."""
-    return run is None or runs == 1 or name in OWN
-
-
-def exhibits(runs: Sequence[RunResult]) -> list[tuple[RunResult | None, Exhibit]]:
-    """Draw the pictures for the page of runs, each with its run, or with None for several runs.
-
-    More runs than `MOST_RUNS` have no pictures of their own.
-    """
-    if len(runs) > MOST_RUNS:
-        return [(None, exhibit(picture)) for picture in run_figures.of_runs(runs)]
-    return [
-        (run, exhibit(picture))
-        for run, picture in run_figures.gallery(runs)
-        if belongs(run, picture.name, len(runs))
-    ]
-
-
-def exhibit(picture: Picture) -> Exhibit:
-    """Embed a picture."""
-    csv = picture.csv() if picture.columns else b""
-    link = _uri("text/csv", csv) if 0 < len(csv) <= LARGEST_CSV else None
-    time = _time_axis(picture) if picture.name in TIMELINES else None
-    return Exhibit(
-        picture.name,
-        picture.alt,
-        _uri("image/svg+xml", _in_the_dark(picture)),
-        link,
-        bool(csv),
-        time,
-        _size(picture),
-    )
-
-
-def _in_the_dark(picture: Picture) -> bytes:
-    """Return the SVG file of a picture; a map has a style for dark pages."""
-    svg = picture.svg()
-    return svg.replace(b"</defs>", b"</defs>" + DARK, 1) if picture.name in MAPS else svg
-
-
-def _size(picture: Picture) -> tuple[int, int]:
-    """Return width and height of a picture in pixels of CSS, 96 to the inch."""
-    width, height = (round(96 * inches) for inches in picture.figure.get_size_inches())
-    return width, height
-
-
-def page(
-    runs: Sequence[RunResult],
-    shelf: Sequence[tuple[RunResult | None, Exhibit]],
-    unheard: Sequence[str] = (),
-) -> bytes:
+def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     """Write the page of one run or several.
 
+    More runs than `MOST_RUNS` have a page without players and without pictures of single runs.
+
     Parameters
     ----------
-    runs : sequence of runs, at least one, in the order of the page. Their labels differ.
-    shelf : sequence of pairs. The pictures of the runs, from `exhibits`.
-    unheard : sequence of str. Labels of runs that have too few steps for a sound. Default: none.
+    runs : sequence of Run, at least one, in the order of the page. Their labels differ.
+    unsolved : sequence of str. Labels of runs that are not solved. Default: none.
 
     Returns
     -------
     bytes
         The HTML file.
     """
-    scale, maps = maps_of(runs)
-    films = [film_of(run, scale.max_gpa) if scale else None for run in runs]
-    views = _views(runs, shelf, maps, films)
-    common = [
-        picture
-        for run, picture in shelf
-        if run is None or (len(runs) == 1 and picture.name not in OWN)
-    ]
+    heard = runs if len(runs) <= MOST_RUNS else []
+    scale = maps.map_scale(heard)
+    views = _views(heard, scale)
+    players = [_player(view, scale) for view in views]
     html = (
-        templates.environment()
+        _environment()
         .get_template("report.html")
         .render(
-            generator=GENERATOR,
-            title=report_text.titles(runs),
-            descriptions=list(
-                dict.fromkeys(
-                    _one_line(run.scene.description) for run in runs if run.scene.description
-                )
-            ),
-            text=report_text,
+            generator=f"{PROGRAM} {__version__}",
+            title=text.titles(runs),
+            descriptions=_descriptions(heard),
+            text=text,
             hearing=hearing,
-            citation=citation,
+            assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),
             runs=runs,
             views=views,
-            contents=_contents(runs, views),
-            unheard=list(unheard),
+            unsolved=list(unsolved),
             lengths={round(run.sound.duration, 4) for run in runs},
+            short=any(player["buzzes"] for player in players),
             SHORT_S=caveats.SHORT_S,
             map_scale=scale,
-            noted=any(view.repeats or view.playback.calibrated_pa is None for view in views),
-            filmed=any(films),
-            moved=any(film is not None and film.motion is not None for film in films),
-            curves=common,
-            surfaces=_surfaces(views),
+            filmed=any(player["film"] for player in players),
+            moved=any(player["film"] and player["film"]["motion"] for player in players),
+            curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
+            surfaces=_surfaces(heard),
             vibrations=_vibrations(views),
-            css=templates.own_text("report.css"),
-            js=templates.scripts(),
-            lengths_of_extended=_lengths_of_extended(runs),
-            row=_differ_in_seed(runs),
-            **_script_data(runs, views, scale),
+            css=_asset("report.css"),
+            js=Markup("\n").join(_asset(f"{name}.js") for name in SCRIPTS),
+            data={"runs": players, "view": scale, "bands": BAND_NAMES},
         )
     )
     return html.encode()
 
 
-def _script_data(
-    runs: Sequence[RunResult], views: Sequence[RunView], scale: MapScale | None
-) -> dict[str, Any]:
-    """Return the data of the page's script, and whether a record is short."""
-    players = [view.player for view in views]
-    data = {
-        "runs": players,
-        "view": asdict(scale) if scale else None,
-        "tsv": report_text.tsv(runs),
-        "bands": BAND_NAMES,
+def is_page(path: Path) -> bool:
+    """Return whether a file is a page of this program."""
+    with path.open("rb") as file:
+        return f'<meta name="generator" content="{PROGRAM} '.encode() in file.read(4096)
+
+
+# ---- templates
+
+
+def _environment() -> jinja2.Environment:
+    """Return the environment of the page, which escapes values and raises on missing values."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("rolling.report", "assets"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"slug": slug, "css_text": css_text}
+    # NaN must not reach the script of the page, because it is not JSON.
+    environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
+    return environment
+
+
+def css_text(title: str) -> Markup:
+    """Write any text as the inside of a string of CSS, all but letters and digits as numbers."""
+    letters = (x if x.isascii() and x.isalnum() else f"\\{ord(x):06x}" for x in title)
+    return Markup("".join(letters))
+
+
+def _asset(name: str) -> Markup:
+    """Read a file of the page, which is the program's own text and needs no escaping."""
+    return Markup(files("rolling.report").joinpath("assets", name).read_text(encoding="utf-8"))
+
+
+def _descriptions(runs: Sequence[Run]) -> list[str]:
+    """Return the different descriptions of scenes, each on a single line in printable letters."""
+    texts = (" ".join(run.scene.description.split()) for run in runs if run.scene.description)
+    return [*dict.fromkeys(map(printable, texts))]
+
+
+# ---- runs
+
+
+def _views(runs: Sequence[Run], scale: dict[str, Any] | None) -> list[dict[str, Any]]:
+    """Return label, gains, record, caveats and pictures of each run."""
+    peaks = [float(np.abs(run.sound.pressure).max()) for run in runs]
+    gains = playback.gains(peaks, [run.sound.levels.laeq_db for run in runs])
+    views = []
+    for run, gain in zip(runs, gains, strict=True):
+        full_scale = gain["full_scale_pa"] or 1.0
+        comment = f"full scale = {full_scale:.6g} Pa"
+        loops = run.sound.loops
+        record = wav.listening(run.sound.pressure, 1 / full_scale, comment, run.label, 16, loops)
+        # The page has maps that move, and each surface once.
+        left_out = {"surface", "contact_pressure" if run.result.maps else ""}
+        pictures = {
+            name: _exhibit(picture)
+            for name in SINGLE
+            if name not in left_out and (picture := single_picture(name, run, runs))
+        }
+        views.append(
+            {
+                "label": run.label,
+                "run": run,
+                "playback": gain,
+                "wav": maps.uri("audio/wav", record),
+                "repeats": [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS],
+                "pictures": pictures,
+            }
+        )
+    return views
+
+
+def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any]:
+    """Return the numbers of a run for the script of the page."""
+    run, sound = view["run"], view["run"].sound
+    return {
+        "label": run.label,
+        "seconds": len(sound.pressure) / sound.sample_rate,
+        "loops": sound.loops,
+        "buzzes": any(caveat["key"] == "short_loop" for caveat in view["repeats"]),
+        "playback": view["playback"],
+        "maps": maps.run_maps(run, scale["max_gpa"]) if scale else None,
+        "film": film.film_of(run, scale["max_gpa"]) if scale else None,
+        "bands": _rounded(sound.levels.third_octave_db),
+        "spreads": _rounded(run.summary["third_octave_uncertainty_db"]),
     }
-    return {"data": data, "short": any(player["buzzes"] for player in players)}
 
 
 def _rounded(levels: Mapping[str, float | None]) -> list[float | None]:
@@ -301,125 +182,68 @@ def _rounded(levels: Mapping[str, float | None]) -> list[float | None]:
     return [None if (level := levels[name]) is None else round(level, 3) for name in BAND_NAMES]
 
 
-def _contents(runs: Sequence[RunResult], views: Sequence[RunView]) -> list[tuple[str, str]]:
-    """Return place and name of the sections of the page."""
-    shown = {
-        "compare": len(runs) > 1,
-        "events": any("recovery_events" in view.pictures for view in views),
-        "vibration": any(run.vibration is not None for run in runs),
+# ---- pictures
+
+
+def _exhibit(picture: Picture) -> dict[str, Any]:
+    """Embed a picture with its table, its size [CSS pixels] and, over time, its time axis."""
+    svg, table = picture.svg, picture.file("csv")
+    short = table is not None and len(table) <= LARGEST_CSV
+    width, height = picture.figure.get_size_inches()
+    return {
+        "name": picture.name,
+        "alt": picture.alt,
+        "src": maps.uri("image/svg+xml", svg),
+        "csv": maps.uri("text/csv", table) if table is not None and short else None,
+        "size": (round(96 * width), round(96 * height)),
+        "time": time_axis(picture) if picture.name in TIMELINES else None,
     }
-    return [(place, name) for place, name in SECTIONS.items() if shown.get(place, True)]
 
 
-def _lengths_of_extended(runs: Sequence[RunResult]) -> list[tuple[int, str]]:
-    """Return exponents and seconds of the extended records that the page can make.
-
-    They are longer than all records; there are none where no record can be extended.
-    """
-    if all(run.sound.not_extendable for run in runs):
-        return []
-    longest = max(len(run.sound.pressure) for run in runs)
-    return [
-        (exponent, f"{2**exponent / wav.SAMPLE_RATE_HZ:.3g}")
-        for exponent in EXTENDED
-        if 2**exponent > longest
-    ]
-
-
-def _differ_in_seed(runs: Sequence[RunResult]) -> bool:
-    """Return whether several runs that sound differ in the seed of their surface alone."""
-    others = [
-        run.scene.to_dict() | {"surface": run.scene.surface.model_dump() | {"seed": None}}
-        for run in runs
-        if SEED in run.values and not run.sound.not_extendable
-    ]
-    return len(runs) > 1 and len(others) == len(runs) and all(each == others[0] for each in others)
-
-
-def _views(
-    runs: Sequence[RunResult],
-    shelf: Sequence[tuple[RunResult | None, Exhibit]],
-    maps: Sequence[RunMaps | None],
-    films: Sequence[Film | None],
-) -> list[RunView]:
-    """Return the runs with players, pictures, maps and films."""
-    peaks = [float(np.abs(run.sound.pressure).max()) for run in runs]
-    gains = playback.playbacks(peaks, [run.sound.levels.laeq_db for run in runs])
-    views = []
-    for run, gain, own_maps, film in zip(runs, gains, maps, films, strict=True):
-        comment = f"full scale = {gain.full_scale_pa:.6g} Pa"
-        record = wav.listening(
-            run.sound.pressure, 1 / gain.full_scale_pa, comment, run.label, 16, run.sound.loops
-        )
-        pictures = {picture.name: picture for owner, picture in shelf if owner is run}
-        views.append(
-            RunView(run.label, run, gain, _uri("audio/wav", record), pictures, own_maps, film)
-        )
-    return views
-
-
-def _film_data(film: Film) -> dict[str, Any]:
-    """Return a film for the script of the page."""
-    data = asdict(film) | {"ground": _uri("image/png", film.ground)}
-    for name, sheet in (("pressure", film.pressure), ("release", film.release)):
-        data[name]["png"] = _uri("image/png", sheet.png)
-    return data
-
-
-def _time_axis(picture: Picture) -> TimeAxis:
-    """Read the time axis of a picture, whose label names the unit."""
-    left, bottom, right, top = (100 * share for share in picture.plot_area())
-    axes = picture.figure.axes[0]
-    unit = axes.get_xlabel().partition("[")[2].partition("]")[0]
+def time_axis(picture: Picture) -> dict[str, float]:
+    """Return the plot area of a drawn picture [percent of the picture] and its time limits [s]."""
+    ax = picture.figure.axes[0]
+    left, bottom, right, top = (100 * share for share in ax.get_position().extents)
+    unit = ax.get_xlabel().partition("[")[2].partition("]")[0]
     second = next(1000.0**power for power, sign in PREFIXES.items() if f"{sign}s" == unit)
-    begin, end = axes.get_xlim()
-    return TimeAxis(left, right, 100 - top, 100 - bottom, begin * second, end * second)
+    begin, end = (second * limit for limit in ax.get_xlim())
+    area = {"left": left, "right": right, "top": 100 - top, "bottom": 100 - bottom}
+    return area | {"begin": begin, "end": end}
 
 
-def _surfaces(views: Sequence[RunView]) -> list[Surface]:
+def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
     """Return the different surfaces, each with the labels of its runs."""
-    sharing: dict[str, list[RunView]] = {}
-    for view in views:
-        scene, grid = view.run.scene, view.run.scene.track
-        key = (
-            f"{scene.surface.model_dump_json()} {scene.height_path} {grid.n_along} {grid.n_across}"
+    sharing: dict[str, list[Run]] = {}
+    for run in runs:
+        scene, track = run.scene, run.scene.track
+        places = (scene.height_path, track.n_along, track.n_across)
+        sharing.setdefault(f"{scene.surface.model_dump_json()} {places}", []).append(run)
+    surfaces = []
+    for members in sharing.values():
+        picture = single_picture("surface", members[0])
+        assert picture is not None
+        surfaces.append(
+            {
+                "labels": [run.label for run in members],
+                "words": assumed.surface_words(members[0].scene),
+                "statistics": members[0].summary["surface"],
+                "picture": _exhibit(picture),
+            }
         )
-        sharing.setdefault(key, []).append(view)
-    return [
-        Surface(
-            labels=[view.label for view in members],
-            words=assumed.surface_words(members[0].run.scene),
-            statistics=members[0].run.summary["surface"],
-            picture=members[0].pictures["surface"],
-        )
-        for members in sharing.values()
-    ]
+    return surfaces
 
 
-def _vibrations(views: Sequence[RunView]) -> list[tuple[RunView, list[Exhibit]]]:
-    """Return the runs that vibrate with their pictures; runs that share one show it once."""
-    shown, seen = [], set[tuple[str, str]]()
+def _vibrations(views: Sequence[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any]]]]:
+    """Return label and pictures of the runs that vibrate; equal pictures are shown once."""
+    shown, seen = [], set[bytes]()
     for view in views:
-        summary, identity = view.run.summary, view.run.result.identity
-        march = identity.text if identity else view.label
-        bodies = (f"{summary.get(key)}" for key in ("ball_mass_kg", "plate_mobility_s_kg"))
-        shared = {"contact_filter": march, "mobilities": " ".join([march, *bodies])}
         pictures = []
         for name in VIBRATION:
-            key = name, shared.get(name, view.label)
-            if name in view.pictures and key not in seen:
-                pictures.append(view.pictures[name])
-                seen.add(key)
+            picture = view["pictures"].get(name)
+            drawn = picture and (picture["csv"] or picture["src"])
+            if drawn and drawn not in seen:
+                pictures.append(picture)
+                seen.add(drawn)
         if pictures:
-            shown.append((view, pictures))
+            shown.append((view["label"], pictures))
     return shown
-
-
-def _one_line(text: str) -> str:
-    """Write a text of the scene on a single line, in printable letters."""
-    return printable(" ".join(text.split()))
-
-
-def _uri(kind: str, content: bytes) -> str:
-    """Return a file as a data URI."""
-    return f"data:{kind};base64,{base64.b64encode(content).decode()}"

@@ -12,27 +12,13 @@ from pydantic import ValidationError
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 
-from rolling.scene import library, yaml_text
-from rolling.scene import sweep as sweeps
-from rolling.scene.messages import (
-    Key,
-    SceneError,
-    all_keys,
-    keys,
-    numeric_keys,
-    required,
-    section_keys,
-    shown,
-    unknown_name,
-)
+from rolling.scene import library, messages, yaml_text
+from rolling.scene.messages import Key, SceneError, all_keys, shown
 from rolling.scene.motion import Motion
-from rolling.scene.scene import Scene
+from rolling.scene.scene import Scene, put
 from rolling.scene.sections import Rolling, Sound
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.yaml_text import TextError
-
-_LONG_TEXT = 100_000  # letters; the resolved form of a shorter text keeps the limits
-
 
 # ---- reading, writing, overriding
 
@@ -85,19 +71,13 @@ def loads(
     except TextError as error:
         raise SceneError([str(error)]) from error
     if data is None:
-        needed = ", ".join(["name", *required(Scene)])
-        raise SceneError([f"{where}: empty, a scene needs at least {needed}"])
+        needed = ", ".join(name for name, key in Scene.model_fields.items() if key.is_required())
+        raise SceneError([f"{where}: empty, a scene needs at least name, {needed}"])
     if not isinstance(data, dict):
         words = "a scene of keys and values, the first being name"
         raise SceneError([f"{where}:1: got {shown(data)}, allowed: {words}"])
     places = {key: f"{where}:{line}" for key, line in lines.items()}
-    scene = Scene.from_dict(data, folder, places, _override(data, places, overrides))
-    if len(text) > _LONG_TEXT or any(len(override) > _LONG_TEXT for override in overrides):
-        try:  # the resolved form, which is longer, will be read again
-            yaml_text.parse(dump(scene), where)
-        except TextError as error:
-            raise SceneError([f"{where}: with every default filled in: {_bare(error)}"]) from error
-    return scene
+    return Scene.from_dict(data, folder, places, _override(data, places, overrides))
 
 
 def _bare(error: TextError) -> str:
@@ -138,33 +118,19 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
             example = "key=value, as in rolling.load_n=50"
             faults.append(f"--set: got {shown(override)}, allowed: {example}")
         elif name not in all_keys(Scene):
-            faults.append(f"--set: {name}: {unknown_name(name, Scene)}")
+            faults.append(f"--set: {name}: {messages.unknown_name(name, Scene)}")
         else:
             try:
-                _put(data, places, name, yaml_text.parse(text, "--set")[0])
+                put(data, name, yaml_text.parse(text, "--set")[0])
             except TextError as error:
                 faults.append(f"--set: {name}: {_bare(error)}")
+                continue
+            section, _, last = name.partition(".")
+            key = (section, last) if last else (section,)
+            for inner in [other for other in places if other[: len(key)] == key]:
+                del places[inner]
+            places[key] = "--set"
     return faults
-
-
-def _put(data: dict[str, Any], places: dict[Key, str], name: str, value: Any) -> None:
-    """Put the value of a dotted name into plain values, and take the name out of the sweep."""
-    section, dot, last = name.partition(".")
-    key = (section, last) if dot else (section,)
-    inside: Any = data
-    if dot:
-        if data.get(section) is None:
-            data[section], places[section,] = {}, "--set"
-        inside = data[section]
-    if not isinstance(inside, dict):  # another value in place of the section, a fault by itself
-        return
-    inside[key[-1]] = value
-    for inner in [other for other in places if other[: len(key)] == key]:
-        del places[inner]
-    places[key] = "--set"
-    sweep = data.get("sweep")
-    if isinstance(sweep, dict) and section != "sweep":
-        sweeps.drop(sweep, name)
 
 
 # ---- new sound from a stored run
@@ -231,21 +197,14 @@ def schema() -> dict[str, Any]:
         "A sphere that rolls on a rough surface, how its contact is solved, and where it is heard."
     )
     numbers = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "number"}}
-    sweep = result["properties"]["sweep"]
-    names = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "string"}}
+    names = {**numbers, "items": {"type": "string"}}
     labelled = {"type": "object", "minProperties": 1}
-    swept: dict[str, Any] = {
-        key: {
-            "anyOf": [numbers if key in numeric_keys(Scene) else names, labelled],
-            "description": f"Values of {key}: {field.description}",
+    result["properties"]["sweep"] |= {
+        "properties": {
+            key: {"anyOf": [numbers if key in messages.numeric_keys(Scene) else names, labelled]}
+            for key in messages.keys(Scene)
         }
-        for key, field in keys(Scene).items()
+        | dict.fromkeys(messages.section_keys(Scene), labelled),
+        "additionalProperties": False,
     }
-    for key in section_keys(Scene):
-        swept[key] = {**labelled, "description": f"Sections {key} by label"}
-    together = {"type": "object", "minProperties": 1, "propertyNames": {"enum": [*swept]}}
-    sweep["properties"] = swept | {
-        sweeps.ZIP: {**together, "description": "Values by dotted key that go together"}
-    }
-    sweep["additionalProperties"] = False
     return result

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 import lzma
 import math
 import struct
@@ -26,14 +27,11 @@ from rolling.scene.yaml_text import open_regular
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
 MAX_TEXT_BYTES = 500_000_000  # of a file: reading text takes long, and .npy holds the same in less
 MAX_LINE = 20_000_000  # letters
-NAME = "heights"  # of the array in an archive of several
-_MAX_FAULTS = 100  # lines with faults, after which reading stops
+NAME = "heights.npy"  # of the array in an archive of several
 _TEXT_ENDINGS = (".csv", ".txt")
 _ENDINGS = (".npy", ".npz", *_TEXT_ENDINGS)
 _SHAPES = "one 2-D array of real heights, (along track, across), or a profile of one line"
 _NUMBERS = "numbers by comma, semicolon, tab or whitespace"
-_NPY, _MAGIC, _ZIP_MAGIC = ".npy", b"\x93NUMPY", b"PK\x03\x04"
-_BYTE_ORDER_MARK = "\xef\xbb\xbf"  # of UTF-8, in the letters of Latin-1
 # Errors of numpy and zipfile for damaged files. Their texts are not repeated: some of them advise
 # to load objects, which would run code of the file.
 _DAMAGE = (
@@ -131,45 +129,29 @@ def _opened(path: Path) -> Iterator[tuple[IO[bytes], int]]:
 
     Damage that is met while the stream is read raises HeightFormatError as well.
     """
+    ending = path.suffix.lower()
     try:
         with io.BufferedReader(open_regular(path)) as file:
-            if path.suffix.lower() == _NPY:
-                _refuse_foreign(file)
+            if ending == ".npy":
                 yield file, path.stat().st_size
                 return
             with zipfile.ZipFile(file) as archive:
                 member = archive.getinfo(_member(archive.namelist()))
                 with archive.open(member) as stream:
                     yield stream, member.file_size
-    except zipfile.BadZipFile as error:
-        raise HeightFormatError("no readable .npz file") from error
     except _DAMAGE as error:
-        reason = (isinstance(error, OSError) and error.strerror) or "damaged"
-        raise HeightFormatError(f"no readable {path.suffix.lower()} file ({reason})") from error
-
-
-def _refuse_foreign(file: IO[bytes]) -> None:
-    """Refuse a file without the signature of .npy, and go back to its beginning."""
-    begin = file.read(len(_MAGIC))
-    file.seek(0)
-    if begin.startswith(_ZIP_MAGIC):
-        raise HeightFormatError("no .npy file but an archive; rename it to .npz")
-    if begin != _MAGIC:
-        raise HeightFormatError(
-            "no readable .npy file (its signature is missing); text must be named .csv or .txt"
-        )
+        reason = (isinstance(error, OSError) and error.strerror) or "damaged, or another format"
+        raise HeightFormatError(f"no readable {ending} file ({reason})") from error
 
 
 def _member(names: list[str]) -> str:
     """Return the file of the heights within an archive: of the only array, or of the named one."""
-    arrays = [name for name in names if name.endswith(_NPY)]
-    if NAME + _NPY in arrays:
-        return NAME + _NPY
-    if len(arrays) == 1:
-        return arrays[0]
-    listed = ", ".join(repr(name.removesuffix(_NPY))[:60] for name in arrays[:5])
+    arrays = [name for name in names if name.endswith(".npy")]
+    if NAME in arrays or len(arrays) == 1:
+        return NAME if NAME in arrays else arrays[0]
+    listed = ", ".join(repr(name.removesuffix(".npy"))[:60] for name in arrays[:5])
     got = f"{len(arrays)} arrays ({listed}{', ...' * (len(arrays) > 5)})" if arrays else "no array"
-    raise HeightFormatError(f'got {got}, allowed: one array, or one that is named "{NAME}"')
+    raise HeightFormatError(f'got {got}, allowed: one array, or one that is named "heights"')
 
 
 def _array_header(stream: IO[bytes]) -> tuple[tuple[int, ...], np.dtype[Any], int]:
@@ -177,10 +159,8 @@ def _array_header(stream: IO[bytes]) -> tuple[tuple[int, ...], np.dtype[Any], in
     version = np.lib.format.read_magic(stream)
     if version == (1, 0):
         shape, _, dtype = np.lib.format.read_array_header_1_0(stream)
-    elif version == (2, 0):
+    else:  # later versions have names that no heights need
         shape, _, dtype = np.lib.format.read_array_header_2_0(stream)
-    else:
-        raise HeightFormatError("no readable .npy file (of names that no heights need)")
     return tuple(int(count) for count in shape), dtype, stream.tell()
 
 
@@ -193,15 +173,12 @@ def _text(path: Path) -> Array:
     Empty lines and lines that begin with # do not count. A separator at the end of a line adds no
     number. The array is read-only, because the last one is kept.
     """
-    try:
-        status = path.stat()
-        if status.st_size > MAX_TEXT_BYTES:
-            raise HeightFormatError(
-                f"is larger than {MAX_TEXT_BYTES:,} bytes of text; a .npy file may be larger"
-            )
-        return _table(path, (status.st_mtime_ns, status.st_size, status.st_ino))
-    except OSError as error:
-        raise HeightFormatError(f"not readable ({error.strerror or error})") from error
+    status = path.stat()
+    if status.st_size > MAX_TEXT_BYTES:
+        raise HeightFormatError(
+            f"is larger than {MAX_TEXT_BYTES:,} bytes of text; a .npy file may be larger"
+        )
+    return _table(path, (status.st_mtime_ns, status.st_size, status.st_ino))
 
 
 @lru_cache(maxsize=1)
@@ -209,23 +186,14 @@ def _table(path: Path, stamp: tuple[int, ...]) -> Array:
     """Read the numbers of a file that was last written at a stamp."""
     values, rows, width = array("d"), 0, 0
     separator: str | None = None
-    faults: list[tuple[int, str]] = []
     for place, line in _lines(path):
         separator = separator or next((sign for sign in (";", "\t", ",") if sign in line), None)
-        row, fault = _row(line, separator)
-        if not fault and width and len(row) != width:
-            fault = f"got {len(row)} numbers, allowed: {width}, as on the lines before"
-        if not fault:
-            width, rows = len(row), rows + 1
-            values.extend(row)
-        elif len(faults) < _MAX_FAULTS:
-            faults.append((place, fault))
-        else:
-            break
-    if faults:
-        (place, fault), *others = faults
-        more = f" (likewise {len(others)} further lines)" if others else ""
-        raise HeightFormatError(f"{fault}{more}", place)
+        row = _row(line, separator, place)
+        if width and len(row) != width:
+            words = f"got {len(row)} numbers, allowed: {width}, as on the lines before"
+            raise HeightFormatError(words, place)
+        width, rows = len(row), rows + 1
+        values.extend(row)
     if not rows:
         raise HeightFormatError(f"holds no heights, allowed: {_NUMBERS}")
     table = np.frombuffer(values, dtype=float).reshape(_rows_and_columns((rows, width)))
@@ -239,27 +207,27 @@ def _lines(path: Path) -> Iterator[tuple[int, str]]:
     Numbers are ASCII. Read as Latin-1, comments may be in any encoding.
     """
     with io.TextIOWrapper(io.BufferedReader(open_regular(path)), encoding="latin-1") as stream:
-        for number in range(1, MAX_TEXT_BYTES + 2):
+        for number in itertools.count(1):
             line = stream.readline(MAX_LINE)
-            if not line:
-                return
             if len(line) == MAX_LINE:
                 raise HeightFormatError(f"a line of more than {MAX_LINE:,} letters", number)
-            line = line.removeprefix(_BYTE_ORDER_MARK) if number == 1 else line
-            line = line.strip(" \t\r\n")
+            if not line:
+                return
+            # The mark of UTF-8 may stand before the first number.
+            line = line.removeprefix("\xef\xbb\xbf").strip(" \t\r\n")
             if line and not line.startswith("#"):
                 yield number, line
 
 
-def _row(line: str, separator: str | None) -> tuple[list[float], str]:
-    """Return the numbers of a line, or none and the fault of the first that is no number."""
+def _row(line: str, separator: str | None, place: int) -> list[float]:
+    """Return the numbers of a line; raise HeightFormatError for the first that is no number."""
     fields = line.split(separator)
     if separator and not fields[-1].strip():
         fields.pop()
     try:
         row = [float(field) for field in fields]
         if all(map(math.isfinite, row)) and "_" not in line:
-            return row, ""
+            return row
     except ValueError:
         pass
     wrong = next((field for field in fields if not _is_number(field)), line)
@@ -267,7 +235,7 @@ def _row(line: str, separator: str | None) -> tuple[list[float], str]:
     advice = ", with a point before the decimals" if decimal_comma else ""
     # The letters were read as Latin-1, and are probably UTF-8.
     text = wrong.strip().encode("latin-1").decode("utf-8", "backslashreplace")
-    return [], f"got {shown(text)}, allowed: {_NUMBERS}{advice}"
+    raise HeightFormatError(f"got {shown(text)}, allowed: {_NUMBERS}{advice}", place)
 
 
 def _is_number(field: str) -> bool:

@@ -16,23 +16,11 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
 
-from rolling.scene.messages import (
-    Key,
-    dotted,
-    explained,
-    fault,
-    is_number,
-    keys,
-    nearest,
-    numeric_keys,
-    plain_number,
-    section_keys,
-    shown,
-)
+from rolling.scene import messages
+from rolling.scene.messages import Key, dotted, fault, plain_number, shown
 from rolling.scene.sections import MAX_FAULTS
 
 MAX_RUNS = 10_000  # maximum number of runs of a sweep
-ZIP = "zip"  # key of the values that go together, beside the product of the others
 LONGEST_LABEL = 100  # letters
 LONGEST_NAME = 120  # bytes; temporary names add to it, and some file systems end at 143
 _LONGEST_TEXT = 40  # letters of a text in a name
@@ -82,72 +70,50 @@ def validated(sweep: Any, root: type[BaseModel]) -> dict[str, Any]:
     if not isinstance(sweep, dict):
         form = "lists of numbers by dotted key, as in rolling.load_n: [5, 20]"
         raise fault(f"got {shown(sweep)}, allowed: {form}", "sweep")
-    zipped = sweep.get(ZIP, {})
-    if not isinstance(zipped, dict) or (ZIP in sweep and not zipped):
-        raise fault(f"got {shown(zipped)}, allowed: lists by dotted key", "sweep", ZIP)
-    free = {name: listed for name, listed in sweep.items() if name != ZIP}
-    for name in zipped:
-        if name in free:
-            raise fault("is swept beside it, too", "sweep", ZIP, name)
-    axes: dict[tuple[str, ...], Any] = {(name,): listed for name, listed in free.items()}
-    axes |= {(ZIP, name): listed for name, listed in zipped.items()}
-    for key, listed in axes.items():
-        _refuse_form(key, listed, root)
-    lengths = {name: len(listed) for name, listed in zipped.items()}
-    if len({*lengths.values()}) > 1:
-        counts = ", ".join(f"{count} of {name}" for name, count in lengths.items())
-        raise fault(f"got {counts}, allowed: equally many values of each key", "sweep", ZIP)
-    runs = math.prod(map(len, free.values())) * max(lengths.values(), default=1)
+    for name, listed in sweep.items():
+        _refuse_form(name, listed, root)
+    runs = math.prod(map(len, sweep.values()))
     if runs > MAX_RUNS:  # refused before any value is looked at
         raise fault(f"got {runs} runs, allowed: at most {MAX_RUNS}", "sweep")
-    for key, listed in axes.items():
-        _refuse_values(key, listed, root)
-    rows = [*zip(*([value for value, _ in choices(z)] for z in zipped.values()), strict=True)]
-    if len({*rows}) < len(rows):
-        raise fault("the same values stand together twice, allowed: different ones", "sweep", ZIP)
-    made: dict[str, Any] = {name: _frozen(listed) for name, listed in free.items()}
-    return made | ({ZIP: {name: _frozen(z) for name, z in zipped.items()}} if zipped else {})
+    for name, listed in sweep.items():
+        _refuse_values(name, listed, root)
+    return {
+        name: dict(listed) if isinstance(listed, dict) else tuple(listed)
+        for name, listed in sweep.items()
+    }
 
 
-def _frozen(listed: Any) -> Any:
-    return dict(listed) if isinstance(listed, dict) else tuple(listed)
-
-
-def _refuse_form(key: tuple[str, ...], listed: Any, root: type[BaseModel]) -> None:
+def _refuse_form(name: Any, listed: Any, root: type[BaseModel]) -> None:
     """Raise a fault for an unknown key, or for values that are no list and have no labels."""
-    name = key[-1]
-    if name not in {*keys(root), *section_keys(root)}:
-        known = [*keys(root), *section_keys(root)]
-        like = nearest(name, known) if isinstance(name, str) else ""
-        raise fault(f"unknown key{like}", "sweep", *map(_part, key))
+    known = [*messages.keys(root), *messages.section_keys(root)]
+    if name not in known:
+        like = messages.nearest(name, known) if isinstance(name, str) else ""
+        raise fault(f"unknown key{like}", "sweep", str(name))
     if isinstance(listed, dict) and listed:
         return
-    if name in section_keys(root):
+    if name in messages.section_keys(root):
         form = f"sections by label, as in {name}: {{first: {{...}}, second: {{...}}}}"
     elif not isinstance(listed, list | tuple) or not listed:
-        form = f"a list of {'numbers' if name in numeric_keys(root) else 'names'}, at least one"
+        kind = "numbers" if name in messages.numeric_keys(root) else "names"
+        form = f"a list of {kind}, at least one"
     else:
         return
-    raise fault(f"got {shown(listed)}, allowed: {form}", "sweep", *key)
+    raise fault(f"got {shown(listed)}, allowed: {form}", "sweep", name)
 
 
-def _part(name: Any) -> str | int:
-    return name if isinstance(name, str | int) else str(name)
-
-
-def _refuse_values(key: tuple[str, ...], listed: Any, root: type[BaseModel]) -> None:
+def _refuse_values(name: str, listed: Any, root: type[BaseModel]) -> None:
     """Raise the first fault of the values of one key."""
-    numeric, seen = key[-1] in numeric_keys(root), dict[str, Value]()
+    numeric, seen = name in messages.numeric_keys(root), dict[str, Value]()
     for i, (value, form) in enumerate(choices(listed)):
-        at: tuple[str | int, ...] = ("sweep", *key, i)
+        at: Key = ("sweep", name, i)
         if isinstance(listed, dict):
-            at = ("sweep", *key)
+            at = ("sweep", name)
             if not isinstance(value, str) or not 0 < len(value) <= LONGEST_LABEL:
                 words = f"text of 1 to {LONGEST_LABEL} letters"
                 raise fault(f"got {shown(value)} as a label, allowed: {words}", *at)
-            if key[-1] in section_keys(root) and not isinstance(form, dict):
+            if name in messages.section_keys(root) and not isinstance(form, dict):
                 raise fault(f"got {shown(form)}, allowed: a section", *at, value)
-        elif numeric and not is_number(value):
+        elif numeric and not messages.is_number(value):
             raise fault(f"got {shown(value)}, allowed: a number", *at)
         elif not numeric and (not isinstance(value, str) or not value):
             raise fault(f"got {shown(value)}, allowed: text", *at)
@@ -155,7 +121,7 @@ def _refuse_values(key: tuple[str, ...], listed: Any, root: type[BaseModel]) -> 
         if before != value:
             words = "texts that differ in more than upper and lower case"
             raise fault(f"got {shown(value)} beside {shown(before)}, allowed: {words}", *at)
-        if len(seen) <= i and key[0] != ZIP:
+        if len(seen) <= i:
             raise fault(f"got {shown(value)} twice, allowed: different values", *at)
 
 
@@ -168,20 +134,9 @@ def choices(listed: Any) -> list[Choice]:
 
 
 def product(sweep: Mapping[str, Any]) -> Iterator[tuple[dict[str, Value], dict[str, Any]]]:
-    """Yield the values of each run by dotted key, and their plain forms.
-
-    The last key varies fastest. Values that go together are the last.
-    """
-    axes = [
-        [{name: choice} for choice in choices(listed)]
-        for name, listed in sweep.items()
-        if name != ZIP
-    ]
-    if zipped := sweep.get(ZIP):
-        columns = [choices(listed) for listed in zipped.values()]
-        axes.append([dict(zip(zipped, row, strict=True)) for row in zip(*columns, strict=True)])
-    for combination in itertools.product(*axes):
-        chosen = {name: choice for part in combination for name, choice in part.items()}
+    """Yield the values of each run by dotted key, and their plain forms; the last is fastest."""
+    for row in itertools.product(*map(choices, sweep.values())):
+        chosen = dict(zip(sweep, row, strict=True))
         yield (
             {name: value for name, (value, _) in chosen.items()},
             {name: form for name, (_, form) in chosen.items()},
@@ -200,31 +155,6 @@ def with_values(data: Mapping[str, Any], forms: Mapping[str, Any]) -> dict[str, 
     return result
 
 
-def with_first_sections(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the plain values of a scene with the first of swept sections that it lacks."""
-    sweep = data.get("sweep")
-    if not isinstance(sweep, dict):
-        return dict(data)
-    zipped = sweep.get(ZIP)
-    axes = {**(zipped if isinstance(zipped, dict) else {}), **sweep}
-    first = {
-        name: next(iter(listed.values()))
-        for name, listed in axes.items()
-        if name != ZIP and "." not in str(name) and isinstance(listed, dict) and listed
-    }
-    return {**first, **data}
-
-
-def drop(sweep: dict[str, Any], name: str) -> None:
-    """Remove a key from the plain values of a sweep."""
-    sweep.pop(name, None)
-    zipped = sweep.get(ZIP)
-    if isinstance(zipped, dict):
-        zipped.pop(name, None)
-        if not zipped:
-            del sweep[ZIP]
-
-
 def with_paths(data: Mapping[str, Any], moved: Callable[[str], str]) -> dict[str, Any]:
     """Return the plain values of a scene with other paths of height files, swept ones as well.
 
@@ -235,18 +165,13 @@ def with_paths(data: Mapping[str, Any], moved: Callable[[str], str]) -> dict[str
         has_path = isinstance(surface, dict) and isinstance(surface.get("path"), str)
         return {**surface, "path": moved(surface["path"])} if has_path else surface
 
-    def axis(name: str, listed: Any) -> Any:
-        if name == ZIP:
-            return {key: axis(key, inner) for key, inner in listed.items()}
-        if name == "surface":
-            return {label: section(value) for label, value in listed.items()}
-        if name == "surface.path":
-            return {str(label): moved(path) for label, path in choices(listed)}
-        return listed
-
     result = {**data, "surface": section(data["surface"])}
-    if "sweep" in data:
-        result["sweep"] = {name: axis(name, listed) for name, listed in data["sweep"].items()}
+    sweep = result["sweep"] = dict(data.get("sweep", {}))
+    if "surface" in sweep:
+        sweep["surface"] = {label: section(each) for label, each in sweep["surface"].items()}
+    if "surface.path" in sweep:
+        paths = choices(sweep["surface.path"])
+        sweep["surface.path"] = {str(label): moved(path) for label, path in paths}
     return result
 
 
@@ -266,43 +191,29 @@ def faults_of_runs(
         sweep = validated(data.get("sweep", {}), root)
     except PydanticCustomError:  # where other faults kept pydantic from looking at it
         return []
-    places = _places(sweep)
     known, faults = {key for key, _ in known_faults}, dict[Fault, None]()
     # Many runs share a fault, and wording it takes longer than detecting it.
     in_words: dict[Any, Fault] = {}
     for values, forms in product(sweep) if sweep else ():
         swept = with_values(unswept, forms)
         for error in _errors(swept, root):
-            value = error["input"] if isinstance(error["input"], bool | int | float | str) else None
-            alike = (error["loc"], error["type"], error["msg"], shown(value))
+            plain = isinstance(error["input"], bool | int | float | str)
+            alike = (error["loc"], error["type"], error["msg"], shown(error["input"]) * plain)
             if alike not in in_words:
-                in_words[alike] = explained(error, swept, root)
+                in_words[alike] = messages.explained(error, swept, root)
             key, message = in_words[alike]
             name = next((name for name in (dotted(key), str(key[0])) if name in values), None)
             if name is not None:
                 inner = () if name == dotted(key) else key[1:]
-                faults[(*places[name][values[name]], *inner), message] = None
+                listed, value = sweep[name], values[name]
+                place = str(value) if isinstance(listed, dict) else listed.index(value)
+                faults[("sweep", name, place, *inner), message] = None
             elif key not in known:
                 known.add(key)
                 faults[key, f"{message} (in the run {run_name(values)} of the sweep)"] = None
         if len(faults) > MAX_FAULTS:
             break
     return list(faults)
-
-
-def _places(sweep: Mapping[str, Any]) -> dict[str, dict[Value, Key]]:
-    """Return the place of each value of each key in a scene."""
-    axes: dict[Key, Any] = {
-        ("sweep", name): listed for name, listed in sweep.items() if name != ZIP
-    }
-    axes |= {("sweep", ZIP, name): listed for name, listed in sweep.get(ZIP, {}).items()}
-    return {
-        str(key[-1]): {
-            value: (*key, str(value) if isinstance(listed, dict) else i)
-            for i, (value, _) in enumerate(choices(listed))
-        }
-        for key, listed in axes.items()
-    }
 
 
 def _errors(data: Mapping[str, Any], root: type[BaseModel]) -> list[Any]:

@@ -15,7 +15,6 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq, TaggedScalar
 from ruamel.yaml.composer import Composer
-from ruamel.yaml.constructor import DuplicateKeyError
 from ruamel.yaml.error import YAMLError
 from ruamel.yaml.events import AliasEvent
 
@@ -25,8 +24,7 @@ from rolling.scene.messages import Key, cut, dotted, first_line, shown
 MAX_BYTES = 1_000_000  # maximum size of a file
 MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded
 MAX_ALIASES = 100  # maximum number of aliases; each may merge a whole section into another
-MAX_NESTING = 4  # maximum depth of values in a scene
-MAX_SWEEP_NESTING = 7  # such as a speed profile, in a section with a label, under sweep.zip
+MAX_NESTING = 7  # maximum depth of values, such as a speed profile in a swept section
 _MAX_DEPTH = 20  # maximum depth of a text; deeper values are reported without their key
 _MAX_BITS = 1000  # maximum length of a whole number; Python refuses to write much longer numbers
 _LONG_NUMBER = re.compile(r"[0-9_]{4301,}")  # Python reads no longer numbers
@@ -109,17 +107,10 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
             loaded = yaml.load(text)
     except TextError as error:
         raise TextError(f"{where}:{error}") from error
-    except DuplicateKeyError as error:
-        first, second = error.context_mark.line + 1, error.problem_mark
-        name = text.splitlines()[second.line][second.column :].split(":")[0].strip()
-        raise TextError(
-            f"{where}:{second.line + 1}: {cut(name)}: given twice in the section that begins in"
-            f" line {first}"
-        ) from error
     except YAMLError as error:
         mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
         problem = getattr(error, "problem", None) or getattr(error, "reason", None)
-        problem = (problem or first_line(error)).replace("<stream end>", "the end")
+        problem = (problem or first_line(error)).replace("<stream end>", "the end").splitlines()[0]
         place = f"{where}:{mark.line + 1}" if mark else where
         raise TextError(f"{place}: not YAML: {problem}") from error
     except _READER_ERRORS as error:
@@ -160,7 +151,7 @@ def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
         return f"{where}:{lines[key]}: {cut(dotted(key))}"
 
     def plain(value: Any, key: Key) -> Any:
-        if len(key) > (MAX_SWEEP_NESTING if key[:1] == ("sweep",) else MAX_NESTING):
+        if len(key) > MAX_NESTING:
             raise TextError(f"{at(key)}: nested too deeply")
         if len(lines) > MAX_VALUES:
             raise TextError(f"{where}:{lines[key]}: more than {MAX_VALUES:,} keys and values")

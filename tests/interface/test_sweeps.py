@@ -25,9 +25,7 @@ sweep:
     lapped: {kind: gaussian, spacing_um: 2, width_um: 64, roughness_ra_um: 0.05,
              correlation_length_um: 8, seed: 1}
   surface.seed: [1, 2]
-  zip:
-    rolling.load_n: [5, 20]
-    rolling.speed_m_s: {slow: 0.1, slowing: [[0, 0.2], [1, 0.1]]}
+  rolling.speed_m_s: {slow: 0.1, slowing: [[0, 0.2], [1, 0.1]]}
 """
 
 
@@ -39,18 +37,17 @@ def names_of(text: str, *overrides: str) -> list[str]:
     return [run_name(run.values) for run in runs_of(text, *overrides)]
 
 
-def test_sections_numbers_and_values_that_go_together() -> None:
+def test_sections_and_numbers() -> None:
     runs = runs_of(PLAIN + SURFACES)
     assert len(runs) == 2 * 2 * 2
     first, second, last = runs[0], runs[1], runs[-1]
     assert first.values == {
         "surface": "ground",
         "surface.seed": 1,
-        "rolling.load_n": 5,
         "rolling.speed_m_s": "slow",
     }
-    assert (first.scene.surface.roughness_ra_um, first.scene.load) == (0.4, 5)
-    assert second.scene.load == 20 and second.scene.rolling.speed_m_s == ((0, 0.2), (1, 0.1))
+    assert first.scene.surface.roughness_ra_um == 0.4
+    assert second.scene.rolling.speed_m_s == ((0, 0.2), (1, 0.1))
     # A number in a swept section is swept as well, whatever the order of the keys.
     assert (last.scene.surface.roughness_ra_um, last.scene.surface.seed) == (0.05, 2)
     assert not any(run.scene.sweep for run in runs)
@@ -83,30 +80,11 @@ def test_a_scene_comes_back_from_its_text() -> None:
     assert again == scene and again.runs() == scene.runs()
 
 
-def test_a_section_may_stand_in_the_sweep_alone() -> None:
-    without = PLAIN[: PLAIN.index("plate:")] + PLAIN[PLAIN.index("surface:") :]
-    plates = (
-        "sweep.plate={steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3},"
-        " glass: {youngs_modulus_gpa: 70, poissons_ratio: 0.2}}"
-    )
-    with pytest.raises(SceneError, match="plate: missing"):
-        loads(without)
-    moduli = [run.scene.plate.youngs_modulus_gpa for run in runs_of(without, plates)]
-    assert moduli == [210, 70]
-
-
-def test_setting_a_key_takes_it_from_the_values_that_go_together() -> None:
-    scene = loads(PLAIN + SURFACES, ["rolling.load_n=7"])
-    assert [*scene.sweep["zip"]] == ["rolling.speed_m_s"]
-    scene = loads(PLAIN + SURFACES, ["rolling.load_n=7", "rolling.speed_m_s=0.1"])
-    assert "zip" not in scene.sweep and len(scene.runs()) == 4
-
-
 # ---- names of runs
 
 
 def test_names_use_the_words_of_the_user() -> None:
-    assert names_of(PLAIN + SURFACES)[0] == "surface=ground,seed=1,load_n=5,speed_m_s=slow"
+    assert names_of(PLAIN + SURFACES)[0] == "surface=ground,seed=1,speed_m_s=slow"
     assert names_of(PLAIN, "sweep.numerics.edges=[blended, sharp]") == [
         "edges=blended",
         "edges=sharp",

@@ -80,7 +80,6 @@ def test_the_same_heights_come_out_of_every_format(tmp_path: Path, name: str) ->
     expected = scene_surface.scene_surface(scene(tmp_path, "reference.npy"))
     read = scene_surface.scene_surface(own)
     assert np.array_equal(read.heights, expected.heights)
-    assert read.sha256 == expected.sha256  # a run may go on with the file in another format
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("m", 1), ("mm", 1e3), ("um", 1e6), ("nm", 1e9)])
@@ -131,7 +130,7 @@ def test_a_profile_needs_a_width_and_nothing_else_may_have_one(tmp_path: Path) -
     np.save(tmp_path / "profile.npy", Z[:, 0])
     np.save(tmp_path / "map.npy", Z)
     assert fault(tmp_path, "profile.npy") == (
-        "surface.width_um: missing, allowed: a number > 0, because profile.npy is a profile of one"
+        "surface.width_um: missing; profile.npy is a profile of one"
         " line, which is laid across the track over that width"
     )
     assert fault(tmp_path, "map.npy", "surface.width_um=20") == (
@@ -172,14 +171,6 @@ def test_a_line_without_numbers_is_named(
     lines[line - 1] = content
     (tmp_path / "h.csv").write_text("\n".join(lines), encoding="utf-8")
     assert fault(tmp_path, "h.csv").startswith(f"surface.path: h.csv:{message}")
-
-
-def test_further_lines_without_numbers_are_counted(tmp_path: Path) -> None:
-    lines = text_of(" ").splitlines()
-    for k in range(4, 14):
-        lines[k] = "BAD"
-    (tmp_path / "h.txt").write_text("\n".join(lines))
-    assert fault(tmp_path, "h.txt").endswith("(likewise 9 further lines)")
 
 
 def test_decimal_commas_get_their_own_advice(tmp_path: Path) -> None:
@@ -249,11 +240,11 @@ def with_header(shape: str, descr: str = "'<f8'", data: bytes = bytes(8 * 64)) -
         ("(-1, 64)", "a negative shape"),
         ("(10000000000000000000000, 64)", "its header says 10^24 or more bytes of heights"),
         ("(99999999999999999999999, 0)", "nodes, allowed: at least 8"),
-        ("(" + "9" * 5000 + ", 9)", "no readable .npy file (damaged)"),
-        ("(9.0, 9)", "no readable .npy file (damaged)"),
-        ("9", "no readable .npy file (damaged)"),
-        ("(" * 200, "no readable .npy file (damaged)"),
-        ("(9, 9), 'x': " + "0" * 20000, "no readable .npy file (damaged)"),
+        ("(" + "9" * 5000 + ", 9)", "no readable .npy file (damaged, or another format)"),
+        ("(9.0, 9)", "no readable .npy file (damaged, or another format)"),
+        ("9", "no readable .npy file (damaged, or another format)"),
+        ("(" * 200, "no readable .npy file (damaged, or another format)"),
+        ("(9, 9), 'x': " + "0" * 20000, "no readable .npy file (damaged, or another format)"),
         ("()", "got a 0-D array"),
     ],
 )

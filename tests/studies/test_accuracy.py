@@ -20,7 +20,7 @@ from rolling.accuracy.variants import stretch_of, variant_contact, variants_of
 from rolling.contact.solver import ContactError
 from rolling.scene.scene import Scene
 from rolling.surface import heights as surface
-from rolling.surface import refined, scene_surface, wider
+from rolling.surface import refined, scene_surface
 
 pytestmark = pytest.mark.slow
 ELASTIC: dict[str, Any] = {
@@ -165,8 +165,8 @@ def test_refining_keeps_the_nodes_and_the_line_of_the_sphere(times: int) -> None
 @pytest.mark.parametrize(("width", "times"), [(256, 2), (250, 3)])
 def test_a_wider_surface_has_the_same_asperities_in_its_middle(width: float, times: int) -> None:
     scene = scene_of(**{"surface.width_um": width, "rolling.duration_s": 0.02})
-    assert wider.wider_times(scene) == times
-    own, wide = scene_surface.heights(scene), wider.wider_heights(scene, times)
+    assert scene_surface.wider_times(scene) == times
+    own, wide = scene_surface.heights(scene), scene_surface.wider_heights(scene, times)
     assert wide.shape == (own.shape[0], times * own.shape[1])
     first = own.shape[1] * (times - 1) // 2
     off = wide[:, first : first + own.shape[1]] - own

@@ -12,22 +12,21 @@ function byChance(right, trials) {
   return sum;
 }
 
-/** Lets one run through without saying which. */
+/** Lets a run through without its name. */
 function hearBlind(number) {
   state.blind = number;
   if (state.wanted) mix();
   else play();
 }
 
-/** Begins on records or extended ones: in a row all runs sound, and A, B and X would be the same. */
-async function beginTest() {
-  if (choice("row")?.checked) await toRecords();
+function beginTest() {
   Object.assign(abx, { trials: 0, right: 0 });
-  drawLots();
+  chooseX();
   $("#abx-result").textContent = "Listen, then say what X is.";
 }
 
-function drawLots() {
+/** Makes X one of both runs in random order. */
+function chooseX() {
   const [a, b] = pair();
   abx.x = Math.random() < 0.5 ? a : b;
   for (const button of $$("[data-abx]")) button.disabled = a === b;
@@ -48,7 +47,7 @@ function answer(number) {
   const chance = percent < 0.1 ? "less than 0.1" : Number(percent.toPrecision(2));
   const text = `${right ? "Right" : "Wrong"}. ${abx.right} of ${abx.trials} right; guessing gives that or more in ${chance} % of tests.`;
   $("#abx-result").textContent = text;
-  drawLots();
+  chooseX();
 }
 
 const ABX = {

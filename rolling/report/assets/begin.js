@@ -1,23 +1,24 @@
+// ---- the beginning ----
+
 function begin() {
-    document.documentElement.classList.add("scripted");
-    $("#transport").hidden = false;
-    $(".singles").open = runs.length === 1;
-    $("#seek").max = total();
-    $("#loop").checked = state.loop;
-    listen();
-  for (const table of $$("#levels-table, .players")) if (runs.length > 1) makeSortable(table);
+  document.documentElement.classList.add("scripted");
+  $("#transport").hidden = false;
+  $(".singles").open = runs.length === 1;
+  $("#seek").max = longest;
+  $("#loop").checked = state.loop;
+  listen();
   for (const colours of ["(prefers-color-scheme: dark)", "print"]) matchMedia(colours).addEventListener("change", recolour);
   new ResizeObserver(markScrolling).observe(document.body);
-    choose(Math.max(0, runs.findIndex((run) => run.playback.calibrated_pa !== null))); // one that can be heard
-    showDifference();
+  choose(Math.max(0, runs.findIndex((run) => run.playback.calibrated_pa !== null))); // one that can be heard
+  showDifference();
   say("");
-    (window.requestIdleCallback ?? setTimeout)(decode); // so that the first play is not late
-  }
+  (window.requestIdleCallback ?? setTimeout)(decode); // so that the first play is not late
+}
 
-  /** What is drawn by hand has the colours of the screen, light or dark, or of paper. */
-  function recolour() {
-    showDifference();
-    if (filmOf()) drawFilm();
-  }
+/** Draws the canvases again in the colours of the screen, light or dark, or of paper. */
+function recolour() {
+  showDifference();
+  if (filmOf()) drawFilm();
+}
 
-  begin();
+begin();

@@ -12,7 +12,6 @@ function choose(number) {
   for (const figure of $$("[data-name=release_power]")) figure.hidden = Number(figure.dataset.run) !== number;
   for (const note of $$("[data-repeats]")) note.hidden = Number(note.dataset.repeats) !== number;
   say(runs[number].label);
-  showExtension();
   showFilm();
   render();
 }
@@ -21,7 +20,6 @@ function setMode(mode) {
   state.mode = mode;
   mix();
   showMode();
-  if (state.source === "row") setSource("row"); // whose gains are within
   say(mode === "equal" ? "equal LAeq" : "calibrated");
 }
 
@@ -33,8 +31,7 @@ function showMode() {
     const equal = mode === "equal";
     const gain = $(`[data-gain="${number}"]`); // a single run has none
     if (gain) gain.textContent = signed(equal ? playback.equal_db : 0);
-    const scale = playback[`${mode}_pa`] / state.trim[mode];
-    $(`[data-scale="${number}"]`).textContent = `${Number(scale.toPrecision(4))} Pa`;
+    $(`[data-scale="${number}"]`).textContent = `${Number(playback[`${mode}_pa`].toPrecision(4))} Pa`;
   }
 }
 

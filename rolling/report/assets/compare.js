@@ -15,7 +15,7 @@ function showDifference() {
   if (!$("#difference")) return;
   const [a, b] = pair();
   const found = differences(a, b);
-  $("#difference").setAttribute("aria-label", `Third octaves of ${runs[b].label} less those of ${runs[a].label}; numbers below`);
+  $("#difference").setAttribute("aria-label", `Third octaves of ${runs[b].label} minus third octaves of ${runs[a].label}; numbers below`);
   drawDifference(found);
   const rows = found.map((each, band) => {
     const row = document.createElement("tr");

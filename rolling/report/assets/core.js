@@ -12,11 +12,11 @@ const longest = Math.max(...runs.map((run) => run.seconds));
 const motionUnwanted = matchMedia("(prefers-reduced-motion: reduce)");
 const modulo = (value, period) => ((value % period) + period) % period;
 
-// All that changes. What sounds is the records or, as `source` says, their extended versions or a row of all. The playhead rests at `at`, or moves with the audio clock from `from` to `end`, zero at `origin`. While
-// looping it runs on beyond `total`, so that records of other lengths go round in their own time.
+// All that changes. The playhead rests at `at`, or moves with the audio clock from `from` to `end`, zero at `origin`. While looping it runs on beyond the longest record, so that records of other lengths go round in
+// their own time.
 const state = {
   run: 0, blind: null, mode: "calibrated", loop: runs.every((run) => run.loops && !run.buzzes), wanted: false, playing: false,
-  at: 0, from: 0, end: longest, origin: 0, source: "record", extended: [], row: [], trim: { calibrated: 1, equal: 1 },
+  at: 0, from: 0, end: longest, origin: 0,
   context: null, master: null, decoding: null, buffers: [], voices: [], sheets: [], drawn: "", drawnAt: 0,
 };
 
@@ -28,10 +28,7 @@ function position() {
   return Math.min(state.end, Math.max(state.from, heard));
 }
 
-/** Seconds of the longest record, or of the extended records, which are all of one length. */
-const total = () => (state.source === "record" ? longest : state.extended[0].length / RATE);
-
-const sharedTime = () => (position() === state.end ? total() : modulo(position(), total()));
+const sharedTime = () => (position() === state.end ? longest : modulo(position(), longest));
 
 /** Whether a record goes round again within the longest one; one so short that it buzzes does so only when asked to. */
 const goesRound = ({ loops, buzzes }) => loops && (state.loop || !buzzes);

@@ -8,13 +8,8 @@ function download(content, type, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-/** The text of a picture without its style for dark pages: on paper it is light. */
-function lightOf(image) {
-  return new TextDecoder().decode(bytesOf(image.src)).replace(/<style class="dark">.*?<\/style>/, "");
-}
-
 function save(button) {
-  const text = lightOf(button.closest("figure").querySelector("img"));
+  const text = new TextDecoder().decode(bytesOf(button.closest("figure").querySelector("img").src));
   const name = `${button.dataset.file}.${button.dataset.save}`;
   return button.dataset.save === "svg" ? download(text, "image/svg+xml", name) : savePixels(text, name, button);
 }
@@ -55,19 +50,4 @@ function flash(button, text) {
   const before = button.dataset.label ??= button.textContent;
   button.textContent = text;
   setTimeout(() => { button.textContent = before; }, 2000);
-}
-
-/** A mono WAV of 16 bits. */
-function wavOf(samples) {
-  const view = new DataView(new ArrayBuffer(44 + 2 * samples.length));
-  const text = (at, letters) => [...letters].forEach((letter, k) => view.setUint8(at + k, letter.charCodeAt(0)));
-  text(0, "RIFF");
-  view.setUint32(4, 36 + 2 * samples.length, true);
-  text(8, "WAVEfmt ");
-  [[16, 16, 4], [20, 1, 2], [22, 1, 2], [24, RATE, 4], [28, 2 * RATE, 4], [32, 2, 2], [34, 16, 2]]
-    .forEach(([at, value, bytes]) => (bytes === 4 ? view.setUint32(at, value, true) : view.setUint16(at, value, true)));
-  text(36, "data");
-  view.setUint32(40, 2 * samples.length, true);
-  samples.forEach((x, k) => view.setInt16(44 + 2 * k, Math.round(32767 * x), true));
-  return view;
 }

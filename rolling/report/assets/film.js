@@ -146,10 +146,9 @@ function stopFilm() {
 }
 
 /** The event at its own pace: the record from a quarter of a second before it. */
-async function realTime() {
+function realTime() {
   stopFilm();
   if (state.wanted) pause();
-  await toRecords(); // nothing of the film is in an extended one
   seek(Math.max(0, filmOf().times[film.at] - 0.25));
   play();
 }

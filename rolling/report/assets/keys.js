@@ -1,45 +1,43 @@
-  // ---- the user ----
+// ---- the user ----
 
-  const toggle = () => (state.wanted ? pause() : play());
-  const KEYS = {
-    " ": toggle,
-    ArrowLeft: () => seek(sharedTime() - total() / 20),
-    ArrowRight: () => seek(sharedTime() + total() / 20),
-    Home: () => seek(0),
-    g: () => runs.length > 1 && setMode(state.mode === "equal" ? "calibrated" : "equal"),
-    n: () => choose((state.run + 1) % runs.length),
+const toggle = () => (state.wanted ? pause() : play());
+const KEYS = {
+  " ": toggle,
+  ArrowLeft: () => seek(sharedTime() - longest / 20),
+  ArrowRight: () => seek(sharedTime() + longest / 20),
+  Home: () => seek(0),
+  g: () => runs.length > 1 && setMode(state.mode === "equal" ? "calibrated" : "equal"),
+  n: () => choose((state.run + 1) % runs.length),
   p: () => choose((state.run + runs.length - 1) % runs.length),
   l: () => setLoop(!state.loop),
-    "?": () => { $(".keys").open = !$(".keys").open; $(".keys summary").focus(); },
-  };
+  "?": () => { $(".keys").open = !$(".keys").open; $(".keys summary").focus(); },
+};
 
-  function onKey(event) {
-    if (event.ctrlKey || event.altKey || event.metaKey || event.defaultPrevented) return;
-    const on = event.target;
-    const { key } = event;
-    if (on.matches("select, textarea, audio, [contenteditable], input:not([type=radio], [type=checkbox], [type=range])")) return;
-    // Keys that the focused control has a use of its own for.
-    if (key === " " && on.matches("button, summary, a, [type=checkbox], [type=radio]:not(:checked)")) return;
-    if ((key.startsWith("Arrow") || key === "Home") && on.matches("[type=range], [type=radio], pre, .paper, .scroll")) return;
-    if (on.id === "map" && key.startsWith("Arrow")) stepMap(key === "ArrowLeft" || key === "ArrowUp" ? -1 : 1);
-    else if (/^[1-9]$/.test(key) && runs.length > 1) choose(Number(key) - 1);
-    else if (Object.hasOwn(KEYS, key.toLowerCase())) KEYS[key.toLowerCase()]();
-    else if (Object.hasOwn(KEYS, key)) KEYS[key]();
-    else return;
-    event.preventDefault();
-  }
+function onKey(event) {
+  if (event.ctrlKey || event.altKey || event.metaKey || event.defaultPrevented) return;
+  const on = event.target;
+  const { key } = event;
+  if (on.matches("select, textarea, audio, [contenteditable], input:not([type=radio], [type=checkbox], [type=range])")) return;
+  // Keys that the focused control has a use of its own for.
+  if (key === " " && on.matches("button, summary, a, [type=checkbox], [type=radio]:not(:checked)")) return;
+  if ((key.startsWith("Arrow") || key === "Home") && on.matches("[type=range], [type=radio], pre, .paper, .scroll")) return;
+  if (on.id === "map" && key.startsWith("Arrow")) stepMap(key === "ArrowLeft" || key === "ArrowUp" ? -1 : 1);
+  else if (/^[1-9]$/.test(key) && runs.length > 1) choose(Number(key) - 1);
+  else if (Object.hasOwn(KEYS, key.toLowerCase())) KEYS[key.toLowerCase()]();
+  else if (Object.hasOwn(KEYS, key)) KEYS[key]();
+  else return;
+  event.preventDefault();
+}
 
-  function listen() {
-    const on = (selector, type, act) => $$(selector).forEach((element) => element.addEventListener(type, (event) => act(element, event)));
-    document.addEventListener("keydown", onKey);
-    on("#play", "click", toggle);
-    on("#seek", "input", (slider) => seek(Number(slider.value)));
-    on("#loop", "change", (box) => setLoop(box.checked));
-    on("#volume", "input", (slider) => state.master && glide(state.master.gain, Number(slider.value)));
-    on("#choose, input[name=run]", "change", (choice) => choose(Number(choice.value)));
-    on("input[name=mode]", "change", (choice) => setMode(choice.value));
-    on("input[name=source], #length", "change", () => setSource($("input[name=source]:checked").value));
-  on("#save-extended", "click", saveExtended);
+function listen() {
+  const on = (selector, type, act) => $$(selector).forEach((element) => element.addEventListener(type, (event) => act(element, event)));
+  document.addEventListener("keydown", onKey);
+  on("#play", "click", toggle);
+  on("#seek", "input", (slider) => seek(Number(slider.value)));
+  on("#loop", "change", (box) => setLoop(box.checked));
+  on("#volume", "input", (slider) => state.master && glide(state.master.gain, Number(slider.value)));
+  on("#choose, input[name=run]", "change", (choice) => choose(Number(choice.value)));
+  on("input[name=mode]", "change", (choice) => setMode(choice.value));
   on("#compare-a, #compare-b", "change", () => { endTest(); showDifference(); });
   on("#abx-begin", "click", beginTest);
   on("[data-abx]", "click", (button) => ABX[button.dataset.abx]());
@@ -48,15 +46,14 @@
   on("#film-rate", "change", stopFilm);
   on("#film-seek", "input", (slider) => { stopFilm(); seekFilm(Number(slider.value)); });
   on("#before", "click", () => stepMap(-1));
-    on("#after", "click", () => stepMap(1));
-    on("[data-save]", "click", save);
-    on("#copy-levels", "click", (button) => copy(data.tsv, button));
-    on("[data-copy]", "click", (button) => copy($(`#${button.dataset.copy}`).textContent, button));
-    for (const line of timelines) line.figure.querySelector(".sheet").addEventListener("click", (event) => seekByClick(event, line));
-    for (const player of $$("audio")) player.addEventListener("play", () => playAlone(player));
-  }
+  on("#after", "click", () => stepMap(1));
+  on("[data-save]", "click", save);
+  on("[data-copy]", "click", (button) => copy($(`#${button.dataset.copy}`).textContent, button));
+  for (const line of timelines) line.figure.querySelector(".sheet").addEventListener("click", (event) => seekByClick(event, line));
+  for (const player of $$("audio")) player.addEventListener("play", () => playAlone(player));
+}
 
-  /** Boxes that hold more than they show can be scrolled by keyboard, the others are no stop of Tab. */
+/** Boxes that hold more than they show can be scrolled by keyboard, the others are no stop of Tab. */
 function markScrolling() {
   for (const box of $$(".paper, .scroll")) {
     const wide = box.scrollWidth > box.clientWidth + 1;
@@ -70,6 +67,6 @@ function markScrolling() {
 }
 
 function playAlone(player) {
-    if (state.wanted) pause();
-    for (const other of $$("audio")) if (other !== player) other.pause();
-  }
+  if (state.wanted) pause();
+  for (const other of $$("audio")) if (other !== player) other.pause();
+}

@@ -17,10 +17,7 @@ function render() {
   const time = sharedTime();
   $("#seek").value = time;
   $("#seek").setAttribute("aria-valuetext", seconds(time));
-  $("#time").textContent = `${seconds(time)} / ${seconds(total())}`;
-  for (const { line } of timelines) line.hidden = state.source !== "record"; // nothing rolls in an extended record
-  if (state.source === "row") showRow();
-  if (state.source !== "record") return;
+  $("#time").textContent = `${seconds(time)} / ${seconds(longest)}`;
   timelines.forEach(movePlayhead);
   if (data.view && !(state.playing && motionUnwanted.matches)) showMap();
 }
@@ -33,6 +30,7 @@ const timelines = $$(".timeline").map((figure) => {
 
 function movePlayhead({ run, begin, end, left, right, line }) {
   const share = (ownTime(run) - begin) / (end - begin);
+  line.hidden = false;
   line.style.left = `${left + (right - left) * Math.min(1, Math.max(0, share))}%`;
 }
 

@@ -19,11 +19,10 @@ async function decodeOne(player) {
 }
 
 const decode = () => (state.decoding ??= Promise.all($$("audio").map(decodeOne)));
-const gainOf = (number) => (state.source === "row" ? 1 : number === (state.blind ?? state.run) ? runs[number].playback[state.mode] * state.trim[state.mode] : 0);
+const gainOf = (number) => (number === (state.blind ?? state.run) ? runs[number].playback[state.mode] : 0);
 
-/** What a run sounds as: its extended record, or its record, round again or not. */
+/** The record of a run, round again or not. */
 function bufferOf(number) {
-  if (state.source !== "record") return state.extended[number];
   const { round, once } = state.buffers[number];
   return goesRound(runs[number]) ? round : once;
 }
@@ -44,8 +43,7 @@ function startVoices(at) {
   const { context } = state;
   const when = context.currentTime;
   Object.assign(state, { playing: true, from: at, origin: when - at });
-  const sounding = state.source === "row" ? runs.slice(0, 1) : runs; // a row is one sound
-  state.voices = sounding.map((_, number) => {
+  state.voices = runs.map((_, number) => {
     const buffer = bufferOf(number);
     const source = new AudioBufferSourceNode(context, { buffer, loop: true });
     const gain = new GainNode(context, { gain: at === 0 ? gainOf(number) : 0 }); // a fade would change the beginning of the record
@@ -61,7 +59,7 @@ function startVoices(at) {
 
 /** Where it stops: at the end of this round, or never. */
 function setEnd() {
-  state.end = state.loop ? Infinity : total() * (Math.floor(position() / total() + 1e-9) + 1);
+  state.end = state.loop ? Infinity : longest * (Math.floor(position() / longest + 1e-9) + 1);
   const when = state.loop ? NEVER : state.origin + state.end;
   for (const { source } of state.voices) source.stop(when);
 }
@@ -115,18 +113,18 @@ function pause() {
 }
 
 function finish() {
-  Object.assign(state, { wanted: false, playing: false, voices: [], at: total(), end: total() });
+  Object.assign(state, { wanted: false, playing: false, voices: [], at: longest, end: longest });
   showButton();
   render();
 }
 
 function seek(time) {
-  const at = Math.min(Math.max(time, 0), total());
+  const at = Math.min(Math.max(time, 0), longest);
   if (state.playing) {
     stopVoices();
-    startVoices(at < total() ? at : 0);
+    startVoices(at < longest ? at : 0);
   } else {
-    Object.assign(state, { at, end: total() });
+    Object.assign(state, { at, end: longest });
   }
   render();
 }

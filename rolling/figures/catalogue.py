@@ -1,0 +1,184 @@
+"""All figures by name, and their files: those that compare runs, and those on request."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
+
+from rolling.figures import contact, sound, sweep, vibration
+from rolling.figures.picture import Picture, listed, picture, slug
+from rolling.results.run_result import Run
+from rolling.terminal.files import write_bytes
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+FORMATS = ("png", "svg", "csv")
+
+
+@dataclass(frozen=True)
+class FigureKind:
+    """A kind of figure: its function on axes, its table, and the runs that it holds for.
+
+    Parameters
+    ----------
+    draw : callable of (runs, ax), or of (run, ax) for a figure of one run.
+    table : callable of the same runs or run. None for a map.
+    holds : callable of runs. Whether there is such a figure of them.
+    among : bool. Whether `draw` takes the runs `among` which a run is compared.
+    """
+
+    draw: Callable[..., Axes]
+    table: Callable[..., DataFrame] | None
+    holds: Callable[[Sequence[Run]], bool] = lambda runs: True
+    among: bool = False
+
+
+def _is_swept(runs: Sequence[Run]) -> bool:
+    return sweep.swept_key(runs) is not None
+
+
+def _vibrates(runs: Sequence[Run]) -> bool:
+    return runs[0].vibration is not None
+
+
+def _levels(runs: Sequence[Run], ax: Axes) -> Axes:
+    return sweep.levels(runs, None, ax)
+
+
+def _contact_areas(runs: Sequence[Run], ax: Axes) -> Axes:
+    return sweep.contact_areas(runs, None, ax)
+
+
+COMPARING = {
+    "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
+    "third_octaves_a": FigureKind(
+        partial(sound.third_octaves, a_weighted=True),
+        partial(sound.third_octave_table, a_weighted=True),
+    ),
+    "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
+    "levels": FigureKind(_levels, sweep.sweep_table, _is_swept),
+    "contact_areas": FigureKind(_contact_areas, sweep.sweep_table, _is_swept),
+    "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
+}
+SINGLE = {
+    "release_power": FigureKind(sound.release_power, sound.release_power_table, among=True),
+    "spectrogram": FigureKind(sound.spectrogram, None, among=True),
+    "surface": FigureKind(contact.surface, None),
+    "contact_pressure": FigureKind(
+        contact.contact_pressure, None, lambda runs: runs[0].result.snapshot is not None, among=True
+    ),
+    "recovery_events": FigureKind(
+        contact.recovery_events,
+        contact.recovery_event_table,
+        lambda runs: runs[0].event_statistics is not None,
+    ),
+    "sources": FigureKind(vibration.sources, vibration.source_table, _vibrates),
+    "contact_force": FigureKind(vibration.contact_force, vibration.contact_force_table, _vibrates),
+    "contact_filter": FigureKind(
+        vibration.contact_filter, vibration.contact_filter_table, _vibrates
+    ),
+    "mobilities": FigureKind(vibration.mobilities, vibration.mobility_table, _vibrates),
+}
+ON_REQUEST = {"power_density": FigureKind(sound.power_density, None)}
+FIGURES = COMPARING | SINGLE | ON_REQUEST
+
+
+def comparing_pictures(runs: Sequence[Run], names: Iterable[str] = ()) -> Iterator[Picture]:
+    """Draw the figures that compare runs, a curve or mark for each run."""
+    for name in names or COMPARING:
+        kind = FIGURES[name]
+        if kind.holds(runs):
+            table = kind.table(runs) if kind.table else None
+            yield picture(name, partial(kind.draw, runs), table)
+
+
+def single_picture(name: str, run: Run, among: Sequence[Run] = ()) -> Picture | None:
+    """Draw a figure of one run on the axes of all runs `among` which it is compared."""
+    kind = SINGLE[name]
+    if not kind.holds([run]):
+        return None
+    draw = partial(kind.draw, run, among=among) if kind.among else partial(kind.draw, run)
+    return picture(name, draw, kind.table(run) if kind.table else None)
+
+
+def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
+    """Write the figures that compare runs into `folder/figures` as PNG, and return their paths."""
+    target = folder / "figures"
+    target.mkdir(exist_ok=True)
+    paths = []
+    for drawn in comparing_pictures(runs):
+        paths.append(target / f"{drawn.name}.png")
+        write_bytes(paths[-1], drawn.file("png") or b"")
+    return paths
+
+
+def plot_run(
+    runs: Run | Iterable[Run],
+    names: Sequence[str] = (),
+    form: str = "png",
+    out: Path | str = ".",
+) -> list[Path]:
+    """Write figures of one run, or of the runs of a sweep, into a folder.
+
+    Parameters
+    ----------
+    runs : Run or iterable of Run
+        A run, or runs whose figures are drawn on common axes.
+    names : sequence of str
+        Names of figures, as in `rolling.plot`. Default: all figures that the runs have.
+    form : str
+        Format: png, svg or csv. Default: png.
+    out : Path or str
+        Folder for the files, which is made if it is missing. Default: the working directory.
+
+    Returns
+    -------
+    paths : list of Path
+        The files: NAME.png for a figure of all runs, NAME-LABEL.png for a figure of one of several.
+
+    Raises
+    ------
+    ValueError
+        A name or the format is unknown, or the runs lack a figure that is named.
+    OSError
+        A file cannot be written.
+    """
+    shown, paths = listed(runs), []
+    if form not in FORMATS:
+        raise ValueError(f"{form}: no format of figures, allowed: {', '.join(FORMATS)}")
+    for name in names:
+        if name not in FIGURES:
+            near = get_close_matches(name, FIGURES, 1)
+            hint = f" (did you mean {near[0]}?)" if near else ""
+            raise ValueError(f"{name}: no figure{hint}, allowed: {', '.join(FIGURES)}")
+    folder = Path(out)
+    for name in names or FIGURES:
+        written = [
+            (stem, content)
+            for stem, drawn in _pictures(name, shown)
+            if (content := drawn.file(form)) is not None
+        ]
+        if names and not written:
+            raise ValueError(f"{name}: the runs have no such figure in {form}")
+        folder.mkdir(parents=True, exist_ok=True)
+        for stem, content in written:
+            paths.append(folder / f"{stem}.{form}")
+            write_bytes(paths[-1], content)
+    return paths
+
+
+def _pictures(name: str, runs: Sequence[Run]) -> Iterator[tuple[str, Picture]]:
+    """Draw a figure of all runs or of each run, with the stem of its file."""
+    if name not in SINGLE:
+        yield from ((name, drawn) for drawn in comparing_pictures(runs, [name]))
+        return
+    for run in runs:
+        if drawn := single_picture(name, run, runs):
+            yield (name if len(runs) == 1 else f"{name}-{slug(run.label)}"), drawn

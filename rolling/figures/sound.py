@@ -1,0 +1,343 @@
+"""Figures of the sound of runs: third octaves, spectra, spectrogram and release power."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+import pandas as pd
+
+from acoustics import plots
+from acoustics.bands import BAND_NAMES, MID_HZ
+from acoustics.level import P_REF_PA
+from acoustics.plots import Lines
+from acoustics.spectrogram import Spectrogram
+from acoustics.spectrogram import spectrogram as spectrogram_of
+from acoustics.spectrum import line_spectrum, welch
+from acoustics.weighting import a_weighting_db
+from rolling._typing import Array
+from rolling.figures.picture import (
+    axes_of,
+    common,
+    distance_and_duration,
+    finish,
+    listed,
+    number,
+    subject,
+)
+from rolling.results import labels
+from rolling.results.run_result import Run
+from rolling.results.runs_table import SEED
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_Levels = Mapping[str, float | None]
+
+
+# ---- runs compared
+
+
+def third_octaves(
+    runs: Run | Iterable[Run], ax: Axes | None = None, a_weighted: bool = False
+) -> Axes:
+    """Plot third-octave levels of runs with their standard uncertainty.
+
+    Up to three runs with an error estimate have a second mark at the level less its error.
+
+    Parameters
+    ----------
+    runs : Run or iterable of Run
+        Runs to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+    a_weighted : bool
+        If true, plot A-weighted levels, otherwise levels without weighting (Z). Default: false.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with levels, dB re 20 µPa, over nominal mid frequency, Hz.
+
+    References
+    ----------
+    IEC 61260-1:2014 for the bands; Bendat and Piersol, Random Data, for the uncertainty.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.plot.third_octaves([run], a_weighted=True)  # doctest: +SKIP
+    """
+    shown = listed(runs)
+    curves = [
+        (label, _bands(run, a_weighted), run.sound.uncertainty.third_octave_db)
+        for label, run in zip(labels.labels(shown), shown, strict=True)
+    ]
+    errors = [run.errors.for_plots if run.errors else None for run in shown]
+    # A band that is too uncertain in any run is grey in all of them.
+    shortest = min(_unrepeated_seconds(run) for run in shown)
+    ax = plots.third_octaves(
+        axes_of(ax), curves, shortest, errors=errors, ordered=_is_ordered(shown)
+    )
+    facts = distance_and_duration(shown)
+    if len(shown) <= plots.FEW and any(run.sound.levels.level_db is not None for run in shown):
+        facts.append("bars: standard uncertainty of Gaussian noise of that duration")
+    weighting = "A" if a_weighted else "Z"
+    if a_weighted:
+        ax.set_ylabel("A-weighted sound pressure level [dB re 20 µPa]")
+    return finish(ax, f"Third octaves, {weighting}-weighted: {subject(shown)}", facts)
+
+
+def third_octave_table(runs: Sequence[Run], a_weighted: bool = False) -> pd.DataFrame:
+    """Tabulate third octaves of runs with their uncertainties and errors [dB]."""
+    frames = []
+    for run in runs:
+        columns: dict[str, _Levels] = {
+            "level_db": _bands(run, a_weighted),
+            "standard_uncertainty_db": run.sound.uncertainty.third_octave_db,
+        }
+        if run.errors is not None and run.errors.levels is not None:
+            columns |= {
+                "grid_error_db": run.errors.grid_db,
+                "grid_error_standard_uncertainty_db": run.errors.grid_uncertainty_db,
+                "solver_error_db": run.errors.solver_db,
+                "corrected_level_db": run.errors.corrected_db(_bands(run, a_weighted)),
+            }
+        numbers = {name: column(levels) for name, levels in columns.items()}
+        frames.append(pd.DataFrame({"run": run.label, "mid_frequency_hz": MID_HZ, **numbers}))
+    return pd.concat(frames, ignore_index=True)
+
+
+def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
+    """Plot A-weighted line spectra of the sound pressure of runs.
+
+    Parameters
+    ----------
+    runs : Run or iterable of Run
+        Runs to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with A-weighted line levels, dB re 20 µPa, over frequency, Hz.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.plot.spectrum([run])  # doctest: +SKIP
+    """
+    shown = listed(runs)
+    lines = common("lines of", [1 / run.sound.duration for run in shown], "Hz")
+    facts = [*distance_and_duration(shown), lines]
+    spectra = [_a_weighted_lines(run) for run in shown]
+    ax = _spectrum(shown, spectra, ax, "A-weighted spectrum", facts)
+    ax.set_ylabel("A-weighted line level [dB re 20 µPa]")
+    return ax
+
+
+def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
+    """Plot power spectral densities of the sound pressure of runs, by Welch's method.
+
+    Parameters
+    ----------
+    runs : Run or iterable of Run
+        Runs to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with density levels, dB re (20 µPa)²/Hz, over frequency, Hz.
+
+    References
+    ----------
+    P. Welch, IEEE Trans. Audio Electroacoust. 15 (1967), 70-73.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.plot.power_density([run])  # doctest: +SKIP
+    """
+    shown = listed(runs)
+    densities = [welch(run.sound.pressure, run.sound.sample_rate) for run in shown]
+    facts = [
+        *distance_and_duration(shown),
+        f"Welch, {densities[0].window.capitalize()}",
+        common("ENBW", [density.enbw_hz for density in densities], "Hz"),
+    ]
+    lines = [Lines.audible(density.frequency_hz, _level(density.psd)) for density in densities]
+    ax = _spectrum(shown, lines, ax, "Power spectral density", facts)
+    ax.set_ylabel("density level [dB re (20 µPa)²/Hz]")
+    return ax
+
+
+def spectrum_table(runs: Sequence[Run]) -> pd.DataFrame:
+    """Tabulate the A-weighted lines [dB re 20 µPa] of runs over frequency [Hz]."""
+    frames = []
+    for run in runs:
+        lines = _a_weighted_lines(run)
+        columns = {"frequency_hz": lines.frequency_hz, "a_weighted_line_level_db": lines.level_db}
+        frames.append(pd.DataFrame({"run": run.label, **columns}))
+    return pd.concat(frames, ignore_index=True).replace(-np.inf, np.nan)
+
+
+def _spectrum(
+    shown: Sequence[Run], lines: Sequence[Lines], ax: Axes | None, title: str, facts: list[str]
+) -> Axes:
+    """Draw spectra of runs with their labels."""
+    curves = [*zip(labels.labels(shown), lines, strict=True)]
+    ax = plots.spectrum(axes_of(ax), curves, ordered=_is_ordered(shown))
+    if plots.drawn_as_means(curves):
+        facts = [*facts, f"drawn bold: mean over 1/{plots.PER_OCTAVE} octave"]
+    return finish(ax, f"{title}: {subject(shown)}", facts)
+
+
+# ---- a run over time
+
+
+def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> Axes:
+    """Plot the release power of a run over time, with its mean.
+
+    Parameters
+    ----------
+    run : Run
+        Run to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+    among : iterable of Run
+        Runs whose power axes span the same share of their means. Default: the run alone.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with release power over time, in units that suit the numbers.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.plot.release_power(run)  # doctest: +SKIP
+    """
+    sound, compared = run.sound, listed(among) or [run]
+    shares = np.array(
+        [plots.power_share(other.sound.power, other.sound.mean_power) for other in compared]
+    )
+    share = float(shares[:, 0].min()), float(shares[:, 1].max())
+    ax = plots.power(axes_of(ax), sound.time, sound.power, sound.mean_power, sound.duration, share)
+    facts = [*distance_and_duration([run])[1:], "q and distance are not in it"]
+    if run.scene.dynamics is not None:
+        moved = any(caveat["key"] == "moving_load_release" for caveat in run.summary["caveats"])
+        facts.append(f"under the {'moving' if moved else 'constant'} load")
+    if len(compared) > 1:
+        facts.append(f"axis from {share[0]:.3g} to {share[1]:.3g} of the mean for all runs")
+    if plots.is_thinned(sound.time):
+        facts.append("minimum and maximum in each of 1,500 columns")
+    return finish(ax, f"Release power: {run.title}", facts)
+
+
+def release_power_table(run: Run) -> pd.DataFrame:
+    """Tabulate the release power [W] of a run over time [s]."""
+    return pd.DataFrame({"time_s": run.sound.time, "release_power_w": run.sound.power})
+
+
+def spectrogram(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> Axes:
+    """Plot the spectrogram of the sound pressure of a run, with a colour bar.
+
+    Parameters
+    ----------
+    run : Run
+        Run to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+    among : iterable of Run
+        Runs that share the scale of colours. Default: the run alone.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with density level, dB re (20 µPa)²/Hz, over time and frequency.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.plot.spectrogram(run)  # doctest: +SKIP
+    """
+    shown = _spectrogram(run)
+    limits = plots.level_limits(
+        level for other in listed(among) or [run] for level in _extremes(_spectrogram(other))
+    )
+    ax = plots.spectrogram(axes_of(ax), shown, run.sound.duration, limits)
+    facts = [
+        *distance_and_duration([run]),
+        f"{shown.window.capitalize()} frames of {shown.frame_s * 1e3:.3g} ms"
+        f" every {shown.hop_s * 1e3:.3g} ms",
+        f"ENBW {number(shown.enbw_hz)} Hz",
+        "rows of 1/12 octave",
+    ]
+    return finish(ax, f"Spectrogram: {run.title}", facts)
+
+
+# The colours of a spectrogram depend on all runs compared, so each is kept as long as its run.
+_spectrograms: WeakKeyDictionary[Run, Spectrogram] = WeakKeyDictionary()
+
+
+def _spectrogram(run: Run) -> Spectrogram:
+    """Return the spectrogram of a run, computed once."""
+    if run not in _spectrograms:
+        sound = run.sound
+        _spectrograms[run] = spectrogram_of(
+            sound.pressure, sound.sample_rate, sound.highest, sound.closed
+        )
+    return _spectrograms[run]
+
+
+def _extremes(shown: Spectrogram) -> list[float]:
+    """Return the extreme levels [dB] without the lowest fiftieth, the gaps between peaks."""
+    known = shown.level_db[np.isfinite(shown.level_db)]
+    return [float(np.quantile(known, 0.02)), float(known.max())] if len(known) else []
+
+
+# ---- numbers of runs
+
+
+def column(levels: _Levels) -> Array:
+    """Return levels by band [dB] as an array (31,), with NaN in place of None."""
+    return np.array([levels[band] for band in BAND_NAMES], dtype=float)
+
+
+def _bands(run: Run, a_weighted: bool) -> _Levels:
+    """Return third-octave levels of a run by band [dB re 20 µPa]."""
+    levels = run.sound.levels
+    return levels.third_octave_a_db if a_weighted else levels.third_octave_db
+
+
+def _a_weighted_lines(run: Run) -> Lines:
+    """Return the A-weighted lines of a run [dB re 20 µPa]."""
+    frequency, square = line_spectrum(run.sound.pressure, run.sound.sample_rate)
+    return Lines.audible(frequency, _level(square) + a_weighting_db(frequency))
+
+
+def _level(mean_square: Array) -> Array:
+    """Return levels of mean squares [Pa²] in dB re 20 µPa, -inf for silence."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(10 * np.log10(mean_square / P_REF_PA**2))
+
+
+def _unrepeated_seconds(run: Run) -> float:
+    """Return the duration of the part of a record that does not repeat itself [s]."""
+    return run.sound.duration / run.laps
+
+
+def _is_ordered(runs: Sequence[Run]) -> bool:
+    """Return whether runs differ in one swept number, other than the seed, that ascends."""
+    keys = {tuple(run.values) for run in runs}
+    if len(keys) != 1 or len(key := keys.pop()) != 1 or key == (SEED,):
+        return False
+    values: list[Any] = [run.values[key[0]] for run in runs]
+    numbers = [v for v in values if isinstance(v, int | float) and not isinstance(v, bool)]
+    return len(numbers) == len(values) and all(a < b for a, b in pairwise(numbers))

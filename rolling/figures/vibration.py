@@ -1,0 +1,290 @@
+"""Figures of the vibration of a run: sources, contact force, contact filter, mobilities."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from acoustics import plots
+from acoustics.bands import BAND_NAMES, MID_HZ
+from acoustics.plots import COLOURS
+from rolling.contact import closed_forms
+from rolling.figures.picture import axes_of, distance_and_duration, finish, finish_grid, number
+from rolling.figures.sound import column
+from rolling.results.run_result import Run
+from rolling.sound.effective_roughness import wavelength_bands
+from rolling.sound.vibration_sound import Vibration
+from rolling.surface.scene_surface import scene_surface
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_COLUMNS = 1500  # of the force over time, in each of which minimum and maximum are drawn
+_FILTERED_DB = 40.0  # below the maximum of the surface's spectrum
+_STYLES = ("-", "--", "-.", ":")
+
+
+def _vibration(run: Run) -> Vibration:
+    """Return the vibration of a run; raise ValueError without dynamics."""
+    if run.vibration is None:
+        raise ValueError(f"{run.title}: has no vibration, because its scene has no dynamics")
+    return run.vibration
+
+
+def _curves(ax: Axes, table: pd.DataFrame, names: dict[str, str], xlabel: str, ylabel: str) -> None:
+    """Draw columns of a table over its first column, on a logarithmic axis."""
+    for k, (name, label) in enumerate(names.items()):
+        style, colour = _STYLES[k], COLOURS[k]
+        ax.plot(table.iloc[:, 0], table[name], style, color=colour, linewidth=1.5, label=label)
+    ax.set_xscale("log")
+    ax.set_xlabel(xlabel)
+    ax.set_ylabel(ylabel)
+    finish_grid(ax)
+
+
+# ---- sources side by side
+
+
+def sources(run: Run, ax: Axes | None = None) -> Axes:
+    """Plot the third octaves of vibration, release and sound power of a run with dynamics.
+
+    Parameters
+    ----------
+    run : Run
+        Run to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with pressure levels, dB re 20 µPa, and power levels, dB re 1 pW, over frequency, Hz.
+
+    Raises
+    ------
+    ValueError
+        The run has no vibration.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.plot.sources(run)  # doctest: +SKIP
+    """
+    _vibration(run)
+    names = {
+        "vibration": "pressure of the vibration [dB re 20 µPa]",
+        "release": f"pressure of the release, q = {run.scene.sound.q:g} [dB re 20 µPa]",
+        "plate_power": "sound power of the plate [dB re 1 pW]",
+        "ball_power": "sound power of the sphere [dB re 1 pW]",
+    }
+    nothing = dict.fromkeys(BAND_NAMES)
+    levels = {name: run.summary[f"{name}_third_octave_db"] for name in names}
+    curves = [(names[k], levels[k], nothing) for k in names if any(levels[k].values())]
+    ax = plots.third_octaves(axes_of(ax), curves, run.sound.duration)
+    ax.set_ylabel("level [dB]")
+    loss = run.scene.plate.loss_factor
+    facts = [
+        *distance_and_duration([run]),
+        "one side of the plate",
+        "no loss factor: no power above coincidence" if loss is None else f"loss factor {loss:g}",
+    ]
+    return finish(ax, f"Vibration and release: {run.title}", facts)
+
+
+def source_table(run: Run) -> pd.DataFrame:
+    """Tabulate the third octaves of the sources of a run [dB]."""
+    names = ("vibration", "release", "plate_power", "ball_power")
+    levels = {f"{name}_level_db": column(run.summary[f"{name}_third_octave_db"]) for name in names}
+    return pd.DataFrame({"mid_frequency_hz": MID_HZ, **levels})
+
+
+# ---- contact force
+
+
+def contact_force(run: Run, ax: Axes | None = None) -> Axes:
+    """Plot the contact force over the load of a run with dynamics against time.
+
+    Parameters
+    ----------
+    run : Run
+        Run to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with minimum and maximum of the force over the load in each column, over time, ms.
+
+    Raises
+    ------
+    ValueError
+        The run has no vibration.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.plot.contact_force(run)  # doctest: +SKIP
+    """
+    vibration, table, ax = _vibration(run), contact_force_table(run), axes_of(ax)
+    motion, ratio = vibration.motion, vibration.force_ratio
+    time_ms = 1e3 * table["time_s"]
+    low, high = table["minimum_ratio"], table["maximum_ratio"]
+    ax.fill_between(time_ms, low, high, step="post", color=COLOURS[0], linewidth=0.6)
+    ax.axhline(1.0, color="0.4", linewidth=0.6)
+    ax.set_xlim(0.0, 1e3 * motion.time_step_s * len(ratio))
+    ax.set_xlabel("time [ms]")
+    ax.set_ylabel("contact force over load [-]")
+    finish_grid(ax)
+    facts = [
+        f"load {vibration.load:g} N",
+        f"rms {vibration.rms_ratio:.3g}, from {ratio.min():.3g} to {ratio.max():.3g}",
+        f"in flight {100 * motion.flight_share:.2g} % of the time",
+        f"{motion.impacts} impacts",
+    ]
+    return finish(ax, f"Contact force: {run.title}", facts)
+
+
+def contact_force_table(run: Run) -> pd.DataFrame:
+    """Tabulate minimum and maximum of the contact force over the load by time [s]."""
+    vibration = _vibration(run)
+    ratio = vibration.force_ratio
+    count = min(_COLUMNS, len(ratio))
+    starts = np.arange(count) * len(ratio) // count
+    return pd.DataFrame(
+        {
+            "time_s": vibration.motion.time_s[starts],
+            "minimum_ratio": np.minimum.reduceat(ratio, starts),
+            "maximum_ratio": np.maximum.reduceat(ratio, starts),
+        }
+    )
+
+
+# ---- contact filter
+
+
+def contact_filter(run: Run, ax: Axes | None = None) -> Axes:
+    """Plot surface and approach of a run over wavelength, and their difference, the filter.
+
+    Parameters
+    ----------
+    run : Run
+        Run to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with third octaves, dB re 1 µm rms, over wavelength, µm.
+
+    References
+    ----------
+    P. J. Remington, J. Sound Vib. 46 (1976), 419-436, for the contact filter of wheel and rail.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.plot.contact_filter(run)  # doctest: +SKIP
+    """
+    table, ax, radius = contact_filter_table(run), axes_of(ax), 1e6 * hertz_radius(run)
+    names = {
+        "surface_level_db": "surface, lines under the contact",
+        "approach_level_db": "approach under the load",
+        "contact_filter_db": "contact filter, their difference [dB]",
+    }
+    _curves(ax, table, names, "wavelength [µm]", "level [dB]")
+    ax.axvline(radius, color="0.4", linestyle=":", linewidth=1.0)
+    ax.set_ylim(bottom=np.nanmin(table["approach_level_db"]) - 10)
+    ax.invert_xaxis()
+    facts = [
+        "third octaves, dB re 1 µm rms",
+        f"load {run.scene.load:g} N, constant",
+        f"dotted: Hertz radius {radius:.3g} µm",
+    ]
+    return finish(ax, f"Contact filter: {run.title}", facts)
+
+
+def contact_filter_table(run: Run) -> pd.DataFrame:
+    """Tabulate the levels of surface and approach [dB re 1 µm] by wavelength [µm]."""
+    scene, result = run.scene, run.result
+    heights = scene_surface(scene).heights
+    middle, reach = heights.shape[1] // 2, max(1, round(hertz_radius(run) / scene.spacing))
+    under = heights[:, max(0, middle - reach) : middle + reach]
+    closed = scene.track.lap_steps <= result.solved_steps
+    surface = wavelength_bands(under, scene.spacing, closed)
+    approach = wavelength_bands(
+        result.series["approach"][: result.solved_steps], result.step, closed
+    )
+    levels = np.interp(-np.log(approach.wavelength), -np.log(surface.wavelength), surface.level_db)
+    # Where the surface has next to nothing, the approach is bent by the contact, not filtered.
+    rough = levels > np.nanmax(levels) - _FILTERED_DB
+    return pd.DataFrame(
+        {
+            "wavelength_um": 1e6 * approach.wavelength,
+            "surface_level_db": levels,
+            "approach_level_db": approach.level_db,
+            "contact_filter_db": np.where(rough, approach.level_db - levels, np.nan),
+        }
+    )
+
+
+def hertz_radius(run: Run) -> float:
+    """Return the contact radius of the smooth elastic contact [m]."""
+    return closed_forms.hertz_radius(run.scene.load, run.scene.radius, run.scene.contact_modulus)
+
+
+# ---- mobilities
+
+
+def mobilities(run: Run, ax: Axes | None = None) -> Axes:
+    """Plot the mobilities of sphere, contact and plate of a run, with the resonance marked.
+
+    Parameters
+    ----------
+    run : Run
+        Run to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with magnitudes of the mobility, s/kg, over frequency, Hz.
+
+    Raises
+    ------
+    ValueError
+        The run has no vibration.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.plot.mobilities(run)  # doctest: +SKIP
+    """
+    chain, table, ax = _vibration(run).chain, mobility_table(run), axes_of(ax)
+    names = {name: name.removesuffix("_s_kg").replace("_", " ") for name in table.columns[1:]}
+    _curves(ax, table, names, "frequency [Hz]", "magnitude of the mobility [s/kg]")
+    ax.axvline(chain.resonance_hz, color="0.4", linestyle=":", linewidth=1.0)
+    ax.set_yscale("log")
+    quality = "undamped" if np.isinf(chain.quality) else f"Q {chain.quality:.3g}"
+    thickness = run.scene.plate.thickness_mm
+    facts = [
+        f"dotted: resonance of sphere and contact at {number(chain.resonance_hz)} Hz, {quality}",
+        "half-space at the resonance's damping"
+        if thickness is None
+        else f"infinite plate of {thickness:g} mm",
+    ]
+    return finish(ax, f"Mobilities: {run.title}", facts)
+
+
+def mobility_table(run: Run) -> pd.DataFrame:
+    """Tabulate the magnitudes of the mobilities of a run [s/kg] by frequency [Hz]."""
+    chain = _vibration(run).chain
+    frequency = np.geomspace(20.0, max(40e3, 2 * chain.resonance_hz), 400)
+    bodies = {name.replace("ball", "sphere"): m for name, m in chain.mobilities(frequency).items()}
+    bodies["all_three_in_a_row"] = np.asarray(sum(bodies.values()))
+    magnitudes = {f"{name}_s_kg": np.abs(mobility) for name, mobility in bodies.items()}
+    return pd.DataFrame({"frequency_hz": frequency, **magnitudes})

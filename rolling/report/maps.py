@@ -1,0 +1,170 @@
+"""Pressure maps of runs for the page: one picture per run that the page cuts up, with times."""
+
+from __future__ import annotations
+
+import base64
+import io
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import matplotlib
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from rolling._typing import Array
+from rolling.figures.vibration import hertz_radius
+from rolling.marches.observers import PressureMap
+from rolling.results.run_result import Run
+from rolling.scene.motion import Motion
+
+COLOUR_MAP = "magma"  # a perceptually uniform map, black without pressure
+SHADES = 255  # shades of pressure; entry 0 of the palette means no pressure
+Pixels = NDArray[np.uint8]
+Tile = tuple[int, int, int, int]  # left, top, width and height of a map in its picture [pixels]
+
+
+# ---- pictures of many maps
+
+
+def palette() -> Pixels:
+    """Return colours (1 + SHADES, 3): no pressure first, then from the minimum to the maximum."""
+    colours = matplotlib.colormaps[COLOUR_MAP](np.linspace(0, 1, SHADES))[:, :3]
+    return np.vstack([np.zeros(3), np.round(255 * colours)]).astype(np.uint8)
+
+
+def shades(pressure: NDArray[Any], maximum: float) -> Pixels:
+    """Return the palette entries of pressures [Pa], linear up to the maximum; 0: no pressure."""
+    share = np.clip(np.asarray(pressure, dtype=float) / maximum, 0, 1)
+    return np.where(share > 0, 1 + np.round((SHADES - 1) * share), 0).astype(np.uint8)
+
+
+def packed(parts: Sequence[Pixels]) -> tuple[Pixels, list[Tile]]:
+    """Arrange pictures (rows, columns) in one picture that is about square."""
+    height, width = (max(part.shape[axis] for part in parts) for axis in (0, 1))
+    abreast = max(1, round(math.sqrt(len(parts) * height / width)))
+    pixels = np.zeros((-(-len(parts) // abreast) * height, abreast * width), np.uint8)
+    tiles = []
+    for index, part in enumerate(parts):
+        top, left = (index // abreast) * height, (index % abreast) * width
+        pixels[top : top + part.shape[0], left : left + part.shape[1]] = part
+        tiles.append((left, top, part.shape[1], part.shape[0]))
+    return pixels, tiles
+
+
+def png(pixels: Pixels, colours: Pixels | None = None, opacity: bytes | int | None = None) -> str:
+    """Return a picture as a PNG in a data URI, with a palette and its opacity or empty entry."""
+    image = Image.fromarray(pixels)
+    if colours is not None:
+        image.putpalette(colours.tobytes())
+    options = {} if opacity is None else {"transparency": opacity}
+    content = io.BytesIO()
+    image.save(content, format="png", optimize=True, **options)
+    return uri("image/png", content.getvalue())
+
+
+def uri(kind: str, content: bytes) -> str:
+    """Return a file as a data URI."""
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
+
+# ---- maps of runs
+
+
+def map_scale(runs: Sequence[Run]) -> dict[str, Any] | None:
+    """Return the scales of length and colour that the maps of all runs share; None without maps.
+
+    The keys are half_um (half the side of the square shown), max_gpa (pressure of the last colour),
+    hardness (whether that is the hardness) and colours (of CSS).
+    """
+    mapped = [run for run in runs if run.result.maps]
+    if not mapped:
+        return None
+    hardness = max(run.scene.hardness for run in mapped)
+    computed = max(float(shown.pressure.max()) for run in mapped for shown in sounding_maps(run))
+    reach = [1e6 * hertz_radius(run) for run in mapped]
+    for run in mapped:
+        for shown in sounding_maps(run):
+            left, top, cell = _box(shown, run)
+            along, across = shown.pressure.shape
+            reach += [-left, left + along * cell, top, across * cell - top]
+    return {
+        "half_um": 1.05 * max(reach),
+        "max_gpa": 1e-9 * (hardness if np.isfinite(hardness) else computed),
+        "hardness": bool(np.isfinite(hardness)),
+        "colours": [f"rgb({r},{g},{b})" for r, g, b in palette()[1::2]],
+    }
+
+
+def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
+    """Return the maps of a run with their times [s], places [um] and numbers; None without maps.
+
+    A map is shown from `begins` on, in the `order` of its index. A box holds left and top of a map
+    from the sphere's centre, across upwards, and the side of a cell [um].
+    """
+    if not run.result.maps:
+        return None
+    result, maps = run.result, sounding_maps(run)
+    # Rows of a picture go down, the plate's second axis goes up.
+    pixels, tiles = packed([shades(shown.pressure, max_gpa * 1e9).T[::-1] for shown in maps])
+    positions = np.array([shown.position for shown in maps])
+    lap, rolled = result.solved_steps * result.step, result.steps * result.step
+    closes, motion = run.scene.track.closed, run.scene.motion
+    begins, order = showing(positions * result.step, lap, rolled, closes, motion)
+
+    def series(name: str, factor: float) -> list[float | None]:
+        values = result.series[name][positions] * factor
+        return [float(f"{value:.4g}") if np.isfinite(value) else None for value in values]
+
+    return {
+        "sheet": png(pixels, palette(), 0),
+        "tiles": tiles,
+        "boxes": [[round(value, 4) for value in _box(shown, run)] for shown in maps],
+        "begins": np.round(begins, 7).tolist(),
+        "order": order.tolist(),
+        "hertz_um": 1e6 * hertz_radius(run),
+        "load_n": run.scene.load,
+        "position_mm": [float(f"{shown.distance * 1e3:.6g}") for shown in maps],
+        "max_pressure_gpa": series("max_pressure", 1e-9),
+        "contact_um2": series("contact_area", 1e12),
+        "plastic_um2": series("plastic_area", 1e12),
+    }
+
+
+def sounding_maps(run: Run) -> list[PressureMap]:
+    """Return the maps in the part of the track that the record covers."""
+    maps: Mapping[int, PressureMap] = run.result.maps
+    return [maps[position] for position in sorted(maps) if position <= run.result.steps]
+
+
+def _box(shown: PressureMap, run: Run) -> tuple[float, float, float]:
+    """Return left and top of a map from the sphere's centre, and the side of a cell [um]."""
+    middle = (run.scene.track.n_across - 1) / 2 * run.scene.spacing
+    top = shown.across + shown.pressure.shape[1] * shown.cell - middle
+    return (shown.along - shown.distance) * 1e6, top * 1e6, shown.cell * 1e6
+
+
+def showing(
+    distances: Array, lap: float, rolled: float, closes: bool, motion: Motion
+) -> tuple[Array, NDArray[np.int64]]:
+    """Return the rising times [s] from which each map is the nearest to the sphere, and its index.
+
+    Parameters
+    ----------
+    distances : array (maps,), m. Distance rolled from the start to each map, increasing, less than
+        a lap.
+    lap : float, m. Distance after which the positions repeat.
+    rolled : float, m. Whole distance, several laps or a part of one.
+    closes : bool. Whether the end of a lap meets its beginning; several laps always do.
+    motion : Motion. Distance against time.
+    """
+    laps = math.ceil(rolled / lap * (1 - 1e-9))
+    places = (distances + lap * np.arange(laps)[:, None]).ravel()
+    maps = np.tile(np.arange(len(distances)), laps)
+    # the lap ends at the first map
+    if (closes or laps > 1) and laps * lap <= rolled * (1 + 1e-9):
+        places, maps = np.append(places, laps * lap + distances[0]), np.append(maps, 0)
+    borders = np.append(0.0, (places[1:] + places[:-1]) / 2)
+    inside = borders < rolled
+    return np.asarray(motion.time(borders[inside]), dtype=float), maps[inside]

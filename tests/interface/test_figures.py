@@ -1,0 +1,337 @@
+"""A figure keeps its numbers, its bytes and its edges, and compared figures share axes."""
+
+from __future__ import annotations
+
+import csv
+import io
+import warnings
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from report_runs import runs_of
+
+from acoustics.bands import BAND_NAMES
+from acoustics.plots import COLOURS
+from rolling import plot
+from rolling.figures import plot_run, write_figures, write_number_figures
+from rolling.figures.catalogue import comparing_pictures, single_picture
+from rolling.figures.picture import Picture
+from rolling.results import runs_table
+from rolling.results.run_result import Run
+from rolling.scene.scene import Scene
+from rolling.sound.contact_sound import contact_sound
+
+
+@pytest.fixture(autouse=True)
+def _no_warnings() -> Iterator[None]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        yield
+
+
+@pytest.fixture
+def three() -> list[Run]:
+    return runs_of("three")
+
+
+def single(name: str, run: Run, among: list[Run] | None = None) -> Picture:
+    drawn = single_picture(name, run, among or [run])
+    assert drawn is not None
+    return drawn
+
+
+def table_of(picture: Picture) -> dict[str, np.ndarray]:
+    """Read the CSV file of a picture; cells of text stay text."""
+    head, *rows = csv.reader(io.StringIO((picture.file("csv") or b"").decode()))
+    columns = {}
+    for name, cells in zip(head, zip(*rows, strict=True), strict=True):
+        try:
+            columns[name] = np.array([float(cell or "nan") for cell in cells])
+        except ValueError:
+            columns[name] = np.array(cells)
+    return columns
+
+
+def renamed(run: Run, name: str) -> Run:
+    scene = Scene.from_dict(run.scene.to_dict() | {"name": name}, run.scene.folder)
+    return replace(run, scene=scene)
+
+
+def sounding(run: Run, energy: np.ndarray) -> Run:
+    """Return a run with another release energy per step [J]."""
+    sound = contact_sound(run.scene, energy, 2e-6, True, len(energy))
+    return replace(run, sound=sound)
+
+
+# ---- the public plots
+
+
+@pytest.mark.parametrize("name", plot.__all__)
+def test_each_plot_draws_on_the_axes_that_it_is_given(name: str) -> None:
+    sweep = name in ("levels", "contact_areas")
+    vibrates = name in ("sources", "contact_force", "contact_filter", "mobilities")
+    runs = runs_of("flying" if vibrates else "seeds")
+    one = runs if sweep or name == "mean_third_octaves" else runs[0]
+    ax = Figure(layout="constrained").subplots()
+    arguments = ("rolling.load_n",) if sweep else ()
+    assert getattr(plot, name)(one, *arguments, ax=ax) is ax
+    assert ax.get_title("left") and ax.get_xlabel() and ax.get_ylabel()
+    ax.figure.savefig(io.BytesIO(), format="png", dpi=50)
+
+
+def test_plots_that_a_run_cannot_have_say_why(three) -> None:
+    for draw in (plot.sources, plot.contact_force, plot.mobilities):
+        with pytest.raises(ValueError, match="no dynamics"):
+            draw(three[0])
+    with pytest.raises(ValueError, match="recovery events"):
+        plot.recovery_events(three[0])
+    with pytest.raises(ValueError, match=r"rolling\.nothing"):
+        plot.levels(three, "rolling.nothing")
+    with pytest.raises(ValueError, match="no swept key"):
+        plot.levels(runs_of("one"))
+
+
+def test_labels_are_drawn_letter_by_letter() -> None:
+    run = replace(runs_of("lap")[0], label="$x_1$ \u05e9 \x07")
+    legend = plot.third_octaves([run, replace(run, label="b")], Figure().subplots()).get_legend()
+    text = legend.get_texts()[0]
+    assert not text.get_parse_math()
+    assert single("release_power", run).file("png")
+
+
+# ---- numbers
+
+
+def test_curves_in_the_csv_add_up_to_the_levels(three) -> None:
+    """The record is limited to the bands drawn; nine digits of a level leave 1e-7 dB."""
+    pictures = {drawn.name: table_of(drawn) for drawn in comparing_pictures(three)}
+    for name, column, level in (
+        ("spectrum", "a_weighted_line_level_db", "laeq_db"),
+        ("third_octaves", "level_db", "level_db"),
+        ("third_octaves_a", "level_db", "laeq_db"),
+    ):
+        for run in three:
+            levels = pictures[name][column][pictures[name]["run"] == run.label]
+            total = 10 * np.log10(np.nansum(10 ** (levels / 10)))
+            assert total == pytest.approx(getattr(run.sound.levels, level), abs=1e-6)
+    power = table_of(single("release_power", three[0]))["release_power_w"]
+    np.testing.assert_allclose(power, three[0].sound.power, rtol=1e-8)
+
+
+def test_shares_of_recovery_events_add_up_to_one() -> None:
+    events = table_of(single("recovery_events", runs_of("seeds")[0]))
+    for name in ("share_of_events", "share_of_release"):
+        assert events[name].sum() == pytest.approx(1.0, rel=1e-8)
+    assert np.all(events["lower_edge_j"] < events["upper_edge_j"])
+
+
+def test_levels_and_areas_against_the_load_are_the_numbers_of_the_runs(three) -> None:
+    ax = plot.levels(three, "rolling.load_n", Figure().subplots())
+    laeq = ax.get_lines()[0]
+    assert laeq.get_xdata().tolist() == [0.5, 1, 2]
+    assert laeq.get_ydata() == pytest.approx([run.summary["laeq_db"] for run in three])
+    area = plot.contact_areas(three, None, Figure().subplots()).get_lines()[0].get_ydata()
+    mean = [run.series["contact_area"][:-1].mean() * 1e12 for run in three]
+    assert area == pytest.approx(mean, rel=0.01)  # the summary weights the ends of the track
+
+
+def test_seeds_have_their_mean_and_standard_deviation() -> None:
+    runs = runs_of("seeds")
+    (drawn,) = comparing_pictures(runs, ["mean_third_octaves"])
+    table, band = table_of(drawn), BAND_NAMES.index("4000")
+    levels = [run.sound.levels.third_octave_a_db["4000"] for run in runs[:3]]
+    assert table["curve"][band] == "load 0.1 N"
+    assert table["mean_a_weighted_level_db"][band] == pytest.approx(np.mean(levels))
+    assert table["standard_deviation_db"][band] == pytest.approx(np.std(levels, ddof=1))
+    assert not [*comparing_pictures(runs[:2], ["mean_third_octaves"])]  # two seeds have no spread
+
+
+def test_figures_of_a_table_draw_means_over_the_seeds(tmp_path) -> None:
+    runs = runs_of("seeds")
+    frame = runs_table.runs_table(runs).reset_index()
+    paths = write_number_figures(frame, ["laeq_db"], ["rolling.load_n"], tmp_path, "seeds")
+    paths += write_number_figures(
+        frame, ["laeq_db"], ["rolling.load_n", "surface.seed"], tmp_path, "seeds"
+    )
+    names = ["mean_third_octaves", "laeq_db_against_rolling.load_n"]
+    both = "laeq_db_against_rolling.load_n_surface.seed"
+    assert [path.stem for path in paths] == [*names, "mean_third_octaves", both]
+    assert all(path.stat().st_size > 5000 for path in paths)
+
+
+def test_a_run_with_dynamics_has_four_figures_of_its_vibration() -> None:
+    _, fast = runs_of("flying")
+    tables = {
+        name: table_of(single(name, fast))
+        for name in ("sources", "contact_force", "contact_filter", "mobilities")
+    }
+    sources, force = tables["sources"], tables["contact_force"]
+    assert np.nanmax(sources["release_level_db"]) > np.nanmax(sources["vibration_level_db"])
+    assert force["minimum_ratio"].min() == pytest.approx(fast.summary["force_min_ratio"])
+    assert force["maximum_ratio"].max() == pytest.approx(fast.summary["force_max_ratio"])
+    assert np.nanmin(tables["contact_filter"]["contact_filter_db"]) < -6  # short waves average out
+    total, f = tables["mobilities"]["all_three_in_a_row_s_kg"], tables["mobilities"]["frequency_hz"]
+    assert f[total.argmin()] == pytest.approx(fast.summary["resonance_hz"], rel=0.05)
+
+
+# ---- axes and notes
+
+
+def test_compared_runs_have_the_same_axes(three) -> None:
+    first, last = three[0], three[-1]
+    spectrograms = [single("spectrogram", run, three).figure.axes[0] for run in (first, last)]
+    assert len({ax.get_images()[0].get_clim() for ax in spectrograms}) == 1
+    # The power axis spans the same share of either mean, whatever the units.
+    powers = [single("release_power", run, three).figure.axes[0] for run in (first, last)]
+    shares = [np.divide(*ax.get_ylim()) for ax in powers]
+    assert shares[0] == pytest.approx(shares[1], rel=1e-9)
+    maps = [single("contact_pressure", run, three).figure.axes[0] for run in (first, last)]
+    assert maps[0].get_images()[0].get_clim() == maps[1].get_images()[0].get_clim()
+    assert np.ptp(maps[0].get_xlim()) == pytest.approx(np.ptp(maps[1].get_xlim()), rel=1e-12)
+    alone = single("release_power", first).figure.axes[0]
+    assert np.divide(*alone.get_ylim()) != pytest.approx(shares[0], rel=1e-3)
+
+
+def test_colours_follow_an_ascending_load_and_nothing_else(three) -> None:
+    def colours(runs: list[Run]) -> list[str]:
+        lines = plot.spectrum(runs, Figure().subplots()).get_lines()
+        return [line.get_color() for line in lines if line.get_linewidth() > 1]
+
+    luminance = [np.dot(to_rgb(colour), (0.21, 0.72, 0.07)) for colour in colours(three)]
+    assert np.all(np.diff(luminance) > 0) and COLOURS[0] not in colours(three)
+    seeds = [replace(run, values={"surface.seed": k}) for k, run in enumerate(three)]
+    for unordered in (three[::-1], [replace(run, values={}) for run in three], seeds):
+        assert colours(unordered) == list(COLOURS[:3])
+
+
+@pytest.mark.parametrize(
+    ("name", "facts"),
+    [
+        ("spectrogram", ("at 1 m", "T = 0.9 s", "Hann frames of", "ENBW")),
+        ("surface", ("Ra 0.1", "mm of track")),
+        ("contact_pressure", ("load 0.5 N", "hardness 2.1 GPa", "same scales")),
+        ("release_power", ("T = 0.9 s", "q and distance are not in it")),
+    ],
+)
+def test_notes_state_the_assumptions(name: str, facts: tuple[str, ...], three) -> None:
+    alt = single(name, three[0], three).alt
+    assert "small, load 0.5 N" in alt
+    for fact in facts:
+        assert fact in alt
+
+
+def test_other_distances_are_named_as_a_range_and_other_scenes_by_name(three) -> None:
+    far = Scene.from_dict(
+        three[1].scene.to_dict() | {"sound": {"distance_m": 4}}, three[1].scene.folder
+    )
+    runs = [three[0], replace(renamed(three[1], "other"), values={})]
+    both = {p.name: p.alt for p in comparing_pictures([runs[0], replace(runs[1], scene=far)])}
+    assert "at 1 to 4 m" in both["spectrum"] and "levels" not in both  # no swept key in common
+    (drawn,) = comparing_pictures(runs, ["spectrum"])
+    assert "small, other" in drawn.alt
+
+
+# ---- files
+
+
+def test_the_same_run_gives_the_same_bytes(three) -> None:
+    again = [replace(run) for run in three]
+    for one, other in zip(comparing_pictures(three), comparing_pictures(again), strict=True):
+        for form in ("png", "svg", "csv"):
+            assert one.file(form) == other.file(form), one.name
+    one, other = (single("spectrogram", runs[0], runs) for runs in (three, again))
+    assert one.svg == other.svg
+
+
+def edges_are_blank(picture: Picture) -> bool:
+    """Return whether nothing is drawn on the outermost pixels of a picture."""
+    pixels = imread(io.BytesIO(picture.file("png") or b""))[..., :3].min(axis=2)
+    edges = pixels[:2], pixels[-2:], pixels[:, :2], pixels[:, -2:]
+    return all(edge.min() == 1.0 for edge in edges) and pixels.min() < 0.5
+
+
+def test_long_names_and_twelve_runs_stay_within_the_figure(three) -> None:
+    run = renamed(three[0], "W" * 64)
+    labels = [f"load {k} N, correlation length {k} µm, Ra 0.{k} µm" for k in range(12)]
+    loads = [{"rolling.load_n": k // 4, "surface.seed": k % 4} for k in range(12)]
+    many = [
+        replace(run, label=label, values=values)
+        for label, values in zip(labels, loads, strict=True)
+    ]
+    singles = (single(name, many[-1], many) for name in ("spectrogram", "release_power", "surface"))
+    for picture in [*comparing_pictures(many, ["third_octaves", "spectrum"]), *singles]:
+        assert edges_are_blank(picture), picture.name
+
+
+def test_ten_seconds_stay_small(three) -> None:
+    """A picture of 500,000 steps of noise adds less than 150 kB to a page."""
+    noise = np.random.default_rng(1).standard_normal(500_000)
+    run = sounding(three[0], 1e-9 * (1.0 + 0.1 * noise))
+    assert run.sound.duration == pytest.approx(10.0)
+    for name in ("release_power", "spectrogram"):
+        assert len(single(name, run).svg) < 150e3, name
+    for picture in comparing_pictures([run], ["third_octaves", "spectrum"]):
+        assert len(picture.svg) < 150e3, picture.name
+
+
+def test_large_surfaces_are_drawn_from_every_other_node() -> None:
+    scene = runs_of("seeds")[0].scene.with_(width_um=1200, duration_s=0.01)
+    picture = single("surface", replace(runs_of("seeds")[0], scene=scene))
+    assert "every 2 nodes" in picture.alt and len(picture.svg) < 150e3
+
+
+@pytest.mark.parametrize("steps", [2, 3, 10])
+def test_records_of_a_few_steps_are_drawn(steps: int, three) -> None:
+    run = sounding(three[0], 1e-9 * np.arange(1.0, steps + 1))
+    for picture in comparing_pictures([run, three[1]], ["third_octaves", "spectrum"]):
+        assert picture.svg and picture.file("csv")
+    assert single("spectrogram", run).svg and single("release_power", run).svg
+
+
+def test_silence_is_drawn() -> None:
+    (silent,) = runs_of("smooth")
+    pictures = [*comparing_pictures([silent]), single("spectrogram", silent)]
+    assert {picture.name for picture in pictures} > {"third_octaves", "spectrum"}
+    for picture in pictures:
+        assert picture.svg
+        assert "no sound" in [text.get_text() for text in picture.figure.axes[0].texts]
+
+
+def test_a_folder_gets_the_figures_that_compare_runs(three, tmp_path) -> None:
+    paths = write_figures(three, tmp_path)
+    names = ["third_octaves", "third_octaves_a", "spectrum", "levels", "contact_areas"]
+    assert paths == [tmp_path / "figures" / f"{name}.png" for name in names]
+    assert all(imread(path).shape[2] >= 3 for path in paths)
+
+
+def test_figures_on_request_have_one_file_per_run_or_for_all(three, tmp_path) -> None:
+    paths = plot_run(three[:2], ["spectrum", "surface"], "svg", tmp_path / "new")
+    names = ["spectrum.svg", "surface-load_0.5_N.svg", "surface-load_1_N.svg"]
+    assert [path.name for path in paths] == names
+    assert all(path.read_bytes().startswith(b"<?xml") for path in paths)
+    assert [path.name for path in plot_run(three[0], ["surface"], out=tmp_path)] == ["surface.png"]
+    tables = plot_run(three[0], form="csv", out=tmp_path)
+    assert {"spectrum.csv", "release_power.csv"} < {path.name for path in tables}
+
+
+@pytest.mark.parametrize(
+    ("names", "form", "words"),
+    [
+        (["levls"], "png", "did you mean levels"),
+        (["levels"], "gif", "png, svg, csv"),
+        (["mobilities"], "png", "no such figure"),
+        (["surface"], "csv", "no such figure in csv"),
+    ],
+)
+def test_wrong_requests_are_refused_before_a_file_is_written(
+    names: list[str], form: str, words: str, three, tmp_path: Path
+) -> None:
+    with pytest.raises(ValueError, match=words):
+        plot_run(three, names, form, tmp_path / "out")
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,131 @@
+"""The sentences on the sound follow from the records, and stay within their uncertainty."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from report_runs import runs_of
+
+from rolling.report import hearing, text
+from rolling.results.run_result import Run
+
+
+def with_record(run: Run, pressure: np.ndarray, laeq_db: float) -> Run:
+    sound = replace(run.sound, pressure=pressure)
+    return replace(run, sound=sound, summary=run.summary | {"laeq_db": laeq_db})
+
+
+def tone(hertz: float, samples: int = 48000) -> np.ndarray:
+    return np.sin(2 * np.pi * hertz * np.arange(samples) / 48000)
+
+
+@pytest.fixture
+def heard() -> list[Run]:
+    return runs_of("three")
+
+
+def test_colour_is_the_mean_of_the_a_weighted_log_frequency(heard) -> None:
+    both = tone(1000) + tone(4000) / 10 ** (0.964 / 20)  # equal after A-weighting
+    colour = hearing.colour(with_record(heard[0], both, 60.0))
+    assert colour is not None
+    assert colour[0] == pytest.approx(2000, rel=2e-3) and colour[1:] == (1000, 4000)
+
+
+def test_the_loudest_run_is_compared_with_the_quietest(heard) -> None:
+    low, high = with_record(heard[0], tone(500), 50.0), with_record(heard[2], tone(2000), 62.0)
+    comparison, place = hearing.sentences([low, high])
+    assert comparison.startswith("load 2 N: 12 dB louder than load 0.5 N and brighter")
+    assert "2 kHz against 0.5 kHz" in comparison
+    assert "between 2 kHz and 2 kHz" in place
+    comparison, _ = hearing.sentences([replace(low, summary=low.summary | {"laeq_db": 70}), high])
+    assert "load 0.5 N: 8.0 dB louder than load 2 N and darker" in comparison
+
+
+def test_a_difference_within_the_uncertainty_is_not_claimed(heard) -> None:
+    alike = []
+    for k, run in enumerate(heard[:2]):
+        spread = run.summary["uncertainty_db"] | {"laeq": 0.2}
+        numbers = {"laeq_db": 60.0 + k / 10, "uncertainty_db": spread}
+        alike.append(replace(run, summary=run.summary | numbers))
+    assert "as loud as load 0.5 N within the uncertainty" in hearing.sentences(alike)[0]
+
+
+def test_widths_and_rates_are_of_the_contact(heard) -> None:
+    """Hertz: a = (3 F R / 4 E*)^(1/3), E* of a rigid sphere on 210 GPa, 0.3; at 0.1 m/s."""
+    run = heard[2]
+    width = 2 * (0.75 * 2 * 5e-3 / (210e9 / (1 - 0.3**2))) ** (1 / 3)
+    (place,) = hearing.sentences([run])
+    assert f"{width * 1e6:.3g} µm, once in {width / 0.1 * 1e3:.2g} ms" in place
+    assert hearing.situation(heard).startswith(
+        "A rigid sphere of 10 mm diameter rolls at 0.1 m/s under 0.5 N, 1 N or 2 N over a plate"
+        " of 210 GPa that yields at 2.1 GPa: heights of"
+    )
+
+
+def test_what_differs_between_runs_is_named_with_all_its_kinds(heard) -> None:
+    run = heard[0]
+    runs = [replace(run, scene=run.scene.with_(radius_mm=r, distance_m=2)) for r in (1, 2, 3, 4)]
+    said = hearing.situation(runs[:2])
+    assert said.startswith(
+        "A rigid sphere of 2 mm or 4 mm diameter rolls at 0.1 m/s under 0.5 N over"
+    )
+    assert said.endswith("It is heard from 2 m.")
+    assert "of 2 mm to 8 mm (4 kinds) diameter" in hearing.situation(runs)
+    fast = replace(run, scene=run.scene.with_(speed_m_s=0.3))
+    assert "rolls at 0.1 m/s or 0.3 m/s under" in hearing.situation([run, fast])
+
+
+def test_the_thickness_of_the_plate_is_said_where_it_is_given(heard) -> None:
+    run = heard[0]
+    plates = [run.scene.plate.model_copy(update={"thickness_mm": mm}) for mm in (1, 10)]
+    thin, thick = (
+        replace(run, scene=run.scene.model_copy(update={"plate": plate})) for plate in plates
+    )
+    assert "under 0.5 N over a 10 mm thick plate of 210 GPa" in hearing.situation([thick])
+    assert "over a 1 mm thick plate or a 10 mm thick plate of" in hearing.situation([thin, thick])
+    assert "over a plate or a 1 mm thick plate of" in hearing.situation([run, thin])
+
+
+def test_a_vibrating_ball_rings_and_flies() -> None:
+    _, fast = runs_of("flying")
+    (said,) = hearing.sentences([fast])
+    summary = fast.summary
+    assert f"rings on its contact at {summary['resonance_hz'] / 1e3:.2g} kHz" in said
+    assert f"flies for {100 * summary['flight_share']:.0f} % of the time" in said
+    assert f"hits the plate {summary['impacts']} times" in said
+
+
+def test_a_reason_that_covers_little_is_not_given_as_one(heard) -> None:
+    (run,) = runs_of("smooth")
+    rough = run.scene.with_(kind="gaussian", roughness_ra_um=0.1, correlation_length_um=10, seed=1)
+    loud = replace(with_record(run, tone(100), 60.0), scene=rough)
+    loud = replace(loud, sound=replace(loud.sound, levels=heard[0].sound.levels))
+    (said,) = hearing.sentences([loud])
+    assert "Only 0 % of the A-weighted power lies between the two rates" in said
+    inside = replace(loud, sound=replace(loud.sound, pressure=tone(5000)))
+    assert "fit into the contact: 100 % of the" in hearing.sentences([inside])[0]
+
+
+def test_silence_has_no_sentence() -> None:
+    (silent,) = runs_of("smooth")
+    assert hearing.sentences([silent]) == [] and hearing.colour(silent) is None
+
+
+def test_weighting_is_explained_where_it_raises_a_level(heard) -> None:
+    words = dict(hearing.explanations(heard))
+    raised = any(run.summary["laeq_db"] > run.summary["level_db"] for run in heard)
+    assert ("LAeq above LZeq" in words) == raised
+    above = replace(heard[0], summary=heard[0].summary | {"laeq_db": 61.0, "level_db": 60.0})
+    assert "LAeq above LZeq" in dict(hearing.explanations([above]))
+    assert {"steady level", "plastic ratio"} == set(words) - {"LAeq above LZeq"}
+
+
+def test_runs_heard_by_their_vibration_have_the_words_of_their_own_columns() -> None:
+    flying = runs_of("flying")
+    words = dict(hearing.explanations(flying))
+    heads, _ = text.levels(flying)
+    assert "steady level" not in words
+    for word in ("q that equals them", "F/W"):
+        assert word in words and any(word in head for head in heads)

@@ -1,0 +1,284 @@
+"""The page is a single file that asks for nothing, with escaped text and right numbers."""
+
+from __future__ import annotations
+
+import base64
+import io
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+from report_browser import data_of
+from report_runs import HOSTILE, runs_of
+from ruamel.yaml import YAML
+
+from acoustics import plots
+from acoustics.wav import PEAK
+from rolling.figures.picture import Picture
+from rolling.report import film, maps, text
+from rolling.report.assumed import assumptions
+from rolling.report.page import css_text, is_page, page, time_axis
+from rolling.report.playback import gains
+from rolling.results.run_result import Run
+from rolling.scene.file import loads
+from rolling.scene.motion import Motion
+from rolling.scene.scene import Scene
+
+TARGET = re.compile(r"<(?P<tag>[a-z]+)[^>]*?(?:src|href)=\"(?P<target>[^\"]*)\"", re.S)
+
+
+@pytest.fixture
+def three() -> list[Run]:
+    return runs_of("three")
+
+
+# ---- the file
+
+
+def test_a_page_is_one_file_that_asks_for_nothing(pages) -> None:
+    content = pages("one").read_text()
+    targets = [match["target"] for match in TARGET.finditer(content)]
+    links = {target.partition(":")[0] for target in targets if not target.startswith("#")}
+    assert len(targets) > 8 and links == {"data"}
+    policy = re.search(r'Content-Security-Policy" content="([^"]+)"', content)
+    assert policy and policy[1].startswith("default-src 'none'")
+    bare = re.sub(r"data:[^\"']+", "", content)
+    assert not re.search(r"<link|@import|url\(|<[a-z]+\s[^<>]*\son[a-z]+=", bare)
+
+
+def test_text_of_a_scene_is_escaped_in_markup_and_script(pages) -> None:
+    content = pages("one").read_text()
+    for markup in (HOSTILE, "<img src=x", "<!-- <script>", "z<i>"):
+        assert markup not in content
+    assert content.count("<script") == content.count("</script") == 2  # the page's own
+    assert is_page(pages("one"))
+
+
+@pytest.mark.parametrize(
+    "title", ['"; } body { display: none; } a { b: "', "</style><b>", "ö\\音\n"]
+)
+def test_any_title_is_text_in_the_style_sheet(title: str) -> None:
+    assert re.fullmatch(r"[0-9A-Za-z\\]*", css_text(title))
+
+
+def test_three_records_of_ten_seconds_stay_below_15_mb(three) -> None:
+    record = np.random.default_rng(1).standard_normal(480_000) * 1e-2
+    runs = [replace(run, sound=replace(run.sound, pressure=record)) for run in three]
+    assert len(page(runs)) < 15e6
+
+
+def test_many_runs_have_a_short_page_without_players() -> None:
+    runs = [replace(runs_of("lap")[0], label=f"run {k}") for k in range(30)]
+    content = page(runs, ["run 30"]).decode()
+    assert "30 runs are too many to be heard side by side" in content
+    assert "<audio" not in content and "<script" not in content and len(content) < 1e6
+    assert content.count('<th scope="row">run ') == 30 and "run 30: these runs" in content
+
+
+def test_the_scene_on_the_page_is_the_scene_of_the_runs(three) -> None:
+    (recipe,) = text.recipes([replace(three[0], values={}, folder=Path("nowhere"))])
+    again = loads(recipe["scene"], [], three[0].scene.folder / "scene.yaml")
+    assert again.with_(load_n=1) == three[0].scene.with_(load_n=1)
+    assert recipe["command"] == "rolling run small.yaml"
+
+
+# ---- gains of the player
+
+
+def test_gains_keep_levels_or_make_them_equal_and_never_clip() -> None:
+    """Gains by hand for peaks of 2, 1, 0.1 Pa and LAeq of 80, 70, 60 dB.
+
+    The record with the maximum crest (20 lg of peak over level) limits the equal gains.
+    """
+    peaks, levels = [2.0, 1.0, 0.1], [80.0, 70.0, 60.0]
+    heard = 70 - 20 * np.log10(1 / PEAK)  # digital level of the record that limits the others
+    for gain, peak, level in zip(gains(peaks, levels), peaks, levels, strict=True):
+        assert peak / gain["full_scale_pa"] == pytest.approx(PEAK)
+        assert gain["calibrated_pa"] == pytest.approx(2 / PEAK)
+        assert gain["calibrated"] == pytest.approx(gain["full_scale_pa"] / gain["calibrated_pa"])
+        assert max(gain["calibrated"], gain["equal"]) <= 1 + 1e-12
+        assert level - 20 * np.log10(gain["equal_pa"]) == pytest.approx(heard)
+        assert gain["equal_db"] == pytest.approx(heard - (level - 20 * np.log10(2 / PEAK)))
+
+
+def test_gains_of_silence_are_zero() -> None:
+    silent, loud = gains([0.0, 0.5], [None, 60.0])
+    assert (silent["calibrated"], silent["equal"]) == (0, 0)
+    assert silent["calibrated_pa"] is None and silent["equal_db"] is None
+    assert loud["calibrated"] == loud["equal"] == pytest.approx(1)
+    assert gains([0.0], [None])[0]["full_scale_pa"] == 1
+
+
+# ---- maps
+
+
+def image_of(uri: str) -> np.ndarray:
+    """Decode a PNG in a data URI as RGBA."""
+    content = base64.b64decode(uri.partition(",")[2])
+    return np.asarray(Image.open(io.BytesIO(content)).convert("RGBA"))
+
+
+def test_the_sheet_of_maps_holds_every_pressure_at_its_place() -> None:
+    """Another reader decodes each pressure as its shade and no pressure as transparent."""
+    (run,) = runs_of("lap")
+    shown = maps.run_maps(run, 2.1)
+    assert shown is not None
+    seen, palette = image_of(shown["sheet"]), maps.palette()
+    stored = [run.result.maps[position] for position in sorted(run.result.maps)]
+    for own, tile, box in zip(stored, shown["tiles"], shown["boxes"], strict=True):
+        left, top, width, height = tile
+        assert (width, height) == own.pressure.shape
+        assert box[0] == pytest.approx((own.along - own.distance) * 1e6, abs=1e-3)
+        drawn = seen[top : top + height, left : left + width][::-1].swapaxes(0, 1)
+        shade = 1 + np.rint(254 * np.clip(own.pressure.astype(float) / 2.1e9, 0, 1)).astype(int)
+        loaded = own.pressure > 0
+        assert np.array_equal(drawn[..., 3] == 255, loaded)
+        assert np.array_equal(drawn[loaded][:, :3], palette[shade[loaded]])
+
+
+@pytest.mark.parametrize("speed", [0.1, [[0.0, 0.05], [0.01, 0.2], [0.02, 0.1]]])
+@pytest.mark.parametrize(("laps", "closes"), [(1.0, True), (1.0, False), (2.5, True), (0.4, False)])
+def test_the_map_shown_is_the_nearest_at_any_time(speed, laps, closes) -> None:
+    """At 500 times it is the nearest of all maps, across the seam where the lap closes."""
+    motion, lap = Motion.of(speed), 1e-3
+    distances = np.array([0, 0.7, 2.1, 4.0, 7.5, 9.2]) * 1e-4
+    distances = distances[distances <= laps * lap]
+    begins, order = maps.showing(distances, lap, laps * lap, closes, motion)
+    assert begins[0] == 0 and np.all(np.diff(begins) > 0)
+    for t in np.linspace(0, motion.duration(laps * lap), 500)[1:-1]:
+        shown = order[np.searchsorted(begins, t, side="right") - 1]
+        away = np.abs(distances - float(motion.distance(t)) % lap)
+        if closes:
+            away = np.minimum(away, lap - away)
+        assert away[shown] == pytest.approx(away.min(), abs=1e-9)
+
+
+@pytest.mark.parametrize("power", range(-16, 8, 3))
+def test_the_time_axis_of_a_record_is_read_at_any_length(power: int) -> None:
+    duration = 3 * 10.0**power
+    figure = Figure()
+    time = duration * np.arange(4) / 4
+    plots.power(figure.subplots(), time, np.ones(4), 1.0, duration)
+    axis = time_axis(Picture("release_power", "", figure, None))
+    assert axis["end"] == pytest.approx(duration, rel=1e-9) and axis["begin"] == 0
+    assert 0 < axis["left"] < axis["right"] < 100
+
+
+# ---- film
+
+
+def test_the_curves_of_a_film_are_the_motion_of_the_run() -> None:
+    _, fast = runs_of("flying")
+    motion = fast.vibration.motion
+    begin, end = motion.time_s[40] + 1e-9, motion.time_s[400]
+    shown = film.motion_between(fast, begin, end)
+    assert shown is not None and shown["load_n"] == 0.3
+    times = shown["begin"] + shown["step"] * np.arange(len(shown["force_n"]))
+    assert times[0] <= begin and times[-1] >= end - shown["step"]
+    nearest = np.rint(times / motion.time_step_s - 0.5).astype(int)
+    assert shown["force_n"] == pytest.approx(motion.force_n[nearest], rel=1e-3)
+    height = motion.displacement_m.mean() - motion.displacement_m[nearest]
+    assert shown["height_nm"] == pytest.approx(1e9 * height, rel=1e-3, abs=0.1)
+    # The flights are the times without force, rounded to a nanosecond, and there are some.
+    assert shown["flights"] and all(begin - 1e-9 < a < b < end + 1e-9 for a, b in shown["flights"])
+    within = (motion.time_s >= begin) & (motion.time_s <= end)
+    share = float(np.mean(motion.force_n[within] == 0))
+    flown = sum(b - a for a, b in shown["flights"])
+    assert flown / (end - begin) == pytest.approx(share, abs=0.01)
+
+
+def test_many_steps_are_thinned_but_no_flight_is_lost(monkeypatch) -> None:
+    _, fast = runs_of("flying")
+    whole = film.motion_between(fast, 0.0, 6e-4)
+    monkeypatch.setattr(film, "MOST_VALUES", 50)
+    thin = film.motion_between(fast, 0.0, 6e-4)
+    assert whole is not None and thin is not None
+    assert len(thin["force_n"]) <= 50 < len(whole["force_n"])
+    assert thin["flights"] == whole["flights"]
+
+
+def test_a_ball_in_flight_all_the_time_is_one_flight() -> None:
+    _, fast = runs_of("flying")
+    still = replace(fast.vibration.motion, force_n=np.zeros_like(fast.vibration.motion.force_n))
+    flying = replace(fast, vibration=replace(fast.vibration, motion=still))
+    shown = film.motion_between(flying, 1e-4, 3e-4)
+    assert shown is not None and shown["flights"] == [(1e-4, 3e-4)]
+
+
+# ---- words and tables
+
+
+def test_levels_have_their_uncertainty_rounded_up(three) -> None:
+    heads, rows = text.levels(three)
+    column = heads.index("LAeq [dB]")
+    for run, (label, cells) in zip(three, rows, strict=True):
+        assert label == run.label
+        value, uncertainty = cells[column].split(" ± ")
+        assert float(value) == pytest.approx(run.summary["laeq_db"], abs=0.05)
+        assert 0.0 <= float(uncertainty) - run.summary["uncertainty_db"]["laeq"] < 0.1
+    answer = text.sentence(three)
+    assert "at 1 m" in answer and three[0].label in answer and three[-1].label in answer
+
+
+def test_silence_and_missing_numbers_are_named() -> None:
+    (silent,) = runs_of("smooth")
+    heads, ((_, cells),) = text.levels([silent])
+    sound = [cells[heads.index(f"{name} [dB]")] for name in ("LZeq", "LAeq", "LAFmax", "LZpeak")]
+    assert sound == ["silent"] * 4 and "No sound" in text.sentence([silent])
+    few = {key: number for key, number in silent.summary.items() if not key.startswith("la")}
+    assert "-" in text.levels([replace(silent, summary=few)])[1][0][1]
+    steady = silent.summary["steady_level_db"]  # a constant power has a level, and no sound
+    assert f"{steady:.1f}" in cells[heads.index("steady level [dB re 1 pW/m²]")]
+
+
+def test_equal_levels_are_not_a_range() -> None:
+    (run,) = runs_of("lap")
+    answer = text.sentence([replace(run, label=f"{k}") for k in range(3)])
+    level = run.summary["laeq_db"]
+    assert answer == f"LAeq at 1 m is {level:.1f} dB in all 3 runs that sound."
+
+
+def test_letters_that_turn_the_text_around_are_escaped() -> None:
+    (run,) = runs_of("lap")
+    scene = Scene.from_dict(
+        run.scene.to_dict() | {"title": "ab\u202egnp.exe\x07"}, run.scene.folder
+    )
+    assert text.titles([replace(run, scene=scene)]) == r"ab\u202egnp.exe\x07"
+
+
+def test_each_kind_of_warning_and_equal_assumptions_stand_once(three) -> None:
+    warnings = text.warnings(three)
+    keys = [warning.key for warning in warnings]
+    assert keys and len(set(keys)) == len(keys)
+    assert any("in the numbers of" in warning.text for warning in warnings)  # other resonances
+    facts = dict(text.facts(three, [assumptions(run) for run in three]))
+    assert facts["distance"] == [("", "1 m, spherical spreading")]
+    assert facts["load"] == [(run.label, f"{run.scene.load:g} N, constant") for run in three]
+
+
+def test_the_citation_is_that_of_the_citation_file() -> None:
+    file = YAML(typ="safe").load(Path(__file__).parents[2] / "CITATION.cff")
+    for key in ("title", "version"):
+        assert str(file[key]) in text.CITED_PROGRAM
+    assert str(file["date-released"])[:4] in text.CITED_PROGRAM
+    assert file["authors"][0]["name"].lower() in text.CITED_PROGRAM.lower()
+    (article,) = file["references"]
+    for author in article["authors"]:
+        assert f"{author['family-names']}, {author['given-names'][0]}." in text.CITED_ARTICLE
+    for key in ("title", "journal", "year", "volume", "issue", "start", "doi"):
+        assert str(article[key]) in text.CITED_ARTICLE
+
+
+def test_levels_that_are_missing_are_gaps_in_the_data_of_the_page(tmp_path) -> None:
+    (lap,) = runs_of("lap")
+    none = dict.fromkeys(lap.sound.levels.third_octave_db)
+    quiet = replace(lap.sound, levels=replace(lap.sound.levels, third_octave_db=none))
+    numbers = {"third_octave_db": none, "third_octave_uncertainty_db": none}
+    gaps = replace(lap, label="gaps", sound=quiet, summary=lap.summary | numbers)
+    path = tmp_path / "page.html"
+    path.write_bytes(page([lap, gaps]))
+    assert data_of(path)["runs"][1]["bands"] == [None] * 31

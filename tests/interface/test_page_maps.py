@@ -1,0 +1,241 @@
+"""Maps, playheads and films of the page follow the time that it plays, and keys control it."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from report_browser import PIXELS, data_of, hear, map_of, play, seek, time_of, until
+from report_runs import runs_of
+
+from rolling.figures.catalogue import single_picture
+from rolling.figures.vibration import hertz_radius
+from rolling.report.maps import palette
+from rolling.results.run_result import Run
+
+FLASHING_PX = 21824  # on which WCAG 2.3.1 allows more than three flashes a second
+# Luminance of the canvas as it is shown, a value for every eighth pixel along and across.
+LUMINANCE = """() => {
+  const canvas = document.querySelector('#film'), width = 150;
+  const height = Math.round(width * canvas.height / canvas.width);
+  const pen = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+  const slider = document.querySelector('#film-seek'), frames = [];
+  const linear = (byte) => (byte <= 10 ? byte / 3294 : ((byte / 255 + 0.055) / 1.055) ** 2.4);
+  for (let k = 0; k <= Number(slider.max); k++) {
+    slider.value = k;
+    slider.dispatchEvent(new Event('input'));
+    pen.drawImage(canvas, 0, 0, width, height);
+    const { data } = pen.getImageData(0, 0, width, height);
+    frames.push(Array.from({ length: data.length / 4 }, (_, i) => 0.2126 * linear(data[4 * i])
+      + 0.7152 * linear(data[4 * i + 1]) + 0.0722 * linear(data[4 * i + 2])));
+  }
+  const shown = canvas.getBoundingClientRect();
+  return { frames, pixels: shown.width * shown.height };
+}"""
+SEEK_FILM = """(n) => {
+  const slider = document.querySelector('#film-seek');
+  slider.value = n;
+  slider.dispatchEvent(new Event('input'));
+}"""
+
+
+def nearest_map(run: Run, seconds: float) -> int:
+    """Return the nearest kept position on the closed lap at 0.1 m/s."""
+    lap = run.result.solved_steps * run.result.step
+    places = np.array(sorted(run.result.maps)) * run.result.step
+    away = np.abs(places - 0.1 * seconds % lap)
+    return int(np.argmin(np.minimum(away, lap - away)))
+
+
+def test_the_map_follows_the_playhead_and_shows_the_stored_pressure(pages, opened) -> None:
+    path, run = pages("three"), runs_of("three")[1]
+    view, middle = data_of(path)["view"], 49.5 * 2e-6
+    maps = [run.result.maps[position] for position in sorted(run.result.maps)]
+    with opened(path) as page:
+        page.check("input[name=run][value='1']")
+        canvas = page.locator("#map")
+        for seconds in (0.0, 0.00141, 0.0051, 0.00599, 0.8765):
+            seek(page, seconds)
+            number = map_of(page)
+            assert number == nearest_map(run, seconds), seconds
+            shown = maps[number]
+            pressure = float(page.text_content("#map-pressure").split()[0])
+            assert pressure == pytest.approx(shown.pressure.max() * 1e-9, rel=1e-3)
+            width = canvas.evaluate("c => c.width")
+            per_m = width / (2e-6 * view["half_um"])
+            cells, places = [], []
+            for i, j in np.argwhere(shown.pressure > 0)[::20]:
+                x = width / 2 + (shown.along + (i + 0.5) * shown.cell - shown.distance) * per_m
+                y = width / 2 - (shown.across + (j + 0.5) * shown.cell - middle) * per_m
+                radius = np.hypot(x - width / 2, y - width / 2)
+                if abs(radius - hertz_radius(run) * per_m) > 4:  # not under the dashed circle
+                    cells.append((i, j))
+                    places.append((x, y))
+            assert len(cells) > 5
+            for (i, j), pixel in zip(cells, canvas.evaluate(PIXELS, places), strict=True):
+                shade = 1 + round(254 * float(shown.pressure[i, j]) / 2.1e9)
+                assert pixel == palette()[shade].tolist(), (seconds, i, j)
+
+
+@pytest.mark.parametrize("wish", ["no-preference", "reduce"])
+def test_maps_move_while_it_plays_unless_motion_is_unwanted(wish: str, pages, opened) -> None:
+    with opened(pages("three"), reduced_motion=wish) as page:
+        page.evaluate("""() => {
+          window.drawn = new Set();
+          const fill = CanvasRenderingContext2D.prototype.fillRect;
+          CanvasRenderingContext2D.prototype.fillRect = function (...place) {
+            if (this.canvas.id === 'map') drawn.add(tap.now);
+            return fill.call(this, ...place);
+          };
+        }""")
+        play(page)
+        page.evaluate("drawn.clear()")
+        if wish == "reduce":
+            hear(page, 0.8)
+            assert page.evaluate("drawn.size") == 0
+        else:
+            until(page, "drawn.size >= 3")
+            # A map stays for 0.4 s, long enough to be seen.
+            assert np.diff(page.evaluate("[...drawn]")).min() >= 400
+        page.click("#play")  # paused: the map of its place
+        until(page, "document.querySelector('#play').textContent === 'Play'")
+        assert map_of(page) == nearest_map(runs_of("three")[0], float(page.input_value("#seek")))
+
+
+@pytest.mark.parametrize("name", ["release_power", "spectrogram"])
+def test_playheads_stand_at_the_place_of_their_time(name: str, pages, opened) -> None:
+    """The line stands within 1.5 pixels of its place by matplotlib's transform of the axes."""
+    runs = runs_of("three")
+    picture = single_picture(name, runs[0], runs)
+    assert picture is not None and picture.svg
+    ax, figure = picture.figure.axes[0], picture.figure
+    width = figure.get_size_inches()[0] * figure.dpi
+    unit = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}[re.search(r"\[(.*?)\]", ax.get_xlabel())[1]]
+    low, high = ax.get_position().y0, ax.get_position().y1
+    with opened(pages("three")) as page:
+        line = f".timeline[data-name={name}][data-run='0']"
+        for seconds in (0.05, 0.85):
+            seek(page, seconds)
+            box = page.locator(f"{line} img").bounding_box()
+            head = page.locator(f"{line} .playhead").bounding_box()
+            share = ax.transData.transform((seconds / unit, 0))[0] / width
+            assert head["x"] == pytest.approx(box["x"] + box["width"] * share, abs=1.5)
+            assert head["y"] == pytest.approx(box["y"] + (1 - high) * box["height"], abs=1.5)
+            assert head["height"] == pytest.approx((high - low) * box["height"], abs=1.5)
+        share = ax.transData.transform((0.6 / unit, 0))[0] / width
+        box = page.locator(f"{line} img").bounding_box()
+        place = {"x": box["width"] * share, "y": box["height"] / 2}
+        page.locator(f"{line} img").click(position=place)
+        pixel = 0.9 / (ax.get_position().width * box["width"])  # in seconds
+        assert time_of(page) == pytest.approx(0.6, abs=1.5 * pixel)
+
+
+def test_keys_act_as_the_page_states(pages, opened) -> None:
+    with opened(pages("three")) as page:
+        press = page.keyboard.press
+        press("Space")
+        until(page, "parseFloat(document.querySelector('#seek').value) > 0.02")
+        assert page.text_content("#play") == "Pause"
+        press("Space")
+        assert page.text_content("#play") == "Play"
+        press("Home")
+        assert time_of(page) == 0
+        press("ArrowRight")
+        assert time_of(page) == pytest.approx(0.045)
+        press("3")
+        assert page.is_checked("input[name=run][value='2']") and page.input_value("#choose") == "2"
+        press("9")  # there is none
+        assert page.input_value("#choose") == "2"
+        press("g")
+        assert page.is_checked("input[name=mode][value=equal]")
+        press("l")
+        assert not page.is_checked("#loop")
+        press("?")
+        assert page.locator(".keys").evaluate("d => d.open")
+        page.locator("#map").focus()
+        before = map_of(page)
+        press("ArrowRight")
+        assert map_of(page) == (before + 1) % 120
+        page.locator("#choose").focus()  # a focused control keeps its own keys
+        press("Home")
+        assert time_of(page) > 0
+
+
+# ---- film
+
+
+def flashes(frames: np.ndarray) -> np.ndarray:
+    """Count the flashes of each pixel: pairs of opposing changes by 0.1, the darker below 0.8."""
+    low, high = frames[0].copy(), frames[0].copy()
+    rising, turns = np.zeros(low.shape, int), np.zeros(low.shape, int)
+    for frame in frames[1:]:
+        low, high = np.minimum(low, frame), np.maximum(high, frame)
+        up = (frame - low >= 0.1) & (low < 0.8) & (rising != 1)
+        down = (high - frame >= 0.1) & (frame < 0.8) & (rising != -1)
+        turns += up | down
+        rising = np.where(up, 1, np.where(down, -1, rising))
+        low, high = np.where(up | down, frame, low), np.where(up | down, frame, high)
+    return turns // 2
+
+
+def test_flashes_are_counted_as_pairs_of_changes() -> None:
+    assert flashes(np.tile([[0.0], [0.5]], (4, 1))).tolist() == [3]  # up and down, up and down, ...
+    assert flashes(np.linspace(0, 1, 50)[:, None]).tolist() == [0]
+
+
+def test_the_film_plays_once_and_follows_its_slider(pages, opened) -> None:
+    path = pages("filmed")
+    film = data_of(path)["runs"][0]["film"]
+    last, loudest = len(film["times"]) - 1, int(np.argmax(film["power_uw"]))
+    with opened(path) as page:
+        assert int(page.input_value("#film-seek")) == loudest
+        assert f"{1e3 * film['times'][loudest]:.3f} ms" in page.text_content("#film-time")
+        until(page, "tap.images.every((image) => image.complete)")
+        shown = page.evaluate(LUMINANCE)
+        frames = np.array(shown["frames"])
+        assert np.abs(np.diff(frames, axis=0)).max(axis=1).min() > 0.05  # every map moves
+        # The film may pass within a second: at most three flashes on more than 21,824 px.
+        assert (flashes(frames) > 3).mean() * shown["pixels"] < FLASHING_PX
+        page.evaluate(SEEK_FILM, 0)
+        page.click("#film-play")
+        ended = f"document.querySelector('#film-seek').value === '{last}'"
+        button = "document.querySelector('#film-play').textContent === 'Play slowly'"
+        until(page, f"{button} && {ended}")
+        hear(page)
+        assert page.input_value("#film-seek") == str(last)  # it does not begin again
+        rates = page.evaluate("tap.sources.map((s) => s.playbackRate.value)")
+        assert rates == pytest.approx([1e-3])
+        page.click("#film-real")
+        until(page, "tap.starts === 2")  # the whole record of 6 ms
+        assert page.evaluate("tap.sources.at(-1).buffer.length") == 288
+
+
+def test_reduced_motion_leaves_the_slider_alone(pages, opened) -> None:
+    with opened(pages("filmed"), reduced_motion="reduce") as page:
+        assert not page.locator("#film-play").is_visible()
+        page.locator("#film-seek").focus()
+        before = page.text_content("#film-time")
+        page.keyboard.press("ArrowRight")
+        assert page.text_content("#film-time") != before
+
+
+def test_the_film_marks_flights_and_has_no_curves_without_dynamics(pages, opened) -> None:
+    path = pages("flying", "filmed")
+    films = [run["film"] for run in data_of(path)["runs"]]
+    assert films[2]["motion"] is None
+    flights = films[1]["motion"]["flights"]
+    with opened(path) as page:
+        label = page.locator("#film-motion")
+        page.check("input[name=run][value='1']")
+        # It opens at the maximum of the force.
+        assert "presses with" in label.get_attribute("aria-label")
+        until(page, "tap.images.every((image) => image.complete)")
+        for number, time in enumerate(films[1]["times"]):
+            page.evaluate(SEEK_FILM, number)
+            flies = any(begin <= time <= end for begin, end in flights)
+            assert ("and flies" in label.get_attribute("aria-label")) == flies
+        shown = page.evaluate(LUMINANCE)
+        assert (flashes(np.array(shown["frames"])) > 3).mean() * shown["pixels"] < FLASHING_PX
+        page.check("input[name=run][value='2']")
+        assert not label.is_visible() and not page.locator("#film-motion-note").is_visible()

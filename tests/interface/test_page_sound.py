@@ -1,0 +1,249 @@
+"""The report page plays each record at its level, without gaps, and loops where that is right."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from report_browser import (
+    MINUS,
+    RATE,
+    data_of,
+    embedded_record,
+    hear,
+    play,
+    seek,
+    time_of,
+    until,
+)
+from report_runs import runs_of
+
+from acoustics import level
+
+
+def test_sound_decodes_to_the_record_and_its_level(pages, opened) -> None:
+    """The decoded samples, times the stated scale, have the number and the rms of the record.
+
+    The rms agrees within 0.01 dB: 16 bits round at -101 dB of full scale, 85 dB below the quietest
+    rms here.
+    """
+    path = pages("three")
+    with opened(path) as page:
+        found = page.evaluate("""() => Promise.all(
+          [...document.querySelectorAll('audio')].map(async (player) => {
+          const text = atob(player.src.split(',')[1]);
+          const bytes = Uint8Array.from(text, (letter) => letter.charCodeAt(0));
+          const context = new OfflineAudioContext(1, 1, 48000);
+          const x = (await context.decodeAudioData(bytes.buffer)).getChannelData(0);
+          const square = x.reduce((sum, s) => sum + s * s, 0) / x.length;
+          return { length: x.length, rms: Math.sqrt(square) };
+        }))""")
+        page.click("summary:has-text('Single records')")
+        page.locator("audio").first.evaluate("player => player.play()")
+        until(page, "document.querySelector('audio').currentTime > 0.02")
+        assert page.locator("audio").first.evaluate("player => player.duration") == pytest.approx(
+            0.9, abs=1e-3
+        )
+    for run, decoded, shown in zip(runs_of("three"), found, data_of(path)["runs"], strict=True):
+        record = run.sound.pressure
+        assert decoded["length"] == len(record)
+        rms = decoded["rms"] * shown["playback"]["full_scale_pa"]
+        assert 20 * np.log10(rms / np.sqrt(np.mean(record**2))) == pytest.approx(0, abs=0.01)
+
+
+def test_gains_give_the_stated_levels_and_never_clip(pages, opened) -> None:
+    """Calibrated gains keep the differences of the runs' LAeq, and equal gains remove them.
+
+    The level of the output follows from the gains that the page has set. It holds within 0.01 dB,
+    since the rounding of 16 bits lies 85 dB below.
+    """
+    path = pages("three")
+    records = [embedded_record(path, k) for k in range(3)]
+    stated = [run["playback"] for run in data_of(path)["runs"]]
+    got: dict[str, list[tuple[float, float, float]]] = {"calibrated": [], "equal": []}
+    with opened(path) as page:
+        play(page)
+        for mode, levels in got.items():
+            page.check(f"input[name=mode][value={mode}]")
+            for k in range(3):
+                page.check(f"input[name=run][value='{k}']")
+                hear(page)
+                gains = page.evaluate("tap.gains.map((node) => node.gain.value)")
+                assert [gain for j, gain in enumerate(gains) if j != k] == [0, 0]
+                assert np.abs(records[k]).max() * gains[k] <= 10 ** (-1 / 20) + 1e-4
+                pascals = float(page.text_content(f"[data-scale='{k}']").split()[0])
+                decibels = float(page.text_content(f"[data-gain='{k}']").replace(MINUS, "-"))
+                played = level.laeq_db(records[k] * gains[k], RATE)
+                levels.append((played, played + 20 * np.log10(pascals), decibels))
+        table = [
+            float(page.text_content(f"table.players tbody tr:nth-child({k + 1}) td"))
+            for k in range(3)
+        ]
+    for levels in got.values():
+        # Digital level times the pascals of full scale is the run's LAeq; both are shown rounded.
+        assert [absolute for _, absolute, _ in levels] == pytest.approx(table, abs=0.06)
+    played = {mode: [digital for digital, _, _ in levels] for mode, levels in got.items()}
+    assert np.ptp(played["equal"]) < 0.01
+    assert np.diff(played["calibrated"]) == pytest.approx(np.diff(table), abs=0.11)
+    for k in range(3):
+        assert got["calibrated"][k][2] == 0
+        added = played["equal"][k] - played["calibrated"][k]
+        assert got["equal"][k][2] == pytest.approx(added, abs=0.05)
+        assert stated[k]["equal_db"] == pytest.approx(added, abs=0.001)
+
+
+def test_switching_keeps_the_playhead_and_the_sound(pages, opened) -> None:
+    """Sources start once, the playhead advances with the clock, and no 43 ms are silent."""
+    with opened(pages("three")) as page:
+        play(page)
+        hear(page)
+        found = page.evaluate("""async () => {
+          const block = new Float32Array(2048);
+          let quietest = Infinity;
+          const wait = () => new Promise((done) => requestAnimationFrame(done));
+          const press = (key) =>
+            document.body.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true }));
+          // The clock of the sound may advance while the page reads; such a reading is repeated.
+          const clock = () => tap.context.currentTime - (tap.context.outputLatency || 0);
+          const read = (key) => {
+            for (;;) {
+              const heard = clock();
+              press(key); // a key moves the slider
+              if (clock() === heard) return Number(document.querySelector('#seek').value) - heard;
+            }
+          };
+          const jumps = [];
+          for (let k = 0; k < 6; k++) {
+            await wait();
+            const before = read(String(1 + (k + 2) % 3));
+            press(String(1 + k % 3));
+            for (let n = 0; n < 8; n++) {
+              await wait();
+              tap.analyser.getFloatTimeDomainData(block);
+              const square = block.reduce((s, x) => s + x * x, 0) / block.length;
+              quietest = Math.min(quietest, Math.sqrt(square));
+            }
+            const jump = read(String(1 + k % 3)) - before;
+            jumps.push(jump - 0.9 * Math.round(jump / 0.9)); // it goes round after 0.9 s
+          }
+          const run = document.querySelector('#choose').value;
+          return { quietest, jumps, starts: tap.starts, run };
+        }""")
+    assert found["starts"] == 3
+    assert found["run"] == "2"
+    assert found["quietest"] > 1e-3
+    assert np.abs(found["jumps"]).max() < 1e-6
+
+
+def test_without_loop_it_stops_at_the_end_and_starts_again(pages, opened) -> None:
+    with opened(pages("three")) as page:
+        page.uncheck("#loop")
+        seek(page, 0.8)
+        page.click("#play")
+        until(page, "document.querySelector('#play').textContent === 'Play'")
+        assert time_of(page) == pytest.approx(0.9)
+        assert page.evaluate("tap.starts") == 3
+        page.click("#play")
+        until(page, "tap.starts === 6")
+        assert page.evaluate("tap.offsets") == pytest.approx([0.8] * 3 + [0.0] * 3)
+
+
+def test_one_run_has_nothing_to_compare(pages, opened) -> None:
+    with opened(pages("one")) as page:
+        for selector in ("#choose", "input[name=run]", "input[name=mode]", "[data-gain]"):
+            assert page.locator(selector).count() == 0
+        play(page)
+        page.keyboard.press("g")
+        page.keyboard.press("2")
+
+
+def test_silence_is_said_and_played(pages, opened) -> None:
+    with opened(pages("smooth")) as page:
+        assert "No sound" in page.text_content(".result")
+        page.click("#play")
+        until(page, "tap.gains.length === 1")
+        hear(page)
+        assert page.evaluate("tap.gains.map((node) => node.gain.value)") == [0]
+
+
+def test_a_short_record_does_not_loop_unasked_and_says_why(pages, opened) -> None:
+    """A record of 6 ms repeats 167 times a second: it ends, and goes on only with Loop on."""
+    with opened(pages("lap")) as page:
+        assert not page.is_checked("#loop")
+        notes = page.locator("[data-repeats]")
+        assert notes.count() == 1 and notes.is_visible()
+        assert "repeats 167 times a second" in notes.text_content()
+        assert "the repetition, not the contact" in notes.text_content()
+        page.click("#play")
+        until(page, "document.querySelector('#play').textContent === 'Play'")
+        assert time_of(page) == pytest.approx(0.006)
+        page.check("#loop")
+        page.click("#play")
+        until(page, "tap.starts === 2")
+        hear(page)
+        assert page.text_content("#play") == "Pause"
+
+
+@pytest.mark.parametrize("name", ["lap", "one"])
+def test_play_plays_the_computed_record(name, pages, opened) -> None:
+    """Play sends the samples of the record, short or long, times the calibrated gain."""
+    path = pages(name)
+    record, gain = embedded_record(path, 0), data_of(path)["runs"][0]["playback"]["calibrated"]
+    with opened(path) as page:
+        page.click("#play")
+        until(page, "tap.sources.length > 0")
+        assert page.evaluate("tap.gains[0].gain.value") == pytest.approx(gain, rel=1e-6)
+        hear(page, 0.02)
+        played = page.evaluate("[...tap.sources[0].buffer.getChannelData(0)]")
+        assert page.evaluate("tap.gains[0].gain.value") == pytest.approx(gain, rel=1e-6)
+    assert len(played) == len(record)
+    assert np.abs(np.array(played) - record).max() < 2**-15  # the rounding of 16 bits
+
+
+def test_a_short_record_among_long_ones_goes_round_only_when_asked_to(pages, opened) -> None:
+    """The chosen record of 6 ms, beside 0.9 s and 0.45 s, goes on only while Loop is on."""
+    path = pages("one", "fast", "lap")
+    assert [run["buzzes"] for run in data_of(path)["runs"]] == [False, False, True]
+    loudest = """async () => {
+      const block = new Float32Array(2048);
+      let maximum = 0;
+      for (let k = 0; k < 8; k++) {
+        await new Promise((done) => setTimeout(done, 15));
+        tap.analyser.getFloatTimeDomainData(block);
+        maximum = Math.max(maximum, ...block.map(Math.abs));
+      }
+      return maximum;
+    }"""
+    with opened(path) as page:
+        assert not page.is_checked("#loop")
+        page.check("input[name=run][value='2']")
+        assert (
+            page.locator("[data-repeats='2']").is_visible()
+            and not page.locator("[data-repeats='0']").is_visible()
+        )
+        seek(page, 0.5)
+        assert float(page.text_content("#map-time").split()[0]) == pytest.approx(0.006)  # over
+        seek(page, 0.1)
+        page.click("#play")
+        until(page, "tap.starts === 3")
+        hear(page)
+        assert page.evaluate(loudest) < 1e-6
+        page.check("#loop")
+        if page.text_content("#play") == "Play":  # at its end already
+            page.click("#play")
+        until(page, f"({loudest})().then((level) => level > 1e-3)")
+        page.uncheck("#loop")
+        hear(page)
+        assert page.evaluate(loudest) < 1e-6  # also at its end
+
+
+def test_a_browser_that_starts_no_sound_is_not_waited_for_in_silence(pages, opened) -> None:
+    with opened(pages("lap")) as page:
+        page.evaluate("""() => {
+          AudioContext.prototype.resume = () => new Promise(() => {});
+          Object.defineProperty(BaseAudioContext.prototype, 'state', { get: () => 'suspended' });
+        }""")
+        page.click("#play")
+        assert not page.locator("#no-sound").is_visible()
+        page.evaluate("tap.later.forEach((work) => work())")  # two seconds later
+        assert page.locator("#no-sound").is_visible()
+        assert "sound device" in page.text_content("#no-sound")
