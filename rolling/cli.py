@@ -210,9 +210,17 @@ def _check(given: argparse.Namespace) -> int:
 
 def _accuracy(given: argparse.Namespace) -> int:
     """Study speed against error."""
+    from rolling.scene import file
+
+    scene = file.read_scene(given.scene, given.set)
     with progress.step(LOADING):
         from rolling.accuracy import study
-    study.run_study(given.scene, given.set, given.out, given.workers, given.finest, given.duration)
+        from rolling.contact.solver import ContactError
+    try:
+        print(study.run_study(scene, given.out, given.workers, given.finest, given.duration))
+    except ContactError as error:
+        _say(str(error))
+        return FAILED
     return OK
 
 
@@ -220,7 +228,7 @@ def _reproduce(given: argparse.Namespace) -> int:
     """Reproduce a study."""
     with progress.step(LOADING):
         from rolling.lee2025 import reproduce
-    return reproduce.reproduce(given.out, given.workers, given.readings, given.quick)
+    return reproduce.reproduce(given.readings, given.out, given.quick, given.workers)
 
 
 def _scenes(given: argparse.Namespace) -> int:
@@ -332,6 +340,7 @@ _COMMANDS = {
 _OUT = {
     "run": "run folder (default: outputs/NAME-DIGITS); again: goes on there",
     "report": "page to write (default: RUN/report.html)",
+    "reproduce": "folder of the study (default: outputs/STUDY); again: goes on there",
     "plot": "folder of the files (default: RUN/figures)",
 }
 

@@ -1,9 +1,6 @@
-"""Speed against error of a scene: its variants, their errors, and the text and plot of a study.
+"""Speed against error of a scene.
 
-- `study`: the command.
-- `variants`: grids, steps and solver settings to compare.
-- `kept`: pieces on disk, so that a study that was stopped goes on.
-- `record`: levels of parts of the track, for the length of the record.
-- `errors`: numbers of a variant, errors, orders, recommendation.
-- `text`, `plot`: accuracy.md and its picture.
+- `variants`: the same stretch of track with other grids, edges, tolerances, steps and widths.
+- `study`: marches of the variants, their errors as one `xarray.Dataset`, and the command.
+- `work_precision`: table, advice and diagram of such a Dataset.
 """

@@ -1,280 +1,258 @@
-"""The command `rolling accuracy SCENE`, which marches the variants of a scene and compares them."""
+"""The study of speed against error: variants are marched, compared, and kept as one Dataset."""
 
 from __future__ import annotations
 
-import sys
-from collections import Counter
-from collections.abc import Sequence
-from dataclasses import asdict
+import hashlib
+import io
+import json
+import math
+from collections.abc import Mapping, Sequence
+from concurrent.futures import BrokenExecutor, as_completed
 from pathlib import Path
-from typing import Any
 
-from rolling.accuracy import errors, kept, plot, text
-from rolling.accuracy.errors import Findings, Measurement
-from rolling.accuracy.record import AIM_DB, RecordCheck
-from rolling.accuracy.variants import Study, Variant, study_of, tasks
-from rolling.check import cost, long_steps, refusals
-from rolling.folders import claim, files, new_folder, own_files, run_record
-from rolling.folders.claim import Claim
-from rolling.scene import file, library
-from rolling.simulation import pool, simulate, summary, tolerance_trial
-from rolling.simulation.batch import Run
-from rolling.simulation.result import Result
-from rolling.surface import contact_of_scene
-from rolling.terminal import defaults, progress
+import numpy as np
+import xarray as xr
+
+from acoustics.bands import BAND_NAMES
+from rolling import __version__
+from rolling._typing import Array
+from rolling.accuracy import work_precision
+from rolling.accuracy.variants import (
+    OWN,
+    REFERENCE,
+    SOLVER,
+    Variant,
+    label,
+    march_variant,
+    stretch_of,
+    variants_of,
+)
+from rolling.check import long_steps
+from rolling.contact.solver import ContactError
+from rolling.run import pools
+from rolling.run.executor import ended_by_signal
+from rolling.scene.scene import Scene
+from rolling.scene.sweep import run_name
+from rolling.sound.contact_sound import contact_sound
+from rolling.terminal import defaults, files, progress
+from rolling.terminal.files import FolderError
+
+BANDS = [name for name in BAND_NAMES if 100 <= float(name) <= 16000]
+LEVELS = ("laeq_db", "third_octave_db")
+MEANS = ("mean_release_w", "contact_area_m2", "plastic_area_m2", "max_pressure_pa")
+DATASET = "accuracy.nc"
 
 
-def run_study(
-    scene_path: Path,
-    overrides: Sequence[str] = (),
-    out: Path | None = None,
-    force: bool = False,
-    workers: int = 0,
+def accuracy(
+    scene: Scene,
+    duration_s: float = defaults.ACCURACY_SECONDS,
     finest: int = defaults.FINEST,
-    duration: float = defaults.ACCURACY_SECONDS,
-) -> int:
-    """March all variants of the first run of a scene file, print the table, write the folder.
-
-    A study in `out` that was stopped goes on with the pieces of variants that it holds.
+    workers: int = 0,
+) -> xr.Dataset:
+    """March the variants of a scene over the same stretch of track and compare them.
 
     Parameters
     ----------
-    scene_path : Path. The scene file, or the name of a scene of the library.
-    overrides : sequence of str. Values of keys, as after --set. Default: none.
-    out : Path or None. Folder of the study. Default: None, for a folder below outputs/.
-    force : bool. If true, replace an earlier study. Default: False.
-    workers : int. Number of processes. Default: 0, for one per core.
-    finest : int. Divisor of the spacing for the reference. Default: `defaults.FINEST`.
-    duration : float, s. Duration of rolling. Default: `defaults.ACCURACY_SECONDS`.
+    scene : Scene
+        Scene without a sweep.
+    duration_s : float, s
+        Maximum duration of rolling.
+    finest : int
+        Divisor of the spacing for the reference: 2, 4, ...
+    workers : int
+        Number of processes; 0 means one per core.
 
     Returns
     -------
-    code : int. The exit code.
+    xarray.Dataset
+        Settings, costs, levels and means by `variant`, with their differences from the reference as
+        `error_...`. The errors of `solver_error_signal_db` are those against the scene's own grid
+        and step, solved to 1e-8. Variants that failed stand in the attribute `failures`.
+
+    Raises
+    ------
+    ContactError
+        The scene as it stands or its reference cannot be solved.
+
+    Examples
+    --------
+    >>> study = accuracy(read_scene("scenarios/elastic-plate.yaml"), 0.01)  # doctest: +SKIP
+    >>> study.error_laeq_db.to_series()  # doctest: +SKIP
+    """
+    scene, nodes = stretch_of(scene, duration_s)
+    variants = variants_of(scene, finest)
+    marched, failures = _march_all(scene, variants, nodes, workers)
+    for variant in variants:
+        if variant.curve in (OWN, REFERENCE) and variant in failures:
+            raise ContactError(f"{label(scene, variant)}: {failures[variant]}")
+    rows = [_row(scene, variant, nodes, series) for variant, series in marched.items()]
+    study = compared(xr.concat(rows, "variant", coords="different", compat="equals"))
+    study.attrs = {
+        "name": scene.name,
+        "length_m": nodes * scene.spacing,
+        "closed": int(nodes == scene.track.n_along),
+        "failures": "\n".join(f"{label(scene, v)}: {reason}" for v, reason in failures.items()),
+        "scene": json.dumps(scene.to_dict()),
+        "program": __version__,
+    }
+    return study
+
+
+def _march_all(
+    scene: Scene, variants: Sequence[Variant], nodes: int, workers: int
+) -> tuple[dict[Variant, dict[str, Array]], dict[Variant, str]]:
+    """March variants, the longest first; return their series and the reasons of failures.
+
+    Raises
+    ------
+    OSError : a worker was killed.
+    """
+    marched, failures = dict[Variant, dict[str, Array]](), dict[Variant, str]()
+    total = sum(variant.cost for variant in variants)
+    bar = progress.bar(total, f"{scene.name}: {len(variants)} variants")
+    with bar, ended_by_signal(), pools.local_pool(workers, [scene]) as pool:
+        futures = {
+            pool.submit(pools.Task(("", ""), march_variant, (scene, variant, nodes))): variant
+            for variant in sorted(variants, key=lambda variant: -variant.cost)
+        }
+        for future in as_completed(futures):
+            variant = futures[future]
+            try:
+                marched[variant] = future.result()
+            except ContactError as error:
+                failures[variant] = str(error)
+            except BrokenExecutor as error:
+                raise OSError("a worker process was killed; out of memory?") from error
+            bar.update(variant.cost)
+    return {variant: marched[variant] for variant in variants if variant in marched}, failures
+
+
+def _row(scene: Scene, variant: Variant, nodes: int, series: Mapping[str, Array]) -> xr.Dataset:
+    """Compute the costs, levels and means of a marched variant."""
+    solved = scene.with_({"numerics.tolerance": variant.tolerance})
+    step = variant.step_nodes * scene.spacing
+    closed = nodes == scene.track.n_along
+    sound = contact_sound(solved, series["release_energy"], step, closed)
+    levels = sound.levels
+    bands = [levels.third_octave_db[name] for name in BANDS]
+    return xr.Dataset(
+        {
+            "seconds_per_second": float(series["seconds"]) / sound.duration,
+            "iterations": float(series["iterations"].mean()),
+            "convolutions": float(series["convolutions"].mean()),
+            "laeq_db": _number(levels.laeq_db),
+            "third_octave_db": ("band", [_number(level) for level in bands]),
+            "intensity_w_m2": ("sample", sound.pressure / (sound.factor or 1.0)),
+            "mean_release_w": sound.mean_power,
+            "contact_area_m2": float(series["contact_area"].mean()),
+            "plastic_area_m2": float(series["plastic_area"].mean()),
+            "max_pressure_pa": float(series["max_pressure"].max()),
+        },
+        {
+            "variant": label(scene, variant),
+            "curve": variant.curve,
+            "spacing_um": scene.spacing / variant.times * 1e6,
+            "step_um": step * 1e6,
+            "tolerance": variant.tolerance,
+            "edges": variant.edges,
+            "precision": variant.precision,
+            "width_um": scene.track.n_across * scene.spacing * variant.width * 1e6,
+            "band": BANDS,
+        },
+    )
+
+
+def _number(level: float | None) -> float:
+    """Replace a missing level by NaN."""
+    return math.nan if level is None else level
+
+
+def compared(rows: xr.Dataset) -> xr.Dataset:
+    """Add the errors of variants against the reference, and of the solves on the scene's grid."""
+    best, own = rows.isel(variant=rows.curve == REFERENCE), rows.isel(variant=rows.curve == OWN)
+    best, own = best.squeeze("variant", drop=True), own.squeeze("variant", drop=True)
+    errors = {f"error_{name}": rows[name] - best[name] for name in LEVELS}
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for name in MEANS:
+            errors[f"error_{name.rpartition('_')[0]}_percent"] = 100 * (rows[name] / best[name] - 1)
+        errors["error_signal_db"] = _signal_db(rows, best)
+        exact = rows.isel(variant=rows.curve == SOLVER)
+        if exact.sizes["variant"]:
+            on_grid = rows.curve.isin([OWN, "tolerance", "precision"])
+            solver_errors = _signal_db(rows, exact.squeeze("variant", drop=True))
+            errors["solver_error_signal_db"] = solver_errors.where(on_grid)
+        errors["width_error_signal_db"] = _signal_db(rows, own).where(rows.curve == "width")
+    return rows.assign(errors)
+
+
+def _signal_db(rows: xr.Dataset, best: xr.Dataset) -> xr.DataArray:
+    """Return the rms error of the audible release over the rms of its fluctuation [dB]."""
+    off = ((rows.intensity_w_m2 - best.intensity_w_m2) ** 2).mean("sample")
+    ratio = off / (best.intensity_w_m2**2).mean("sample")
+    level: xr.DataArray = 10 * np.log10(ratio.where(ratio > 0))
+    return level
+
+
+# ---- the command
+
+
+def run_study(
+    scene: Scene,
+    out: Path | None = None,
+    workers: int = 0,
+    finest: int = defaults.FINEST,
+    duration_s: float = defaults.ACCURACY_SECONDS,
+) -> Path:
+    """Study the first run of a scene, print the table, and return the folder of the files.
+
+    A folder that holds the same study already is not computed again.
 
     Raises
     ------
     SceneError, FolderError : before anything is computed or written.
+    ContactError : as in `accuracy`.
     """
-    scene = file.read_scene(scene_path, overrides)
-    runs = scene.runs()
-    values, single = runs[0]
-    long_steps.refuse_long_steps(single)
-    study = study_of(single, duration, finest)
-    refusals.refuse_variants_that_cannot_fit(study.scene, finest, workers, out or refusals.OUTPUTS)
-    # this refuses a missing surface before anything is written
-    contact_of_scene.rolling_contact(study.scene)
-    label = Run(values, single, Path()).label
-    if len(runs) > 1:
-        progress.line(
-            f"the first of {len(runs)} runs of the sweep: {label}; choose another with --set "
-            f"{next(iter(values))}=..."
-        )
-    # `auto` is the tolerance that the run of the scene would take. The trial is the same again.
-    choices = tolerance_trial.choose([single], [Result.empty(single.track, single.start)], workers)
-    if choices.interrupted:
-        print("interrupted in the trial of the tolerance: nothing was written", file=sys.stderr)
-        return 130
-    study = study_of(choices.scenes[0], duration, finest)
-    with _claimed(study, library.find(scene_path), out, force) as held:
-        results, interrupted = _march(study, held.folder, workers or cost.cores())
-        with progress.step("writing tables and picture"):
-            _write(held.folder, label, results)
-        if progress.is_quiet():
-            print(held.folder)
-        else:
-            print(text.compact(results))
-            print(f"\ntables, picture, numbers: {held.folder}")
-        return _ended(held, results, interrupted)
+    values, scene = scene.runs()[0]
+    long_steps.refuse_long_steps(scene)
+    identity = _identity(scene, finest, duration_s)
+    folder = out or Path("outputs") / f"{scene.name}-accuracy-{identity[:8]}"
+    study = _stored(folder, identity)
+    if study is None:
+        if values:
+            progress.line(f"the first run of the sweep: {run_name(values)}; --set chooses another")
+        study = accuracy(scene, duration_s, finest, workers).assign_attrs(identity=identity)
+        folder.mkdir(parents=True, exist_ok=True)
+        files.write_bytes(folder / DATASET, bytes(study.to_netcdf(engine="h5netcdf")))
+    table = work_precision.table(study)
+    files.write_bytes(folder / "accuracy.csv", table.to_csv().encode())
+    picture = io.BytesIO()
+    work_precision.diagram(study).savefig(picture, format="png", dpi=110)
+    files.write_bytes(folder / "accuracy.png", picture.getvalue())
+    if not progress.is_quiet():
+        print(work_precision.text(study))
+    return folder
 
 
-def _claimed(study: Study, scene_path: Path, out: Path | None, force: bool) -> Claim:
-    """Claim the folder of a study, new or of the same study that was stopped.
+def _identity(scene: Scene, finest: int, duration_s: float) -> str:
+    """Return the digest of a scene, its height file and the extent of its study."""
+    heights = scene.height_path.read_bytes() if scene.height_path else b""
+    settings = json.dumps([scene.to_dict(), finest, duration_s], sort_keys=True)
+    return hashlib.sha256(settings.encode() + heights).hexdigest()
+
+
+def _stored(folder: Path, identity: str) -> xr.Dataset | None:
+    """Return the study that a folder holds, or None for a new or an empty folder.
 
     Raises
     ------
-    FolderError : the folder holds something else, or another process works on it.
+    FolderError : the folder holds anything else.
     """
-    if out is not None and not force and new_folder.is_unfinished(out, "accuracy"):
-        kept.refuse_other_study(out, study)
-        return claim.take(out, "accuracy")
-    scene = study.scene
-    given = scene_path.read_bytes()
-    inputs = [scene_path, *([scene.height_path] if scene.height_path is not None else [])]
-    target = new_folder.aim(
-        Path("outputs") / f"{scene.name}-accuracy", out, force, ["accuracy"], inputs
-    )
-
-    def fill(folder: Path) -> None:
-        files.write_bytes(folder / "scene.yaml", given)
-        kept.write_study(folder, study)
-
-    return new_folder.make(target, run_record.new("accuracy"), fill)
-
-
-def _ended(held: Claim, results: Findings, interrupted: bool) -> int:
-    """Write the state of the study, give the reason if it is not done, and return the exit code."""
-    if interrupted:
-        held.mark(held.folder, "waiting", claim.INTERRUPTED)
-        count = len(results.measurements)
-        reason = (
-            f"interrupted: the tables hold the {count} variants that were finished"
-            if count
-            else "interrupted before a variant was finished"
-        )
-        reason += f"; the same command with --out {held.folder} goes on"
-    elif results.reference is None:
-        reason = "the reference failed: there are no errors to show"
-        held.mark(held.folder, "failed", reason)
-    else:
-        held.mark(held.folder, "done")
-        kept.remove_pieces(held.folder)
-        if stays := new_folder.drop_previous(held):
-            print(
-                f"{stays} stays: it holds files that this program did not write, or is in use",
-                file=sys.stderr,
-            )
-        return 0
-    print(reason, file=sys.stderr)
-    if held.record.replaces:
-        print(f"{new_folder.previous(held.folder)} stays until this study is done", file=sys.stderr)
-    return 130 if interrupted else 1
-
-
-def _march(study: Study, folder: Path, workers: int) -> tuple[Findings, bool]:
-    """March the pieces that the folder lacks, and write each as it is done.
-
-    A variant's numbers follow its last piece.
-    """
-    variants = study.variants()
-    every = tasks(study, variants)
-    missing = Counter(task.run for task in every)
-    pieces: dict[int, list[simulate.Piece]] = {number: [] for number in missing}
-    done: dict[Variant, Measurement] = {}
-
-    def added(number: int, piece: simulate.Piece) -> None:
-        pieces[number].append(piece)
-        if len(pieces[number]) == missing[number]:
-            measurement = errors.measure(study, variants[number], pieces.pop(number))
-            done[measurement.variant] = measurement
-            progress.detail(_measurement_text(measurement))
-            files.write_json(
-                folder / own_files.VARIANTS / f"{measurement.variant.name}.json", _row(measurement)
-            )
-
-    def finished(number: int, piece: simulate.Piece) -> None:
-        kept.write_piece(folder, variants[number], piece)
-        added(number, piece)
-
-    todo = []
-    for task in every:
-        _, variant, first, last = task.arguments
-        piece = kept.read_piece(folder, variant, first, last)
-        if piece is None:
-            todo.append(task)
-        else:
-            added(task.run, piece)
-    if len(todo) < len(every):
-        progress.line(f"going on: {len(every) - len(todo)} of {len(every)} pieces were marched")
-    total = sum(task.cost for task in todo)
-    with progress.bar(total, f"{study.scene.name}: {len(variants)} variants") as bar:
-        outcome = pool.work(todo, workers, finished, bar.update)
-    failures = {variants[number]: reason for number, reason in outcome.failures.items()}
-    with progress.step("comparing the variants"):
-        measurements = {v: done[v] for v in sorted(done, key=_in_table)}
-        return errors.judge(study, measurements, failures), outcome.interrupted
-
-
-def _in_table(variant: Variant) -> tuple[Any, ...]:
-    """Return the sorting key of a variant in the tables."""
-    return (
-        variant.times,
-        variant.edges != "sharp",
-        variant.step_nodes,
-        variant.precision,
-        -variant.tolerance,
-        variant.width,
-    )
-
-
-def _measurement_text(measurement: Measurement) -> str:
-    """Write steps, iterations and time of a variant."""
-    return (
-        f"{measurement.variant.name}: {measurement.steps} steps of {measurement.step_ms:.2f} ms,"
-        f" {measurement.iterations:.1f} iterations per step"
-    )
-
-
-# ---- numbers
-
-
-def _row(measurement: Measurement) -> dict[str, Any]:
-    """Return the numbers of a variant for JSON."""
-    facts = {
-        name: value
-        for name, value in vars(measurement).items()
-        if name not in ("variant", "intensity", "release_energy")
-    }
-    return {"name": measurement.variant.name, **asdict(measurement.variant), **errors.plain(facts)}
-
-
-def _numbers(label: str, results: Findings) -> dict[str, Any]:
-    """Return all numbers of the study for accuracy.json."""
-    study, plain = results.study, errors.plain
-    rows = []
-    for variant, measurement in results.measurements.items():
-        row = _row(measurement) | {
-            "keys": text.keys(study, variant),
-            "highest_hz": study.highest(variant),
-        }
-        row["errors"] = plain(results.errors[variant]) if variant in results.errors else None
-        row["solver_errors"] = (
-            plain(results.solver_errors[variant]) if variant in results.solver_errors else None
-        )
-        rows.append(row)
-    advice = results.recommendation
-    return {
-        "name": study.scene.name,
-        "run": label,
-        "scene": study.scene.to_dict(),
-        "track": {
-            "nodes": study.nodes,
-            "closed": study.closed,
-            "length_m": study.nodes * study.scene.spacing,
-        },
-        "own": study.own.name,
-        "reference": results.reference.name if results.reference else None,
-        "solver_reference": study.solver_reference.name,
-        "variants": rows,
-        "failures": {variant.name: reason for variant, reason in results.failures.items()},
-        "reference_uncertainty": {
-            "by_edges": plain(results.by_edges),
-            "by_refining": plain(results.by_refining),
-            "larger": plain(results.uncertainty),
-        },
-        "orders": {name: plain(orders) for name, orders in results.orders.items()},
-        "wider": plain(results.wider) if results.wider is not None else None,
-        "record": _record(results.record),
-        "limits_db": {"laeq": errors.LAEQ_LIMIT, "third_octave": errors.BAND_LIMIT},
-        "recommendation": {
-            name: plain(asdict(candidate)) if (candidate := getattr(advice, name)) else None
-            for name in ("both", "laeq_only", "nearest")
-        },
-        "tolerance": {"recommended": results.tolerance, "own": study.own.tolerance},
-        "provenance": summary.provenance(study.scene),
-    }
-
-
-def _record(check: RecordCheck | None) -> dict[str, Any] | None:
-    """Return the numbers of the record's length for JSON."""
-    if check is None:
-        return None
-    return asdict(check) | {"needed_s": check.needed_s, "aim_db": AIM_DB}
-
-
-def _write(folder: Path, label: str, results: Findings) -> None:
-    """Write accuracy.json, accuracy.md and the picture."""
-    files.write_json(folder / "accuracy.json", _numbers(label, results))
-    files.write_bytes(folder / "accuracy.md", text.text(label, results).encode())
-    # a plot needs sound and more than the reference
-    if any(e["signal"] > 0 for e in results.errors.values()):
-        plot.write(folder, label, results)
+    try:
+        if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
+            return None
+        study = xr.load_dataset(folder / DATASET, engine="h5netcdf")
+    except (OSError, ValueError) as error:
+        raise FolderError(f"{folder}: holds no study of accuracy; take another --out") from error
+    if study.attrs.get("identity") != identity:
+        raise FolderError(f"{folder}: holds the study of another scene; take another --out")
+    return study

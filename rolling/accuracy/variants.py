@@ -1,41 +1,40 @@
-"""The variants of a scene for `rolling accuracy`.
-
-They differ in grid, edges, tolerance, step, precision or width. All variants roll over the same
-stretch of the same surface.
-"""
+"""Variants of a scene: the same stretch of track with another grid, numerics or width."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+import time
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from rolling._typing import Array
-from rolling.contact.state import RollingContact
-from rolling.scene.scene import Scene
-from rolling.simulation import pool, simulate
-from rolling.surface import contact_of_scene, scene_surface
-from rolling.surface.refined import dies_out, refined, subcell_heights
-from rolling.surface.wider import wider_heights, wider_times
+import numpy as np
 
-TOLERANCES = (1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6)
-FINE_TOLERANCES = (1e-3, 1e-4)  # tolerance on finer grids
-REFERENCE_TOLERANCE, SOLVER_REFERENCE_TOLERANCE = 1e-6, 1e-8
+from rolling._typing import Array
+from rolling.contact import of_scene
+from rolling.contact.march import march
+from rolling.contact.recovery import step_energy
+from rolling.contact.state import RollingContact
+from rolling.contact.subcells import half_space_of
+from rolling.scene.scene import Scene
+from rolling.surface.refined import dies_out, refined, subcell_heights
+from rolling.surface.scene_surface import heights, wider_heights, wider_times
+
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+REFERENCE_TOLERANCE, SOLVER_TOLERANCE = 1e-6, 1e-8
 STEP_NODES = (0.5, 1.0, 2.0, 4.0)
+OWN, REFERENCE, SOLVER = "the scene", "reference", "exact solve"
+STATES = ("contact_area", "plastic_area", "max_pressure", "iterations", "convolutions")
 
 
 @dataclass(frozen=True)
 class Variant:
-    """The grid, step and solver settings of one computation.
+    """The grid, the step, the solver settings and the width of one march.
 
-    Parameters
-    ----------
     times : int. Divisor of the scene's spacing.
     step_nodes : float. Length of a step in nodes of the scene's own grid.
     tolerance, edges, precision : float, str, str. Numerics as in a scene.
-    width : int. Factor on the width of the surface. Default: 1.
+    width : int. Factor on the width of the surface.
+    curve : str. Setting that is varied: the name of a curve in the diagram.
     """
 
     times: int
@@ -44,14 +43,13 @@ class Variant:
     edges: str
     precision: str
     width: int = 1
+    curve: str = field(default=OWN, compare=False)
 
     @property
-    def name(self) -> str:
-        """The name of the variant in files."""
-        step = f"{self.step_nodes:g}"
-        grid, tolerance = f"spacing-over-{self.times}", tolerance_text(self.tolerance)
-        width = "" if self.width == 1 else f"_width-{self.width}"
-        return f"{grid}_step-{step}_{tolerance}_{self.edges}_{self.precision}{width}"
+    def cost(self) -> float:
+        """Expected time of a stretch, relative to the scene's own grid at tolerance 1e-4."""
+        work = float(self.times**2.3) * max(0.5, -math.log10(self.tolerance) / 4)
+        return work / self.step_nodes
 
 
 def tolerance_text(value: float) -> str:
@@ -60,200 +58,87 @@ def tolerance_text(value: float) -> str:
     return f"{float(mantissa):g}e{int(exponent)}"
 
 
-@dataclass(frozen=True)
-class Study:
-    """A scene without a sweep and the stretch of track that all variants roll over.
-
-    Parameters
-    ----------
-    scene : Scene. The scene, cut to the stretch.
-    nodes : int. Length of the stretch in nodes of the scene.
-    closed : bool. True if the stretch is the whole period.
-    finest : int. Divisor of the spacing for the references.
-    """
-
-    scene: Scene
-    nodes: int
-    closed: bool
-    finest: int
-
-    @property
-    def own(self) -> Variant:
-        """The variant of the scene as it stands."""
-        n = self.scene.numerics
-        return Variant(
-            1, n.step_nodes, self.scene.tolerance, n.edges if self.yields else "sharp", n.precision
-        )
-
-    @property
-    def yields(self) -> bool:
-        """True if the plate has a hardness."""
-        return math.isfinite(self.scene.hardness)
-
-    @property
-    def all_edges(self) -> tuple[str, ...]:
-        """The edges to compare; an elastic plate has sharp edges only."""
-        return ("sharp", "blended") if self.yields else ("sharp",)
-
-    @property
-    def ladder(self) -> list[int]:
-        """The divisors of the spacing, without the divisor of the references."""
-        return [2**k for k in range(round(math.log2(self.finest)))]
-
-    def reference(self, edges: str) -> Variant:
-        """Return the reference with these edges."""
-        return Variant(self.finest, self.own.step_nodes, REFERENCE_TOLERANCE, edges, "single")
-
-    @property
-    def solver_reference(self) -> Variant:
-        """The reference for the tolerance and the precision of the scene's own grid."""
-        return replace(self.own, tolerance=SOLVER_REFERENCE_TOLERANCE, precision="double")
-
-    @property
-    def wider(self) -> Variant | None:
-        """The scene as it stands on a wider surface, or None where no surface can be wider."""
-        times = wider_times(self.scene)
-        return None if times is None else replace(self.own, width=times)
-
-    def on_grid(self, times: int, edges: str) -> Variant:
-        """Return the variant on a finer grid.
-
-        Tolerance and spacing shrink together, because the larger error would hide the smaller.
-        """
-        return replace(self.own, times=times, edges=edges, tolerance=self.own.tolerance / times)
-
-    def families(self) -> dict[str, list[Variant]]:
-        """Return families of variants that differ in a single setting, by the name of the setting.
-
-        The references come first.
-        """
-        own, finer = self.own, self.ladder[1:2]
-        families = {"references": [self.reference(e) for e in self.all_edges[::-1]]}
-        for edges in self.all_edges:
-            grids = [self.on_grid(t, edges) for t in self.ladder]
-            families[f"spacing, {edges} edges"] = [*grids, self.reference(edges)]
-        families["tolerance"] = [
-            replace(own, tolerance=t) for t in sorted({*TOLERANCES, own.tolerance}, reverse=True)
-        ]
-        for times in finer:
-            families["tolerance, half the spacing"] = [
-                replace(own, times=times, tolerance=t) for t in FINE_TOLERANCES
-            ]
-        steps = sorted({*STEP_NODES, own.step_nodes}, reverse=True)
-        families["step"] = [replace(own, step_nodes=s) for s in steps]
-        families["precision"] = [replace(own, precision=p) for p in ("single", "double")]
-        if self.wider is not None:
-            families["width"] = [own, self.wider]
-        rest = [
-            replace(own, times=t, edges=e, tolerance=loose)
-            for t in self.ladder
-            for e in self.all_edges
-            for loose in FINE_TOLERANCES
-        ]
-        rest += [
-            replace(self.on_grid(t, own.edges), step_nodes=s)
-            for t in finer
-            for s in steps
-            if s < own.step_nodes
-        ]
-        rest += [replace(own, tolerance=1e-6, precision=p) for p in ("single", "double")]
-        named = {variant for variants in families.values() for variant in variants}
-        families["others"] = [variant for variant in dict.fromkeys(rest) if variant not in named]
-        return families
-
-    def variants(self) -> list[Variant]:
-        """Return all variants, the finest grids first, because all errors need the reference."""
-        every = [
-            *(v for variants in self.families().values() for v in variants),
-            self.solver_reference,
-        ]
-        return sorted(dict.fromkeys(every), key=lambda v: (-v.times, v != self.solver_reference))
-
-    def spacing_um(self, variant: Variant) -> float:
-        """Return the spacing of a variant [um]."""
-        return self.scene.spacing * 1e6 / variant.times
-
-    def width_um(self, variant: Variant) -> float:
-        """Return the width of the surface of a variant [um]."""
-        return self.scene.track.n_across * self.scene.spacing * 1e6 * variant.width
-
-    def step_um(self, variant: Variant) -> float:
-        """Return the length of a step of a variant [um]."""
-        return self.scene.spacing * 1e6 * variant.step_nodes
-
-    def highest(self, variant: Variant) -> float:
-        """Return the Nyquist frequency of the steps [Hz] at the maximum speed."""
-        motion = self.scene.motion
-        duration = motion.duration(self.nodes * self.scene.spacing)
-        return motion.fastest(duration) / (2 * variant.step_nodes * self.scene.spacing)
-
-    def as_solved(self, variant: Variant) -> Scene:
-        """Return the scene with the numerics of a variant.
-
-        They set the resolution of its release.
-        """
-        changed = {
-            "tolerance": variant.tolerance,
-            "edges": variant.edges,
-            "precision": variant.precision,
-            "step_nodes": variant.step_nodes * variant.times,
-        }
-        return self.scene.model_copy(
-            update={"numerics": self.scene.numerics.model_copy(update=changed)}
-        )
+def label(scene: Scene, variant: Variant) -> str:
+    """Name a variant of a scene by the setting that it varies."""
+    spacing, tolerance = scene.spacing * 1e6, tolerance_text(variant.tolerance)
+    grid = f"spacing {spacing / variant.times:g} µm, {variant.edges} edges"
+    labels = {
+        REFERENCE: f"reference: {grid}, tolerance {tolerance}",
+        SOLVER: f"tolerance {tolerance}, double precision",
+        "tolerance": f"tolerance {tolerance}",
+        "step": f"step {spacing * variant.step_nodes:g} µm",
+        "precision": f"{variant.precision} precision",
+        "width": f"width {scene.track.n_across * spacing * variant.width:g} µm",
+        OWN: f"{OWN}: {grid}, tolerance {tolerance}",
+    }
+    return labels.get(variant.curve, grid)
 
 
-def study_of(scene: Scene, duration: float, finest: int) -> Study:
-    """Cut a scene to a stretch that is a whole number of every tried step.
+def stretch_of(scene: Scene, duration_s: float) -> tuple[Scene, int]:
+    """Cut a scene to a whole number of all tried steps, and return it with its length in nodes.
 
-    The stretch is a closed lap where possible. A height file is used unchanged: where it is longer
-    than the stretch, or not a whole number of the longest step, the record does not close.
-
-    Parameters
-    ----------
-    scene : Scene. A scene without a sweep.
-    duration : float, s. Duration of rolling.
-    finest : int. Divisor of the spacing for the references.
+    The stretch is a closed lap of a generated surface. A height file is used unchanged.
     """
     unit = math.lcm(round(STEP_NODES[-1]), max(1, math.ceil(scene.numerics.step_nodes)))
-    rolled, motion = scene.track, scene.motion
-    wanted = min(rolled.distance, rolled.n_along * rolled.spacing, float(motion.distance(duration)))
-    nodes = unit * max(math.floor(wanted / rolled.spacing / unit + 1e-6), math.ceil(8 / unit))
-    data = scene.to_dict()
-    data["recovery"]["events"] = False
+    track, motion = scene.track, scene.motion
+    rolled = float(motion.distance(duration_s))
+    distance = min(track.distance, track.n_along * track.spacing, rolled)
+    nodes = unit * max(math.floor(distance / track.spacing / unit + 1e-6), math.ceil(8 / unit))
+    changes: dict[str, Any] = {"recovery.events": False, "numerics.tolerance": scene.tolerance}
     if scene.height_path is None:
-        data["rolling"]["duration_s"] = motion.duration(nodes * rolled.spacing)
-    cut = Scene.from_dict(data, scene.folder)
-    return Study(cut, nodes, nodes == cut.track.n_along, finest)
+        seconds = motion.duration(nodes * track.spacing)
+        changes |= {"rolling.duration_s": seconds, "rolling.distance_mm": None}
+    return scene.with_(changes), nodes
 
 
-# ---- marching
+def variants_of(scene: Scene, finest: int) -> list[Variant]:
+    """List the variants of a scene, each once; the first is the scene as it stands.
+
+    Tolerance and spacing shrink together, because the larger error would hide the smaller. `finest`
+    is the divisor of the spacing for the reference, a power of two.
+    """
+    numerics = scene.numerics
+    all_edges = ("blended", "sharp") if math.isfinite(scene.hardness) else ("sharp",)
+    edges = numerics.edges if numerics.edges in all_edges else "sharp"
+    own = Variant(1, numerics.step_nodes, scene.tolerance, edges, numerics.precision)
+    grids = [2**k for k in range(round(math.log2(finest)))]
+    reference = replace(
+        own,
+        times=finest,
+        tolerance=REFERENCE_TOLERANCE,
+        edges=all_edges[0],
+        precision="single",
+        curve=REFERENCE,
+    )
+    wide = wider_times(scene)
+    listed = [
+        own,
+        reference,
+        replace(own, tolerance=SOLVER_TOLERANCE, precision="double", curve=SOLVER),
+        *(
+            replace(own, times=n, edges=e, tolerance=own.tolerance / n, curve=f"spacing, {e} edges")
+            for e in all_edges
+            for n in grids
+        ),
+        *(replace(own, tolerance=t, curve="tolerance") for t in TOLERANCES),
+        *(replace(own, step_nodes=s, curve="step") for s in STEP_NODES),
+        *(replace(own, precision=p, curve="precision") for p in ("single", "double")),
+        *([replace(own, width=wide, curve="width")] if wide else []),
+    ]
+    return list(dict.fromkeys(listed))
 
 
-_kept: list[tuple[Array, int, bool, Array]] = []  # the last refined surface is kept
+def variant_contact(scene: Scene, variant: Variant) -> RollingContact:
+    """Make the contact of a variant, on a refined surface without new detail.
 
-
-def _refined(heights: Array, times: int) -> tuple[bool, Array]:
-    """Return whether a surface continues between its nodes, and its heights on a finer grid."""
-    if not _kept or _kept[0][0] is not heights or _kept[0][1] != times:
-        smooth = dies_out(heights)
-        fine = refined(heights, times) if smooth else subcell_heights(heights, times, smooth)
-        _kept[:] = [(heights, times, smooth, fine)]
-    return _kept[0][2:]
-
-
-def rolling_contact(scene: Scene, variant: Variant) -> RollingContact:
-    """Return the input of the march for a variant of a scene.
-
-    Where cells are flat, those of a node are as many as the grid is finer, and the node lies in
+    Where cells are flat, the cells of a node are as many as the grid is finer, and the node lies in
     their middle.
     """
-    plain = scene.numerics.model_copy(update={"edges": "sharp", "subcells": 1})
-    coarse = contact_of_scene.rolling_contact(
-        scene.model_copy(update={"numerics": plain}), _heights(scene, variant.width)
-    )
-    smooth, fine = _refined(coarse.heights, variant.times)
-    spacing = coarse.spacing / variant.times
+    plain = scene.with_({"numerics.edges": "sharp", "numerics.subcells": 1})
+    own = heights(scene) if variant.width == 1 else wider_heights(scene, variant.width)
+    coarse = of_scene.rolling_contact(plain, own)
+    smooth, spacing = dies_out(own), coarse.spacing / variant.times
+    fine = refined(own, variant.times) if smooth else subcell_heights(own, variant.times, smooth)
     contact = replace(
         coarse,
         heights=fine,
@@ -265,77 +150,36 @@ def rolling_contact(scene: Scene, variant: Variant) -> RollingContact:
         blended=variant.edges == "blended",
         slopes=smooth,
     )
-    return contact_of_scene.on_subcells(contact, subcells_of(scene, contact), smooth)
-
-
-_wide: list[tuple[tuple[Any, ...], int, Array]] = []  # the last wider surface is kept
-
-
-def _heights(scene: Scene, width: int) -> Array:
-    """Return the heights of a scene [m], or of its surface `width` times as wide."""
-    if width == 1:
-        return scene_surface.heights(scene)
-    key = scene_surface.identity(scene)
-    if not _wide or _wide[0][:2] != (key, width):
-        _wide[:] = [(key, width, wider_heights(scene, width))]
-    return _wide[0][2]
-
-
-def subcells_of(scene: Scene, contact: RollingContact) -> int:
-    """Return the sub-cells of a variant from its scene.
-
-    `auto` chooses them on the variant's own grid.
-    """
     chosen = scene.numerics.subcells
-    return contact_of_scene.auto_subcells(contact) if chosen == "auto" else chosen
+    subcells = of_scene.auto_subcells(contact) if chosen == "auto" else chosen
+    return of_scene.on_subcells(contact, subcells, smooth)
 
 
-_warm: set[tuple[int, bool, bool]] = set()
+def march_variant(scene: Scene, variant: Variant, nodes: int) -> dict[str, Array]:
+    """March a variant over a stretch of so many nodes of the scene.
 
+    Returns
+    -------
+    release_energy : (steps,) array, J.
+    contact_area, plastic_area, max_pressure, iterations, convolutions : (steps,) arrays in SI.
+    seconds : array without dimension, s. Processor time of the march.
 
-def march_piece(
-    scene: Scene,
-    variant: Variant,
-    first: int,
-    last: int,
-    stopped: Callable[[], bool],
-    progress: Callable[[float], object],
-) -> simulate.Piece:
-    """March one piece of a variant's track from a cold start.
-
-    A first step outside the timing compiles the solver and prepares the transforms.
+    Raises
+    ------
+    ContactError : as in `march`.
     """
-    contact = rolling_contact(scene, variant)
-    kind = (variant.times, contact.single, contact.blended)
-    if kind not in _warm:
-        simulate.simulate_piece(scene, first, first + 1, stopped, contact=contact)
-        _warm.add(kind)
-    cost = _step_cost(variant)
-    return simulate.simulate_piece(
-        scene, first, last, stopped, lambda steps: progress(steps * cost), contact
-    )
-
-
-def _step_cost(variant: Variant) -> float:
-    """Return the expected time of a step, relative to the scene's own grid at tolerance 1e-4."""
-    return float(variant.times**2.3) * max(0.5, -math.log10(variant.tolerance) / 4)
-
-
-def tasks(study: Study, variants: Sequence[Variant]) -> list[pool.Task]:
-    """Return the pieces of all variants as tasks, with the number of the variant as their run.
-
-    All pieces have the same length of track, about the length of a piece of a run.
-    """
-    unit = math.lcm(round(STEP_NODES[-1]), max(1, math.ceil(study.own.step_nodes)))
-    length = unit * max(1, round(simulate.PIECE_STEPS * study.own.step_nodes / unit))
-    borders = [*range(0, study.nodes, length), study.nodes]
-    return [
-        pool.Task(
-            number,
-            march_piece,
-            (study.scene, v, round(a / v.step_nodes), round(b / v.step_nodes)),
-            (b - a) / v.step_nodes * _step_cost(v),
-        )
-        for number, v in enumerate(variants)
-        for a, b in pairwise(borders)
-    ]
+    contact = variant_contact(scene, variant)
+    half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
+    left_end = scene.recovery.rule == "left_end"
+    list(march(contact, 0, 1, half_space))  # compiles kernels and prepares transforms
+    steps = round(nodes / variant.step_nodes)
+    series = {name: np.empty(steps) for name in ("release_energy", *STATES)}
+    old, began = None, time.process_time()
+    for state in march(contact, 0, steps, half_space):
+        if old is not None:
+            k = old.position
+            series["release_energy"][k] = step_energy(old, state, half_space, left_end).release
+            for name in STATES:
+                series[name][k] = getattr(state, name)
+        old = state
+    return series | {"seconds": np.array(time.process_time() - began)}

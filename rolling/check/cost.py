@@ -1,14 +1,15 @@
-"""Window and time of the steps of a scene, estimated before it is run."""
+"""Cost of a run before it is run: window, time of a step, memory and disk."""
 
 from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 
 from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
-from rolling.surface import heights, steepness
+from rolling.surface import heights, refined
 from rolling.surface.scene_surface import scene_surface
 
 # A rough surface overlaps the sphere by this many rms roughnesses more than a smooth surface. The
@@ -28,24 +29,33 @@ SMOOTH = 1e-9
 # Generated heights are a little more or less steep than their law.
 SLOPE_MARGIN = 1.05
 
+SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
+# Bytes of the program in the main process and in a worker; per node of a rough surface and per node
+# of the window, and more of both per sub-cell; per step and per sample of a record while its sound
+# is made, and as long as runs are compared; per time step of a motion; per recovery event.
+PROGRAM, WORKER = 300e6, 230e6
+NODE, NODE_SUBCELL, WINDOW, WINDOW_SUBCELL = 28.0, 16.0, 20.0, 700.0
+ESTIMATE = 5.0  # nodes of the windows of an error estimate over those of the window
+STEP, SAMPLE, STEP_KEPT, SAMPLE_KEPT, TIME_STEP, EVENT = 450.0, 280.0, 60.0, 16.0, 300.0, 300.0
+EVENTS_PER_NODE = 0.6  # approximate recovery events of a node that the contact passes over
+TIME_STEPS = 40.0  # of a motion in a period of the resonance
+# Bytes on disk: of a run, and per step, sample and event of it.
+RUN_FILES, STEP_FILE, SAMPLE_FILE, EVENT_FILE = 2e6, 155.0, 18.0, 41.0
+
 
 def cores() -> int:
-    """Return the number of cores that this process may use.
-
-    It is the default number of worker processes.
-    """
+    """Return the number of cores that this process may use, the default number of workers."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+# ---- window and time
+
+
 def roughness(scene: Scene) -> tuple[float, float]:
-    """Estimate rms roughness [m] and rms slope of the surface without making random heights.
+    """Estimate rms roughness [m] and rms slope [-] without making random heights.
 
-    The slope is the norm of the gradient over one spacing.
-
-    Raises
-    ------
-    SceneError
-        The height file cannot be used.
+    The slope is the norm of the gradient over one spacing. A height file is read, or SceneError
+    is raised.
     """
     s, spacing = scene.surface, scene.spacing
     if isinstance(s, Gaussian):
@@ -63,11 +73,16 @@ def roughness(scene: Scene) -> tuple[float, float]:
     return statistics.rq, statistics.rms_slope
 
 
-def overlap_radius(scene: Scene, rq: float) -> float:
-    """Estimate the radius [m] within which the sphere overlaps a rough surface.
+def correlation_lengths(surface: Gaussian) -> tuple[float, float]:
+    """Return the correlation lengths along and across the track [um]."""
+    along = surface.correlation_length_um
+    return along, surface.correlation_length_across_um or along
 
-    It is sqrt(2 R (a^2/R + 1.5 rq)) with the radius R of the sphere, the Hertz radius a and the rms
-    roughness rq [m] of the surface.
+
+def overlap_radius(scene: Scene, rq: float) -> float:
+    """Estimate the radius [m] within which the sphere overlaps a surface of rms roughness rq [m].
+
+    It is sqrt(2 R (a^2/R + 1.5 rq)) with the radius R of the sphere and the Hertz radius a.
     """
     approach = closed_forms.hertz_approach(scene.load, scene.radius, scene.contact_modulus)
     if math.isfinite(scene.hardness):
@@ -77,26 +92,12 @@ def overlap_radius(scene: Scene, rq: float) -> float:
 
 
 def window_nodes(scene: Scene, rq: float) -> float:
-    """Estimate the number of nodes along a side of the window.
-
-    The window holds the overlap at both ends of a step.
-    """
+    """Estimate the nodes along a side of the window, which holds both ends of a step."""
     return 2 * overlap_radius(scene, rq) / scene.spacing + max(1.0, scene.numerics.step_nodes)
 
 
 def subcells(scene: Scene, is_read: bool = True) -> int:
-    """Estimate the sub-cells along the side of a cell of a run, without making random heights.
-
-    Parameters
-    ----------
-    is_read : bool
-        If false, a height file is not read, and counts as gentle. Default: true.
-
-    Raises
-    ------
-    SceneError
-        The height file cannot be used.
-    """
+    """Estimate the sub-cells along the side of a cell; a file that is not read counts as gentle."""
     chosen = scene.numerics.subcells
     if chosen != "auto":
         return chosen
@@ -105,9 +106,9 @@ def subcells(scene: Scene, is_read: bool = True) -> int:
     if scene.height_path is None:
         slope = SLOPE_MARGIN * roughness(scene)[1]
     else:
-        step = steepness.median_step(scene_surface(scene).heights)
-        slope = steepness.rms_slope(step, scene.spacing)
-    return steepness.auto_subcells(slope, scene.contact_modulus, scene.hardness)
+        step = refined.median_step(scene_surface(scene).heights)
+        slope = refined.rms_slope(step, scene.spacing)
+    return refined.auto_subcells(slope, scene.contact_modulus, scene.hardness)
 
 
 def has_blended_edges(scene: Scene) -> bool:
@@ -123,32 +124,90 @@ def step_law(scene: Scene, rq: float) -> str:
 
 
 def expected_step_ms(window_nodes: float, subcells: int = 1, law: str = "sharp") -> float:
-    """Estimate the time of a step [ms] on one core, by a law of STEP_LAWS.
-
-    It is c (n/100)^k on a square window with n nodes along a side, times r^1.6 with r sub-cells
-    along the side of a cell.
-    """
+    """Estimate the time of a step [ms] on one core, by a law of STEP_LAWS."""
     at_100, power = STEP_LAWS[law]
     return float(at_100 * (window_nodes / 100) ** power * subcells**SUBCELL_POWER)
 
 
-def expected_seconds(scene: Scene) -> float:
-    """Estimate the time [s] to solve a scene on one core.
-
-    Raises
-    ------
-    SceneError
-        The height file cannot be used.
-    """
+def step_ms(scene: Scene) -> float:
+    """Estimate the time of a step of a scene [ms] on one core; a height file is read."""
     rq = roughness(scene)[0]
-    law = step_law(scene, rq)
-    step_ms = expected_step_ms(window_nodes(scene, rq), subcells(scene), law)
-    return scene.track.solved_steps * step_ms * 1e-3
+    return expected_step_ms(window_nodes(scene, rq), subcells(scene), step_law(scene, rq))
 
 
-def correlation_lengths(surface: Gaussian) -> tuple[float, float]:
-    """Return the correlation lengths along and across the track [um]."""
-    return (
-        surface.correlation_length_um,
-        surface.correlation_length_across_um or surface.correlation_length_um,
+def expected_seconds(scene: Scene) -> float:
+    """Estimate the time [s] to march a scene once on one core; a height file is read."""
+    return scene.track.solved_steps * step_ms(scene) * 1e-3
+
+
+# ---- memory and disk
+
+
+def memory(scenes: Sequence[Scene], workers: int) -> dict[str, float]:
+    """Estimate the memory [bytes] that runs take in workers, by its largest parts.
+
+    Each worker holds the program, a surface and a window; the record is heard once, and a part of
+    it stays until all runs are compared. A height file is judged by its header.
+    """
+    parts = {"surface": 0.0, "window": 0.0, "record": 0.0}
+    for scene in scenes:
+        track, r = scene.track, subcells(scene, is_read=False)
+        rq = roughness(scene)[0] if scene.height_path is None else 0.0
+        side = min(window_nodes(scene, rq), 2.0 * max(track.n_along, track.n_across))
+        nodes = track.n_along * track.n_across
+        window = (WINDOW + WINDOW_SUBCELL * r**2) * side**2
+        own = {
+            "surface": (NODE + NODE_SUBCELL * r**2) * nodes * (scene.surface.kind != "smooth"),
+            "window": window * (ESTIMATE if scene.numerics.error_estimate else 1.0),
+            "record": _record(scene),
+        }
+        parts = {name: max(size, own[name]) for name, size in parts.items()}
+    kept = [STEP_KEPT * scene.track.steps + SAMPLE_KEPT * _samples(scene) for scene in scenes]
+    parts["record"] += sum(kept) - max(kept)
+    parts["surface"] *= workers
+    parts["window"] *= workers
+    return parts | {"program": PROGRAM + WORKER * workers * (workers > 1)}
+
+
+def disk(scenes: Sequence[Scene]) -> float:
+    """Estimate the size [bytes] of the files of runs."""
+    return sum(
+        RUN_FILES
+        + STEP_FILE * scene.track.steps
+        + SAMPLE_FILE * _samples(scene)
+        + EVENT_FILE * _events(scene)
+        for scene in scenes
     )
+
+
+def _record(scene: Scene) -> float:
+    """Estimate the memory [bytes] while the sound of a run is made."""
+    samples, motion, duration = _samples(scene), scene.motion, scene.duration
+    if not motion.is_constant(duration):  # the power is oversampled
+        samples += samples * 0.25 * motion.fastest(duration) / scene.step / SAMPLE_RATE
+    time_steps = 0.0
+    if scene.dynamics is not None:
+        radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+        stiffness = 2 * scene.contact_modulus * radius
+        resonance = math.sqrt(stiffness / scene.mass) / (2 * math.pi)
+        rate = max(TIME_STEPS * resonance, motion.fastest(duration) / scene.step)
+        time_steps = duration * rate
+    return (
+        STEP * scene.track.steps
+        + SAMPLE * samples
+        + TIME_STEP * time_steps
+        + EVENT * _events(scene)
+    )
+
+
+def _samples(scene: Scene) -> float:
+    return scene.duration * SAMPLE_RATE
+
+
+def _events(scene: Scene) -> float:
+    """Estimate the number of recovery events of a run, 0 where none are recorded."""
+    if not scene.recovery.events:
+        return 0.0
+    across = 2 * overlap_radius(scene, 0.0) / scene.spacing
+    across = min(across, scene.track.n_along, scene.track.n_across)
+    return EVENTS_PER_NODE * across * scene.track.solved_steps * scene.numerics.step_nodes

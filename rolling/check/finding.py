@@ -34,20 +34,10 @@ class Finding:
 
 def si(value: float, unit: str) -> str:
     """Write a number with three digits and a prefix: 6.87e-5 m becomes "68.7 um"."""
-    for prefix, size in (
-        ("G", 1e9),
-        ("M", 1e6),
-        ("k", 1e3),
-        ("", 1.0),
-        ("m", 1e-3),
-        ("u", 1e-6),
-        ("n", 1e-9),
-    ):
-        if (unit, prefix) not in (("m", "G"), ("m", "M"), ("m", "k")) and abs(
-            value
-        ) >= 0.9995 * size:
-            digits = f"{value / size:.3g}"
-            return f"{float(digits):g} {prefix}{unit}"
+    prefixes = [("G", 1e9), ("M", 1e6), ("k", 1e3)] if unit != "m" else []
+    for prefix, size in (*prefixes, ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9)):
+        if abs(value) >= 0.9995 * size:
+            return f"{float(f'{value / size:.3g}'):g} {prefix}{unit}"
     return f"{value:.3g} {unit}"
 
 
@@ -59,17 +49,18 @@ def byte_size(value: float) -> str:
     return f"{max(value / 1e6, 1):.0f} MB"
 
 
-def on_cores() -> str:
-    """Write the default number of cores of a run."""
-    return f"{cost.cores()} cores" if cost.cores() > 1 else "1 core"
-
-
 def clock(seconds: float) -> str:
     """Write a time [s] with two digits in hours, minutes or seconds."""
     for unit, size in (("h", 3600.0), ("min", 60.0)):
         if seconds >= 2 * size:
             return f"{seconds / size:.2g} {unit}"
     return f"{seconds:.2g} s"
+
+
+def computing(core_seconds: float) -> str:
+    """Write the time that a computation of one core [s] takes on all cores."""
+    cores = cost.cores()
+    return f"about {clock(core_seconds / cores)} on {cores} core{'s' * (cores > 1)}"
 
 
 def rounded_down(value: float) -> str:

@@ -1,36 +1,136 @@
-"""Findings of a scene before it is run: its cost, and whether its result can be believed.
+"""Check of a scene before it is run: its cost, and whether its result can be believed.
 
 `findings` judges one run, `check_scene` all runs of a scene.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from html import escape
+from typing import TYPE_CHECKING, NamedTuple, overload
 
 from rolling.check import (
     cost,
-    demand,
-    finishing,
+    error_cost,
     height_files,
     long_steps,
     refusals,
-    sampling,
-    size,
-    smooth_contact,
+    resolution,
     validity,
     vibration,
 )
-from rolling.check.finding import Finding, clock, on_cores
-from rolling.check.report import Findings, RunFindings
-from rolling.scene.identity import Identity
-from rolling.scene.run_names import run_name
+from rolling.check.finding import Finding, byte_size, computing, rounded_down, si
+from rolling.contact import closed_forms
+from rolling.scene.identity import contact_keys, digest
+from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
+from rolling.scene.surfaces import HeightFile
+from rolling.scene.sweep import run_name
 from rolling.terminal import progress
 
 if TYPE_CHECKING:
     from rolling.check.probe import Probe
+
+RUNS_ABREAST = 5  # columns of the table
+MIN_HERTZ_NODES = 10  # across the Hertz radius
+
+
+class RunFindings(NamedTuple):
+    """Findings of one run and its name: the swept values, or the name of the scene."""
+
+    name: str
+    findings: list[Finding]
+
+
+@dataclass(frozen=True, repr=False)
+class Findings(Sequence[Finding]):
+    """Findings of all runs of a scene, one run after the other; printed, they are a table.
+
+    Attributes
+    ----------
+    runs : tuple of RunFindings
+        Findings by run.
+    of_all : tuple of (str, str)
+        Time, memory and disk of all runs together; empty for a single run.
+    excess : tuple of str
+        Warnings where all runs together need too much memory or disk.
+    """
+
+    runs: tuple[RunFindings, ...]
+    of_all: tuple[tuple[str, str], ...] = ()
+    excess: tuple[str, ...] = ()
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings in words, each once with the runs that it concerns unless it concerns all."""
+        names: dict[str, list[str]] = {}
+        for run in self.runs:
+            for finding in run.findings:
+                if finding.warning:
+                    names.setdefault(f"{finding.quantity}: {finding.warning}", []).append(run.name)
+        lines = list(self.excess)
+        for warning, runs in names.items():
+            few = len(runs) <= RUNS_ABREAST
+            listed = runs if few else [*runs[:RUNS_ABREAST], f"{len(runs)} runs in all"]
+            every = len(runs) == len(self.runs)
+            lines.append(warning if every else f"{warning} ({', '.join(listed)})")
+        return lines
+
+    def __len__(self) -> int:
+        return sum(len(run.findings) for run in self.runs)
+
+    def __iter__(self) -> Iterator[Finding]:
+        return (finding for run in self.runs for finding in run.findings)
+
+    @overload
+    def __getitem__(self, index: int) -> Finding: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Finding]: ...
+    def __getitem__(self, index: int | slice) -> Finding | list[Finding]:
+        return list(self)[index]
+
+    def __str__(self) -> str:
+        shared, by_run = self._rows()
+        blocks = [_columns(shared)]
+        for k in range(1, len(by_run[0]), RUNS_ABREAST) if by_run[1:] else ():
+            blocks.append(_columns([[row[0], *row[k : k + RUNS_ABREAST]] for row in by_run]))
+        warnings = "\n".join(f"warning: {line}" for line in self.warnings)
+        return "\n\n".join(filter(None, [*blocks, warnings]))
+
+    __repr__ = __str__  # the table at a prompt
+
+    def _repr_html_(self) -> str:
+        parts = []
+        for rows in self._rows():
+            cells = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
+            lines = "".join(f"<tr>{line}</tr>" for line in cells)
+            parts.append(f"<table>{lines}</table>" if len(rows) > 1 else "")
+        items = "".join(f"<li>{escape(line)}</li>" for line in self.warnings)
+        return "".join(parts) + (f"<ul>{items}</ul>" if items else "")
+
+    def _rows(self) -> tuple[list[list[str]], list[list[str]]]:
+        """Return the rows that all runs share, and the rows with a column per run and a header."""
+        names = dict.fromkeys(finding.quantity for finding in self)
+        cells: dict[str, list[str]] = {name: [""] * len(self.runs) for name in names}
+        for k, run in enumerate(self.runs):
+            for finding in run.findings:
+                cells[finding.quantity][k] = finding.value + " !" * bool(finding.warning)
+        shared = [[name, row[0]] for name, row in cells.items() if len({*row}) == 1]
+        by_run = [[name, *row] for name, row in cells.items() if len({*row}) > 1]
+        header = ["", *(run.name for run in self.runs)]
+        return shared + [list(row) for row in self.of_all], [header, *by_run]
+
+
+def _columns(rows: list[list[str]]) -> str:
+    """Write rows of equal length in aligned columns, two spaces apart."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = (
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        for row in rows
+    )
+    return "\n".join(line.rstrip() for line in lines)
 
 
 def check_scene(scene: Scene, solve: bool = True) -> Findings:
@@ -38,122 +138,199 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
 
     Parameters
     ----------
+    scene : Scene
+        Scene, with or without a sweep.
     solve : bool
         If true, solve a few positions of each run, which tell more than closed forms. Default true.
+
+    Returns
+    -------
+    Findings
+        Quantities, values and warnings of each run; printed, they are a table.
 
     Raises
     ------
     SceneError
         A height file cannot be used, a package that the scene asks for is missing, or its steps are
         too long.
+
+    Examples
+    --------
+    `check_scene(read_scene("scenarios/quickstart.yaml"), solve=False).warnings`
     """
     refusals.refuse_unavailable(scene)
     long_steps.refuse_long_steps(scene)
     runs = scene.runs()
-    for run in runs:
-        refusals.refuse_large_heights(run.scene)
-    solved = _solved([run.scene for run in runs], solve)
+    scenes = [run.scene for run in runs]
+    for run in scenes:  # a file is judged by its header before it is read
+        if run.height_path is not None and (faults := refusals.excess([run], 1, None)):
+            raise SceneError([f"surface.path: {fault}" for fault in faults.values()])
+    probes = _solved(scenes) if solve else [None] * len(runs)
     with progress.step("judging the numbers of the scene"):
         by_run = tuple(
             RunFindings(run_name(run.values) or scene.name, findings(run.scene, probe))
-            for run, probe in zip(runs, solved, strict=True)
+            for run, probe in zip(runs, probes, strict=True)
         )
-    alone = _marched_alone([run.scene for run in runs])
-    seconds = sum(
-        finding.seconds
-        for k, run in enumerate(by_run)
-        for finding in run.findings
-        if k in alone or finding.key == vibration.OWN_MARCH
-    )
-    time = _time_text(seconds, finishing.seconds([run.scene for run in runs], cost.cores()))
     if len(runs) == 1:
-        return Findings((_with_time(by_run[0], time),))
-    roughness = refusals.roughness_read_once()
-    needed = demand.of_scenes([(run.scene, roughness(run.scene)) for run in runs], cost.cores())
-    excess = refusals.excess(needed, refusals.OUTPUTS)
+        return Findings(by_run)
+    marched, seconds = set[str](), 0.0
+    for run, of_run in zip(scenes, by_run, strict=True):
+        identity = digest(contact_keys(run))
+        seconds += sum(
+            finding.seconds
+            for finding in of_run.findings
+            if identity not in marched or finding.key == vibration.OWN_MARCH
+        )
+        marched.add(identity)
     return Findings(
         by_run,
         (
-            ("expected time of all", f"{time}, {len(runs)} runs"),
-            ("memory of all", refusals.amount_text(needed.memory)),
-            ("disk of all", refusals.amount_text(needed.disk)),
+            ("expected time of all", f"{computing(seconds * cost.cores())}, {len(runs)} runs"),
+            ("memory of all", refusals.memory_text(cost.memory(scenes, cost.cores()))),
+            ("disk of all", f"about {byte_size(cost.disk(scenes))}"),
         ),
-        tuple(f"{key} of all: {fault}" for key, fault in excess.items()),
+        tuple(f"{key} of all: {fault}" for key, fault in _excess(scenes).items()),
     )
 
 
-def _marched_alone(scenes: Sequence[Scene]) -> set[int]:
-    """Return the numbers of the runs that are marched; other runs share one of their marches."""
-    if len(scenes) > demand.PAGE_RUNS:  # each run is a task of its own, which shares nothing
-        return set(range(len(scenes)))
-    first: dict[str, int] = {}
-    for number, scene in enumerate(scenes):
-        shared = not scene.numerics.error_estimate or scene.dynamics is not None
-        first.setdefault(Identity.of(scene, None).text if shared else str(number), number)
-    return set(first.values())
+def _excess(scenes: Sequence[Scene]) -> dict[str, str]:
+    return refusals.excess(scenes, cost.cores(), refusals.OUTPUTS)
 
 
-def _time_text(solving: float, after: float) -> str:
-    """Write the expected time of a command, and the share of it that is not solving [s]."""
-    return (
-        f"about {clock(solving + after)} on {on_cores()},"
-        f" {clock(after)} of it for start, sound and pictures"
-    )
-
-
-def _with_time(run: RunFindings, time: str) -> RunFindings:
-    """Replace the time of solving a run alone by that of the whole command."""
-    return RunFindings(
-        run.name,
-        [
-            replace(finding, value=time) if finding.key == "expected_time" else finding
-            for finding in run.findings
-        ],
-    )
-
-
-def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
-    """Judge one run without regard to the sweep of its scene.
-
-    Parameters
-    ----------
-    solved : Probe, optional
-        Solved positions, whose numbers replace the numbers of the closed forms.
-
-    Raises
-    ------
-    SceneError
-        The height file cannot be used.
-    """
-    rq, slope = cost.roughness(scene)
-    closed_forms = [
-        *size.findings(scene, rq),
-        *smooth_contact.findings(scene),
-        *sampling.findings(scene),
-        *height_files.findings(scene),
-        *validity.findings(scene, slope),
-        sampling.record(scene),
-    ]
-    return closed_forms if solved is None else _replaced(closed_forms, solved.findings(scene))
-
-
-def _solved(scenes: Sequence[Scene], solve: bool) -> Sequence[Probe | None]:
-    if not solve:
-        return [None] * len(scenes)
+def _solved(scenes: Sequence[Scene]) -> Sequence[Probe]:
     with progress.step("loading the solver"):
-        from rolling.check import probe
+        from rolling.check import probe  # its compiled functions are slow to import
 
     return probe.probes(scenes)
 
 
-def _replaced(findings: Sequence[Finding], better: Sequence[Finding]) -> list[Finding]:
-    """Replace findings by better findings with the same key, and append the others.
+def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
+    """Judge one run; solved positions replace the numbers of closed forms.
 
-    The warnings of the replaced findings stay.
+    Raise SceneError for a height file that cannot be used.
     """
-    by_key = {finding.key: finding for finding in better}
-    result: list[Finding] = []
-    for finding in findings:
-        instead = by_key.pop(finding.key, finding)
-        result.append(replace(instead, warning=instead.warning or finding.warning))
-    return [*result, *by_key.values()]
+    by_key = {
+        finding.key: finding
+        for finding in (
+            *_track(scene),
+            *_march(scene),
+            *_memory(scene),
+            *_smooth_contact(scene),
+            *resolution.findings(scene),
+            *height_files.findings(scene),
+            *validity.findings(scene),
+            resolution.record(scene),
+        )
+    }
+    for finding in solved.findings(scene) if solved else ():
+        before = by_key.get(finding.key, finding)
+        by_key[finding.key] = replace(finding, warning=finding.warning or before.warning)
+    return list(by_key.values())
+
+
+# ---- size and cost
+
+
+def _track(scene: Scene) -> list[Finding]:
+    track, duration = scene.track, scene.duration
+    sides = f"{si(track.n_along * track.spacing, 'm')} x {si(track.n_across * track.spacing, 'm')}"
+    closed = "" if track.closed else ", not closed"
+    return [
+        Finding("steps", "steps", f"{track.steps} of {si(track.step, 'm')}"),
+        Finding("surface", "surface", f"{sides}, {track.n_along} x {track.n_across} nodes"),
+        Finding("distance", "distance rolled", f"{si(track.distance, 'm')}{closed}"),
+        Finding("duration", "duration", si(duration, "s")),
+        Finding("samples", "sound samples", f"{round(duration * cost.SAMPLE_RATE)}"),
+    ]
+
+
+def _march(scene: Scene) -> list[Finding]:
+    """State window, time, tolerance and the cost of the error estimate."""
+    rq = cost.roughness(scene)[0]
+    nodes, step_ms = cost.window_nodes(scene, rq), cost.step_ms(scene)
+    seconds = scene.track.solved_steps * step_ms * 1e-3
+    rule = " (auto)" if scene.numerics.tolerance == "auto" else ""
+    result = [
+        Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", _narrow(scene, rq)),
+        Finding("step_time", "time of a step", f"about {step_ms:.2g} ms on 1 core"),
+        Finding("expected_time", "expected time", computing(seconds), None, seconds / cost.cores()),
+        Finding("tolerance", "tolerance", f"{scene.tolerance:g}{rule}"),
+    ]
+    if scene.numerics.error_estimate:
+        share = error_cost.cost_share(scene, cost.STEP_LAWS[cost.step_law(scene, rq)][1])
+        seconds = share * error_cost.marched_steps(scene) * step_ms * 1e-3
+        reason = error_cost.too_short(scene) or "a smooth surface makes no sound"
+        value = f"{computing(seconds)} ({share:.0%} more)" if share else f"none: {reason}"
+        result.append(
+            Finding("error_estimate", "error estimate", value, None, seconds / cost.cores())
+        )
+    return result
+
+
+def _narrow(scene: Scene, rq: float) -> str | None:
+    """Warn of a surface that is narrower than the contact."""
+    track, across = scene.track, 2 * cost.overlap_radius(scene, rq)
+    period = min(track.n_along, track.n_across) * scene.spacing
+    if across <= period:
+        return None
+    side = "width" if track.n_across <= track.n_along else "length"
+    length = "duration_s" if scene.rolling.distance_mm is None else "distance_mm"
+    key = {"width": "surface.width_um", "length": f"rolling.{length}"}[side]
+    if isinstance(scene.surface, HeightFile) and (
+        side == "length" or scene.surface.width_um is None
+    ):
+        key = "height file"
+    return (
+        f"the contact is about {si(across, 'm')} across, the surface has a {side} of"
+        f" {si(period, 'm')}: choose a larger {key}, at least {across * 1e6:.0f} um of surface"
+    )
+
+
+def _memory(scene: Scene) -> list[Finding]:
+    excess = {key: f"{fault}; the run will be refused" for key, fault in _excess([scene]).items()}
+    memory = refusals.memory_text(cost.memory([scene], cost.cores()))
+    return [
+        Finding("memory", "memory", memory, excess.get("memory")),
+        Finding("disk", "disk", f"about {byte_size(cost.disk([scene]))}", excess.get("disk")),
+    ]
+
+
+# ---- contact of a smooth sphere
+
+
+def _smooth_contact(scene: Scene) -> list[Finding]:
+    """State the smooth elastic contact, its hardness, and the nodes that resolve it."""
+    contact = scene.load, scene.radius, scene.contact_modulus
+    radius, pressure = closed_forms.hertz_radius(*contact), closed_forms.hertz_pressure(*contact)
+    nodes, coarse = radius / scene.spacing, None
+    if nodes < MIN_HERTZ_NODES:
+        coarse = (
+            f"{nodes:.2g} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose a"
+            f" surface.spacing_um of at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
+        )
+    return [
+        Finding("hertz_radius", "Hertz radius", si(radius, "m")),
+        Finding("hertz_pressure", "Hertz pressure", si(pressure, "Pa")),
+        *_hardness(scene, pressure),
+        Finding("hertz_nodes", "nodes per Hertz radius", f"{nodes:.3g}", coarse),
+    ]
+
+
+def _hardness(scene: Scene, pressure: float) -> list[Finding]:
+    """Compare the hardness with the Hertz pressure [Pa], and the load with the capacity."""
+    if not math.isfinite(scene.hardness):
+        return [Finding("hardness", "hardness", "none, purely elastic")]
+    gentle = "above the Hertz pressure of a smooth sphere; asperities may yield"
+    says = "yields" if pressure > scene.hardness else gentle
+    capacity = scene.hardness * scene.track.n_along * scene.track.n_across * scene.track.spacing**2
+    warning = None
+    if scene.load >= capacity:
+        warning = (
+            f"the load is {scene.load:g} N, hardness times one period of the surface is"
+            f" {si(capacity, 'N')}: the run will be refused; lower rolling.load_n or enlarge the"
+            " surface"
+        )
+    return [
+        Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}"),
+        Finding("capacity", "capacity", si(capacity, "N"), warning),
+    ]

@@ -6,12 +6,12 @@ import math
 
 from rolling.check import long_steps
 from rolling.check.finding import Finding, rounded_down, si
-from rolling.check.sampling import MIN_CORRELATION_NODES
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
+MIN_CORRELATION_NODES = 5  # of a measurement, across the correlation length
 # Share of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of the
 # variance; noise of 4 % doubles that difference.
 MAX_NOISE = 0.05
@@ -19,19 +19,13 @@ MAX_FORM = 0.5  # share of the variance that a plane and a parabola may make up
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """Judge the heights of a file; generated surfaces have no such findings.
-
-    Raises
-    ------
-    SceneError
-        The height file cannot be used.
-    """
+    """Judge the heights of a file; generated surfaces have no such findings."""
     if not isinstance(scene.surface, HeightFile):
         return []
     surface = scene_surface(scene)
     assert surface.levelling is not None  # every file has one
     return [
-        *_resolution(surface, MIN_CORRELATION_NODES),
+        *_resolution(surface),
         Finding("level", "tilt", tilt_text(surface.levelling)),
         _seam(scene, surface.levelling),
         *_form(surface),
@@ -39,43 +33,45 @@ def findings(scene: Scene) -> list[Finding]:
 
 
 def tilt_text(levelling: Levelling) -> str:
-    """Write the slopes that were taken off, or the slopes that the heights keep.
-
-    The roughness before and after stands with slopes that were taken off.
-    """
+    """Write the slopes that were taken off and the roughness, or the slopes that stay."""
     taken = any(levelling.taken)
-    slopes, directions = (levelling.taken if taken else levelling.plane), ("along", "across")
-    each = ", ".join(
+    slopes = zip(
+        levelling.taken if taken else levelling.plane,
+        levelling.lengths,
+        ("along", "across"),
+        strict=True,
+    )
+    plane = ", ".join(
         f"{slope * 1e3:.3g} um/mm {direction} ({si(slope * length, 'm')} over the file)"
-        for slope, length, direction in zip(slopes, levelling.lengths, directions, strict=True)
+        for slope, length, direction in slopes
         if slope or not taken
     )
     if not taken:
-        return f"nothing taken off, the plane has {each}"
-    return (
-        f"plane taken off: {each}; Ra {si(levelling.ra_before, 'm')} before,"
-        f" {si(levelling.ra_after, 'm')} after"
-    )
+        return f"nothing taken off, the plane has {plane}"
+    before, after = si(levelling.ra_before, "m"), si(levelling.ra_after, "m")
+    return f"plane taken off: {plane}; Ra {before} before, {after} after"
 
 
-def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
+def _resolution(surface: SceneSurface) -> list[Finding]:
+    """Count the nodes per correlation length, and judge them and the noise."""
     along, across = surface.correlations
     length, noise = min(along.length, across.length), max(along.noise, across.noise)
     if not math.isfinite(length):
         return []
-    nodes = length / surface.spacing
-    warnings = []
+    nodes, warnings = length / surface.spacing, []
+    least = f"{MIN_CORRELATION_NODES:g} are wanted"
     if nodes < 1:
         warnings.append(
             "neighbouring heights have nothing in common: less than 1 node per correlation length"
-            f" (1/e of the autocorrelation), {least_nodes:g} are wanted; a finer measurement is"
-            " needed, or noise must be filtered out"
+            f" (1/e of the autocorrelation), {least}; a finer measurement is needed, or noise must"
+            " be filtered out"
         )
-    elif round(nodes, 1) < least_nodes:
+    elif round(nodes, 1) < MIN_CORRELATION_NODES:
+        spacing = rounded_down(length / MIN_CORRELATION_NODES * 1e6)
         warnings.append(
             f"{nodes:.2g} nodes per correlation length ({si(length, 'm')}, 1/e of the"
-            f" autocorrelation), {least_nodes:g} are wanted: a finer measurement is needed, with a"
-            f" spacing of at most {rounded_down(length / least_nodes * 1e6)} um"
+            f" autocorrelation), {least}: a finer measurement is needed, with a spacing of at most"
+            f" {spacing} um"
         )
     if noise > MAX_NOISE and nodes >= 1:
         warnings.append(
@@ -83,14 +79,8 @@ def _resolution(surface: SceneSurface, least_nodes: float) -> list[Finding]:
             " next: noise of the measurement, which must be filtered out, or detail that needs a"
             " finer measurement"
         )
-    return [
-        Finding(
-            "correlation_nodes",
-            "nodes per correlation length",
-            f"{nodes:.3g}",
-            "; ".join(warnings) or None,
-        )
-    ]
+    quantity, warning = "nodes per correlation length", "; ".join(warnings) or None
+    return [Finding("correlation_nodes", quantity, f"{nodes:.3g}", warning)]
 
 
 def _seam(scene: Scene, levelling: Levelling) -> Finding:

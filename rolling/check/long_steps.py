@@ -13,9 +13,9 @@ import numpy as np
 
 from rolling.contact import closed_forms
 from rolling.scene.messages import SceneError
-from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
+from rolling.scene.sweep import run_name
 
 DOUBTFUL_RADII = 0.25  # step over contact radius, above which a scene gets a warning
 MAX_RADII = 4.0  # step over contact radius, above which half of the release is lost
@@ -31,10 +31,7 @@ LEVEL_ERROR_DB = 3.0
 
 
 def contact_radius(scene: Scene) -> float:
-    """Return the radius [m] of the contact of a smooth sphere.
-
-    It is the Hertz radius or the radius of a contact that yields everywhere, whichever is larger.
-    """
+    """Return the larger of the elastic and the fully plastic radius [m] of a smooth contact."""
     elastic = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     return max(elastic, math.sqrt(scene.load / (math.pi * scene.hardness)))
 
@@ -45,13 +42,7 @@ def lost_release(radii: float) -> float:
 
 
 def refuse_long_steps(scene: Scene) -> None:
-    """Refuse a scene when a run has a step longer than `MAX_RADII` contact radii.
-
-    Raises
-    ------
-    SceneError
-        Some runs have such a step; each has a line with the longest step that is allowed.
-    """
+    """Raise SceneError for the runs of a scene with steps longer than `MAX_RADII` contact radii."""
     faults = []
     for values, run in scene.runs():
         radius = contact_radius(run)

@@ -1,183 +1,135 @@
-"""Refusals before anything large is computed or written.
-
-A package may be missing, or memory and disk may not suffice.
-"""
+"""Refusals before anything is computed: long steps, a missing package, memory and disk."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+import os
+import shutil
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
-from rolling.check import cost, demand, machine
+from rolling.check import cost, long_steps
 from rolling.check.finding import byte_size
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 
 OUTPUTS = Path("outputs")  # where runs are written unless another folder is given
-PURPOSES = {
-    "sound samples": "the sound",
-    "runs of the sweep": "the other runs of the sweep",
-}  # parts of a demand in words
+SHARE = 0.8  # of memory or free disk that a run may take; the rest belongs to others
+ADVICE = {
+    "program": "give fewer --workers",
+    "surface": "choose a smaller surface, a larger surface.spacing_um, or fewer --workers",
+    "window": "choose a larger surface.spacing_um, or fewer --workers",
+    "record": "shorten rolling.duration_s or rolling.distance_mm, lower rolling.speed_m_s, or give"
+    " sweep fewer values",
+}
+GROUPS_OF_PROCESS, GROUPS = Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")
 
 
-def refuse_unavailable(scene: Scene) -> None:
-    """Refuse a scene that asks for a package that is not installed.
+def refuse(scene: Scene, workers: int = 0, folder: Path | None = None) -> None:
+    """Refuse a scene that cannot be run here, with or without a sweep.
+
+    Parameters
+    ----------
+    workers : int
+        Number of processes; 0 means one per core. Default 0.
+    folder : Path or None
+        Folder of the results; None if nothing is written. Default None.
 
     Raises
     ------
     SceneError
-        The scene asks for loudness, and the package for it is missing.
+        A package is missing, steps are too long, memory or disk do not suffice, or a height file
+        cannot be used.
     """
+    refuse_unavailable(scene)
+    long_steps.refuse_long_steps(scene)
+    runs = [run for _, run in scene.runs()]
+    faults = excess(runs, workers or cost.cores(), folder)
+    if faults:
+        raise SceneError([f"{key}: {fault}" for key, fault in faults.items()])
+
+
+def refuse_unavailable(scene: Scene) -> None:
+    """Raise SceneError where a scene asks for loudness and the package for it is missing."""
     if scene.sound.loudness and find_spec("mosqito") is None:
         raise SceneError(
             [
-                f"{scene.place('sound.loudness')}: sound.loudness:"
-                " needs the package mosqito, which is not installed;"
-                ' pip install "rolling-contact-noise[loudness]", or set it to false'
+                f"{scene.place('sound.loudness')}: sound.loudness: needs the package mosqito, which"
+                ' is not installed; pip install "rolling-contact-noise[loudness]", or set it to'
+                " false"
             ]
         )
 
 
-def refuse_what_cannot_fit(scene: Scene, workers: int = 0, folder: Path = OUTPUTS) -> None:
-    """Refuse a scene whose runs need more memory or disk than they may take.
-
-    Parameters
-    ----------
-    workers : int
-        Number of processes; 0 means one per core. Default 0.
-    folder : Path
-        Folder of the results. Files of the run that are there already are not needed again.
-
-    Raises
-    ------
-    SceneError
-        The runs do not fit, or a height file cannot be used.
-    """
-    scenes = [single for _, single in scene.runs()]
-
-    def needed(roughness: Callable[[Scene], float]) -> demand.Demand:
-        return demand.of_scenes(
-            [(single, roughness(single)) for single in scenes], workers or cost.cores()
+def excess(scenes: Sequence[Scene], workers: int, folder: Path | None) -> dict[str, str]:
+    """Write by "memory" and "disk" why runs do not fit: need, limit and advice."""
+    parts, faults = cost.memory(scenes, workers), dict[str, str]()
+    largest = max(parts, key=parts.__getitem__)
+    limit = memory_limit()
+    if sum(parts.values()) > SHARE * limit:
+        faults["memory"] = (
+            f"needs {memory_text(parts)}, allowed: {_share(limit)} this machine allows;"
+            f" {ADVICE[largest]}"
         )
-
-    written = _written(folder) if (folder / "resolved.yaml").is_file() else 0.0
-    _refuse_excess(scenes, needed, folder, written)
-
-
-def refuse_variants_that_cannot_fit(
-    scene: Scene, finest: int, workers: int = 0, folder: Path = OUTPUTS
-) -> None:
-    """Refuse the variants of a scene without sweep whose memory or disk does not suffice.
-
-    Parameters
-    ----------
-    finest : int
-        Divisor of the spacing on the finest grid.
-    workers : int
-        Number of processes; 0 means one per core. Default 0.
-    folder : Path
-        Folder of the results.
-
-    Raises
-    ------
-    SceneError
-        The variants do not fit, or a height file cannot be used.
-    """
-
-    def needed(roughness: Callable[[Scene], float]) -> demand.Demand:
-        return demand.of_variants(scene, roughness(scene), finest, workers or cost.cores())
-
-    _refuse_excess([scene], needed, folder)
-
-
-def refuse_large_heights(scene: Scene) -> None:
-    """Refuse a height file that does not fit into memory, judged by its header."""
-    if scene.height_path is not None:
-        faults = excess(demand.reading(scene.track), OUTPUTS)
-        if faults:
-            raise SceneError([f"surface.path: {fault}" for fault in faults.values()])
-
-
-def _refuse_excess(
-    scenes: Sequence[Scene],
-    needed: Callable[[Callable[[Scene], float]], demand.Demand],
-    folder: Path,
-    written: float = 0.0,
-) -> None:
-    """Refuse a demand that does not fit.
-
-    The demand depends on the rms roughness [m] of each scene.
-    """
-    # The header of a height file alone decides first, before the file is read.
-    first = [lambda scene: 0.0] if any(scene.height_path is not None for scene in scenes) else []
-    for roughness in (*first, roughness_read_once()):
-        if faults := excess(needed(roughness), folder, written):
-            raise SceneError([f"{key}: {fault}" for key, fault in faults.items()])
-
-
-def roughness_read_once() -> Callable[[Scene], float]:
-    """Return a function for the rms roughness [m] of a scene.
-
-    It reads a height file that many runs share only once.
-    """
-    known: dict[str, float] = {}
-
-    def roughness(scene: Scene) -> float:
-        key = f"{scene.surface.model_dump_json()} {scene.height_path}"
-        if key not in known:
-            known[key] = cost.roughness(scene)[0]
-        return known[key]
-
-    return roughness
-
-
-def amount_text(amount: demand.Amount) -> str:
-    """Write a demand with the part that dominates it."""
-    part, size = amount.largest
-    return (
-        f"about {byte_size(amount.total)}, {byte_size(size)} for"
-        f" {PURPOSES.get(part, f'the {part}')}"
-    )
-
-
-def excess(needed: demand.Demand, folder: Path, written: float = 0.0) -> dict[str, str]:
-    """Write by "memory" and "disk" why a demand does not fit.
-
-    A text holds need, limit, the largest part and the advice.
-
-    Parameters
-    ----------
-    needed : Demand
-        Memory and disk that are needed.
-    folder : Path
-        Folder of the results.
-    written : float, bytes
-        Files of the run that are there already. Default 0.
-    """
-    memory, address_space, disk = (
-        machine.memory(),
-        machine.address_space(),
-        machine.free_disk(folder),
-    )
-    place = f"free where {folder} is" if folder.exists() else f"free where {folder} will be"
-    limits = [
-        ("memory", needed.memory, memory, "this machine allows"),
-        ("memory", needed.process, address_space, "one process may address"),
-        ("disk", needed.disk, disk + written, place),
-    ]
-    faults: dict[str, str] = {}
-    for key, amount, limit, words in limits:
-        if amount.total > machine.SHARE * limit and key not in faults:
-            part = amount.largest[0]
-            faults[key] = (
-                f"needs {amount_text(amount)}, allowed: {byte_size(machine.SHARE * limit)},"
-                f" {100 * machine.SHARE:.0f} % of the {byte_size(limit)} {words};"
-                f" {demand.ADVICE[part]}"
-            )
+    if folder is not None and cost.disk(scenes) > SHARE * free_disk(folder):
+        faults["disk"] = (
+            f"needs about {byte_size(cost.disk(scenes))}, allowed: {_share(free_disk(folder))} free"
+            f" where {folder} is; {ADVICE['record']}"
+        )
     return faults
 
 
-def _written(folder: Path) -> float:
-    """Return the size [bytes] of the files in a folder."""
-    return float(sum(file.stat().st_size for file in folder.rglob("*") if file.is_file()))
+def memory_text(parts: dict[str, float]) -> str:
+    """Write the sum of the parts of memory [bytes] with the largest of them."""
+    largest = max(parts, key=parts.__getitem__)
+    total = sum(parts.values())
+    return f"about {byte_size(total)}, {byte_size(parts[largest])} for the {largest}"
+
+
+def _share(limit: float) -> str:
+    return f"{byte_size(SHARE * limit)}, {100 * SHARE:.0f} % of the {byte_size(limit)}"
+
+
+# ---- this machine
+
+
+def memory_limit() -> float:
+    """Return the memory [bytes] of the machine, or less where a control group of Linux limits it.
+
+    The limits of the groups above count as well.
+    """
+    try:
+        limits = [float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))]
+    except (AttributeError, OSError, ValueError):
+        limits = [math.inf]
+    try:
+        lines = GROUPS_OF_PROCESS.read_text().splitlines()
+    except (OSError, UnicodeDecodeError):
+        lines = []
+    for controllers, path in (line.split(":", 2)[1:] for line in lines if line.count(":") > 1):
+        top, name = GROUPS, "memory.max"
+        if controllers:
+            top, name = GROUPS / "memory", "memory.limit_in_bytes"
+        if controllers in ("", "memory"):
+            # In a container the path may be the path on the host; the top is its own group then.
+            group = top / path.strip("/")
+            limits += [_number(place / name) for place in (group, *group.parents)]
+    return min(limits)
+
+
+def free_disk(folder: Path) -> float:
+    """Return the free bytes where a folder is or will be, infinite if unknown."""
+    places = (place for place in (folder, *folder.absolute().parents) if place.exists())
+    try:
+        return float(shutil.disk_usage(next(places, Path())).free)
+    except OSError:
+        return math.inf
+
+
+def _number(file: Path) -> float:
+    """Read the number in a file; return infinity for "max" or without a file."""
+    try:
+        return float(int(file.read_text()))
+    except (OSError, ValueError):
+        return math.inf

@@ -1,20 +1,21 @@
-"""Error that the grid leaves in the release, by a rule, and the spacing that would do.
+"""Resolution of heights, contact and sound: spacing, steps and length of the record.
 
-The rule was fitted to 36 scenes and tested on 24 others (docs/accuracy.md): 60
-steps of each were marched on a grid of 2 um and on a quarter of it. On the others it is off by 3.7
-dB rms, and by 10 dB at most.
+The rule for the error that the grid leaves in the release was fitted to 36 scenes and tested on 24
+others (docs/accuracy.md): 60 steps of each were marched on a grid of 2 um and on a quarter of it.
+On the others it is off by 3.7 dB rms, and by 10 dB at most.
 """
 
 from __future__ import annotations
 
 import math
 
-from rolling.check import cost
-from rolling.check.finding import Finding
+from acoustics import bands
+from rolling.check import cost, long_steps
+from rolling.check.finding import Finding, rounded_down, rounded_up, si
 from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian, MadeSurface
-from rolling.surface import steepness
+from rolling.surface import refined
 
 KEY = "resolution"
 WANTED_DB = -20.0  # rms error of the release over its rms fluctuation
@@ -31,6 +32,18 @@ SHARP_FLAT_DB = 5.8
 SUBCELLS_DB = -6.0  # per doubling of the sub-cells beyond the number of `auto`
 PER_SPACING_DB = -PER_LENGTH_DB - 2 * PER_AREA_DB  # per decade of the spacing
 MOST_TRIED = 10_000  # numbers of nodes that a search for a spacing of few digits tries
+
+HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
+MIN_SHARE = 0.01  # share of a record; shorter stretches that are too slow for hearing are ignored
+
+
+def findings(scene: Scene) -> list[Finding]:
+    """Judge the step against hearing and contact, and the spacing against the heights."""
+    tone = [_grid_tone(scene)] if scene.numerics.step_nodes < 1 else []
+    return [_nyquist(scene), _step_length(scene), *tone, *_spacing(scene)]
+
+
+# ---- error of the grid
 
 
 def grid_signal_db(scene: Scene) -> float | None:
@@ -58,29 +71,31 @@ def grid_signal_db(scene: Scene) -> float | None:
         error += min(SHARP_FLAT_DB, sharp) if flat else sharp
     if cost.has_blended_edges(scene):
         slope_of_heights = cost.SLOPE_MARGIN * slope
-        usual = steepness.auto_subcells(slope_of_heights, scene.contact_modulus, scene.hardness)
+        usual = refined.auto_subcells(slope_of_heights, scene.contact_modulus, scene.hardness)
         error += SUBCELLS_DB * math.log2(cost.subcells(scene) / usual)
     return error
 
 
-def findings(scene: Scene) -> list[Finding]:
+def _spacing(scene: Scene) -> list[Finding]:
     """Judge the spacing of a random surface by the error that it leaves."""
     error = grid_signal_db(scene)
-    if error is None:
+    if error is None or not isinstance(scene.surface, Gaussian):
         return []
-    warning = None
+    nodes = min(cost.correlation_lengths(scene.surface)) / scene.surface.spacing_um
+    value, warning = f"about {error:.0f} dB of the fluctuation", None
     if error > WANTED_DB - MARGIN_DB:
         warning = (
             f"the grid leaves an error of the release of about {error:.0f} dB of its fluctuation"
             f" (rms, by a rule that is off by some 4 dB), {WANTED_DB:g} dB are wanted:"
             f" {advice(scene, error + MARGIN_DB)}"
         )
-    value = f"about {error:.0f} dB of the fluctuation"
-    if warning is None and error > BANDS_DB and isinstance(scene.surface, MadeSurface):
-        value += (
-            f"; third octaves within 1 dB up to 16 kHz take {spacing(scene, error, BANDS_DB):g} um"
-        )
-    return [Finding(KEY, "error of the grid", value, warning)]
+    elif error > BANDS_DB:
+        fine = spacing(scene, error, BANDS_DB)
+        value += f"; third octaves within 1 dB up to 16 kHz take {fine:g} um"
+    return [
+        Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}"),
+        Finding(KEY, "error of the grid", value, warning),
+    ]
 
 
 def measured(scene: Scene, error: float) -> str | None:
@@ -128,3 +143,105 @@ def fitting_spacing(scene: Scene, spacing_um: float) -> float:
         if abs(width / spacing - nodes) <= 1e-7 * nodes:
             return spacing
     return width / least
+
+
+# ---- steps and record
+
+
+def _nyquist(scene: Scene) -> Finding:
+    """Judge the Nyquist frequency of the steps against the end of hearing.
+
+    At a varying speed the share of the record with a short band counts.
+    """
+    motion, duration, step = scene.motion, scene.duration, scene.track.step
+    slowest, fastest = motion.slowest(duration), motion.fastest(duration)
+    low, high = (si(speed / (2 * step), "Hz") for speed in (slowest, fastest))
+    wanted, end = 2 * HEARING[1] * step, si(HEARING[1], "Hz")
+    seconds = motion.time_below(wanted, duration)
+    step_um = rounded_down(_usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6)
+    advice = (
+        f"choose a step of at most {step_um} um (numerics.step_nodes or surface.spacing_um) or a"
+        f" speed of at least {rounded_up(wanted)} m/s"
+    )
+    if motion.is_constant(duration):
+        short = f"the simulated band ends at {high} at {fastest:g} m/s, hearing at {end}: {advice}"
+        short_band = fastest < wanted
+        return Finding("nyquist", "simulated Nyquist", high, short if short_band else None)
+    short = (
+        f"for {100 * seconds / duration:.3g} % of the record ({si(seconds, 's')}) the simulated"
+        f" band ends below {end}, at {low} when the sphere is slowest ({slowest:.3g} m/s): the"
+        f" bands above hold the sound of the faster stretches alone; {advice} for"
+        f" {100 - 100 * MIN_SHARE:g} % of the record"
+    )
+    short_band = seconds >= MIN_SHARE * duration
+    value = f"{low} to {high}"
+    return Finding("nyquist", "simulated Nyquist", value, short if short_band else None)
+
+
+def _usual_speed(scene: Scene, duration: float) -> float:
+    """Return the speed [m/s] that the sphere reaches for most of the record.
+
+    It rolls more slowly for less than `MIN_SHARE` of the record.
+    """
+    low, high = 0.0, scene.motion.fastest(duration)
+    for _ in range(60):
+        middle = (low + high) / 2
+        below = scene.motion.time_below(middle, duration) < MIN_SHARE * duration
+        low, high = (middle, high) if below else (low, middle)
+    return low or high
+
+
+def _grid_tone(scene: Scene) -> Finding:
+    """Name the tone of the grid that steps below a node make audible."""
+    motion, duration = scene.motion, scene.duration
+    low, high = (
+        speed / scene.spacing for speed in (motion.slowest(duration), motion.fastest(duration))
+    )
+    tone = si(low, "Hz") if motion.is_constant(duration) else f"{si(low, 'Hz')} to {si(high, 'Hz')}"
+    audible = None
+    if motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration:
+        audible = (
+            f"steps below one node sound a tone of the grid at {tone}: choose numerics.step_nodes 1"
+            " or a surface.spacing_um of at most"
+            f" {rounded_down(_usual_speed(scene, duration) / HEARING[1] * 1e6)}"
+        )
+    return Finding("grid_tone", "tone of the grid", tone, audible)
+
+
+def _step_length(scene: Scene) -> Finding:
+    """Compare the step with the contact, and state the error of a long step."""
+    radius = long_steps.contact_radius(scene)
+    radii = scene.track.step / radius
+    warning = None
+    if radii > long_steps.DOUBTFUL_RADII:
+        lost = long_steps.lost_release(radii)
+        warning = (
+            f"a step is {radii:.2g} contact radii of {si(radius, 'm')}, at most"
+            f" {long_steps.DOUBTFUL_RADII:g} are wanted: the mean release is up to about"
+            f" {100 * lost:.2g} % low, levels are off by up to"
+            f" {long_steps.LEVEL_ERROR_DB * radii:.2g} dB; choose a step of at most"
+            f" {rounded_down(long_steps.DOUBTFUL_RADII * radius * 1e6)} um (numerics.step_nodes or"
+            " surface.spacing_um)"
+        )
+    return Finding("step_length", "step / contact radius", f"{radii:.2g}", warning)
+
+
+def record(scene: Scene) -> Finding:
+    """Count the third octaves whose level the length of the record makes certain."""
+    certain = bands.reliable(scene.duration)
+    warning = None
+    if not certain.all():
+        short = [name for name, sure in zip(bands.BAND_NAMES, certain, strict=True) if not sure]
+        seconds = bands.LEAST_BT / float(bands.BANDWIDTH_HZ[0])
+        longer = f"rolling.duration_s of at least {rounded_up(seconds)}"
+        if scene.rolling.distance_mm is not None:
+            rolled = seconds * scene.track.distance / scene.duration
+            longer = f"rolling.distance_mm of at least {rounded_up(1e3 * rolled)}"
+        warning = (
+            f"{len(short)} of {len(certain)} third octaves, up to {short[-1]} Hz, have a bandwidth"
+            f" times duration below {bands.LEAST_BT:g} and are uncertain by 2 dB or more: for all"
+            f" of them choose a {longer}"
+        )
+    return Finding(
+        "third_octaves", "certain third octaves", f"{certain.sum()} of {len(certain)}", warning
+    )

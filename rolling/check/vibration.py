@@ -1,21 +1,29 @@
 """Findings of a scene with dynamics: resonance, contact force, plate, and the cost of its marches.
 
-Each limit of the model has a number here, and a warning where the number exceeds it.
+The contact force is estimated from the statistics of the surface: a smooth contact averages the
+heights with its pressure, an ellipsoid over the Hertz circle, and their mean moves sphere, contact
+and plate as a linear chain. Where the contact is rough or yields it is wider than Hertz says, and
+the estimate is some decibels too high.
 """
 
 from __future__ import annotations
 
 import math
 
-from rolling.check import cost, force_estimate, resonance
-from rolling.check.finding import Finding, clock, on_cores, rounded_down, rounded_up, si
-from rolling.check.sampling import HEARING
+import numpy as np
+
+from rolling._typing import Array
+from rolling.check import cost
+from rolling.check.finding import Finding, computing, rounded_down, rounded_up, si
+from rolling.check.resolution import HEARING
 from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
 from rolling.dynamics.force_law import LOWEST
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
+from rolling.surface import heights
 
+PEAKS = 4.0  # standard deviations of Gaussian noise that some 10^4 periods exceed once
 THICK = 0.1  # contact radius over thickness up to which the contact sees a half-space
 FAR = 3.0  # listener's distance over the distance from which the pressure on the axis holds
 LOADED_HZ = 100.0  # frequency below which the air may load the plate
@@ -23,147 +31,194 @@ HALF_SPACE_HZ_M = 10e3  # frequency times distance from which a half-space's pre
 OWN_MARCH = "moving_release"  # key of the finding whose march no run shares
 LEAST_STEPS = 8  # in a period of the resonance, for the release under the moving load
 SPEED_OF_SOUND = 343.2  # [m/s] in air
+_WAVES, _ACROSS, _LINES = 160, 160, 40_000  # points along, across, and over the resonance
 
 
 def findings(scene: Scene) -> list[Finding]:
     """Judge the vibration of a scene; nothing without dynamics."""
     if scene.dynamics is None:
         return []
-    return [_force(scene), _fed(scene), *_plate(scene), _marches(scene), *_release(scene)]
+    plate = _half_space(scene) if of_scene.plate(scene) is None else _bending(scene)
+    return [_force(scene), _waves(scene), *plate, *_marches(scene)]
 
 
-def resonance_of(scene: Scene) -> Finding:
+def hertz_radius(scene: Scene) -> float:
+    """Return the radius [m] of the smooth elastic contact."""
+    return closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+
+
+def bounce_hz(scene: Scene) -> float:
+    """Return the natural frequency [Hz] of the free ball on its contact, sqrt(2 E* a / m) / 2 pi.
+
+    The mass belongs to a free ball, and the stiffness 2 E* a to the smooth elastic contact with the
+    Hertz radius a, whether the plate yields or not.
+    """
+    return math.sqrt(2 * scene.contact_modulus * hertz_radius(scene) / scene.mass) / (2 * math.pi)
+
+
+def resonance(scene: Scene) -> Finding:
     """State resonance and damping of the sphere on contact and plate."""
     chain = of_scene.smooth_chain(scene)
     quality = "undamped" if math.isinf(chain.quality) else f"Q {chain.quality:.2g}"
-    value = f"{si(chain.resonance_hz, 'Hz')}, {quality}"
-    return Finding("resonance", "contact resonance", value)
+    return Finding("resonance", "contact resonance", f"{si(chain.resonance_hz, 'Hz')}, {quality}")
+
+
+# ---- contact force
 
 
 def _force(scene: Scene) -> Finding:
     """Estimate the fluctuation of the contact force over the load, and its extremes."""
-    rms = force_estimate.force_rms(scene)
-    if rms is None:
+    rms = force_rms(scene)
+    if rms is None or scene.dynamics is None:
         return Finding("force_ratio", "contact force over load", "not estimated for a height file")
     ratio = rms / scene.load
-    low, high = 1 - force_estimate.PEAKS * ratio, 1 + force_estimate.PEAKS * ratio
-    value = f"about {max(low, 0):.3g} to {high:.3g}, rms {ratio:.2g} (from the statistics)"
+    low, high = 1 - PEAKS * ratio, 1 + PEAKS * ratio
+    least = min(LOWEST, scene.dynamics.span ** -(scene.dynamics.loads // 2))
+    advice = "choose a lower rolling.speed_m_s or a higher rolling.load_n"
     warning = None
     if low < 0:
         warning = (
             f"the contact force fluctuates by about {ratio:.2g} of the load, and the sphere loses"
-            " contact: impacts need a small step, and the forces leave the marched loads; choose"
-            " a lower rolling.speed_m_s or a higher rolling.load_n"
+            f" contact: impacts need a small step, and the forces leave the marched loads; {advice}"
         )
-    elif low < (least := _least_marched(scene)):  # a force above the highest has lost contact, too
+    elif low < least:  # a force above the highest load has lost contact, too
         warning = (
             f"the contact force falls to about {low:.2g} of the load, and loads are marched down to"
-            f" {least:.2g} of it: the force below may be extrapolated; choose a lower"
-            " rolling.speed_m_s or a higher rolling.load_n"
+            f" {least:.2g} of it: the force below may be extrapolated; {advice}"
         )
+    value = f"about {max(low, 0):.3g} to {high:.3g}, rms {ratio:.2g} (from the statistics)"
     return Finding("force_ratio", "contact force over load", value, warning)
 
 
-def _least_marched(scene: Scene) -> float:
-    """Return the minimum load that a force law may have, over the load of the scene."""
-    assert scene.dynamics is not None
-    return min(LOWEST, scene.dynamics.span ** -(scene.dynamics.loads // 2))
+def force_rms(scene: Scene) -> float | None:
+    """Estimate the rms fluctuation of the contact force [N] at the maximum speed.
+
+    Return None for a height file, whose statistics the scene does not know.
+    """
+    surface = scene.surface
+    if not isinstance(surface, Gaussian):
+        return 0.0 if surface.kind == "smooth" else None
+    chain, speed = of_scene.smooth_chain(scene), scene.motion.fastest(scene.duration)
+    longest, shortest = scene.track.n_along * scene.spacing, 2 * scene.step
+    coarse = np.geomspace(2 * math.pi / longest, 2 * math.pi / shortest, _WAVES)
+    density = _mean_heights(scene, surface, coarse)
+    fine = np.geomspace(coarse[0], coarse[-1], _LINES)
+    kept = np.maximum(density, 1e-300 * density.max())
+    spectrum = np.exp(np.interp(np.log(fine), np.log(coarse), np.log(kept)))
+    gain = np.abs(chain.force(fine * speed / (2 * math.pi), np.ones(_LINES)))
+    return float(np.sqrt(2 * np.trapezoid(spectrum * gain**2, fine)))
 
 
-def _fed(scene: Scene) -> Finding:
+def _mean_heights(scene: Scene, surface: Gaussian, along: Array) -> Array:
+    """Return the two-sided spectral density [m3] of the heights that the contact averages."""
+    rq = cost.roughness(scene)[0]
+    decay, exponent = heights.AUTOCORRELATIONS[surface.autocorrelation]
+    lengths = cost.correlation_lengths(surface)
+    first, second = (length * 1e-6 * decay ** (-1 / exponent) for length in lengths)
+    widest = math.pi / scene.spacing
+    across = np.concatenate(([0.0], np.geomspace(1e-4 * widest, widest, _ACROSS)))
+    scaled = np.square(along[:, None] * first) + np.square(across * second)
+    if exponent == 2:
+        plane = rq**2 * first * second * np.exp(-scaled / 4) / (4 * math.pi)
+    else:
+        plane = rq**2 * first * second / (2 * math.pi * (1 + scaled) ** 1.5)
+    q = hertz_radius(scene) * np.hypot(along[:, None], across)
+    pressure = 3 * (np.sin(q) - q * np.cos(q)) / q**3
+    density: Array = 2 * np.trapezoid(plane * pressure**2, across, axis=1)
+    return density
+
+
+def _waves(scene: Scene) -> Finding:
     """Compare the waves that feed the resonance with the correlation length.
 
     Shorter waves belong to the grid more than to the surface.
     """
-    speed = scene.motion.fastest(scene.duration)
-    wave = speed / resonance.frequency(scene)
-    value, warning = si(wave, "m"), None
+    speed, frequency = scene.motion.fastest(scene.duration), bounce_hz(scene)
+    wave, warning = speed / frequency, None
+    shortest = 0.0
     if isinstance(scene.surface, Gaussian):
         shortest = scene.surface.correlation_length_um * 1e-6
-        if wave < shortest:
-            warning = (
-                f"at {speed:.3g} m/s waves of {si(wave, 'm')} feed the resonance, shorter than the"
-                f" correlation length of {si(shortest, 'm')}: the grid decides how much of them"
-                " there is; choose a smaller surface.spacing_um and compare, or a"
-                f" rolling.speed_m_s of at least"
-                f" {rounded_up(shortest * resonance.frequency(scene))}"
-            )
-    return Finding("resonance_wave", "waves that feed the resonance", value, warning)
+    if wave < shortest:
+        warning = (
+            f"at {speed:.3g} m/s waves of {si(wave, 'm')} feed the resonance, shorter than the"
+            f" correlation length of {si(shortest, 'm')}: the grid decides how much of them there"
+            " is; choose a smaller surface.spacing_um and compare, or a rolling.speed_m_s of at"
+            f" least {rounded_up(shortest * frequency)}"
+        )
+    return Finding("resonance_wave", "waves that feed the resonance", si(wave, "m"), warning)
 
 
-def _plate(scene: Scene) -> list[Finding]:
-    """Judge thickness, bending theory and distance of the listener."""
+# ---- plate
+
+
+def _half_space(scene: Scene) -> list[Finding]:
+    """Judge the distance of the listener from a half-space."""
+    distance, warning = scene.sound.distance_m, None
+    lowest = HALF_SPACE_HZ_M / distance
+    if lowest > HEARING[0]:
+        warning = (
+            f"the pressure of a half-space holds from {si(lowest, 'Hz')} at {distance:g} m and is"
+            " too high below, by 14 dB at 100 Hz and 1 m: give plate.thickness_mm, or a larger"
+            " sound.distance_m"
+        )
+    return [Finding("half_space_sound", "sound of a half-space from", si(lowest, "Hz"), warning)]
+
+
+def _bending(scene: Scene) -> list[Finding]:
+    """Judge thickness, bending theory and distance of the listener of a plate that bends."""
     plate, distance = of_scene.plate(scene), scene.sound.distance_m
-    if plate is None:
-        lowest = HALF_SPACE_HZ_M / distance
-        warning = None
-        if lowest > HEARING[0]:
-            warning = (
-                f"the pressure of a half-space holds from {si(lowest, 'Hz')} at {distance:g} m and"
-                " is too high below, by 14 dB at 100 Hz and 1 m: give plate.thickness_mm, or a"
-                " larger sound.distance_m"
-            )
-        return [
-            Finding("half_space_sound", "sound of a half-space from", si(lowest, "Hz"), warning)
-        ]
-    radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    assert plate is not None  # asked for by the caller
+    radius, thickness_mm = hertz_radius(scene), 1e3 * plate.thickness_m
     share, limit = radius / plate.thickness_m, of_scene.bending_limit_hz(plate)
     stiff = 8 * plate.bending_stiffness_n_m / plate.mass_per_area_kg_m2
-    near = FAR * math.sqrt(stiff) / SPEED_OF_SOUND
-    air = plate.radiator().lowest_hz
-    thin = short = close = light = None
+    near, air = FAR * math.sqrt(stiff) / SPEED_OF_SOUND, plate.radiator().lowest_hz
+    warnings: dict[str, str] = {}
     if share > THICK:
-        thin = (
+        warnings["contact_thickness"] = (
             f"the contact radius is {share:.2g} of the thickness, and the contact is that of a"
             f" half-space, which holds up to {THICK:g}: choose a plate.thickness_mm of at least"
             f" {rounded_up(1e3 * radius / THICK)}"
         )
     if limit < HEARING[1]:
-        short = (
-            f"bending waves above {si(limit, 'Hz')} are shorter than"
-            f" {of_scene.LEAST_THICKNESSES:g} thicknesses, and thin-plate theory ends there:"
-            " do not trust the bands above, or choose a plate.thickness_mm of at most"
-            f" {rounded_down(1e3 * plate.thickness_m * limit / HEARING[1])}"
+        warnings["bending"] = (
+            f"bending waves above {si(limit, 'Hz')} are shorter than {of_scene.LEAST_THICKNESSES:g}"
+            " thicknesses, and thin-plate theory ends there: do not trust the bands above, or"
+            " choose a plate.thickness_mm of at most"
+            f" {rounded_down(thickness_mm * limit / HEARING[1])}"
         )
     if distance < near:
-        close = (
+        warnings["coincidence"] = (
             f"the pressure on the axis holds from about {near:.2g} m for this plate: choose a"
             f" sound.distance_m of at least {rounded_up(near)}"
         )
     if air > LOADED_HZ:
-        least = 1e3 * plate.thickness_m * air / LOADED_HZ
-        light = (
+        warnings["air_load"] = (
             f"the air loads a plate as light as this below some {si(air, 'Hz')}, which is left out:"
             " levels there are too high; choose a plate.thickness_mm of at least"
-            f" {rounded_up(least)}, or a denser plate"
+            f" {rounded_up(thickness_mm * air / LOADED_HZ)}, or a denser plate"
         )
-    return [
-        Finding("air_load", "air loads the plate below", si(air, "Hz"), light),
-        Finding("contact_thickness", "contact radius / thickness", f"{share:.2g}", thin),
-        Finding("bending", "thin-plate theory up to", si(limit, "Hz"), short),
-        Finding("coincidence", "coincidence of the plate", si(plate.critical_hz, "Hz"), close),
+    rows = [
+        ("air_load", "air loads the plate below", si(air, "Hz")),
+        ("contact_thickness", "contact radius / thickness", f"{share:.2g}"),
+        ("bending", "thin-plate theory up to", si(limit, "Hz")),
+        ("coincidence", "coincidence of the plate", si(plate.critical_hz, "Hz")),
     ]
+    return [Finding(key, name, value, warnings.get(key)) for key, name, value in rows]
 
 
-def _marches(scene: Scene) -> Finding:
-    """State the cost of the marches at other loads."""
-    assert scene.dynamics is not None
-    others = scene.dynamics.loads - 1
-    seconds = others * cost.expected_seconds(scene) / cost.cores()
-    return Finding(
-        "force_law",
-        "force law",
-        f"{others} more marches, about {clock(seconds)} on {on_cores()}, and more where the force"
-        " leaves them",
-        seconds=seconds,
-    )
+# ---- cost
 
 
-def _release(scene: Scene) -> list[Finding]:
-    """Judge the steps of a release under the moving load, and state its cost."""
+def _marches(scene: Scene) -> list[Finding]:
+    """State the cost of the marches at other loads and of the release under the moving load."""
+    assert scene.dynamics is not None  # asked for by the caller
+    others, seconds = scene.dynamics.loads - 1, cost.expected_seconds(scene)
+    value = f"{others} more marches, {computing(others * seconds)}, and more where the force leaves"
+    shared = others * seconds / cost.cores()
+    result = [Finding("force_law", "force law", f"{value} them", None, shared)]
     if not scene.moves_release:
-        return []
-    speed, frequency = scene.motion.slowest(scene.duration), resonance.frequency(scene)
+        return result
+    speed, frequency = scene.motion.slowest(scene.duration), bounce_hz(scene)
     steps, warning = speed / (frequency * scene.step), None
     if steps < LEAST_STEPS:
         warning = (
@@ -171,8 +226,8 @@ def _release(scene: Scene) -> list[Finding]:
             f" moving load needs {LEAST_STEPS}: choose a rolling.speed_m_s of at least"
             f" {rounded_up(LEAST_STEPS * frequency * scene.step)} or a smaller step"
         )
-    seconds = cost.expected_seconds(scene) / cost.cores()
-    value = f"one more march, about {clock(seconds)} on {on_cores()}, {steps:.2g} steps in a period"
-    if scene.dynamics is not None and scene.dynamics.release is None:
+    value = f"one more march, {computing(seconds)}, {steps:.2g} steps in a period"
+    if scene.dynamics.release is None:
         value += "; dynamics.release: false leaves it out"
-    return [Finding(OWN_MARCH, "release under the moving load", value, warning, seconds)]
+    own = seconds / cost.cores()
+    return [*result, Finding(OWN_MARCH, "release under the moving load", value, warning, own)]

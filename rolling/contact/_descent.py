@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import _candidate_kernels, _projection, _solver_kernels
-from rolling.contact._model import coarse_grid, far_field, stencils
+from rolling.contact import _candidate_kernels, _condition_kernels, _solver_kernels
+from rolling.contact._far_field import coarse_grid, far_field, stencils
 from rolling.contact._system import BORDER, Direction, Limits, Packed, Step
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
 
@@ -60,8 +60,7 @@ class Effort:
 
     @property
     def sweeps(self) -> int:
-        """Number of sweeps that settle the model for the next step; without any it has no say."""
-        # It has no say after a state without a descent either.
+        """Number of sweeps that settle the model, 0 where the model does not lead."""
         return SWEEPS if self.iterations < MODELLED and not self.stuck else 0
 
 
@@ -84,10 +83,9 @@ class Candidates:
         subcells: int = 1,
         neighbours: bool = False,
     ) -> Candidates:
-        """Find the nodes that are loaded or lie lower than `highest` [m], and their block.
+        """Find the nodes that are loaded or lie lower than `highest` [m], and their whole cells.
 
-        Heights count before the approach is subtracted. With `neighbours` the nodes around them are
-        candidates too. The block consists of whole cells.
+        With `neighbours` the nodes around them are candidates too.
         """
         listed = np.empty(pressure.size, dtype=np.int64)
         count, *block = _candidate_kernels.candidates(
@@ -97,30 +95,22 @@ class Candidates:
 
 
 class BlendedEdges:
-    """Edges of patches within the cells of a window, which belong to a deflection.
+    """Edges of patches within the cells of a window: half ranges of the gap over each cell [m].
 
-    Parameters
-    ----------
-    gap, shape : (m, n) arrays, m
-        Undeformed gap of the nodes, and the undeformed gap as it continues within cells.
-    levelled : float, m
-        Half range of gaps over a cell that elastic pressures level.
-
-    Attributes
-    ----------
-    edge : (m, n) array, m
-        Half the range of gaps over the cell of each node.
+    They follow from a deflection and the undeformed gap as it continues within cells (`shape`). An
+    edge takes a share of the half range beyond that which elastic pressures level.
     """
 
-    def __init__(self, gap: Array, shape: Array, levelled: float) -> None:
-        self._gap, self._shape, self.levelled = gap, shape, levelled
+    def __init__(self, gap: Array, shape: Array, levelled: float, share: float = 1.0) -> None:
+        self._gap, self._shape, self.levelled, self.share = gap, shape, levelled, share
         self.edge = np.empty_like(gap)
 
     def find(self, deflection: Array) -> None:
         """Find the edges by a deflection [m]."""
         # The edges that a solution returned must not change.
         self.edge = np.empty_like(self._gap)
-        _solver_kernels.cell_ranges(self._shape, deflection, self.levelled, self.edge)
+        _candidate_kernels.cell_ranges(self._shape, deflection, self.levelled, self.edge)
+        self.edge *= self.share
 
     def between_nodes(self, node: NDArray[np.int64]) -> Array:
         """Return the gap as it continues within cells less the gap of the nodes [m]."""
@@ -132,16 +122,9 @@ class BlendedEdges:
 
 @dataclass(frozen=True)
 class Goal:
-    """Violation of the contact conditions that a descent leaves.
+    """Violation of the contact conditions that a descent leaves, a share of the allowed violation.
 
-    Parameters
-    ----------
-    tolerance : float
-        Maximum allowed violation over the maximum deflection.
-    u_max : float, m
-        Maximum deflection.
-    share : float
-        Share of the allowed violation at which the descent ends.
+    The tolerance is the maximum allowed violation over the maximum deflection `u_max` [m].
     """
 
     tolerance: float
@@ -162,35 +145,9 @@ class Goal:
 class Descent:
     """Conjugate gradients on the candidates, until they satisfy the contact conditions.
 
-    Parameters
-    ----------
-    half_space : HalfSpace
-        Pressure to deflection.
-    candidates : Candidates
-        Nodes that may be in contact.
-    pressure, gap : (m, n) arrays on the window, Pa and m
-        Start, and its gaps before the approach is subtracted.
-    edges : BlendedEdges or None
-        Edges within cells, which `gap` contains.
-    limits : Limits
-        Hardness and sum of pressures.
-    goal : Goal
-        Violation that the descent leaves.
-    single : bool
-        If true, transforms are in single precision.
-
-    Attributes
-    ----------
-    block : (int, int)
-        Rows and columns of the block of the candidates.
-    packed : tuple
-        Fields of a Packed, the arrays of the compiled passes.
-    stiffness : float, Pa/m
-        Pressure on a single node that opens its gap by a metre.
-    direction : Direction
-        Numbers of the current direction.
-    step : Step
-        State after the last step.
+    Pressure and gap before the approach is subtracted are those of the start on the window; the gap
+    contains the edges. `packed` holds the arrays of the compiled passes, `stiffness` is the
+    pressure on a single node that opens its gap by a metre [Pa/m].
     """
 
     def __init__(
@@ -288,6 +245,7 @@ class Descent:
                 float(u_max / self.limits.total),
                 inverse.own,
                 inverse.common,
+                edges.share if edges else 1.0,
             ),
             (tile, row_length),
         )
@@ -300,10 +258,8 @@ class Descent:
 
     @property
     def is_exhausted(self) -> bool:
-        """Whether the descent went as far as its precision lets it.
-
-        A descent that the model led for long enough did not, and neither did the first descent.
-        """
+        """Whether the descent went as far as its precision allows."""
+        # Neither the first descent nor a descent that the model led to its last iteration did.
         if self.step.worst > self.goal:
             return not self.direction.slope < 0
         return self.share <= AIM
@@ -316,10 +272,9 @@ class Descent:
         deflection_before: Array,
         offset: tuple[int, int],
     ) -> None:
-        """Take the first direction from the extrapolation of the last solutions.
+        """Take the first direction from the solution on the window and the solution before.
 
-        These are the solution on the window and the solution before, whose window begins at the
-        offset (row, column).
+        The window of the latter begins at the offset (row, column).
         """
         self._moving, direction = _solver_kernels.lead(
             self.packed,
@@ -388,18 +343,19 @@ class Descent:
             if abs(load / self.limits.total - 1) <= 1e-13:
                 return True
             effort.snapping = False
-            _projection.settle_load(p, g, self.limits, 0.0)
+            _condition_kernels.settle_load(p, g, self.limits, 0.0)
         elif not self.direction.slope < 0:
             # Pressures of the order of rounding errors can pass for free nodes and set the
             # approach, so the projection becomes the state.
             effort.stuck += 1
             p += self._vectors[3]
-            _projection.settle_load(p, g, self.limits, 1e-9 * p.max())
+            _condition_kernels.settle_load(p, g, self.limits, 1e-9 * p.max())
         else:
-            _projection.settle_load(p, g, self.limits, 0.0)
+            _condition_kernels.settle_load(p, g, self.limits, 0.0)
         return False
 
     def _convolve(self, effort: Effort) -> None:
+        """Replace the direction in the array of the transforms by its deflection."""
         few = self._moving * self.node.size <= self._most_pairs
         if not (few and _solver_kernels.sum_directly(self.packed, self._most_pairs)):
             self.transforms.apply(*self.block, self._listed)

@@ -4,7 +4,7 @@ The model replaces the inverse of the half-space by a short stencil: a change c 
 changes the pressures around it by the stencil times c. With it the contact problem is a sparse
 obstacle problem, and projected Jacobi sweeps settle it without a convolution. A node ends with the
 pressure that closes its gap, or on a bound. The far field, which the stencil leaves out, is added
-to the gaps from a coarse grid (see _far_field_kernels). Deflection and pressure of the start need
+to the gaps from a coarse grid (see _far_field). Deflection and pressure of the start need
 not be those of the model, only their changes are, so an extrapolation of both is a start as well.
 
 All arrays of the grid are changes of pressure since the present state in single precision: `change`
@@ -16,12 +16,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from rolling.contact._compiled import njit
-from rolling.contact._far_field_kernels import answer, mark_free, prolong, restrict
-from rolling.contact._march_kernels import shared
-from rolling.contact._projection import project
-from rolling.contact._state_kernels import approach_of, worst_and_load
+from rolling.contact._condition_kernels import approach_of, project, worst_and_load
+from rolling.contact._far_field import answer, mark_free, prolong, restrict
 from rolling.contact._system import BORDER, Direction, Sets
+from rolling.contact._window_kernels import shared
+from rolling.contact.compiling import njit
 
 # Sweeps that settle the model after its far field is known.
 LAST_SWEEPS = 1

@@ -1,12 +1,67 @@
-"""The moments when numba compiles a kernel, which happens once on a machine and takes a minute."""
+"""Compilation by numba: its cache on disk, and notice of its start, which takes a minute."""
 
 from __future__ import annotations
 
+import atexit
+import os
+import shutil
+import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache as once
 from typing import Any
 
+import numba
 from numba.core import event
+
+_VARIABLE = "NUMBA_CACHE_DIR"
+
+
+def njit(*, cache: bool, fused: bool = False) -> Callable[[Callable[..., Any]], Any]:
+    """Compile a function as `numba.njit` does; go on without a lasting cache where none can be.
+
+    Numba caches beside the sources, or else in the home folder. Where neither can be written, a
+    temporary folder serves this process and its workers.
+
+    With `fused` sums are ordered and rounded as the processor does them fastest, the same way in
+    every run on it.
+    """
+    options: dict[str, Any] = {"fastmath": {"reassoc", "contract", "nsz"}} if fused else {}
+
+    def compiled(function: Callable[..., Any]) -> Any:
+        try:
+            return numba.njit(cache=cache, **options)(function)
+        except RuntimeError:  # no folder for the cache; a fault of the code shows below as well
+            _use_temporary_cache()
+        try:
+            return numba.njit(cache=cache, **options)(function)
+        except RuntimeError:  # no temporary folder either
+            return numba.njit(**options)(function)
+
+    return compiled
+
+
+@once
+def _use_temporary_cache() -> None:
+    """Let numba keep compiled code in a new temporary folder until this process ends, and say so.
+
+    The folder is this user's own: code in a folder that others can write must never be loaded.
+    """
+    print(
+        "warning: compiled code cannot be kept, because neither the installed package nor the home"
+        f" folder is writable: every start compiles anew; set {_VARIABLE} to a folder of your own"
+        " to keep it",
+        file=sys.stderr,
+    )
+    try:
+        folder = tempfile.mkdtemp(prefix="rolling-numba-")
+    except OSError:
+        return
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    os.environ[_VARIABLE] = folder  # for the workers
+    numba.config.CACHE_DIR = folder  # type: ignore[attr-defined]
+
 
 _KIND = "numba:compile"
 

@@ -5,14 +5,25 @@ Love's influence coefficients are convolved with the pressure by zero-padded FFT
 
 from __future__ import annotations
 
+import sys
 from bisect import bisect_left
+from collections import OrderedDict
+from collections.abc import Callable
+from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import _loaded_kernels, _transform_kernels, spectra
-from rolling.contact._fftw import pyfftw
+from rolling.contact import _transform_kernels, _window_kernels
+
+# The interface of pyfftw to Dask is not used. It imports all arrays of Dask and pandas, a third of
+# the time that a process of this program takes to start, so its import fails here.
+_unused = sys.modules.setdefault("dask.array.fft", None)  # type: ignore[arg-type]
+import pyfftw  # noqa: E402
+
+if _unused is None:
+    del sys.modules["dask.array.fft"]
 
 # These padded lengths are quick for their size, along columns and across them, by a trial of the
 # even products of 2, 3, 5 and 7 up to 650: any length between two of them costs more than the
@@ -49,18 +60,6 @@ def padded_length(reach: int, across: bool = False) -> int:
     """Return the minimum quick length of a transform for nodes up to `reach` spacings apart.
 
     The coefficients are even, so a distance of half the length is still correct.
-
-    Parameters
-    ----------
-    reach : int
-        Maximum distance between a loaded node and a node whose deflection counts.
-    across : bool
-        If true, the length is that of rows, across the track. Default: false.
-
-    Raises
-    ------
-    ValueError
-        `reach` exceeds the longest transform.
     """
     lengths = _ACROSS if across else _ALONG
     if 2 * reach > lengths[-1]:
@@ -94,6 +93,39 @@ def love(rows: Array, columns: Array) -> Array:
     x, y = rows[:, None].astype(float), columns[None, :].astype(float)
     h = 0.5
     return corner(x + h, y + h) + corner(x - h, y - h) - corner(x + h, y - h) - corner(x - h, y + h)
+
+
+# Bytes of spectra that a process keeps beside its transforms: the hundred sizes of a rough track up
+# to 300 nodes across, or seven sizes of 1,000 nodes. A longer spectrum is not kept at all.
+KEPT_SPECTRA = 2**26
+
+_kept: OrderedDict[tuple[int, int, int], Array] = OrderedDict()
+_lock = Lock()
+
+
+def half_spectrum(
+    m: int, n: int, subcells: int, coefficients: Callable[[Array, Array], Array]
+) -> Array:
+    """Return m // 2 + 1 rows and n // 2 + 1 columns of the transform of wrapped coefficients.
+
+    The transform is real, and its other rows mirror these, because the coefficients are even in
+    both directions. It is kept for other precisions and half-spaces, by padded lengths and number
+    of sub-cells along the side of a cell.
+    """
+    key = (m, n, subcells)
+    with _lock:
+        if key in _kept:
+            _kept.move_to_end(key)
+            return _kept[key]
+    rows, columns = (np.minimum(np.arange(k), k - np.arange(k)) for k in (m, n))
+    quarter = coefficients(np.arange(m // 2 + 1.0), np.arange(n // 2 + 1.0))
+    half = np.fft.rfft2(quarter[rows[:, None], columns]).real[: m // 2 + 1].copy()
+    if half.nbytes <= KEPT_SPECTRA:
+        with _lock:
+            _kept[key] = half
+            while sum(kept.nbytes for kept in _kept.values()) > KEPT_SPECTRA:
+                _kept.popitem(last=False)
+    return half
 
 
 class HalfSpace:
@@ -163,7 +195,7 @@ class HalfSpace:
             The window exceeds the longest transform.
         """
         m, n = pressure.shape
-        convolution = self.convolution(*_loaded_kernels.reach(pressure))
+        convolution = self.convolution(*_window_kernels.reach(pressure))
         block = convolution.block(m, n)
         _transform_kernels.load(pressure, block)
         convolution.apply(m, n)
@@ -191,7 +223,7 @@ class HalfSpace:
 
     def _make(self, m: int, n: int, single: bool) -> Convolution:
         """Make the transforms of a padded size."""
-        return Convolution(m, n, single, spectra.half_spectrum(m, n, 1, love))
+        return Convolution(m, n, single, half_spectrum(m, n, 1, love))
 
     def _length(self, reach: int, across: bool) -> int:
         """Return the padded length for nodes up to `reach` spacings from one another."""
@@ -201,23 +233,9 @@ class HalfSpace:
 class Convolution:
     """Transforms of one padded size and their work arrays.
 
-    Write the pressure to a `block`, call `apply`, then read the deflection.
-
-    Parameters
-    ----------
-    m, n : int
-        Padded lengths along and across.
-    single : bool
-        If true, transforms are in single precision: their error is about 1e-7 of the maximum
-        deflection, and they are up to twice as fast.
-    spectrum : (m // 2 + 1, n // 2 + 1) array
-        Transform of the wrapped coefficients, the first half of its rows.
-
-    Attributes
-    ----------
-    real : (m / 2, n, 2) array
-        Pressure on the cells before the transforms, and deflection after them. Rows of cells lie
-        side by side in pairs (see _transform_kernels).
+    Write the pressure to a `block`, call `apply`, then read the deflection. In single precision
+    their error is about 1e-7 of the maximum deflection, and they are up to twice as fast. `real`
+    (m / 2, n, 2) holds rows of cells side by side in pairs (see _transform_kernels).
     """
 
     def __init__(self, m: int, n: int, single: bool, spectrum: Array) -> None:
@@ -262,15 +280,10 @@ class Convolution:
         return sum(int(array.nbytes) for array in arrays)
 
     def block(self, rows: int, columns: int) -> Array:
-        """Return the array of a block of nodes, which may have further rows and columns.
+        """Return the array (lines, columns, 2) of a block of nodes, with further rows and columns.
 
         It holds the pressure before `apply`, with zeros on the further rows and columns, and the
-        deflection in units of spacing / (pi E*) afterwards.
-
-        Returns
-        -------
-        (lines, columns, side) array
-            Lines of so many rows of nodes side by side: row i is `block[i // side, :, i % side]`.
+        deflection in units of spacing / (pi E*) afterwards. Row i is `block[i // 2, :, i % 2]`.
         """
         view: Array = self.real[: -(-rows // 2) + GROUP]
         return view
@@ -281,10 +294,9 @@ class Convolution:
         return int(2 * (self.real.shape[1] // 2) + 1)
 
     def influence(self) -> NDArray[np.float32]:
-        """Return the coefficients of nodes by distance, along and across, as a flat array.
+        """Return the coefficients by distance along and across, flat, with zero in the middle.
 
-        Its middle is the distance zero. It is empty for large transforms, whose memory it would
-        add to.
+        The array is empty for large transforms, whose memory it would add to.
         """
         if self._influence is None:
             length, n, _ = self.real.shape

@@ -12,11 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact import _loaded_kernels, _march_kernels, closed_forms, solver
+from rolling.contact import _window_kernels, closed_forms, solver
 from rolling.contact.half_space import MOST_NODES, HalfSpace
-from rolling.contact.solver import Contact, ContactError, Previous, SolverOptions, WarmStart
-from rolling.contact.state import ContactState, RollingContact
-from rolling.contact.window import Window
+from rolling.contact.solver import Contact, ContactError, Previous, WarmStart
+from rolling.contact.state import ContactState, RollingContact, Window
 
 # Up to a step of so many nodes a window includes the next position as well, whose deflection is
 # then known in advance.
@@ -99,15 +98,7 @@ def march(
 
 @dataclass(frozen=True)
 class _Problem:
-    """Contact to be solved at position k on a window.
-
-    Parameters
-    ----------
-    gap : (rows, columns) array on the window, m
-        Undeformed gap.
-    approach : float, m
-        Approach up to which the window holds the overlap.
-    """
+    """Contact to be solved at position k on a window that holds the overlap up to an approach."""
 
     contact: RollingContact
     k: int
@@ -119,7 +110,6 @@ class _Problem:
     def solve(self, start: WarmStart, tolerance: float) -> Contact:
         """Solve the contact from a warm start to a tolerance."""
         contact = self.contact
-        options = SolverOptions(tolerance, contact.single)
         return solver.solve_contact(
             self.half_space,
             self.gap,
@@ -127,14 +117,12 @@ class _Problem:
             start,
             contact.hardness,
             contact.shape(self.k, self.window, self.gap),
-            options,
+            tolerance,
+            contact.single,
         )
 
     def wider(self, approach: float) -> _Problem | None:
-        """Return the problem on a window that holds the overlap at a larger approach.
-
-        Return None if this window holds it.
-        """
+        """Return the problem on a window for an approach [m]; None if this window holds it."""
         overlap = self.contact.overlap(self.k, approach) if approach > self.approach else None
         if overlap is None or self.window.covers(overlap):
             return None
@@ -147,8 +135,7 @@ def _solve(
 ) -> ContactState:
     """Solve the problem, again on a larger window where the overlap leaves the window.
 
-    The overlap at the solved approach counts. The share of the start that moved with the sphere
-    goes into the state.
+    `sphere_share` is the share of the start that moved with the sphere.
     """
     iterations, before = 0, problem.half_space.count
     while True:
@@ -168,13 +155,12 @@ def _state(
 ) -> ContactState:
     """Measure a solved contact: its loaded block, areas, maxima and energy."""
     contact, window = problem.contact, problem.window
-    count, capped, maximum, work, *block = _loaded_kernels.measures(
-        solved.pressure,
-        solved.deflection,
-        contact.hardness,
-        np.empty((0, 0)) if solved.edge is None else solved.edge,
-        solver.levelled_range(problem.half_space, contact.hardness),
-    )
+    edge = np.empty((0, 0)) if solved.edge is None else solved.edge
+    fields = solved.pressure, solved.deflection, contact.hardness
+    levelled = solver.levelled_range(problem.half_space, contact.hardness)
+    count, capped, maximum, work, *block = _window_kernels.measures(*fields, edge, levelled)
+    if edge.size and maximum < contact.hardness:  # there is no patch that could end within a cell
+        count, capped, *_ = _window_kernels.measures(*fields, np.empty((0, 0)), levelled)
     cell = contact.spacing**2
     loaded = Window(
         window.row + block[0],
@@ -199,15 +185,13 @@ def _state(
         iterations=iterations,
         convolutions=convolutions,
         edge=solved.edge,
+        edge_share=solved.edge_share,
         sphere_share=sphere_share,
     )
 
 
 def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactState:
-    """Solve from a Winkler foundation that fits Hertz.
-
-    The window grows until contact cannot leave it.
-    """
+    """Solve from a Winkler foundation that fits Hertz."""
     hertz = closed_forms.hertz_radius(contact.load, contact.radius, contact.contact_modulus)
     stiffness = 4 * contact.contact_modulus / (np.pi * hertz)
     reach = max(hertz, np.sqrt(contact.load / (np.pi * contact.hardness))) * 1.5
@@ -233,8 +217,6 @@ def _follow(
 ) -> ContactState:
     """Solve the next position from pressures that stayed with the plate.
 
-    The window holds all nodes that were or can be loaded.
-
     On a smooth plate pressures move with the sphere instead. The start is then the mixture of both
     with minimum energy, as long as this pays. Both deflections are known, so finding the mixture
     needs no convolution.
@@ -259,7 +241,7 @@ def _follow(
         row, column = before.window.row - window.row, before.window.column - window.column
         previous = Previous(before.pressure, before.deflection, row, column)
     problem = _Problem(contact, k, half_space, window, gap, approach)
-    start = WarmStart(pressure, deflection, previous, close=True)
+    start = WarmStart(pressure, deflection, previous, close=True, sharp=state.edge_share == 0.0)
     return _solve(problem, start, contact.tolerance, sphere_share)
 
 
@@ -274,7 +256,7 @@ def _towards_the_sphere(
     ):
         return 0.0, start
     offset = state.window.row - window.row, state.window.column - window.column
-    slope, curvature = _march_kernels.towards_the_sphere(
+    slope, curvature = _window_kernels.towards_the_sphere(
         state.pressure, state.deflection, gap, *offset, nodes
     )
     share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0

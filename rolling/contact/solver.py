@@ -13,13 +13,13 @@ double-precision check on the full window.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite
 
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact import _march_kernels, _projection, _state_kernels
+from rolling.contact import _condition_kernels, _window_kernels
 from rolling.contact._descent import AIM, AIM_FIRST, BlendedEdges, Candidates, Descent, Effort, Goal
 from rolling.contact._system import Limits, Sets
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
@@ -68,6 +68,9 @@ class Contact:
         Number of iterations of the solve.
     edge : (m, n) array, m, or None
         Half the range of gaps over the cell of each node, where edges are blended.
+    edge_share : float
+        Share of the range of gaps over each cell that its edge takes: 1 where the contact yields in
+        full, less where it hardly yields, and 0 where all edges are sharp.
     """
 
     pressure: Array
@@ -77,21 +80,12 @@ class Contact:
     residual: float
     iterations: int
     edge: Array | None = None
+    edge_share: float = 0.0
 
 
 @dataclass(frozen=True)
 class Previous:
-    """Contact at the position before the start, which a solve extrapolates.
-
-    Parameters
-    ----------
-    pressure : (m, n) array, Pa
-        Pressure on the window of that position; other nodes were unloaded.
-    deflection : (m, n) array, m
-        Deflection there; that of other nodes is unknown, and taken as unchanged.
-    row, column : int
-        First node of that window in the window of the solve; they may be negative.
-    """
+    """Contact before the start, on a window that begins at a node (row, column) of the solve's."""
 
     pressure: Array
     deflection: Array
@@ -114,74 +108,29 @@ class WarmStart:
     close : bool
         If true, iterate only on nodes in or near contact and check the others after convergence.
         Use it when the start is close to the solution. Default: false.
+    sharp : bool
+        If true, try sharp edges before blended edges. Use it when the previous position hardly
+        yields. Default: false.
     """
 
     pressure: Array
     deflection: Array | None = None
     previous: Previous | None = None
     close: bool = False
-
-
-@dataclass(frozen=True)
-class SolverOptions:
-    """Accuracy of a solve.
-
-    Parameters
-    ----------
-    tolerance : float
-        Maximum KKT residual: violation of the contact conditions over the maximum deflection.
-        Default: 1e-5.
-    single : bool
-        If true, iterate on deflections in single precision while the tolerance is far above their
-        error. A solution is accepted in double precision in any case. Default: true.
-    """
-
-    tolerance: float = 1e-5
-    single: bool = True
-
-    @property
-    def serves_single(self) -> bool:
-        """Whether a solve may iterate in single precision."""
-        return self.single and self.tolerance >= SINGLE_TOLERANCE
-
-
-def own_deflection(half_space: HalfSpace, hardness: float) -> float:
-    """Return the deflection of a node [m] by the hardness on its own cell."""
-    return float(half_space.unit * OWN_COEFFICIENT * hardness)
+    sharp: bool = False
 
 
 def levelled_range(half_space: HalfSpace, hardness: float) -> float:
     """Return half of the range of gaps over a cell [m] that pressures below the hardness level."""
-    return LEVELLED * own_deflection(half_space, hardness)
+    return LEVELLED * float(half_space.unit * OWN_COEFFICIENT * hardness)
 
 
 def foundation(
     gap: Array, load: float, spacing: float, stiffness: float, hardness: float = np.inf
 ) -> Array:
-    """Solve the same contact on a Winkler foundation, for a cold start.
+    """Solve a contact on a Winkler foundation of a stiffness [Pa/m]; return its pressure [Pa].
 
-    Parameters
-    ----------
-    gap : (m, n) array, m
-        Undeformed gap.
-    load : float, N
-        Normal load.
-    spacing : float, m
-        Node spacing.
-    stiffness : float, Pa/m
-        Stiffness of the foundation; 4 E* / (pi a) fits a Hertz contact of radius a.
-    hardness : float, Pa
-        Maximum pressure. Default: infinite.
-
-    Returns
-    -------
-    (m, n) array, Pa
-        Minimum of hardness and stiffness times overlap, at the approach that carries the load.
-
-    Raises
-    ------
-    ContactError
-        The window cannot carry the load.
+    A stiffness of 4 E* / (pi a) fits a Hertz contact of radius a.
     """
     total = load / spacing**2
     if total > hardness * gap.size:
@@ -195,12 +144,14 @@ def foundation(
         Sets(np.arange(e.size, dtype=np.uint32), e.size, 0),
     )
     pressure = np.empty_like(e)
-    slope, _ = _projection.project(np.zeros_like(e), e, 0.0, -stiffness * e, free, limits, pressure)
+    slope, _ = _condition_kernels.project(
+        np.zeros_like(e), e, 0.0, -stiffness * e, free, limits, pressure
+    )
     # Heights may be so large that rounding of the springs loses the load. The lowest nodes then
     # carry it.
     if slope == np.inf:
         pressure[:] = 0.0
-        _projection.settle_load(pressure, e, limits, 0.0)
+        _condition_kernels.settle_load(pressure, e, limits, 0.0)
     return pressure.reshape(gap.shape)
 
 
@@ -218,7 +169,8 @@ def solve_contact(
     start: WarmStart | None = None,
     hardness: float = np.inf,
     shape: Array | None = None,
-    options: SolverOptions | None = None,
+    tolerance: float = 1e-5,
+    single: bool = True,
 ) -> Contact:
     """Solve one contact under a normal load on a window of nodes.
 
@@ -240,8 +192,12 @@ def solve_contact(
         Undeformed gap as it continues within cells, for blended edges: a patch at the hardness then
         ends within a cell, where the gap of its own solution says (`cell_ranges`). Default: a cell
         is in contact as a whole or not at all.
-    options : SolverOptions or None
-        Accuracy. Default: SolverOptions().
+    tolerance : float
+        Maximum KKT residual: violation of the contact conditions over the maximum deflection.
+        Default: 1e-5.
+    single : bool
+        If true, iterate on deflections in single precision while the tolerance is far above their
+        error. A solution is accepted in double precision in any case. Default: true.
 
     Returns
     -------
@@ -270,64 +226,138 @@ def solve_contact(
     >>> bool(abs(contact.approach / hertz_approach(5.0, 5e-3, 230e9) - 1) < 1e-3)
     True
     """
-    options = options or SolverOptions()
     start = start or _cold_start(half_space, gap, load, hardness)
-    limits = Limits(float(hardness), float(load / half_space.spacing**2))
-    gap, p, u = _begin(half_space, gap, start)
-    edges = None
-    if shape is not None:
-        edges = BlendedEdges(gap, shape, levelled_range(half_space, hardness))
-        edges.find(u if start.previous is None else _extrapolated(u, start.previous))
-    near, fresh, seen = NEAR if start.close else np.inf, start.deflection is None, 0
-    effort, exhausted, carried = Effort(), False, False
-    while True:
-        g, (approach, u_max, worst) = _state(gap, u, p, edges, limits, fresh)
-        share = AIM if effort.rounds else AIM_FIRST
-        goal = Goal(options.tolerance, u_max, share)
-        accurate = fresh and worst <= goal.allowed
-        if accurate and (carried or abs(p.sum() / limits.total - 1) <= 1e-12):
-            edge = None if edges is None else edges.edge
-            residual = float(worst / u_max)
-            return Contact(p, u, float(approach), float(u_max), residual, effort.iterations, edge)
-        if effort.is_spent:
-            limit = _rounding_limit(gap, u_max, options)
-            raise _not_converged(effort, worst / u_max, options.tolerance, limit)
-        highest = approach + near * u_max
-        candidates = Candidates.below(p, g, highest, half_space.subcells, edges is not None)
-        # Where a descent went as far as it could and left no new candidates, single precision does
-        # not suffice.
-        single = options.serves_single and not (
-            exhausted and candidates.node.size <= seen and (edges is None or effort.rounds > 4)
-        )
-        descent = Descent(half_space, candidates, p, g, edges, limits, goal, single)
-        if start.previous is not None and not fresh:
-            before = start.previous
-            offset = before.row, before.column
-            descent.lead(p, u, before.pressure, before.deflection, offset)
-        descent.iterate(effort)
-        carried = descent.settle(effort)
-        exhausted = descent.is_exhausted
-        p.ravel()[candidates.node] = descent.pressure
-        u, fresh = half_space.deflection(p), True
-        near, seen = NEAR, candidates.node.size
-        if edges is not None:
-            edges.find(u)
-
-
-def _begin(half_space: HalfSpace, gap: Array, start: WarmStart) -> tuple[Array, Array, Array]:
-    """Return the gap [m], the pressure [Pa] and its deflection [m] that a solve begins with."""
-    gap, p = np.ascontiguousarray(gap, dtype=float), np.array(start.pressure, dtype=float)
-    if p.shape != gap.shape:
+    if start.pressure.shape != gap.shape:
         raise ValueError(
-            f"the start has pressures of shape {p.shape}, the gap has shape {gap.shape}"
+            f"the start has pressures of shape {start.pressure.shape}, the gap has shape"
+            f" {gap.shape}"
         )
-    return gap, p, half_space.deflection(p) if start.deflection is None else start.deflection
+    limits = Limits(float(hardness), float(load / half_space.spacing**2))
+    solve = _Solve(half_space, np.ascontiguousarray(gap, dtype=float), limits, tolerance, single)
+    return solve.converge(start) if shape is None else solve.blend(start, shape)
+
+
+@dataclass(frozen=True)
+class _Solve:
+    """Contact to be solved from a start, with sharp or with blended edges."""
+
+    half_space: HalfSpace
+    gap: Array
+    limits: Limits
+    tolerance: float
+    single: bool
+
+    def blend(self, start: WarmStart, shape: Array) -> Contact:
+        """Solve with blended edges where the contact yields, and with sharp edges elsewhere.
+
+        Between both the maximum overlap at the hardness, over the half range that pressures level,
+        is the share of their range that edges take. It is the overlap of the solution with whole
+        edges, so that the contact follows continuously from its surface and load.
+        """
+        hardness, iterations, sharp = self.limits.hardness, 0, None
+        if start.sharp:
+            # No contact is known to yield with blended edges that does not yield with sharp edges.
+            sharp = self._sharp(start)
+            if sharp.pressure.max() < hardness:
+                return sharp
+            start, iterations = _continued(sharp), sharp.iterations
+        levelled = levelled_range(self.half_space, hardness)
+        edges = BlendedEdges(self.gap, shape, levelled)
+        solved = self.converge(start, edges)
+        iterations += solved.iterations
+        p, u = solved.pressure.ravel(), solved.deflection.ravel()
+        overlap = _condition_kernels.yielding_overlap(
+            self.gap.ravel(), u, p, hardness, solved.approach, levelled
+        )
+        partial = _condition_kernels.has_partial_cells
+        if overlap < levelled and partial(p, edges.edge.ravel(), hardness):
+            start = _continued(solved)
+            if overlap > 0:
+                solved = self.converge(
+                    start, BlendedEdges(self.gap, shape, levelled, overlap / levelled)
+                )
+                iterations += solved.iterations
+            elif sharp is None:
+                solved = self._sharp(start)
+                iterations += solved.iterations
+            else:
+                solved = sharp
+        return replace(solved, iterations=iterations)
+
+    def _sharp(self, start: WarmStart) -> Contact:
+        """Solve with sharp edges where edges may be blended: their range over each cell is zero."""
+        return replace(self.converge(start), edge=np.zeros_like(self.gap))
+
+    def converge(self, start: WarmStart, edges: BlendedEdges | None = None) -> Contact:
+        """Iterate from a start until the contact conditions hold."""
+        half_space, gap, limits = self.half_space, self.gap, self.limits
+        p, u, before = np.array(start.pressure, dtype=float), start.deflection, start.previous
+        fresh = u is None
+        if u is None:
+            u = half_space.deflection(p)
+        if edges is not None:
+            edges.find(u if before is None else _extrapolated(u, before))
+        near, seen = NEAR if start.close else np.inf, 0
+        effort, exhausted, carried = Effort(), False, False
+        while True:
+            g, (approach, u_max, worst) = _state(gap, u, p, edges, limits, fresh)
+            goal = Goal(self.tolerance, u_max, AIM if effort.rounds else AIM_FIRST)
+            accurate = fresh and worst <= goal.allowed
+            if accurate and (carried or abs(p.sum() / limits.total - 1) <= 1e-12):
+                edge, share = (None, 0.0) if edges is None else (edges.edge, edges.share)
+                measures = float(approach), float(u_max), float(worst / u_max)
+                return Contact(p, u, *measures, effort.iterations, edge, share)
+            if effort.is_spent:
+                raise self._not_converged(effort, u_max, worst)
+            highest = approach + near * u_max
+            candidates = Candidates.below(p, g, highest, half_space.subcells, edges is not None)
+            # Where a descent went as far as it could and left no new candidates, single precision
+            # does not suffice.
+            single = self.single and self.tolerance >= SINGLE_TOLERANCE
+            if exhausted and candidates.node.size <= seen:
+                single = single and edges is not None and effort.rounds <= 4
+            descent = Descent(half_space, candidates, p, g, edges, limits, goal, single)
+            if before is not None and not fresh:
+                offset = before.row, before.column
+                descent.lead(p, u, before.pressure, before.deflection, offset)
+            descent.iterate(effort)
+            carried = descent.settle(effort)
+            exhausted = descent.is_exhausted
+            p.ravel()[candidates.node] = descent.pressure
+            u, fresh = half_space.deflection(p), True
+            near, seen = NEAR, candidates.node.size
+            if edges is not None:
+                edges.find(u)
+
+    def _not_converged(self, effort: Effort, u_max: float, worst: float) -> ContactError:
+        """Make the error of a solve that stopped, with the tolerance that rounding of gaps allows.
+
+        `u_max` and `worst` are maximum deflection and violation [m].
+        """
+        highest = float(np.abs(self.gap).max())
+        limit = ROUNDING * highest / u_max
+        rounding = (
+            f"; gaps of up to {highest:.2g} m, rounded in double precision, need a tolerance of at"
+            f" least {limit:.2g} for a deflection of {u_max:.2g} m"
+        )
+        return ContactError(
+            f"the contact solve stopped after {effort.iterations} iterations at a residual of"
+            f" {worst / u_max:.2g}, {self.tolerance:.2g} was asked for (tried:"
+            f" preconditioned conjugate gradients, {effort.restarts} restarts,"
+            f" {effort.plain_steps} plain gradient steps)"
+            + (rounding if self.tolerance <= limit else "")
+        )
+
+
+def _continued(contact: Contact) -> WarmStart:
+    """Start from the solution of the same contact with other edges."""
+    return WarmStart(contact.pressure, contact.deflection, close=True)
 
 
 def _extrapolated(deflection: Array, previous: Previous) -> Array:
     """Return a deflection [m] that changes once more as it did since the previous position."""
     expected = np.empty_like(deflection)
-    _march_kernels.extrapolate(
+    _window_kernels.extrapolate(
         deflection, previous.deflection, previous.row, previous.column, expected
     )
     return expected
@@ -336,34 +366,15 @@ def _extrapolated(deflection: Array, previous: Previous) -> Array:
 def _state(
     gap: Array, u: Array, p: Array, edges: BlendedEdges | None, limits: Limits, fresh: bool
 ) -> tuple[Array, tuple[float, float, float]]:
-    """Return the deformed gap before the approach is subtracted, and measures of the state.
+    """Return the deformed gap plus approach [m], and measures of the state.
 
-    The measures are approach [m], maximum deflection [m] and maximum violation [m].
-
-    Parameters
-    ----------
-    gap : (m, n) array, m
-        Undeformed gap.
-    u : (m, n) array, m
-        Deflection.
-    p : (m, n) array, Pa
-        Pressure.
-    edges : BlendedEdges or None
-        Edges within cells.
-    limits : Limits
-        Hardness and load.
-    fresh : bool
-        Whether the deflection is computed afresh. If not, the violation means nothing.
-
-    Raises
-    ------
-    ContactError
-        A number is not finite.
+    The measures are approach, maximum deflection and maximum violation [m]; the violation means
+    nothing unless the deflection is `fresh`.
     """
     g = np.empty_like(gap)
     edge = _NO_EDGE if edges is None else edges.edge.ravel()
     u_max = float(u.max())
-    approach, worst = _state_kernels.state_of(
+    approach, worst = _condition_kernels.state_of(
         gap.ravel(), u.ravel(), p.ravel(), edge, limits.hardness, g.ravel(), fresh
     )
     if not isfinite(approach) or not 0 < u_max < inf or (fresh and worst == inf):
@@ -372,28 +383,3 @@ def _state(
             " and heights"
         )
     return g, (approach, u_max, worst)
-
-
-def _not_converged(effort: Effort, residual: float, tolerance: float, limit: str) -> ContactError:
-    """Make the error of a solve that stopped at a residual above the tolerance."""
-    return ContactError(
-        f"the contact solve stopped after {effort.iterations} iterations at a residual of"
-        f" {residual:.2g}, {tolerance:.2g} was asked for (tried:"
-        f" preconditioned conjugate gradients, {effort.restarts} restarts,"
-        f" {effort.plain_steps} plain gradient steps){limit}"
-    )
-
-
-def _rounding_limit(gap: Array, deflection: float, options: SolverOptions) -> str:
-    """Name the tolerance that the rounding of gaps allows, where a tighter one was asked for.
-
-    `deflection` is the maximum deflection [m].
-    """
-    highest = float(np.abs(gap).max())
-    limit = ROUNDING * highest / deflection
-    if options.tolerance > limit:
-        return ""
-    return (
-        f"; gaps of up to {highest:.2g} m, rounded in double precision, need a tolerance of at"
-        f" least {limit:.2g} for a deflection of {deflection:.2g} m"
-    )

@@ -1,59 +1,107 @@
-"""Rolling contact as a given problem, and its solved state at one position."""
+"""Rolling contact as a given problem, its windows, and its solved state at one position."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact import _march_kernels
-from rolling.contact.window import Window
+from rolling.contact import _window_kernels
 
 
-@dataclass(eq=False)
-class Maxima:
-    """Maximum heights of a surface [m], each found when it is first needed.
+@dataclass(frozen=True)
+class Window:
+    """Block of nodes on the unrolled plate.
 
     Parameters
     ----------
-    heights : (along, across) array, m
-        Surface of the plate.
-    rising : bool
-        If true, each cell rises above its node by half its range; otherwise cells are flat.
+    row, column : int
+        First node along and across; it may be negative.
+    rows, columns : int
+        Number of nodes along and across.
     """
 
-    heights: Array
-    rising: bool
+    row: int
+    column: int
+    rows: int
+    columns: int
 
-    @cached_property
-    def tops(self) -> Array:
-        """Maximum height within the cell of each node, an (along, across) array [m]."""
-        if not (self.rising and self.heights.any()):
-            return self.heights
-        tops = np.empty_like(self.heights)
-        _march_kernels.cell_tops(self.heights, tops)
-        return tops
+    @classmethod
+    def around(cls, windows: Sequence[Window]) -> Window:
+        """Return the minimum window that covers all given windows."""
+        row, column = min([w.row for w in windows]), min([w.column for w in windows])
+        end = max([w.row + w.rows for w in windows])
+        column_end = max([w.column + w.columns for w in windows])
+        return cls(row, column, end - row, column_end - column)
 
-    @cached_property
-    def stretches(self) -> Array:
-        """Maximum height of every STRETCH nodes of a row, an (along, stretches) array [m]."""
-        first = np.arange(0, self.tops.shape[1], _march_kernels.STRETCH)
-        highest: Array = np.maximum.reduceat(self.tops, first, axis=1)
-        return highest
+    def covers(self, other: Window) -> bool:
+        """Tell whether all nodes of another window lie in this window."""
+        return (
+            self.row <= other.row
+            and self.column <= other.column
+            and self.row + self.rows >= other.row + other.rows
+            and self.column + self.columns >= other.column + other.columns
+        )
 
-    @cached_property
-    def rows(self) -> Array:
-        """Maximum height of each row, an (along,) array [m]."""
-        highest: Array = self.stretches.max(axis=1)
-        return highest
+    def bordered(self) -> Window:
+        """Add a node on every side, open in any contact that this window cannot cut off."""
+        return Window(self.row - 1, self.column - 1, self.rows + 2, self.columns + 2)
 
-    @cached_property
-    def highest(self) -> float:
-        """Maximum height [m]."""
-        return float(self.rows.max())
+    def whole(self, subcells: int) -> Window:
+        """Widen the window to whole cells of so many nodes along and across."""
+        row, column = self.row // subcells * subcells, self.column // subcells * subcells
+        rows = -(-(self.row + self.rows - row) // subcells) * subcells
+        columns = -(-(self.column + self.columns - column) // subcells) * subcells
+        return Window(row, column, rows, columns)
+
+    def cells(self, subcells: int) -> Window:
+        """Return the cells of a window of whole cells."""
+        return Window(
+            self.row // subcells,
+            self.column // subcells,
+            self.rows // subcells,
+            self.columns // subcells,
+        )
+
+    def moved(self, values: Array, target: Window) -> Array:
+        """Copy values (rows, columns) into the target window, with zeros off this window."""
+        out = np.empty((target.rows, target.columns))
+        _window_kernels.copy_block(values, out, self.row - target.row, self.column - target.column)
+        return out
+
+
+class Maxima(NamedTuple):
+    """Maximum heights [m] of a surface: of each cell, of STRETCH nodes, of each row, and of all."""
+
+    tops: Array
+    stretches: Array
+    rows: Array
+    highest: float
+
+
+_last: list[tuple[Array, bool, Maxima]] = []
+
+
+def maxima_of(heights: Array, rising: bool) -> Maxima:
+    """Return the maximum heights of a surface, whose cells may rise above their nodes by the slope.
+
+    The maxima of the last surface are kept, because all pieces of its track share them.
+    """
+    if not _last or _last[0][0] is not heights or _last[0][1] != rising:
+        tops = heights
+        if rising and heights.any():
+            tops = np.empty_like(heights)
+            _window_kernels.cell_tops(heights, tops)
+        first = np.arange(0, tops.shape[1], _window_kernels.STRETCH)
+        stretches = np.maximum.reduceat(tops, first, axis=1)
+        rows = stretches.max(axis=1)
+        _last[:] = [(heights, rising, Maxima(tops, stretches, rows, float(rows.max())))]
+    return _last[0][2]
 
 
 @dataclass(frozen=True)
@@ -93,9 +141,6 @@ class RollingContact:
         true.
     loads : (positions,) array, N, or None
         Load at each position of a lap, instead of the same load at all. Default: None.
-    known : Maxima or None
-        Maximum heights of the surface, which further contacts on it share. Default: they are found
-        anew.
     """
 
     heights: Array
@@ -112,22 +157,15 @@ class RollingContact:
     subcells: int = 1
     slopes: bool = True
     loads: Array | None = None
-    known: Maxima | None = None
 
     @cached_property
     def maxima(self) -> Maxima:
         """Maximum heights of the surface; with blended edges its cells rise above their nodes."""
-        known, rising = self.known, self.has_blended_edges and self.slopes
-        if known is not None and known.heights is self.heights and known.rising == rising:
-            return known
-        return Maxima(self.heights, rising)
+        return maxima_of(self.heights, self.has_blended_edges and self.slopes)
 
     @property
     def has_blended_edges(self) -> bool:
-        """Tell whether edges are blended.
-
-        An elastic contact has no patch at the hardness whose edge could be blended.
-        """
+        """Whether edges are blended; an elastic contact has no patch at the hardness."""
         return self.blended and bool(np.isfinite(self.hardness))
 
     @property
@@ -165,18 +203,13 @@ class RollingContact:
         return (self.subcells - 1) / 2 * self.spacing
 
     def overlap(self, k: int, approach: float) -> Window | None:
-        """Find the window where the undeformed gap is below the approach [m] at position k.
+        """Find the window where the undeformed gap is below the approach [m] at position k, if any.
 
-        Contact at this approach or a smaller approach lies inside. Return None without overlap.
-
-        With blended edges a node may bear part of its cell. The gap then is that of the top of each
-        cell, and a border of one node allows for the slope that the sphere adds.
+        Contact at this approach or a smaller approach lies inside. With blended edges the gap is
+        that of the top of each cell, and a border of one node allows for the slope of the sphere.
         """
-        row, last_row, column, last_column = _march_kernels.overlap_block(
-            self.maxima.tops,
-            self.maxima.stretches,
-            self.maxima.rows,
-            self.maxima.highest,
+        row, last_row, column, last_column = _window_kernels.overlap_block(
+            *self.maxima,
             self.spacing,
             self.radius,
             self.position(k) + self.off_centre,
@@ -193,17 +226,14 @@ class RollingContact:
         return self._gap(k, window, self.heights)
 
     def shape(self, k: int, window: Window, gap: Array) -> Array | None:
-        """Return the gap as it continues within cells, for blended edges; None for sharp edges.
-
-        Where cells are flat, it is the gap of the sphere alone.
-        """
+        """Return the gap within cells, of the sphere alone on flat cells; None for sharp edges."""
         if not self.has_blended_edges:
             return None
         return gap if self.slopes else self._gap(k, window, np.zeros((1, 1)))
 
     def _gap(self, k: int, window: Window, heights: Array) -> Array:
         out = np.empty((window.rows, window.columns))
-        _march_kernels.undeformed_gap(
+        _window_kernels.undeformed_gap(
             heights,
             self.spacing,
             self.radius,
@@ -248,6 +278,8 @@ class ContactState:
         Cost of the solve.
     edge : (rows, columns) array, m, or None
         Half the range of gaps over the cells; None unless edges are blended.
+    edge_share : float
+        Share of the range of gaps over each cell that its edge takes: 0 where all are sharp.
     sphere_share : float
         Share of the initial pressures that moved with the sphere; the rest stayed with the plate.
     """
@@ -267,4 +299,5 @@ class ContactState:
     iterations: int
     convolutions: int
     edge: Array | None = None
+    edge_share: float = 0.0
     sphere_share: float = 0.0

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact._compiled import njit
+from rolling.contact.compiling import njit
 
 
 class LawTable(NamedTuple):

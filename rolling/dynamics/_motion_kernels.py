@@ -17,7 +17,7 @@ from math import sqrt
 
 import numpy as np
 
-from rolling.contact._compiled import njit
+from rolling.contact.compiling import njit
 from rolling.dynamics._law_kernels import (
     between,
     energy_to,

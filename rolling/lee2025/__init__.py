@@ -1,10 +1,5 @@
-"""The study of Lee, Kim & Kim (2025): readings solved, statements judged, figures drawn.
+"""The study of Lee, Kim & Kim (2025): its readings are scenes, its statements are judged by them.
 
-- `study`: readings and cases; `reproduce`: the command.
-- `measures`, `trends`, `bounds`, `twins`, `checks`, `grid_error`: numbers of cases, and verdicts
-  from them.
-- `statements`, `claims`, `standing`, `results`: the article's statements, judged under each
-  reading.
-- `figure_data`, `figure_layout`, `curves`, `surfaces_3d`, `figures`: the article's figures.
-- `claims_text`, `page`: claims.md, tables.md and index.html.
+`cases` runs the scenes, `conditions` and `statements` judge, `figures` draws, `reproduce` is the
+command.
 """

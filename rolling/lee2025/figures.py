@@ -1,28 +1,139 @@
-"""The figures of the article, drawn for a reading of this study.
-
-Each figure warns of surfaces that are too steep for half-space theory.
-"""
+"""Figures 1 and 5 to 9 of the article for each reading, on axes that all readings share."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
-from rolling.figures.picture import Picture
-from rolling.lee2025 import curves, surfaces_3d
-from rolling.lee2025.figure_data import Reading, Scales
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from acoustics.plot_style import look_of
+from acoustics.plots import Lines, level_limits, spectrum
+from rolling._typing import Array
+from rolling.check.validity import MAX_SLOPE
+from rolling.lee2025.cases import CELLS, Maps
+from rolling.lee2025.conditions import LENGTH, LOAD, ROUGHNESS, label
+
+MAP_FIGURES = (
+    ("height [µm]", "fig1_surfaces", "cividis"),
+    ("pressure [GPa]", "fig5_contact_pressure", "magma"),
+    ("deflection [µm]", "fig6_deflection", "viridis"),
+)
 
 
-def gallery(reading: Reading, on: Scales) -> Iterator[Picture]:
-    """Draw all pictures of a reading that has their data: Fig. 1, 5 to 9, or correlation length."""
-    if len(reading.lengths) > 1:
-        yield curves.correlation_length(reading)
-        return
-    if reading.patches:
-        yield surfaces_3d.surfaces(reading, on)
-    if any(load in on.ends for _, load in reading.contacts):
-        yield surfaces_3d.contact_pressure(reading, on)
-        yield surfaces_3d.deflection(reading, on)
-    if reading.cases:
-        yield curves.plastic_ratio(reading, on)
-        yield curves.spectra(reading, on)
-        yield curves.maximum_level(reading, on)
+def gallery(
+    readings: dict[str, pd.DataFrame], maps: dict[str, Maps]
+) -> Iterator[tuple[str, str, Figure]]:
+    """Draw all figures: yield reading, name and figure."""
+    everything = pd.concat(readings.values())
+    maps = {reading: maps[reading] for reading in readings}
+    curve_limits = level_limits(np.concatenate(list(everything["curve_db"])))
+    plastic_limits = (-0.02, 1.05 * max(float(everything["plastic_ratio"].max()), 0.1))
+    maxima = "maximum_10_db", "maximum_20_db"
+    maximum_limits = [level_limits(everything[column]) for column in maxima]
+    for reading, cases in readings.items():
+        if cases[LENGTH].nunique() > 1:
+            figure, (ax,) = _blank(reading, 1)
+            spectra(ax, cases, LENGTH, curve_limits)
+            yield reading, "correlation_length", figure
+            continue
+        for quantity, name, colours in MAP_FIGURES:
+            if sheets := _map_figure(reading, maps, quantity, colours):
+                yield reading, name, sheets
+        figure, (ax,) = _blank(reading, 1)
+        against_load(ax, cases, "plastic_ratio", "plastic area / Hertz area")
+        ax.set_ylim(plastic_limits)
+        yield reading, "fig7_plastic_ratio", figure
+        roughnesses = sorted(cases[ROUGHNESS].unique())
+        figure, axes = _blank(reading, len(roughnesses))
+        for ax, roughness in zip(axes, roughnesses, strict=True):
+            spectra(ax, cases[cases[ROUGHNESS] == roughness], LOAD, curve_limits)
+            ax.set_title(title(cases, roughness), fontsize="small")
+        yield reading, "fig8_spectra", figure
+        figure, axes = _blank(reading, 2)
+        against_load(axes[0], cases, "maximum_10_db", "maximum A-weighted line [dB re 1 pW/m²]")
+        against_load(axes[1], cases, "maximum_20_db", "with 20 lg [dB], only differences count")
+        for ax, limits in zip(axes, maximum_limits, strict=True):
+            ax.set_ylim(limits)
+        yield reading, "fig9_maximum_level", figure
+
+
+def title(cases: pd.DataFrame, roughness: float) -> str:
+    """Write a roughness, with a remark where its slope exceeds the limit of half-space theory."""
+    slope = cases.loc[cases[ROUGHNESS] == roughness, "rms_slope"].max()
+    remark = " (too steep for half-space theory)" if slope > MAX_SLOPE else ""
+    return f"{label(ROUGHNESS, roughness)}{remark}"
+
+
+def against_load(ax: Axes, cases: pd.DataFrame, column: str, ylabel: str) -> Axes:
+    """Draw a column against load: a curve of means and standard deviations for each roughness."""
+    for number, (roughness, group) in enumerate(cases.groupby(ROUGHNESS)):
+        by_load = group.groupby(LOAD)[column].agg(["mean", "std"]).dropna(subset=["mean"])
+        ax.errorbar(
+            by_load.index,
+            by_load["mean"],
+            by_load["std"].fillna(0.0),
+            label=title(cases, float(roughness)),
+            capsize=3,
+            **look_of(number, cases[ROUGHNESS].nunique()),
+        )
+    loads = sorted(cases[LOAD].unique())
+    ax.set_xscale("log")
+    ax.set_xticks(loads, [f"{load:g}" for load in loads], minor=False)
+    ax.set_xticks([], minor=True)
+    ax.set_xlabel("load [N]")
+    ax.set_ylabel(ylabel)
+    ax.legend(fontsize="small")
+    return ax
+
+
+def spectra(ax: Axes, cases: pd.DataFrame, by: str, limits_db: tuple[float, float]) -> Axes:
+    """Draw the article's line spectra in 1/12 octaves: the mean power for each value of `by`."""
+    curves = []
+    for value, group in cases.groupby(by):
+        power = np.mean(np.stack([10 ** (curve / 10) for curve in group["curve_db"]]), axis=0)
+        level = 10 * np.log10(np.where(np.isnan(power), 0.0, power) + 1e-30)
+        curves.append((label(by, float(value)), Lines(group["curve_hz"].iloc[0], level)))
+    spectrum(ax, curves, limits_db, ordered=True)
+    ax.set_ylabel("A-weighted line level [dB re 1 pW/m²]")
+    ax.legend(fontsize="small")
+    return ax
+
+
+def sheet(ax: Any, cell_um: float, values: Array, quantity: str, colours: str) -> Any:
+    """Draw a map of heights, pressure or deflection as a surface in three dimensions."""
+    grid = np.indices(values.shape) * cell_um
+    ax.plot_surface(*grid, values, rcount=CELLS, ccount=CELLS, cmap=colours)
+    ax.set_xlabel("along [µm]", fontsize="small")
+    ax.set_ylabel("across [µm]", fontsize="small")
+    ax.set_zlabel(quantity, fontsize="small")
+    return ax
+
+
+def _map_figure(reading: str, maps: dict[str, Maps], quantity: str, colours: str) -> Figure | None:
+    """Draw the maps of a quantity, on the vertical scale of all readings; None without any."""
+    drawn = [sheets[key][1] for sheets in maps.values() for key in sheets if key[0] == quantity]
+    shown = {key: values for key, values in sorted(maps[reading].items()) if key[0] == quantity}
+    if not shown:
+        return None
+    limits = min(values.min() for values in drawn), max(values.max() for values in drawn)
+    figure, axes = _blank(reading, len(shown), "3d")
+    for ax, ((_, roughness, load), values) in zip(axes, shown.items(), strict=True):
+        sheet(ax, *values, quantity, colours)
+        ax.set_zlim(*(limits[::-1] if quantity.startswith("deflection") else limits))
+        under = "" if quantity.startswith("height") else f", {label(LOAD, load)}"
+        ax.set_title(f"{label(ROUGHNESS, roughness)}{under}", fontsize="small")
+    return figure
+
+
+def _blank(reading: str, count: int, projection: str | None = None) -> tuple[Figure, list[Any]]:
+    """Make a figure with a number of axes, two in a row."""
+    columns = min(count, 2)
+    rows = -(-count // columns)
+    figure = Figure(figsize=(8.5, 3.6 * rows), layout="constrained")
+    figure.suptitle(reading)
+    places = range(1, count + 1)
+    return figure, [figure.add_subplot(rows, columns, k, projection=projection) for k in places]

@@ -1,7 +1,8 @@
-"""Force law of a run: the loads of its marches, the law, and its error.
+"""Force law of a run: the loads of its marches, the law, its error, and the load that moves.
 
 A law needs marches at several loads, since contact without memory has a force for each place and
-approach. The loads depend on the scene alone.
+approach. The loads depend on the scene alone. The motion over the law gives the force at each
+position of a lap. A march under this force gives the release under the moving load.
 """
 
 from __future__ import annotations
@@ -13,11 +14,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from rolling._typing import Array
 from rolling.contact.solver import ContactError
 from rolling.dynamics import of_scene
 from rolling.dynamics.force_law import HIGHEST, LOWEST, ForceLaw
 from rolling.marches.piece import Piece
-from rolling.marches.result import LoadMarches, Result, vibration_key
+from rolling.marches.result import LoadMarches, MovingRelease, Result, vibration_key
 from rolling.scene.scene import Scene
 
 JUDGED_STEPS = 200  # maximum length of the stretch that is marched at loads between the others
@@ -186,3 +188,52 @@ def law_error(scene: Scene, result: Result, loads: Sequence[float]) -> LawError 
         newtons.append(error)
         ratios.append(error / float(np.abs(np.array(loads) - load).min()))
     return LawError(max(newtons), 20 * math.log10(1 + max(ratios)))
+
+
+# ---- moving load
+
+
+def load_along(scene: Scene, result: Result) -> MovingRelease:
+    """Return force and approach of the motion at each position of a lap.
+
+    A fault stands in their place where the sphere passes a position under more than one load, or
+    under none. A motion of fewer than two positions has the constant load of the scene.
+    """
+    key, steps = vibration_key(scene), result.solved_steps
+    motion = of_scene.motion(scene, force_law(scene, result))
+    closed = scene.track.closed and scene.motion.is_constant(scene.duration)
+    repeats = closed and motion.settled
+    if result.steps > steps and not repeats:
+        return MovingRelease.impossible(
+            key, steps, "the record passes the track more than once, and its force does not repeat"
+        )
+    if motion.flight_share > 0:
+        return MovingRelease.impossible(
+            key, steps, "the sphere loses contact, and nothing is released under no load"
+        )
+    count = round(len(motion.force_n) * steps / result.steps)
+    # A sphere that rests stays at its position.
+    moved = np.flatnonzero(np.diff(motion.position_m[:count], prepend=-np.inf) > 0)
+    if len(moved) < 2:  # it rests, or passes the lap before its force changes
+        load, mean = np.full(steps + 1, scene.load), motion.approach_m.mean()
+        return MovingRelease(key, load, np.full(steps + 1, mean))
+    places = motion.position_m[moved]
+    lap = steps * result.step if repeats else None
+    positions = np.arange(steps + 1, dtype=float) * result.step
+    force = _at(positions, places, motion.force_n[moved], lap)
+    approach = _at(positions, places, motion.approach_m[moved], lap)
+    if repeats:
+        force[-1] = force[0]  # to the last digit
+    if not force.min() > 0:
+        return MovingRelease.impossible(key, steps, "the contact force falls to zero")
+    return MovingRelease(key, force, approach)
+
+
+def _at(positions: Array, places: Array, values: Array, lap: float | None) -> Array:
+    """Interpolate values between places [m]; they repeat after a lap [m], unless it is None."""
+    from scipy.interpolate import CubicSpline  # slow to import, for motions only
+
+    if lap is None:
+        return np.asarray(CubicSpline(places, values)(positions))
+    around, again = np.append(places, places[0] + lap), np.append(values, values[0])
+    return np.asarray(CubicSpline(around, again, bc_type="periodic")(positions))

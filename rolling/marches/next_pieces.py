@@ -7,8 +7,7 @@ from typing import Any
 
 from rolling.check import cost
 from rolling.marches.error_stretches import stretch_pieces
-from rolling.marches.force_law import law_pieces
-from rolling.marches.moving_load import load_along
+from rolling.marches.force_law import law_pieces, load_along
 from rolling.marches.piece import Piece, march_piece
 from rolling.marches.result import Result, vibration_key
 from rolling.marches.slow_motion import film_stretch

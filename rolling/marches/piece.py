@@ -19,6 +19,7 @@ from rolling._typing import Array
 from rolling.check import cost, error_cost
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
+from rolling.contact.of_scene import rolling_contact
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
@@ -27,7 +28,6 @@ from rolling.marches.observers import Events, Film, Maps, Observer, Series
 from rolling.scene.identity import contact_keys, digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.refined import cells_of_patch
 from rolling.surface.scene_surface import heights
 
@@ -82,12 +82,12 @@ class Piece:
     @cached_property
     def key(self) -> str:
         """File-safe text that is unique among the pieces of an identity."""
-        text = f"{self.kind}-{self.first}-{self.last}"
+        suffix = {"error": self.level, "film": str(self.stride)}.get(self.kind, "")
         if self.kind in ("load", "judge"):
-            return f"{text}-{_short_digest(self.load.hex().encode())}"
-        if self.forces is not None:
-            return f"{text}-{_short_digest(self.forces.tobytes())}"
-        return text + (f"-{self.level}" if self.level else f"-{self.stride}" * (self.stride > 0))
+            suffix = _short_digest(self.load.hex().encode())
+        elif self.forces is not None:
+            suffix = _short_digest(self.forces.tobytes())
+        return "-".join(filter(None, (self.kind, str(self.first), str(self.last), suffix)))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Piece) and hash(self) == hash(other)

@@ -259,8 +259,9 @@ class Result:
         """Return the result of a scene without a sweep, without a solved step."""
         track = scene.track
         solved = track.solved_steps
-        series = {name: np.full(solved, np.nan) for name in STEP_SERIES}
-        series |= {name: np.full(solved + 1, np.nan) for name in STATE_SERIES}
+        # Views of a single NaN take no memory in a sweep of many runs before their first piece.
+        series = {name: np.broadcast_to(np.nan, solved) for name in STEP_SERIES}
+        series |= {name: np.broadcast_to(np.nan, solved + 1) for name in STATE_SERIES}
         return cls(contact_identity(scene), track.steps, solved, track.step, scene.start, series)
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
@@ -284,6 +285,8 @@ class Result:
             self.slow_motion = slow_motion_of(piece.first, piece.stride, arrays)
 
     def _add_track(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
+        if not self.series["approach"].flags.writeable:
+            self.series = {name: values.copy() for name, values in self.series.items()}
         for name in STEP_SERIES:
             self.series[name][piece.first : piece.last] = arrays[name]
         for name in STATE_SERIES:

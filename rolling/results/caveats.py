@@ -154,9 +154,10 @@ def _of_levels(scene: Scene, sound: ContactSound, errors: RunErrors | None) -> d
             " error of model, grid or solver."
         )
         if errors is not None and errors.levels:
+            law = ", solver and force law" if sound.source == "vibration" else " and solver"
             texts["uncertainty"] += (
-                " Errors of grid and solver are estimated beside the levels, which are not"
-                " corrected for them."
+                f" Errors of grid{law} are estimated beside the levels, which are not corrected for"
+                " them."
             )
     return texts
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
-from pathlib import Path
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,7 +30,7 @@ from rolling.marches.result import (
     StretchMarch,
 )
 from rolling.scene import file as scene_file
-from rolling.scene.scene import Scene
+from rolling.sound.vibration_sound import Vibration
 
 if TYPE_CHECKING:
     from rolling.results.run_result import Run
@@ -107,7 +106,8 @@ TABLE = {
     "sound/sound_time": ("sound_time", "s", "f8"),
     "sound/pressure": ("sound_time", "Pa", "f8"),
 }
-Group = tuple[Arrays, dict[str, Any]]  # arrays and attributes of a group
+Facts = dict[str, Any]
+Group = tuple[Arrays, Facts]  # arrays and attributes of a group
 
 
 def fixed_lengths(result: Result) -> dict[str, int]:
@@ -137,141 +137,184 @@ def groups_of(run: Run) -> dict[str, Group]:
         "format": FORMAT,
         "program": rolling.__version__,
         "identity": result.identity,
-        "scene": scene_file.dump(_seen_from(run.folder, run.scene)),
+        "scene": scene_file.dump(run.scene),
         "load_n": run.scene.load,
         "steps": result.steps,
         "solved_steps": result.solved_steps,
         "step_m": result.step,
         "start_m": result.start,
     }
+    groups: dict[str, Group] = {"": (arrays, facts)}
+    for name, (field, write, _) in _GROUPS.items():
+        if content := getattr(result, field):
+            groups[name] = write(content, run)
+    if run.vibration is not None:
+        groups["contact_force"] = _contact_force(run.vibration)
     samples = np.arange(len(sound.pressure)) / sound.sample_rate
-    heard = {"sound_time": samples, "pressure": sound.pressure}
     of_sound: dict[str, Any] = {"sample_rate_hz": sound.sample_rate, "closed": int(sound.closed)}
     if sound.factor is not None:
         of_sound["factor_pa_per_w_m2"] = sound.factor
-    groups = {"": (arrays, facts)} | {name: make(run) for name, make in _GROUPS.items()}
-    groups["sound"] = heard, of_sound
-    return {name: group for name, group in groups.items() if group != ({}, {})}
+    groups["sound"] = {"sound_time": samples, "pressure": sound.pressure}, of_sound
+    return groups
 
 
-def _seen_from(folder: Path, scene: Scene) -> Scene:
-    """Return a scene whose relative path to a height file starts from a folder."""
-    data = scene.to_dict()
-    if scene.height_path is None or Path(data["surface"]["path"]).is_absolute():
-        return scene
-    # Links are resolved first, because ".." of a linked folder leads elsewhere.
-    heights = scene.height_path.parent.resolve() / scene.height_path.name
-    data["surface"]["path"] = Path(os.path.relpath(heights, folder.resolve())).as_posix()
-    return Scene.from_dict(data, folder)
+def fill(result: Result, groups: dict[str, Group]) -> None:
+    """Fill an empty result with the arrays of the groups of its file."""
+    series, _ = groups[""]
+    for name in (*STEP_SERIES, *STATE_SERIES):
+        if name in TABLE:
+            result.series[name] = series[name][: len(result.series[name])].copy()
+    for name, (field, _, read) in _GROUPS.items():
+        if name in groups:
+            setattr(result, field, read(*groups[name], result))
 
 
-def _snapshot(run: Run) -> Group:
-    snapshot, spacing = run.result.snapshot, run.scene.spacing
-    if snapshot is None:
-        return {}, {}
-    rows, columns = snapshot.pressure.shape
+# ---- groups of a result, each written and read
+
+
+def _write_snapshot(snapshot: Snapshot, run: Run) -> Group:
+    rows, columns = (np.arange(count) * run.scene.spacing for count in snapshot.pressure.shape)
     return {
-        "along": snapshot.along + np.arange(rows) * spacing,
-        "across": snapshot.across + np.arange(columns) * spacing,
+        "along": snapshot.along + rows,
+        "across": snapshot.across + columns,
         "pressure": snapshot.pressure,
         "deflection": snapshot.deflection,
     }, {"distance_m": snapshot.distance}
 
 
-def _maps(run: Run) -> Group:
-    maps = [run.result.maps[position] for position in sorted(run.result.maps)]
-    if not maps:
-        return {}, {}
-    shapes = np.array([each.pressure.shape for each in maps])
+def _read_snapshot(arrays: Arrays, facts: Facts, result: Result) -> Snapshot:
+    along, across = float(arrays["along"][0]), float(arrays["across"][0])
+    return Snapshot(facts["distance_m"], along, across, arrays["pressure"], arrays["deflection"])
+
+
+_PLACES = ("position", "distance", "along", "across", "cell")
+
+
+def _write_maps(maps: dict[int, PressureMap], run: Run) -> Group:
+    ordered = [maps[position] for position in sorted(maps)]
+    shapes = np.array([each.pressure.shape for each in ordered])
     padded = np.full((len(maps), *shapes.max(axis=0)), np.nan, dtype=np.float32)
-    for block, each in zip(padded, maps, strict=True):
-        block[: each.pressure.shape[0], : each.pressure.shape[1]] = each.pressure
-    places = ("position", "distance", "along", "across", "cell")
-    arrays = {name: np.array([getattr(each, name) for each in maps]) for name in places}
+    for block, each, (rows, columns) in zip(padded, ordered, shapes, strict=True):
+        block[:rows, :columns] = each.pressure
+    arrays = {name: np.array([getattr(each, name) for each in ordered]) for name in _PLACES}
     return arrays | {"rows": shapes[:, 0], "columns": shapes[:, 1], "pressure": padded}, {}
 
 
-def _events(run: Run) -> Group:
+def _read_maps(arrays: Arrays, facts: Facts, result: Result) -> dict[int, PressureMap]:
+    maps, shapes = {}, zip(arrays["rows"].tolist(), arrays["columns"].tolist(), strict=True)
+    places = zip(*(arrays[name].tolist() for name in _PLACES), strict=True)
+    for place, (rows, columns), padded in zip(places, shapes, arrays["pressure"], strict=True):
+        fields = dict(zip(_PLACES, place, strict=True))
+        maps[place[0]] = PressureMap(**fields, pressure=padded[:rows, :columns].copy())
+    return maps
+
+
+def _write_events(pieces: dict[int, Arrays], run: Run) -> Group:
     return dict(run.events or {}), {}
 
 
-def _stretches(run: Run) -> Group:
-    stretches = run.result.stretches
-    if stretches is None:
-        return {}, {}
+def _read_events(arrays: Arrays, facts: Facts, result: Result) -> dict[int, Arrays]:
+    return {0: {name: arrays[name] for name in EVENT_COLUMNS}}
+
+
+_STRETCH = {"release_energy": "release", "approach": "approach", "plastic_area": "plastic_area"}
+
+
+def _write_stretches(stretches: ErrorStretches, run: Run) -> Group:
     firsts = sorted({first for first, _ in stretches.marches})
     marches = [[stretches.marches[first, level] for level in LEVELS] for first in firsts]
     arrays = {
         name: np.array([[getattr(march, field) for march in row] for row in marches])
-        for name, field in (
-            ("release_energy", "release"),
-            ("approach", "approach"),
-            ("plastic_area", "plastic_area"),
-        )
+        for name, field in _STRETCH.items()
     }
     faults = [[march.fault for march in row] for row in marches]
     return {"first": np.array(firsts)} | arrays, {"faults": json.dumps(faults)}
 
 
-def _slow_motion(run: Run) -> Group:
-    film = run.result.slow_motion
-    if film is None:
-        return {}, {}
-    names = ("first", "stride", "along", "across", "cell", "pressure_unit", "release_unit")
-    facts = {name: getattr(film, name) for name in names}
-    if not film.pressure.size:  # its stretch could not be solved again
-        return {}, facts
-    rows, columns = film.pressure.shape[1:]
-    return {
+def _read_stretches(arrays: Arrays, facts: Facts, result: Result) -> ErrorStretches:
+    release, approach, areas = (arrays[name] for name in _STRETCH)
+    stretches, faults = ErrorStretches(release.shape[2]), json.loads(facts["faults"])
+    for row, first in enumerate(arrays["first"].tolist()):
+        for column, level in enumerate(LEVELS):
+            at, fault = (row, column), faults[row][column]
+            march = StretchMarch(release[at], approach[at], float(areas[at]), 0.0, fault)
+            stretches.marches[first, level] = march
+    return stretches
+
+
+_FILM = ("first", "stride", "along", "across", "cell", "pressure_unit", "release_unit")
+
+
+def _write_film(film: SlowMotion, run: Run) -> Group:
+    """Return the film; it has no arrays where its stretch could not be solved again."""
+    facts = {name: getattr(film, name) for name in _FILM}
+    rows, columns = ((np.arange(count) + 0.5) * film.cell for count in film.pressure.shape[1:])
+    arrays = {
         "map_position": film.positions,
-        "along": film.along + (np.arange(rows) + 0.5) * film.cell,
-        "across": film.across + (np.arange(columns) + 0.5) * film.cell,
+        "along": film.along + rows,
+        "across": film.across + columns,
         "pressure": film.pressure,
         "release": film.release,
-    }, facts
-
-
-def _places(run: Run) -> NDArray[np.float64]:
-    """Return the positions of a lap [m]."""
-    result = run.result
-    return np.asarray(result.start + np.arange(result.solved_steps + 1) * result.step)
-
-
-def _force_law(run: Run) -> Group:
-    """Return the approach at each load, the scene's own included."""
-    marches = run.result.load_marches
-    if marches is None:
-        return {}, {}
-    by_load = marches.approach | {run.scene.load: run.result.series["approach"]}
-    arrays = {
-        "load": np.array(sorted(by_load)),
-        "place": _places(run),
-        "approach": np.array([by_load[load] for load in sorted(by_load)]),
     }
-    if marches.judging:
-        between = sorted(marches.judging)
+    return arrays if film.pressure.size else {}, facts
+
+
+def _read_film(arrays: Arrays, facts: Facts, result: Result) -> SlowMotion:
+    if not arrays:
+        return SlowMotion.none()
+    fields = {name: facts[name] for name in _FILM}
+    return SlowMotion(**fields, pressure=arrays["pressure"], release=arrays["release"])
+
+
+def _write_law(marches: LoadMarches, run: Run) -> Group:
+    """Return the approach at each load, the scene's own included."""
+    by_load = marches.approach | {run.scene.load: run.result.series["approach"]}
+    loads, between = sorted(by_load), sorted(marches.judging)
+    arrays = {
+        "load": np.array(loads),
+        "place": _places(run.result),
+        "approach": np.array([by_load[load] for load in loads]),
+    }
+    if between:
         arrays["judging_load"] = np.array(between)
         arrays["judging_approach"] = np.array([marches.judging[load] for load in between])
     faults = {repr(load): marches.faults[load] for load in sorted(marches.faults)}
-    return arrays, {"faults": json.dumps(faults)}
+    return arrays, {"own_load_n": run.scene.load, "faults": json.dumps(faults)}
 
 
-def _moving(run: Run) -> Group:
-    moving = run.result.moving
-    if moving is None:
-        return {}, {}
+def _read_law(arrays: Arrays, facts: Facts, result: Result) -> LoadMarches:
+    marches = LoadMarches(result.solved_steps)
+    marches.approach = dict(zip(arrays["load"].tolist(), arrays["approach"], strict=True))
+    del marches.approach[facts["own_load_n"]]
+    if "judging_load" in arrays:
+        judging = zip(arrays["judging_load"].tolist(), arrays["judging_approach"], strict=True)
+        marches.judging = dict(judging)
+    marches.faults = {float(load): text for load, text in json.loads(facts["faults"]).items()}
+    return marches
+
+
+def _write_moving(moving: MovingRelease, run: Run) -> Group:
     facts = {"key": moving.key, "fault": moving.fault}
-    if moving.fault:
-        return {}, facts
-    arrays = {"place": _places(run), "force": moving.force, "approach": moving.approach}
+    arrays = {"place": _places(run.result), "force": moving.force, "approach": moving.approach}
     arrays |= {"motion_approach": moving.motion_approach, **moving.steps}
-    return arrays, facts
+    return {} if moving.fault else arrays, facts
 
 
-def _contact_force(run: Run) -> Group:
-    vibration = run.vibration
-    if vibration is None:
-        return {}, {}
+def _read_moving(arrays: Arrays, facts: Facts, result: Result) -> MovingRelease:
+    if facts["fault"]:
+        return MovingRelease.impossible(facts["key"], result.solved_steps, facts["fault"])
+    force, motion = arrays["force"], arrays["motion_approach"]
+    steps = {name: arrays[name] for name in MOVING_SERIES}
+    return MovingRelease(facts["key"], force, motion, arrays["approach"], steps)
+
+
+def _places(result: Result) -> NDArray[np.float64]:
+    """Return the positions of a lap [m]."""
+    return np.asarray(result.start + np.arange(result.solved_steps + 1) * result.step)
+
+
+def _contact_force(vibration: Vibration) -> Group:
+    """Return the contact force at the samples of the sound, and its bands."""
     force = vibration.motion.force_n
     return {
         "force_time": np.arange(len(vibration.force)) / wav.SAMPLE_RATE_HZ,
@@ -286,97 +329,13 @@ def _contact_force(run: Run) -> Group:
     }
 
 
-_GROUPS = {
-    "snapshot": _snapshot,
-    "pressure_maps": _maps,
-    "events": _events,
-    "error_estimate": _stretches,
-    "slow_motion": _slow_motion,
-    "force_law": _force_law,
-    "moving_release": _moving,
-    "contact_force": _contact_force,
-}
-
-
-# ---- into a result
-
-
-def fill(result: Result, load: float, groups: dict[str, Group]) -> None:
-    """Fill an empty result with the arrays of the groups; `load` [N] is the run's own."""
-    series, _ = groups[""]
-    for name in (*STEP_SERIES, *STATE_SERIES):
-        if name in TABLE:
-            count = len(result.series[name])
-            result.series[name] = np.array(series[name][:count])
-    for group, (arrays, facts) in groups.items():
-        if group in _READERS:
-            _READERS[group](result, load, arrays, facts)
-
-
-def _read_snapshot(result: Result, load: float, arrays: Arrays, facts: dict[str, Any]) -> None:
-    corner = float(arrays["along"][0]), float(arrays["across"][0])
-    result.snapshot = Snapshot(
-        facts["distance_m"], *corner, arrays["pressure"], arrays["deflection"]
-    )
-
-
-def _read_maps(result: Result, load: float, arrays: Arrays, facts: dict[str, Any]) -> None:
-    names = ("position", "distance", "along", "across", "cell")
-    places = zip(*(arrays[name].tolist() for name in names), strict=True)
-    shapes = zip(arrays["rows"].tolist(), arrays["columns"].tolist(), strict=True)
-    for place, (rows, columns), padded in zip(places, shapes, arrays["pressure"], strict=True):
-        result.maps[place[0]] = PressureMap(*place, padded[:rows, :columns].copy())
-
-
-def _read_events(result: Result, load: float, arrays: Arrays, facts: dict[str, Any]) -> None:
-    result.event_pieces = {0: {name: arrays[name] for name in EVENT_COLUMNS}}
-
-
-def _read_stretches(result: Result, load: float, arrays: Arrays, facts: dict[str, Any]) -> None:
-    release, approach, areas = (
-        arrays[name] for name in ("release_energy", "approach", "plastic_area")
-    )
-    result.stretches = ErrorStretches(release.shape[2])
-    for row, first in enumerate(arrays["first"].tolist()):
-        for column, level in enumerate(LEVELS):
-            at, fault = (row, column), json.loads(facts["faults"])[row][column]
-            march = StretchMarch(release[at], approach[at], float(areas[at]), 0.0, fault)
-            result.stretches.marches[first, level] = march
-
-
-def _read_film(result: Result, load: float, arrays: Arrays, facts: dict[str, Any]) -> None:
-    maps: dict[str, Any] = {name: arrays[name] for name in ("pressure", "release") if arrays}
-    result.slow_motion = SlowMotion(**facts, **maps) if arrays else SlowMotion.none()
-
-
-def _read_law(result: Result, load: float, arrays: Arrays, facts: dict[str, Any]) -> None:
-    marches = LoadMarches(result.solved_steps)
-    marches.approach = dict(zip(arrays["load"].tolist(), arrays["approach"], strict=True))
-    del marches.approach[load]
-    if "judging_load" in arrays:
-        judging = zip(arrays["judging_load"].tolist(), arrays["judging_approach"], strict=True)
-        marches.judging = dict(judging)
-    marches.faults = {float(key): text for key, text in json.loads(facts["faults"]).items()}
-    result.load_marches = marches
-
-
-def _read_moving(result: Result, load: float, arrays: Arrays, facts: dict[str, Any]) -> None:
-    if facts["fault"]:
-        impossible = MovingRelease.impossible
-        result.moving = impossible(facts["key"], result.solved_steps, facts["fault"])
-        return
-    steps = {name: arrays[name] for name in MOVING_SERIES}
-    result.moving = MovingRelease(
-        facts["key"], arrays["force"], arrays["motion_approach"], arrays["approach"], steps
-    )
-
-
-_READERS = {
-    "snapshot": _read_snapshot,
-    "pressure_maps": _read_maps,
-    "events": _read_events,
-    "error_estimate": _read_stretches,
-    "slow_motion": _read_film,
-    "force_law": _read_law,
-    "moving_release": _read_moving,
+# Name of the group, field of the result, writer and reader.
+_GROUPS: dict[str, tuple[str, Callable[[Any, Run], Group], Callable[..., Any]]] = {
+    "snapshot": ("snapshot", _write_snapshot, _read_snapshot),
+    "pressure_maps": ("maps", _write_maps, _read_maps),
+    "events": ("event_pieces", _write_events, _read_events),
+    "error_estimate": ("stretches", _write_stretches, _read_stretches),
+    "slow_motion": ("slow_motion", _write_film, _read_film),
+    "force_law": ("load_marches", _write_law, _read_law),
+    "moving_release": ("moving", _write_moving, _read_moving),
 }

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,6 @@ import numpy as np
 
 from rolling.marches.result import Result
 from rolling.results.result_arrays import FORMAT, TABLE, Group, fill, fixed_lengths, groups_of
-from rolling.scene import file as scene_file
 from rolling.scene.scene import Scene
 from rolling.terminal.files import FolderError
 
@@ -36,12 +36,6 @@ _COORDINATES = ("time", "position_time")  # beside the values of the dimensions
 
 def write_result(run: Run) -> bytes:
     """Return the bytes of result.h5, which are equal for equal runs."""
-    content = bytes(tree(run).to_netcdf(engine="h5netcdf"))
-    return content + _seal(content)
-
-
-def tree(run: Run) -> xarray.DataTree:
-    """Return the content of result.h5 as a tree of named arrays with units."""
     import xarray  # slow to import, for whole runs only
 
     nodes = {}
@@ -50,19 +44,25 @@ def tree(run: Run) -> xarray.DataTree:
         for name, values in arrays.items():
             dimensions, unit, kind = TABLE[f"{group}/{name}".lstrip("/")]
             encoding: dict[str, Any] = {"_FillValue": None}
-            if kind[0] == "u":  # whole numbers of a unit, mostly of unloaded cells
-                scale = facts[f"{name}_unit"]
-                encoding |= {"dtype": kind, "scale_factor": scale, "zlib": True, "complevel": 1}
-                values = values * scale
+            if values.size and kind != "f8":  # maps and whole numbers
+                encoding |= {"zlib": True, "complevel": 1, "shuffle": True}
+            attributes = {"units": unit}
+            if kind[0] == "u":  # whole numbers of a unit
+                attributes["scale_factor"] = facts[f"{name}_unit"]
             variables[name] = xarray.Variable(
-                dimensions.split(),
-                values if kind[0] == "u" else values.astype(kind),
-                {"units": unit},
-                encoding,
+                dimensions.split(), values.astype(kind), attributes, encoding
             )
         beside = [name for name in _COORDINATES if name in variables]
         nodes[f"/{group}"] = xarray.Dataset(variables, attrs=facts).set_coords(beside)
-    return xarray.DataTree.from_dict(nodes)
+    content = bytes(xarray.DataTree.from_dict(nodes).to_netcdf(engine="h5netcdf"))
+    return content + _seal(content)
+
+
+def tree(run: Run) -> xarray.DataTree:
+    """Return the content of result.h5 as a tree of named arrays with units."""
+    import xarray
+
+    return xarray.open_datatree(io.BytesIO(write_result(run)), engine="h5netcdf").load()
 
 
 def read_result(path: Path, scene: Scene) -> Result:
@@ -90,33 +90,13 @@ def read_result(path: Path, scene: Scene) -> Result:
                 arrays = {str(name): values.values for name, values in data.variables.items()}
                 facts = {name: _plain(value) for name, value in data.attrs.items()}
                 groups[node.path.strip("/")] = arrays, facts
-        fill(result, scene.load, groups)
+        fill(result, groups)
     except FolderError:
         raise
     except Exception as error:  # h5py and xarray raise errors of any kind on hostile files
         text = " ".join(str(error).split()) or type(error).__name__
         raise FolderError(f"{path}: not a result of this program ({text})") from error
     return result
-
-
-def read_scene(path: Path) -> Scene:
-    """Read the scene that a result.h5 was solved for.
-
-    Raises
-    ------
-    FolderError : the file is missing, has changed since it was written, or is of another version.
-    SceneError : its scene is not valid.
-    """
-    content = _sealed(path)
-    try:
-        with h5py.File(io.BytesIO(content), "r") as file:
-            _refuse_version(path, file)
-            text = str(file.attrs["scene"])
-    except FolderError:
-        raise
-    except Exception as error:
-        raise FolderError(f"{path}: not a result of this program ({error})") from error
-    return scene_file.loads(text, [], str(path), path.parent)
 
 
 def _plain(value: Any) -> Any:
@@ -179,7 +159,7 @@ def _refuse_shapes(file: h5py.File, result: Result, size: int) -> None:
             key = ("" if dimension in fixed else group, dimension)
             if lengths.setdefault(key, length) != length:
                 raise ValueError(f"{path}: got {length} along {dimension}, allowed: {lengths[key]}")
-        total += data.size * data.dtype.itemsize
+        total += math.prod(data.shape) * data.dtype.itemsize
     if total > _LARGEST * size:
         raise ValueError(f"arrays of {total} bytes in a file of {size} bytes")
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from acoustics import extension, wav
 from rolling._typing import Array
-from rolling.results import labels, result_file
+from rolling.results import result_file
 from rolling.results.run_result import Run, hear
 from rolling.results.summary import provenance
 from rolling.scene.scene import Scene
@@ -49,18 +48,13 @@ def write_run(run: Run) -> None:
     )
 
 
-def read_run(
-    folder: Path,
-    scene: Scene | None = None,
-    values: Mapping[str, Value] | None = None,
-    label: str | None = None,
-) -> Run:
-    """Read a run from its folder.
+def read_run(folder: Path, scene: Scene, values: Mapping[str, Value], label: str) -> Run:
+    """Read a run from its folder, with its stored numbers.
 
     folder : Path. The folder with the files of the run.
-    scene : Scene. The scene without a sweep. Default: the one in result.h5.
-    values : mapping. The swept values of the run by dotted key. Default: none.
-    label : str. The label that distinguishes it from other runs. Default: that of a single run.
+    scene : Scene. The scene without a sweep.
+    values : mapping. The swept values of the run by dotted key.
+    label : str. The label that distinguishes it from other runs.
 
     Raises
     ------
@@ -75,10 +69,8 @@ def read_run(
         raise FolderError(f"{path}: not readable ({error})") from error
     if missing:
         raise FolderError(f"{path}: lacks {', '.join(sorted(missing))}")
-    scene = scene or result_file.read_scene(folder / RESULT)
     result = result_file.read_result(folder / RESULT, scene)
-    run = hear(label or "", values or {}, folder, scene, result, summary)
-    return run if label else replace(run, label=labels.labels([run])[0])
+    return hear(label, values, folder, scene, result, summary)
 
 
 def write_extended(run: Run, extended: Array) -> Path:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import subprocess
 from dataclasses import asdict
@@ -18,7 +17,6 @@ import rolling
 from acoustics import loudness
 from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, level_db
-from acoustics.uncertainty import LevelUncertainty
 from rolling._typing import Array
 from rolling.check import cost, height_files
 from rolling.contact import closed_forms
@@ -58,15 +56,17 @@ def summarize(
     made, seconds = scene_surface(scene), result.series["step_time"]
     law = _law(scene, result, vibration)
     heard_law = law.get("force_law_error_db") if sound.source == "vibration" else None
+    spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
+    del spreads["third_octave"]
     times = seconds[np.isfinite(seconds)]  # unknown of marches that were read from a file
     return {
         "name": scene.name,
         "load_n": scene.load,
         "steps": result.steps,
         "source": sound.source,
-        **_levels(sound.levels),
+        **asdict(sound.levels),
         "steady_level_db": sound.steady_level,
-        "uncertainty_db": _spreads(sound.uncertainty) | {"steady": sound.steady_uncertainty},
+        "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},
         "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
         **numbers(errors, sound.uncertainty.laeq_db, heard_law),
         **_loudness(scene, sound),
@@ -105,42 +105,13 @@ _version = cache(metadata.version)
 def _commit() -> str | None:
     """Return the commit of the checkout with the mark of changes; None outside a checkout."""
     root = Path(rolling.__file__).parents[1]
-    git = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
-    # The variables of a hook would point git at another repository.
-    environment = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
-    if not (root / ".git").exists():
-        return None
+    git = ["git", "--git-dir", str(root / ".git"), "--work-tree", str(root)]
+    command = [*git, "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
     try:
-        done = subprocess.run(
-            git, capture_output=True, text=True, check=True, timeout=10, env=environment
-        )
+        done = subprocess.run(command, capture_output=True, text=True, timeout=10)
     except (OSError, subprocess.SubprocessError):
         return None
-    return done.stdout.strip()
-
-
-def _levels(levels: SoundLevels) -> dict[str, Any]:
-    """Return the levels of a record under their names."""
-    return {
-        "laeq_db": levels.laeq_db,
-        "level_db": levels.level_db,
-        "laf_max_db": levels.laf_max_db,
-        "las_max_db": levels.las_max_db,
-        "lz_peak_db": levels.lz_peak_db,
-        "third_octave_db": levels.third_octave_db,
-        "third_octave_a_db": levels.third_octave_a_db,
-    }
-
-
-def _spreads(uncertainty: LevelUncertainty) -> dict[str, float | None]:
-    """Return the standard uncertainties of the levels [dB]."""
-    return {
-        "laeq": uncertainty.laeq_db,
-        "level": uncertainty.level_db,
-        "laf_max": uncertainty.laf_max_db,
-        "las_max": uncertainty.las_max_db,
-        "lz_peak": uncertainty.lz_peak_db,
-    }
+    return done.stdout.strip() or None
 
 
 def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from acoustics import extension, wav
-from rolling.check import long_steps, refusals
+from rolling.check import refusals
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.results import labels, result_file, runs_table
@@ -65,22 +65,10 @@ def run_scene(
     if not isinstance(scene, Scene):
         scene = file.read_scene(scene, overrides)
     folder = out or default_folder(scene)
-    refuse_impossible(scene, workers, folder)
+    refusals.refuse(scene, workers, folder)
     if part is not None and not scene.sweep:
         raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
     return _run(scene, folder, [], part, workers, cluster, report)
-
-
-def refuse_impossible(scene: Scene, workers: int, folder: Path) -> None:
-    """Refuse a scene that cannot be run here, before anything is computed or written.
-
-    Raises
-    ------
-    SceneError : a package is missing, steps are too long, or memory or disk do not suffice.
-    """
-    refusals.refuse_unavailable(scene)
-    long_steps.refuse_long_steps(scene)
-    refusals.refuse_what_cannot_fit(scene, workers, folder)
 
 
 def resound(
@@ -113,7 +101,7 @@ def resound(
         raise FolderError(f"{source}: no run in it is done, so there is no march to take")
     scene = file.resound(folders.stored_scene(source), overrides)
     folder = out or default_folder(scene)
-    refuse_impossible(scene, workers, folder)
+    refusals.refuse(scene, workers, folder)
     return _run(scene, folder, stored, None, workers, None, report)
 
 
@@ -176,6 +164,9 @@ def _solve(
     names = dict(zip((run.folder for run in runs), labels.labels(runs), strict=True))
     lacking = [run for run in own if not run.is_done]
     folders.tidy(folder, own)
+    for run in own:
+        if run.is_done and run.scene.height_path is not None:  # its file may have been edited
+            result_file.read_result(run.folder / folders.RESULT, run.scene)
     if not lacking:
         return {}
     scenes = [run.scene for run in lacking]

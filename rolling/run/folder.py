@@ -18,9 +18,8 @@ from pathlib import Path
 import rolling
 from rolling.scene import file, identity
 from rolling.scene import sweep as sweeps
-from rolling.scene.run_names import run_name
 from rolling.scene.scene import Scene
-from rolling.scene.sweep import Value
+from rolling.scene.sweep import Value, run_name
 from rolling.terminal import files
 from rolling.terminal.files import FolderError
 
@@ -68,7 +67,7 @@ class RunFolder:
         """The reason of the last failure, or None."""
         try:
             return str(json.loads((self.folder / FAILED).read_bytes())["reason"])
-        except FileNotFoundError:
+        except (FileNotFoundError, NotADirectoryError):
             return None
         except (OSError, ValueError, KeyError, TypeError):
             return "unknown"
@@ -280,11 +279,11 @@ def tidy(folder: Path, runs: Sequence[RunFolder]) -> None:
     for place in (folder / PIECES, *(run.folder for run in runs if run.values)):
         if place.is_symlink():
             raise FolderError(f"{place}: a link, but results are written into real folders only")
-    for run in runs:
-        (run.folder / FAILED).unlink(missing_ok=True)
     for place in {folder, *(run.folder for run in runs)}:
-        for path in place.glob(".*.partial"):
-            path.unlink(missing_ok=True)
+        with suppress(OSError):  # a place that is no folder
+            (place / FAILED).unlink(missing_ok=True)
+            for path in place.glob(".*.partial"):
+                path.unlink(missing_ok=True)
 
 
 def drop_pieces(folder: Path, contact: str) -> None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from rolling.check import refusals
 from rolling.contact.solver import ContactError
 from rolling.marches.result import Result
 from rolling.results import labels
 from rolling.results.run_result import Run, hear
-from rolling.run.commands import refuse_impossible
 from rolling.run.executor import RunLoop
 from rolling.run.folder import RunFolder
 from rolling.run.pools import local_pool
@@ -114,7 +114,7 @@ def _simulated(
     scene: Scene, workers: int, shown: bool | None
 ) -> tuple[dict[Values, Run], dict[str, str]]:
     """Simulate the runs of a scene; return them by swept values, and failures by label."""
-    refuse_impossible(scene, workers, Path())
+    refusals.refuse(scene, workers)
     runs = [RunFolder(values, single, Path()) for values, single in scene.runs()]
     names, heard = labels.labels(runs), dict[int, Run]()
 

@@ -5,19 +5,19 @@ Each pool is a context with `slots`, the number of tasks that it takes at a time
 
 from __future__ import annotations
 
+import asyncio
 import json
 import logging
 import os
 import pickle
-import socket
 import sys
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Protocol, Self, cast
 
 from rolling.check import cost
 from rolling.run import worker
@@ -222,17 +222,15 @@ class Cluster:
         SceneError : Dask is missing, no scheduler answers, or a worker runs another program.
         """
         try:
-            from distributed import Client
+            import distributed
         except ImportError as error:
             install = 'pip install "rolling-contact-noise[cluster]"'
             raise SceneError([f"--cluster: needs Dask: {install}"]) from error
-        for name in ("distributed", "tornado", "asyncio"):  # their lines would stand between ours
+        for name in ("distributed", "tornado", "tornado.application", "asyncio"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
         address = _answering(self.address)
-        try:
-            self._client: Any = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
-        except Exception as error:  # of any kind where another program answers
-            raise SceneError([f"--cluster: {self.address}: no scheduler of Dask"]) from error
+        dask: Any = distributed
+        self._client = dask.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
         self._executor = self._client.get_executor(pure=False)
         try:
             self._refuse_other_programs()
@@ -305,16 +303,35 @@ class Cluster:
 
 
 def _answering(text: str) -> str:
-    """Return the address of a scheduler where something answers; a file (.json) may name it."""
-    address = text
+    """Return the address of a scheduler that answers; a scheduler file (.json) may name it.
+
+    A client of Dask waits for ever for a program that takes its call and never answers, so the
+    question comes first.
+    """
+    address, reason = text, "not one of Dask"
     try:
         if text.endswith(".json"):
             address = str(json.loads(Path(text).read_text(encoding="utf-8"))["address"])
-        host, _, port = address.rpartition("//")[2].rpartition(":")
-        if not port.isdecimal():
-            address, host, port = f"{address}:{PORT}", address.rpartition("//")[2], str(PORT)
-        socket.create_connection((host.strip("[]"), int(port)), CONNECT_SECONDS).close()
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        cause = getattr(error, "strerror", None) or error
-        raise SceneError([f"--cluster: {text}: no scheduler answers ({cause})"]) from error
-    return address
+        if not address.rpartition(":")[2].isdecimal():
+            address += f":{PORT}"
+        with ThreadPoolExecutor(1) as thread:  # a notebook has a loop of its own in this one
+            thread.submit(asyncio.run, _ask(address)).result()
+    except TimeoutError:
+        reason = "a time-out"
+    except OSError as error:
+        reason = str(error.strerror or error.__cause__ or error)
+    except Exception:  # of any kind where another program answers
+        pass
+    else:
+        return address
+    raise SceneError([f"--cluster: {text}: no scheduler answers ({reason})"])
+
+
+async def _ask(address: str) -> None:
+    """Connect to an address as a client of Dask does, and hang up."""
+    from distributed import comm, security
+
+    dask: Any = comm
+    arguments = cast(Any, security.Security)().get_connection_args("client")
+    call = dask.connect(address, timeout=CONNECT_SECONDS, **arguments)
+    (await asyncio.wait_for(call, CONNECT_SECONDS + 1)).abort()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,27 +12,13 @@ from pydantic import ValidationError
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 
-from rolling.scene import library, yaml_text
-from rolling.scene import sweep as sweeps
-from rolling.scene.messages import (
-    Key,
-    SceneError,
-    all_keys,
-    nearest,
-    numeric_keys,
-    required,
-    section_keys,
-    shown,
-    text_keys,
-)
+from rolling.scene import library, messages, yaml_text
+from rolling.scene.messages import Key, SceneError, all_keys, shown
 from rolling.scene.motion import Motion
-from rolling.scene.scene import Scene
+from rolling.scene.scene import Scene, put
 from rolling.scene.sections import Rolling, Sound
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.yaml_text import TextError
-
-_LONG_TEXT = 100_000  # letters; the resolved form of a shorter text keeps the limits
-
 
 # ---- reading, writing, overriding
 
@@ -70,7 +57,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
 def loads(
     text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()
 ) -> Scene:
-    """Read a scene from text.
+    """Read a scene from text; raise SceneError with all faults of text and overrides.
 
     Parameters
     ----------
@@ -78,36 +65,24 @@ def loads(
         Name of the text in messages.
     folder : Path
         Folder that a relative `surface.path` starts from.
-
-    Raises
-    ------
-    SceneError
-        Text or overrides have faults; each is named.
     """
     try:
         data, lines = yaml_text.parse(text, where)
     except TextError as error:
         raise SceneError([str(error)]) from error
     if data is None:
-        raise SceneError(
-            [f"{where}: empty, a scene needs at least {', '.join(['name', *required(Scene)])}"]
-        )
+        needed = ", ".join(name for name, key in Scene.model_fields.items() if key.is_required())
+        raise SceneError([f"{where}: empty, a scene needs at least name, {needed}"])
     if not isinstance(data, dict):
-        raise SceneError(
-            [
-                f"{where}:1: got {shown(data)}, allowed: a scene of keys and values, the first"
-                " being name"
-            ]
-        )
+        words = "a scene of keys and values, the first being name"
+        raise SceneError([f"{where}:1: got {shown(data)}, allowed: {words}"])
     places = {key: f"{where}:{line}" for key, line in lines.items()}
-    scene = Scene.from_dict(data, folder, places, _override(data, places, overrides))
-    if len(text) > _LONG_TEXT or any(len(override) > _LONG_TEXT for override in overrides):
-        try:  # `resume` will read the resolved form, which is longer
-            yaml_text.parse(dump(scene), where)
-        except TextError as error:
-            beyond = str(error).removeprefix(f"{where}:").lstrip("1234567890: ")
-            raise SceneError([f"{where}: with every default filled in: {beyond}"]) from error
-    return scene
+    return Scene.from_dict(data, folder, places, _override(data, places, overrides))
+
+
+def _bare(error: TextError) -> str:
+    """Return the message of a fault without its place."""
+    return re.sub(r"^[^ ]*: (\d+: )?", "", str(error))
 
 
 def dump(scene: Scene) -> str:
@@ -139,56 +114,23 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
     for override in overrides:
         name, equals, text = override.partition("=")
         name = name.strip()
-        known = all_keys(Scene)
         if not equals or not name:
-            faults.append(
-                f"--set: got {shown(override)}, allowed: key=value, as in rolling.load_n=50"
-            )
-            continue
-        if name not in known:
-            section = name.rpartition(".")[0] + "."
-            siblings = [
-                other for other in known if other.startswith(section) and section != "sweep."
-            ]
-            allowed = (
-                f", allowed: {', '.join(other.removeprefix(section) for other in siblings)}"
-                if siblings
-                else ""
-            )
-            faults.append(f"--set: {name}: unknown key{nearest(name, siblings or known)}{allowed}")
-            continue
-        try:
-            value, _ = yaml_text.parse(text, "--set")
-        except TextError as error:
-            faults.append(
-                f"--set: {name}: {str(error).removeprefix('--set:').lstrip('1234567890: ')}"
-            )
-            continue
-        key = _split(name)
-        inside = data
-        for depth, part in enumerate(key[:-1]):
-            if inside.get(part) is None:
-                inside[part] = {}
-                places[key[: depth + 1]] = "--set"
-            inside = inside[part]
-            if not isinstance(inside, dict):
-                # The file has another value in place of the section, which is a fault by itself.
-                break
+            example = "key=value, as in rolling.load_n=50"
+            faults.append(f"--set: got {shown(override)}, allowed: {example}")
+        elif name not in all_keys(Scene):
+            faults.append(f"--set: {name}: {messages.unknown_name(name, Scene)}")
         else:
-            inside[key[-1]] = value
-            for old in [old for old in places if old[: len(key)] == key]:
-                del places[old]
+            try:
+                put(data, name, yaml_text.parse(text, "--set")[0])
+            except TextError as error:
+                faults.append(f"--set: {name}: {_bare(error)}")
+                continue
+            section, _, last = name.partition(".")
+            key = (section, last) if last else (section,)
+            for inner in [other for other in places if other[: len(key)] == key]:
+                del places[inner]
             places[key] = "--set"
-            sweep = data.get("sweep")
-            if isinstance(sweep, dict) and key[0] != "sweep":
-                sweeps.drop(sweep, name)
     return faults
-
-
-def _split(name: str) -> tuple[str, ...]:
-    """Return the key of a dotted name, whose part after the first dot is a single name."""
-    first, dot, rest = name.partition(".")
-    return (first, rest) if dot else (first,)
 
 
 # ---- new sound from a stored run
@@ -208,9 +150,8 @@ RESOUND_KEYS = (
 def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
     """Give the scene of a stored run another speed, mass, thickness or sound.
 
-    Track and contact stay as they are.
-
-    `duration_s`, where the scene has one, becomes the time that the same track takes.
+    Track and contact stay as they are. `duration_s`, where the scene has one, becomes the time
+    that the same track takes.
 
     Raises
     ------
@@ -218,30 +159,23 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
         A key needs a new solution, a value is not allowed, or the sphere comes to rest before the
         track ends.
     """
-    known = {override: override.partition("=")[0].strip() for override in overrides}
-    solved = [
-        override
-        for override in overrides
-        if known[override] in set(all_keys(Scene)) - {*RESOUND_KEYS, "sound"}
-    ]
+    names = {override: override.partition("=")[0].strip() for override in overrides}
+    solved = {*all_keys(Scene)} - {*RESOUND_KEYS, "sound"}
     faults = [
-        f"--set: {known[override]}: needs a new run; without solving again allowed:"
-        f" {', '.join(RESOUND_KEYS)}"
-        for override in solved
+        f"--set: {name}: needs a new run; without solving again allowed: {', '.join(RESOUND_KEYS)}"
+        for name in names.values()
+        if name in solved
     ]
     data = scene.to_dict()
     places: dict[Key, str] = {(): "stored scene"}
-    faults += _override(
-        data, places, [override for override in overrides if override not in solved]
-    )
+    faults += _override(data, places, [text for text, name in names.items() if name not in solved])
     if not faults and scene.rolling.duration_s is not None:
         made = not isinstance(scene.surface, HeightFile)
-        distance = (
-            scene.track.distance if made else float(scene.motion.distance(scene.rolling.duration_s))
-        )
+        rolled = float(scene.motion.distance(scene.rolling.duration_s))
         try:
             motion = Motion.of(Rolling.model_validate(data["rolling"]).speed_m_s)
-            data["rolling"]["duration_s"] = float(f"{motion.duration(distance):.12g}")
+            duration = motion.duration(scene.track.distance if made else rolled)
+            data["rolling"]["duration_s"] = float(f"{duration:.12g}")
         except ValidationError:
             pass  # `from_dict` refuses the new speed
         except ValueError as error:
@@ -263,19 +197,14 @@ def schema() -> dict[str, Any]:
         "A sphere that rolls on a rough surface, how its contact is solved, and where it is heard."
     )
     numbers = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "number"}}
-    sweep = result["properties"]["sweep"]
-    names = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "string"}}
+    names = {**numbers, "items": {"type": "string"}}
     labelled = {"type": "object", "minProperties": 1}
-    swept: dict[str, Any] = {
-        key: {"anyOf": [form, labelled], "description": f"Values of {key}: {field.description}"}
-        for keys, form in ((numeric_keys(Scene), numbers), (text_keys(Scene), names))
-        for key, field in keys.items()
+    result["properties"]["sweep"] |= {
+        "properties": {
+            key: {"anyOf": [numbers if key in messages.numeric_keys(Scene) else names, labelled]}
+            for key in messages.keys(Scene)
+        }
+        | dict.fromkeys(messages.section_keys(Scene), labelled),
+        "additionalProperties": False,
     }
-    for key in section_keys(Scene):
-        swept[key] = {**labelled, "description": f"Sections {key} by label"}
-    together = {"type": "object", "minProperties": 1, "propertyNames": {"enum": [*swept]}}
-    sweep["properties"] = swept | {
-        sweeps.ZIP: {**together, "description": "Values by dotted key that go together"}
-    }
-    sweep["additionalProperties"] = False
     return result

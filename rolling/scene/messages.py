@@ -1,4 +1,4 @@
-"""Keys, values and faults in words: known names, allowed values, nearest names.
+"""Faults of a scene in words: known keys, allowed values, and nearest names.
 
 `root` is the model of a whole scene or of one section. A scene has sections of plain values and a
 sweep; the surface has several kinds.
@@ -9,11 +9,11 @@ from __future__ import annotations
 import difflib
 import json
 import math
+import re
 import types
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -22,16 +22,17 @@ from pydantic_core import PydanticCustomError
 # place of a value: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
 Key = tuple[str | int, ...]
 
-
-@dataclass(frozen=True)
-class Words:
-    """Allowed values in words, for a field whose type does not tell them."""
-
-    allowed: str
-
-
-# Letters of a misspelt name; the comparison of longer names is slow and fruitless.
-_LONGEST_SLIP = 100
+_LONGEST = 60  # letters of a value in a message
+# Allowed values by the types of faults for which pydantic has words of Python.
+_WORDS = {
+    "bool_type": "true or false",
+    "dict_type": "a section of keys",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "model_type": "a section of keys",
+    "model_attributes_type": "a section of keys",
+    "string_type": "text",
+}
 
 
 class SceneError(Exception):
@@ -45,10 +46,7 @@ class SceneError(Exception):
     """
 
     def __init__(self, faults: Sequence[str]) -> None:
-        # Values and names of files may hold halves of pairs, which UTF-8 cannot write.
-        self.faults = [
-            fault.encode("utf-8", "backslashreplace").decode("utf-8") for fault in faults
-        ]
+        self.faults = [writable(fault) for fault in faults]
         super().__init__("\n".join(self.faults))
 
     def __reduce__(self) -> tuple[type[SceneError], tuple[list[str]]]:
@@ -59,107 +57,69 @@ class SceneError(Exception):
 
 
 def fault(message: str, *at: str | int) -> PydanticCustomError:
-    """Make a fault for pydantic to collect.
-
-    `at` is its key where that differs from the validated key.
-    """
-    # pydantic writes no text that UTF-8 cannot, such as half of a pair of surrogates
-    message = message.encode("utf-8", "backslashreplace").decode("utf-8")
-    return PydanticCustomError("fault", "{message}", {"message": message, "at": at})
+    """Make a fault for pydantic to collect, at a key that may differ from the validated key."""
+    return PydanticCustomError("fault", "{message}", {"message": writable(message), "at": at})
 
 
 def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
-    """Return key and message of a pydantic fault."""
-    key: Key = error["loc"]
-    outer = root.model_fields.get(str(key[0])) if key else None
-    by = outer.discriminator if outer else None
+    """Return key and message of a pydantic fault of plain values."""
+    key, kind, value = error["loc"], error["type"], error["input"]
+    context, words = error.get("ctx", {}), re.sub(r"^\w+ should (be )?|'", "", error["msg"])
+    if kind == "fault":
+        return context["at"] or key, context["message"]
+    section = root.model_fields.get(str(key[0]))
+    by = section.discriminator if section else None
     if by and len(key) > 1:  # pydantic names the kind of a section in between
         key = (key[0], *key[2:])
-    kind = error["type"]
-    if kind == "fault":
-        return error["ctx"]["at"] or key, error["ctx"]["message"]
-    if not key:  # the name of a key at the top that UTF-8 cannot write
-        name = next((name for name in data if not _is_unicode(name)), "")
-        return (ascii(name).strip("'"),), f"unknown key, allowed: {', '.join(root.model_fields)}"
-    if kind == "extra_forbidden":
-        siblings = _siblings(root, key, data)
-        known = [other for other in all_keys(root) if not other.startswith("sweep.")]
-        elsewhere = (
-            [] if dotted(key) in known else known
-        )  # a key of another kind of the section is no slip
-        of = f" of {by} {_value(data, (key[0], str(by)))}" if by else ""
-        return (
-            key,
-            f"unknown key{of}{nearest(str(key[-1]), siblings, elsewhere)}, allowed:"
-            f" {', '.join(siblings)}",
-        )
-    if kind.startswith("union_tag") and outer:
+    choices = re.findall(r"'([^']*)'", context.get("expected", ""))
+    if section and kind.startswith("union_tag"):
         key = (*key, str(by))
-        choices = [
-            name for model in _models(outer) for name in _choices(model.model_fields[str(by)])
-        ]
-        words = _either(choices)
-    else:
-        field = _field(root, key, data)
-        choices, words = _choices(field), allowed(field)
-    value = _value(data, key)
-    if kind in ("missing", "union_tag_not_found") and value is None:
-        return key, f"missing, allowed: {words}"
-    return (
-        key,
-        f"got {shown(value)}, allowed:"
-        f" {words}{nearest(value, choices) if isinstance(value, str) else ''}",
-    )
+        value = _value(data, key)
+        choices = [_default(model, str(by)) for model in _models(section)]
+        words = ", ".join(choices)
+        if value is None:
+            return key, f"missing, allowed: {words}"
+    model = root if len(key) == 1 or not section else _model(section, data.get(str(key[0])))
+    siblings = list(model.model_fields) if model else []
+    if kind == "missing":
+        text = model.descriptions().get(str(key[-1]), "") if model else ""  # type: ignore[attr-defined]
+        return key, f"missing{f'; {text}' * bool(text)}"
+    if kind == "extra_forbidden":
+        # A key of another kind of the section is no slip.
+        elsewhere = [] if dotted(key) in keys(root) else [*root.model_fields, *keys(root)]
+        of = f" of kind {_value(data, (key[0], str(by)))}" if by else ""
+        like = nearest(str(key[-1]), siblings, elsewhere)
+        return key, f"unknown key{of}{like}, allowed: {', '.join(siblings)}"
+    like = nearest(value, choices) if isinstance(value, str) else ""
+    return key, f"got {shown(value)}, allowed: {_WORDS.get(kind, words)}{like}"
 
 
-def _is_unicode(text: Any) -> bool:
-    """Tell whether a value is text that UTF-8 can write: no half of a pair of surrogates."""
-    try:
-        str(text).encode("utf-8")
-    except UnicodeEncodeError:
-        return False
-    return True
+def unknown_name(name: str, root: type[BaseModel]) -> str:
+    """Write that a dotted name is unknown, with the nearest and all names of its section."""
+    known = all_keys(root)
+    section = name.rpartition(".")[0] + "."
+    siblings = [key for key in known if key.startswith(section) and section != "sweep."]
+    listed = ", ".join(key.removeprefix(section) for key in siblings)
+    return f"unknown key{nearest(name, siblings or known)}{f', allowed: {listed}' * bool(listed)}"
 
 
 def place(key: Key, places: Mapping[Key, str]) -> str:
-    """Return file and line (or --set) of a key.
-
-    Without a place of its own the key has the place of the nearest section around it.
-    """
+    """Return file and line (or --set) of a key, or of the nearest section around it."""
     return next(places[key[:n]] for n in range(len(key), -1, -1) if key[:n] in places)
 
 
-def nearest(got: str, *families: Sequence[str] | Mapping[str, Any]) -> str:
-    """Write ", nearest: name" with the known name that is like a misspelt name.
+def nearest(got: str, *families: Sequence[str]) -> str:
+    """Write ", nearest: name" with a name of the first family that has one like a misspelt name.
 
-    The first family of names with a similar name decides; without any the text is empty.
-
-    Names are compared by their last part, or as a whole when the section is misspelt as well. The
-    unit may be missing.
+    Names are compared by their last part, or as a whole where the section is unknown.
     """
-    if not isinstance(got, str) or len(got) > _LONGEST_SLIP:  # Python gives other keys as well
-        return ""
-
-    def norm(name: str) -> str:
-        return name.lower().replace("-", "_").replace(" ", "_")
-
-    def alike(name: str) -> float:
-        whole, its_whole = norm(got), norm(name)
-        (section, _, last), (its_section, _, its_last) = (
-            whole.rpartition("."),
-            its_whole.rpartition("."),
-        )
-        if its_last.startswith(f"{last}_"):
-            return 0.95
-        pairs = (
-            [(last, its_last)] if section == its_section else [(last, its_last), (whole, its_whole)]
-        )
-        return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
-
+    got = got.lower().replace("-", "_").replace(" ", "_")[: 2 * _LONGEST]
+    section, _, last = got.rpartition(".")
     for names in families:
-        best = max(names, key=alike, default="")
-        if best and alike(best) >= 0.6:
-            return f", nearest: {best}"
+        whole = section and not any(name.startswith(f"{section}.") for name in names)
+        forms = {name if whole else name.rpartition(".")[2]: name for name in reversed(names)}
+        if close := difflib.get_close_matches(got if whole else last, forms, 1):
+            return f", nearest: {forms[close[0]]}"
     return ""
 
 
@@ -177,17 +137,13 @@ def plain_number(value: float) -> str:
 
 
 def shown(value: Any) -> str:
-    """Write a value nearly as the user did.
-
-    Text stands in quotes, so that "20" is recognized as text.
-    """
+    """Write a value nearly as the user did, with text in quotes."""
     if value is None:
         return "nothing"
     if isinstance(value, float) and not math.isfinite(value):
         return ".nan" if math.isnan(value) else f"{'-' * (value < 0)}.inf"
-    # The beginning of a long value is enough: a million items need not be written to show sixty
-    # letters.
-    value = value[:60] if isinstance(value, str | list | tuple) else value
+    # The beginning of a long value is enough.
+    value = value[:_LONGEST] if isinstance(value, str | list | tuple) else value
     try:
         return cut(json.dumps(value, ensure_ascii=False, default=str))
     except (TypeError, ValueError, RecursionError):  # a very long number, an odd key, or itself
@@ -196,7 +152,12 @@ def shown(value: Any) -> str:
 
 def cut(text: str) -> str:
     """Shorten a text to at most 60 letters."""
-    return text if len(text) <= 60 else f"{text[:57]}..."
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+
+
+def writable(text: str) -> str:
+    """Replace halves of pairs of surrogates, which UTF-8 cannot write."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def first_line(error: BaseException) -> str:
@@ -209,119 +170,59 @@ def first_line(error: BaseException) -> str:
 
 def dotted(key: Key) -> str:
     """Write ("rolling", "load_n") as "rolling.load_n", and places in a list in brackets."""
-    return "".join(
-        f"[{part}]" if isinstance(part, int) else f".{part}" for part in key
-    ).removeprefix(".")
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in key)
+    return "".join(parts).removeprefix(".")
 
 
-@cache  # a sweep asks once per run
-def numeric_keys(root: type[BaseModel]) -> Mapping[str, FieldInfo]:
-    """Map every dotted key that holds a number to its field."""
+@cache
+def keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Map every dotted key inside the sections to its field."""
     return {
-        name: field for name, field in _inner(root) if {int, float} & set(_kinds(field.annotation))
+        f"{section}.{name}": field
+        for section, outer in root.model_fields.items()
+        for model in _models(outer)
+        for name, field in model.model_fields.items()
     }
 
 
 @cache
-def text_keys(root: type[BaseModel]) -> Mapping[str, FieldInfo]:
-    """Map every dotted key that holds no number to its field."""
-    numeric = numeric_keys(root)
-    return {name: field for name, field in _inner(root) if name not in numeric}
+def section_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Map every section to its field."""
+    return {name: field for name, field in root.model_fields.items() if any(_models(field))}
 
 
 @cache
-def section_keys(root: type[BaseModel]) -> Mapping[str, FieldInfo]:
-    """Map every section to its field."""
-    return {name: field for name, field in root.model_fields.items() if _models(field)}
+def numeric_keys(root: type[BaseModel]) -> frozenset[str]:
+    """List the dotted keys that hold a number."""
+    return frozenset(
+        name for name, field in keys(root).items() if {int, float} & {*_kinds(field.annotation)}
+    )
 
 
+@cache
 def all_keys(root: type[BaseModel]) -> list[str]:
     """List every name that an override can set, including sections and swept keys."""
-    inner = [name for name, _ in _inner(root)]
-    swept = [*numeric_keys(root), *text_keys(root), *section_keys(root), "zip"]
-    return list(dict.fromkeys([*root.model_fields, *inner, *(f"sweep.{key}" for key in swept)]))
-
-
-def required(model: type[BaseModel]) -> list[str]:
-    """List the keys that must be given."""
-    return [name for name, field in model.model_fields.items() if field.is_required()]
-
-
-def allowed(field: FieldInfo) -> str:
-    """Write the allowed values of a field in words."""
-    for words in field.metadata:
-        if isinstance(words, Words):
-            return words.allowed
-    if choices := _choices(field):
-        return _either(choices)
-    if field.discriminator:
-        return f"a section of keys ({field.discriminator}, ...)"
-    for model in _models(field):
-        return f"a section of keys ({', '.join(required(model) or model.model_fields)})"
-    kind = _kinds(field.annotation)[0]
-    if kind in (int, float):
-        signs = [("gt", ">"), ("ge", ">="), ("lt", "<"), ("le", "<=")]
-        bounds = [
-            f"{sign} {getattr(m, name):g}"
-            for name, sign in signs
-            for m in field.metadata
-            if hasattr(m, name)
-        ]
-        return " ".join(
-            ["a whole number" if kind is int else "a number", " and ".join(bounds)]
-        ).strip()
-    return "true or false" if kind is bool else "text"
-
-
-def _inner(root: type[BaseModel]) -> Iterator[tuple[str, FieldInfo]]:
-    """Yield every dotted name with its field.
-
-    A name that several kinds of a section share occurs once per kind.
-    """
-    for section, outer in root.model_fields.items():
-        for model in _models(outer):
-            yield from ((f"{section}.{name}", field) for name, field in model.model_fields.items())
-
-
-def _field(root: type[BaseModel], key: Key, data: Mapping[str, Any]) -> FieldInfo:
-    """Return the field of a key, or the innermost field around it."""
-    field = root.model_fields[str(key[0])]
-    model = _model(field, data.get(str(key[0])))
-    return model.model_fields.get(str(key[1]), field) if model and len(key) > 1 else field
-
-
-def _siblings(root: type[BaseModel], key: Key, data: Mapping[str, Any]) -> list[str]:
-    """List the names that are known where a key stands."""
-    model = _model(root.model_fields[str(key[0])], data.get(str(key[0]))) if len(key) > 1 else root
-    return list(model.model_fields) if model else []
+    swept = [f"sweep.{key}" for key in (*keys(root), *section_keys(root))]
+    return [*root.model_fields, *keys(root), *swept]
 
 
 def _model(field: FieldInfo, section: Any) -> type[BaseModel] | None:
-    """Return the model of a section, None for a plain value.
-
-    The first model is returned when the kind is unknown.
-    """
-    models = _models(field)
-    for model in (
-        models if isinstance(field.discriminator, str) and isinstance(section, Mapping) else []
-    ):
-        if section.get(field.discriminator) in _choices(
-            model.model_fields[str(field.discriminator)]
-        ):
-            return model
-    return next(iter(models), None)
+    """Return the model of a section, by default that of its first kind; None for a plain value."""
+    models, by = list(_models(field)), str(field.discriminator)
+    kind = section.get(by) if isinstance(section, Mapping) else None
+    own = (model for model in models if field.discriminator and _default(model, by) == kind)
+    return next(own, models[0] if models else None)
 
 
-def _models(field: FieldInfo) -> list[type[BaseModel]]:
-    """List the models of a section, one for each of its kinds.
+def _default(model: type[BaseModel], key: str) -> Any:
+    return model.model_fields[key].default
 
-    The list is empty for a plain value.
-    """
-    return [
-        kind
-        for kind in _kinds(field.annotation)
-        if isinstance(kind, type) and issubclass(kind, BaseModel)
-    ]
+
+def _models(field: FieldInfo) -> Iterator[type[BaseModel]]:
+    """Yield the models of a section, one for each of its kinds, and none for a plain value."""
+    for kind in _kinds(field.annotation):
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            yield kind
 
 
 def _kinds(annotation: Any) -> tuple[Any, ...]:
@@ -329,31 +230,13 @@ def _kinds(annotation: Any) -> tuple[Any, ...]:
     if get_origin(annotation) is Annotated:
         return _kinds(get_args(annotation)[0])
     if get_origin(annotation) in (Union, types.UnionType):
-        return tuple(
-            kind for part in get_args(annotation) for kind in _kinds(part) if kind is not type(None)
-        )
+        parts = [part for part in get_args(annotation) if part is not type(None)]
+        return tuple(kind for part in parts for kind in _kinds(part))
     return (annotation,)
 
 
-def _choices(field: FieldInfo) -> list[str]:
-    """List the names that a field chooses from.
-
-    The list is empty for a field of another type.
-    """
-    return [
-        choice
-        for kind in _kinds(field.annotation)
-        if get_origin(kind) is Literal
-        for choice in get_args(kind)
-    ]
-
-
-def _either(choices: Sequence[str]) -> str:
-    """Join names as in "a, b or c"."""
-    return " or ".join(filter(None, [", ".join(choices[:-1]), choices[-1]]))
-
-
 def _value(data: Any, key: Key) -> Any:
+    """Return the plain value at a key, None where there is none."""
     for part in key:
         try:
             data = data[part]

@@ -7,50 +7,162 @@ message as in a scene file.
 
 from __future__ import annotations
 
+import inspect
 import math
-from typing import Annotated, Any, ClassVar, Literal
+import os
+import re
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, dataclass_transform
 
+import numpy as np
 from pydantic import (
     AfterValidator,
+    BaseModel,
     BeforeValidator,
+    ConfigDict,
     Field,
+    GetJsonSchemaHandler,
+    ValidationError,
     WithJsonSchema,
+    field_validator,
     model_validator,
 )
 
 from rolling.scene.messages import (
-    Words,
+    SceneError,
+    cut,
+    dotted,
+    explained,
     fault,
     is_number,
     plain_number,
     shown,
+    writable,
 )
-from rolling.scene.section import Section
 
-STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+MAX_FAULTS = 100  # maximum number of faults that are named
+# Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
+# maximum.
+_SMALLEST = 1e-15
+_MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show much longer ones
+_MAX_DEPTH = 16  # maximum nesting of values typed in Python
+
+
+# ---- any section
+
+
+def plain(value: Any, depth: int = 0) -> Any:
+    """Turn a value typed in Python into the plain value of a scene file, without keys of None."""
+    if depth > _MAX_DEPTH:
+        raise SceneError([f"scene: values are nested more than {_MAX_DEPTH} times"])
+    if isinstance(value, BaseModel):
+        value = value.model_dump()
+    if isinstance(value, Mapping):
+        return {
+            writable(name) if isinstance(name, str) else name: plain(item, depth + 1)
+            for name, item in value.items()
+            if item is not None
+        }
+    if isinstance(value, list | tuple):
+        return [plain(item, depth + 1) for item in value]
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    if isinstance(value, int) and value.bit_length() > _MAX_BITS:
+        return math.inf if value > 0 else -math.inf
+    value = os.fspath(value) if isinstance(value, os.PathLike) else value
+    return writable(value) if isinstance(value, str) else value
+
+
+@dataclass_transform(kw_only_default=True, field_specifiers=(Field,))
+class _SceneErrors(ModelMetaclass):
+    """Metaclass of models that raise SceneError instead of the errors of pydantic."""
+
+    def __call__(cls, *positional: Any, **values: Any) -> Any:
+        if positional:
+            name = cls.__name__
+            raise TypeError(f"{name} takes keys by name only, as in {name}(key=value)")
+        return cls.from_values(plain(values))  # type: ignore[attr-defined]
+
+
+class Section(BaseModel, metaclass=_SceneErrors):
+    """Section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    SECTION: ClassVar[str] = ""  # its name in a scene; by default that of the class
+    IN_FILES: ClassVar[str] = ""  # key that scene files must give, and that has a default in Python
+
+    @classmethod
+    def descriptions(cls) -> dict[str, str]:
+        """Return the text of each key from the attributes in the documentation of the model."""
+        doc = inspect.cleandoc(cls.__doc__ or "").partition("Attributes\n----------\n")[2]
+        texts = re.findall(r"^(\w+) : .*\n((?:    .*\n?)+)", doc, re.MULTILINE)
+        return {name: " ".join(text.split()) for name, text in texts}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> Any:
+        """Describe the model by its first sentence, and each key by its text."""
+        reference = handler(core)
+        schema = handler.resolve_ref_schema(reference)
+        schema["description"] = inspect.cleandoc(cls.__doc__ or "").partition("\n\n")[0]
+        for name, text in cls.descriptions().items():
+            schema["properties"][name]["description"] = text
+        if cls.IN_FILES:
+            schema["properties"][cls.IN_FILES].pop("default", None)
+            schema["required"] = [cls.IN_FILES, *schema.get("required", [])]
+        return reference
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Any]) -> Self:
+        """Validate plain values; raise SceneError with all faults, by their keys in a scene."""
+        try:
+            return cls.model_validate(values)
+        except ValidationError as error:
+            section, faults = cls.SECTION or cls.__name__.lower(), []
+            for listed in error.errors(include_url=False)[:MAX_FAULTS]:
+                key, message = explained(listed, values, cls)
+                key = key if key[:1] == (section,) else (section, *key)
+                faults.append(f"scene: {cut(dotted(key))}: {message}")
+            raise SceneError(faults) from error
+
+    @field_validator("*")
+    @classmethod
+    def _within_reason(cls, value: Any) -> Any:
+        """Refuse sizes whose powers and quotients overflow or underflow."""
+        for number in np.ravel(value) if isinstance(value, float | tuple) else ():
+            if number and not _SMALLEST <= abs(number) <= 1 / _SMALLEST:
+                sizes = f"a size from {_SMALLEST:g} to {1 / _SMALLEST:g}"
+                raise fault(f"got {shown(float(number))}, allowed: {sizes}")
+        return value
 
 
 # ---- sphere and plate
 
 
 class Sphere(Section):
-    """Rolling sphere, rigid unless it has a modulus."""
+    """Rolling sphere, rigid unless it has a modulus.
 
-    SECTION: ClassVar[str] = "sphere"
+    Attributes
+    ----------
+    radius_mm : float
+        Radius [mm]
+    density_kg_m3 : float, optional
+        Density [kg/m3], for the mass; dynamics needs it. Absent: the check of the contact
+        resonance takes 7850, as if steel
+    youngs_modulus_gpa : float, optional
+        Young's modulus [GPa]; absent: a rigid sphere
+    poissons_ratio : float, optional
+        Poisson's ratio [-]; absent: a rigid sphere
+    """
 
-    radius_mm: float = Field(gt=0, description="Radius [mm]")
-    density_kg_m3: float | None = Field(
-        default=None,
-        gt=0,
-        description="Density [kg/m3], for the mass; dynamics needs it. Absent: the check of the"
-        " contact resonance takes 7850, as if steel",
-    )
-    youngs_modulus_gpa: float | None = Field(
-        default=None, gt=0, description="Young's modulus [GPa]; absent: a rigid sphere"
-    )
-    poissons_ratio: float | None = Field(
-        default=None, ge=0, le=0.5, description="Poisson's ratio [-]; absent: a rigid sphere"
-    )
+    radius_mm: float = Field(gt=0)
+    density_kg_m3: float | None = Field(default=None, gt=0)
+    youngs_modulus_gpa: float | None = Field(default=None, gt=0)
+    poissons_ratio: float | None = Field(default=None, ge=0, le=0.5)
 
     @model_validator(mode="after")
     def _both_or_neither(self) -> Sphere:
@@ -59,87 +171,68 @@ class Sphere(Section):
             ("poissons_ratio", "youngs_modulus_gpa"),
         ):
             if getattr(self, missing) is None and getattr(self, given) is not None:
-                raise fault(
-                    f"missing beside {given}; an elastic sphere needs both, a rigid sphere neither",
-                    "sphere",
-                    missing,
-                )
+                rule = "an elastic sphere needs both, a rigid sphere neither"
+                raise fault(f"missing beside {given}; {rule}", "sphere", missing)
         return self
 
 
 class Plate(Section):
-    """Plate that the sphere rolls on, a half-space to the contact."""
+    """Plate that the sphere rolls on, a half-space to the contact.
 
-    SECTION: ClassVar[str] = "plate"
+    Attributes
+    ----------
+    youngs_modulus_gpa : float
+        Young's modulus [GPa]
+    poissons_ratio : float
+        Poisson's ratio [-]
+    hardness_gpa : float, optional
+        Hardness [GPa], the maximum pressure that the plate bears; absent: purely elastic
+    density_kg_m3 : float, optional
+        Density [kg/m3]; dynamics needs it
+    thickness_mm : float, optional
+        Thickness [mm] of an infinite plate that bends, for dynamics; absent: a half-space
+    loss_factor : float, optional
+        Loss factor of bending waves [-], for the sound power above coincidence; absent: no sound
+        power there
+    """
 
-    youngs_modulus_gpa: float = Field(gt=0, description="Young's modulus [GPa]")
-    poissons_ratio: float = Field(ge=0, le=0.5, description="Poisson's ratio [-]")
-    hardness_gpa: float | None = Field(
-        default=None,
-        gt=0,
-        description="Hardness [GPa], the maximum pressure that the plate bears; absent: purely"
-        " elastic",
-    )
-    density_kg_m3: float | None = Field(
-        default=None, gt=0, description="Density [kg/m3]; dynamics needs it"
-    )
-    thickness_mm: float | None = Field(
-        default=None,
-        gt=0,
-        description="Thickness [mm] of an infinite plate that bends, for dynamics; absent: a"
-        " half-space",
-    )
-    loss_factor: float | None = Field(
-        default=None,
-        gt=0,
-        le=1,
-        description="Loss factor of bending waves [-], for the sound power above coincidence;"
-        " absent: no sound power there",
-    )
+    youngs_modulus_gpa: float = Field(gt=0)
+    poissons_ratio: float = Field(ge=0, le=0.5)
+    hardness_gpa: float | None = Field(default=None, gt=0)
+    density_kg_m3: float | None = Field(default=None, gt=0)
+    thickness_mm: float | None = Field(default=None, gt=0)
+    loss_factor: float | None = Field(default=None, gt=0, le=1)
 
     @model_validator(mode="after")
     def _loss_of_bending(self) -> Plate:
         if self.loss_factor is not None and self.thickness_mm is None:
-            raise fault(
-                "only goes with thickness_mm: a half-space has no bending waves",
-                "plate",
-                "loss_factor",
-            )
+            reason = "a half-space has no bending waves"
+            raise fault(f"only goes with thickness_mm: {reason}", "plate", "loss_factor")
         return self
 
 
-# ---- rolling, numerics, recovery, sound
+# ---- rolling
 
 
-SPEED = Words("a number > 0, or at least two [time_s, speed_m_s] pairs")
+SPEED = "a number > 0, or at least two [time_s, speed_m_s] pairs"
 
 
 def _speed(value: Any) -> Any:
-    """Return a speed, or pairs as tuples.
-
-    The first fault of the pairs is raised at its own place.
-    """
+    """Return a speed, or pairs as tuples; raise the first fault of a pair at its own place."""
     at = ("rolling", "speed_m_s")
     if is_number(value) and value > 0:
         return float(value)
     if not isinstance(value, list | tuple) or len(value) < 2:
-        raise fault(f"got {shown(value)}, allowed: {SPEED.allowed}", *at)
+        raise fault(f"got {shown(value)}, allowed: {SPEED}", *at)
     for i, pair in enumerate(value):
-        if (
-            not isinstance(pair, list | tuple)
-            or len(pair) != 2
-            or not all(is_number(x) for x in pair)
-        ):
+        if not isinstance(pair, list | tuple) or len(pair) != 2 or not all(map(is_number, pair)):
             raise fault(f"got {shown(pair)}, allowed: [time_s, speed_m_s], two numbers", *at, i)
+        time, before = shown(pair[0]), value[i - 1][0]
         if i == 0 and pair[0] != 0:
-            raise fault(f"got {shown(pair[0])}, allowed: 0, the time of the first pair", *at, 0)
-        if i and pair[0] <= value[i - 1][0]:
-            raise fault(
-                f"got time {shown(pair[0])} after {shown(value[i - 1][0])}, allowed: increasing"
-                " times",
-                *at,
-                i,
-            )
+            raise fault(f"got {time}, allowed: 0, the time of the first pair", *at, 0)
+        if i and pair[0] <= before:
+            words = f"got time {time} after {shown(before)}, allowed: increasing times"
+            raise fault(words, *at, i)
         if pair[1] < 0:
             raise fault(f"got speed {shown(pair[1])}, allowed: a number >= 0", *at, i)
     if not any(v > 0 for _, v in value):
@@ -147,58 +240,41 @@ def _speed(value: Any) -> Any:
     return tuple((float(t), float(v)) for t, v in value)
 
 
-def _step_nodes(value: float) -> float:
-    """Return the allowed value nearest to a rounded value.
-
-    0.333333 stands for a third, for example.
-    """
-    closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
-    if abs(value / closest - 1) > 1e-5:
-        raise fault(
-            f"got {plain_number(value)}, allowed: a whole number from 1 to 64, or one over a whole"
-            f" number down to 1/16; nearest: {plain_number(closest)}"
-        )
-    return closest
-
-
-_PAIR_SCHEMA = {
-    "type": "array",
-    "prefixItems": [{"type": "number", "minimum": 0}] * 2,
-    "minItems": 2,
-    "maxItems": 2,
-}
-_PAIRS_SCHEMA = {"type": "array", "minItems": 2, "items": _PAIR_SCHEMA}
+_PAIR = {"type": "array", "minItems": 2, "maxItems": 2}
+_PAIR |= {"prefixItems": [{"type": "number", "minimum": 0}] * 2}
+_SPEEDS = [
+    {"type": "number", "exclusiveMinimum": 0},
+    {"type": "array", "minItems": 2, "items": _PAIR},
+]
 Speed = Annotated[
     float | tuple[tuple[float, float], ...],
-    SPEED,
-    BeforeValidator(_speed),
-    WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, _PAIRS_SCHEMA]}),
+    *(BeforeValidator(_speed), WithJsonSchema({"anyOf": _SPEEDS})),
 ]
 
 
 class Rolling(Section):
-    """Load, speed and duration of the rolling."""
+    """Load, speed and duration of the rolling.
 
-    SECTION: ClassVar[str] = "rolling"
+    Attributes
+    ----------
+    load_n : float
+        Normal load [N], constant
+    speed_m_s : float or pairs of float
+        Speed [m/s], or [time [s], speed [m/s]] pairs: times increasing from 0, linear between
+        them, constant after the last
+    duration_s : float, optional
+        Time rolled [s]; absent with distance_mm, and with a height file: once round the file
+    distance_mm : float, optional
+        Distance rolled [mm] instead of a duration, so that every speed meets the same surface
+    start_um : float
+        Start position along the track [um]
+    """
 
-    load_n: float = Field(gt=0, description="Normal load [N], constant")
-    speed_m_s: Speed = Field(
-        description="Speed [m/s], or [time [s], speed [m/s]] pairs: times increasing from 0,"
-        " linear between them, constant after the last"
-    )
-    duration_s: float | None = Field(
-        default=None,
-        gt=0,
-        description="Time rolled [s]; absent with distance_mm, and with a height file: once round"
-        " the file",
-    )
-    distance_mm: float | None = Field(
-        default=None,
-        gt=0,
-        description="Distance rolled [mm] instead of a duration, so that every speed meets the"
-        " same surface",
-    )
-    start_um: float = Field(default=0.0, description="Start position along the track [um]")
+    load_n: float = Field(gt=0)
+    speed_m_s: Speed
+    duration_s: float | None = Field(default=None, gt=0)
+    distance_mm: float | None = Field(default=None, gt=0)
+    start_um: float = 0.0
 
     @model_validator(mode="after")
     def _one_length(self) -> Rolling:
@@ -207,164 +283,158 @@ class Rolling(Section):
         return self
 
 
+# ---- numerics
+
+
+STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 TOLERANCES = 1e-12, 1e-1  # allowed numbers
-UNTRIED_TOLERANCE = 1e-4  # stands for `auto` until a trial has chosen a number
-TOLERANCE = Words(f"auto, or a number >= {TOLERANCES[0]:g} and <= {TOLERANCES[1]:g}")
+TOLERANCE = f"auto, or a number >= {TOLERANCES[0]:g} and <= {TOLERANCES[1]:g}"
+
+
+def _step_nodes(value: float) -> float:
+    """Return the allowed value that a rounded value stands for, such as a third for 0.333333."""
+    closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
+    if abs(value / closest - 1) > 1e-5:
+        words = "a whole number from 1 to 64, or one over a whole number down to 1/16"
+        near = plain_number(closest)
+        raise fault(f"got {plain_number(value)}, allowed: {words}; nearest: {near}")
+    return closest
 
 
 def _tolerance(value: Any) -> Any:
     """Return a tolerance that is allowed."""
-    if (isinstance(value, str) and value == "auto") or (
-        is_number(value) and TOLERANCES[0] <= value <= TOLERANCES[1]
-    ):
-        return value if isinstance(value, str) else float(value)
-    raise fault(f"got {shown(value)}, allowed: {TOLERANCE.allowed}")
+    if isinstance(value, str) and value == "auto":
+        return value
+    if is_number(value) and TOLERANCES[0] <= value <= TOLERANCES[1]:
+        return float(value)
+    raise fault(f"got {shown(value)}, allowed: {TOLERANCE}")
 
 
+_TOLERANCES = [
+    {"type": "string", "const": "auto"},
+    {"type": "number", "minimum": TOLERANCES[0], "maximum": TOLERANCES[1]},
+]
 Tolerance = Annotated[
     float | Literal["auto"],
-    TOLERANCE,
-    BeforeValidator(_tolerance),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "string", "const": "auto"},
-                {"type": "number", "minimum": TOLERANCES[0], "maximum": TOLERANCES[1]},
-            ]
-        }
-    ),
+    *(BeforeValidator(_tolerance), WithJsonSchema({"anyOf": _TOLERANCES})),
 ]
 
 
 class Numerics(Section):
-    """Resolution and accuracy of the solution."""
+    """Resolution and accuracy of the solution.
 
-    SECTION: ClassVar[str] = "numerics"
+    Attributes
+    ----------
+    step_nodes : float
+        Step in nodes [-]: a whole number from 1 to 64, or one over a whole number down to 1/16
+    tolerance : float or "auto"
+        Maximum violation of the contact conditions over the maximum deflection [-]; auto takes
+        1e-4, and less on a surface that is smooth for the deflection of the contact
+    edges : str
+        Nodes at the edge of yielding patches: sharp loads them in full or not at all, blended by
+        the share of their cell in contact
+    subcells : int or "auto"
+        Sub-cells along the side of each node's cell, with heights, pressures and bounds of their
+        own; auto takes 2 on steep surfaces that yield with blended edges, else 1
+    precision : str
+        Precision of the transforms in the iteration; a solution is accepted after a check in
+        double precision
+    error_estimate : bool
+        Whether the run estimates the errors that its grid and its tolerance leave in every level,
+        for about a quarter more time
+    """
 
-    step_nodes: Annotated[float, AfterValidator(_step_nodes)] = Field(
-        default=1.0,
-        gt=0,
-        description="Step in nodes [-]: a whole number from 1 to 64, or one over a whole number"
-        " down to 1/16",
-    )
-    tolerance: Tolerance = Field(
-        default="auto",
-        description="Maximum violation of the contact conditions over the maximum deflection [-];"
-        " auto chooses it by a trial on the track, so that the solver's error stays below the"
-        " grid's",
-    )
-    edges: Literal["sharp", "blended"] = Field(
-        default="blended",
-        description="Nodes at the edge of yielding patches: sharp loads them in full or not at"
-        " all, blended by the share of their cell in contact",
-    )
-    subcells: Literal["auto", 1, 2, 4] = Field(
-        default="auto",
-        description="Sub-cells along the side of each node's cell, with heights, pressures and"
-        " bounds of their own; auto takes 2 on steep surfaces that yield with blended edges, else"
-        " 1",
-    )
-    precision: Literal["single", "double"] = Field(
-        default="single",
-        description="Precision of the transforms in the iteration; a solution is accepted after a"
-        " check in double precision",
-    )
-    error_estimate: bool = Field(
-        default=False,
-        description="Whether the run estimates the errors that its grid and its tolerance leave"
-        " in every level, for about a quarter more time",
-    )
+    step_nodes: Annotated[float, AfterValidator(_step_nodes)] = Field(default=1.0, gt=0)
+    tolerance: Tolerance = "auto"
+    edges: Literal["sharp", "blended"] = "blended"
+    subcells: Literal["auto", 1, 2, 4] = "auto"
+    precision: Literal["single", "double"] = "single"
+    error_estimate: bool = False
+
+
+# ---- recovery, dynamics, sound
 
 
 class Recovery(Section):
-    """Recovery of the nodes that leave the contact."""
+    """Recovery of the nodes that leave the contact.
 
-    SECTION: ClassVar[str] = "recovery"
+    Attributes
+    ----------
+    events : bool
+        Write a table of recovery events
+    rule : str
+        Pressure of a falling node: mean of both ends of the step, or left_end, the article's
+    """
 
-    events: bool = Field(default=False, description="Write a table of recovery events")
-    rule: Literal["mean", "left_end"] = Field(
-        default="mean",
-        description="Pressure of a falling node: mean of both ends of the step, or left_end, the"
-        " article's",
-    )
+    events: bool = False
+    rule: Literal["mean", "left_end"] = "mean"
 
 
 def _odd(value: int) -> int:
     """Refuse an even number of loads."""
     if value % 2 == 0:
-        raise fault(f"got {value}, allowed: {LOADS.allowed}")
+        raise fault(f"got {value}, allowed: an odd whole number from 3 to 15")
     return value
 
 
-LOADS = Words("an odd whole number from 3 to 15")
-
-
 class Dynamics(Section):
-    """Vibration of the sphere on its contact and on the plate, which makes the force fluctuate."""
+    """Vibration of the sphere on its contact and on the plate, which makes the force fluctuate.
 
-    SECTION: ClassVar[str] = "dynamics"
+    Attributes
+    ----------
+    loads : int
+        Minimum number of loads at which the track is marched [-], odd: the scene's in the middle
+    span : float
+        Ratio of a marched load to the next lower one [-]
+    release : bool, optional
+        Whether the release is computed under the moving load, by one more march of each run;
+        otherwise under the constant load; absent: true for sound.source: release
+    """
 
-    loads: Annotated[int, LOADS, AfterValidator(_odd)] = Field(
-        default=3,
-        ge=3,
-        le=15,
-        description="Minimum number of loads at which the track is marched [-], odd: the scene's"
-        " in the middle",
-    )
-    span: float = Field(
-        default=1.4, ge=1.05, le=4, description="Ratio of a marched load to the next lower one [-]"
-    )
-    release: bool | None = Field(
-        default=None,
-        description="Whether the release is computed under the moving load, by one more march of"
-        " each run; otherwise under the constant load; absent: true for sound.source: release",
-    )
+    loads: Annotated[int, AfterValidator(_odd)] = Field(default=3, ge=3, le=15)
+    span: float = Field(default=1.4, ge=1.05, le=4)
+    release: bool | None = None
 
 
 class Sound(Section):
-    """Source, listener, and conversion of release power to sound pressure."""
+    """Source, listener, and conversion of release power to sound pressure.
 
-    SECTION: ClassVar[str] = "sound"
+    Attributes
+    ----------
+    source : str, optional
+        Origin of the sound pressure: release of elastic energy (an upper bound), or vibration of
+        sphere and plate, which needs dynamics and takes neither q nor gain; absent: vibration with
+        dynamics, otherwise release
+    ball : bool
+        Whether the vibration of the sphere is heard beside the plate's
+    distance_m : float
+        Distance of the listener [m]
+    q : float
+        Share of the released energy that is radiated [-]
+    gain_pa_per_w_m2 : float, optional
+        Fixed factor from intensity to sound pressure [Pa per W/m2]; absent: energy-true per run
+    loudness : bool
+        Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package mosqito
+    """
 
-    source: Literal["release", "vibration"] | None = Field(
-        default=None,
-        description="Origin of the sound pressure: release of elastic energy (an upper bound), or"
-        " vibration of sphere and plate, which needs dynamics and takes neither q nor gain; absent:"
-        " vibration with dynamics, otherwise release",
-    )
-    ball: bool = Field(
-        default=True, description="Whether the vibration of the sphere is heard beside the plate's"
-    )
-
-    distance_m: float = Field(default=1.0, gt=0, description="Distance of the listener [m]")
-    q: float = Field(
-        default=1.0, gt=0, le=1, description="Share of the released energy that is radiated [-]"
-    )
-    gain_pa_per_w_m2: float | None = Field(
-        default=None,
-        gt=0,
-        description="Fixed factor from intensity to sound pressure [Pa per W/m2]; absent:"
-        " energy-true per run",
-    )
-    loudness: bool = Field(
-        default=False,
-        description="Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package"
-        " mosqito",
-    )
+    source: Literal["release", "vibration"] | None = None
+    ball: bool = True
+    distance_m: float = Field(default=1.0, gt=0)
+    q: float = Field(default=1.0, gt=0, le=1)
+    gain_pa_per_w_m2: float | None = Field(default=None, gt=0)
+    loudness: bool = False
 
     @model_validator(mode="after")
-    def of_release_only(self) -> Sound:
-        """Refuse free factors of a pressure that has none."""
-        if self.source == "vibration":
-            for key, given in (
-                ("q", self.q != 1),
-                ("gain_pa_per_w_m2", self.gain_pa_per_w_m2 is not None),
-            ):
-                if given:
-                    raise fault(
-                        f"got {plain_number(getattr(self, key))}, which only goes with source:"
-                        " release; the pressure of the vibration has no free factor",
-                        "sound",
-                        key,
-                    )
+    def _with_free_factors(self) -> Sound:
+        refuse_free_factors(self)
         return self
+
+
+def refuse_free_factors(sound: Sound) -> None:
+    """Refuse the free factors of the release for a vibration, whose pressure has none."""
+    for key, default in (("q", 1), ("gain_pa_per_w_m2", None)):
+        value = getattr(sound, key)
+        if sound.source == "vibration" and value != default:
+            rule = "the pressure of the vibration has no free factor"
+            words = f"got {plain_number(value)}, which only goes with source: release; {rule}"
+            raise fault(words, "sound", key)

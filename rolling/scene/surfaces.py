@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from rolling.scene.messages import fault, plain_number
-from rolling.scene.section import Section, required_in_files
+from rolling.scene.sections import Section
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 
@@ -15,12 +15,11 @@ class MadeSurface(Section):
     """Surface of a given width that the program generates."""
 
     SECTION: ClassVar[str] = "surface"
+    IN_FILES: ClassVar[str] = "kind"
 
     kind: str
-    spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
-    width_um: float = Field(
-        gt=0, description="Width across the track [um], a whole number of nodes, at least 8"
-    )
+    spacing_um: float = Field(gt=0)
+    width_um: float = Field(gt=0)
 
     @model_validator(mode="after")
     def _whole_width(self) -> MadeSurface:
@@ -36,89 +35,98 @@ class MadeSurface(Section):
 def _refuse_width(width_um: float, spacing_um: float) -> None:
     """Raise a fault for a width that is no whole number of nodes, too small or too large."""
     nodes = width_um / spacing_um
+    words = ""
     if not nodes < MAX_NODES:
-        raise fault(
-            f"got {plain_number(width_um)}, allowed: less than {MAX_NODES:g} nodes",
-            "surface",
-            "width_um",
-        )
-    if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
+        words = f"less than {MAX_NODES:g} nodes"
+    elif round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
         fitting = max(MIN_NODES, round(nodes)) * spacing_um
-        raise fault(
-            f"got {plain_number(width_um)}, allowed: a whole number of nodes of {spacing_um:g} um,"
-            f" at least {MIN_NODES}; nearest: {fitting:.10g}",
-            "surface",
-            "width_um",
-        )
+        words = f"a whole number of nodes of {spacing_um:g} um, at least {MIN_NODES};"
+        words += f" nearest: {fitting:.10g}"
+    if words:
+        raise fault(f"got {plain_number(width_um)}, allowed: {words}", "surface", "width_um")
 
 
 class Gaussian(MadeSurface):
-    """Random periodic surface with Gaussian heights."""
+    """Random periodic surface with Gaussian heights.
 
-    model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
+    Attributes
+    ----------
+    kind : "gaussian"
+        A random surface with Gaussian heights
+    spacing_um : float
+        Node spacing [um], along and across
+    width_um : float
+        Width across the track [um], a whole number of nodes, at least 8
+    autocorrelation : str
+        Law in the distance r and the correlation length L: gaussian exp(-(r/L)^2), gaussian_10pct
+        exp(-2.3 (r/L)^2), exponential exp(-r/L), exponential_10pct exp(-2.3 r/L)
+    roughness_ra_um : float
+        Arithmetic mean roughness Ra [um]
+    correlation_length_um : float
+        Correlation length [um], along the track
+    correlation_length_across_um : float, optional
+        Correlation length across the track [um]; absent: the same as along
+    seed : int
+        Seed of the random heights
+    """
 
-    kind: Literal["gaussian"] = Field(
-        default="gaussian", description="A random surface with Gaussian heights"
-    )
+    kind: Literal["gaussian"] = "gaussian"
     autocorrelation: Literal["gaussian", "gaussian_10pct", "exponential", "exponential_10pct"] = (
-        Field(
-            default="gaussian",
-            description="Law in the distance r and the correlation length L: gaussian"
-            " exp(-(r/L)^2), gaussian_10pct exp(-2.3 (r/L)^2), exponential exp(-r/L),"
-            " exponential_10pct exp(-2.3 r/L)",
-        )
+        "gaussian"
     )
-    roughness_ra_um: float = Field(gt=0, le=1000, description="Arithmetic mean roughness Ra [um]")
-    correlation_length_um: float = Field(
-        gt=0, description="Correlation length [um], along the track"
-    )
-    correlation_length_across_um: float | None = Field(
-        default=None,
-        gt=0,
-        description="Correlation length across the track [um]; absent: the same as along",
-    )
-    seed: int = Field(ge=0, description="Seed of the random heights")
+    roughness_ra_um: float = Field(gt=0, le=1000)
+    correlation_length_um: float = Field(gt=0)
+    correlation_length_across_um: float | None = Field(default=None, gt=0)
+    seed: int = Field(ge=0)
 
 
 class Smooth(MadeSurface):
-    """Perfectly flat surface."""
+    """Perfectly flat surface.
 
-    model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
+    Attributes
+    ----------
+    kind : "smooth"
+        A perfectly flat surface
+    spacing_um : float
+        Node spacing [um], along and across
+    width_um : float
+        Width across the track [um], a whole number of nodes, at least 8
+    """
 
-    kind: Literal["smooth"] = Field(default="smooth", description="A perfectly flat surface")
+    kind: Literal["smooth"] = "smooth"
 
 
 class HeightFile(Section):
-    """Surface read from a file, which holds one period of it."""
+    """Surface read from a file, which holds one period of it.
 
-    model_config = ConfigDict(json_schema_extra=required_in_files("kind"))
+    Attributes
+    ----------
+    kind : "file"
+        Heights from a file; the track is the file
+    path : str
+        File of heights, .npy, .npz, .csv or .txt, shape (along track, across), relative to the
+        scene file
+    height_unit : str
+        Unit of the heights in the file
+    spacing_um : float
+        Node spacing [um], along and across
+    level : str
+        Tilt: auto takes the least-squares plane off where the step from the last row to the first
+        stands out and the plane lowers it, plane always, none never
+    width_um : float, optional
+        Width across the track [um] of a profile of one line, whose heights are the same all
+        across: a whole number of nodes, at least 8; absent: the file holds lines side by side
+    """
+
     SECTION: ClassVar[str] = "surface"
+    IN_FILES: ClassVar[str] = "kind"
 
-    kind: Literal["file"] = Field(
-        default="file", description="Heights from a file; the track is the file"
-    )
-    path: str = Field(
-        min_length=1,
-        description="File of heights, .npy, .npz, .csv or .txt, shape (along track, across),"
-        " relative to the scene file",
-    )
-    height_unit: Literal["m", "mm", "um", "nm"] = Field(
-        default="m", description="Unit of the heights in the file"
-    )
-    spacing_um: float = Field(gt=0, description="Node spacing [um], along and across")
-    level: Literal["auto", "plane", "none"] = Field(
-        default="auto",
-        description="Tilt: auto takes the least-squares plane off where the step from the last"
-        " row to the first stands out and the plane lowers it, plane always, none"
-        " never",
-    )
-    width_um: float | None = Field(
-        default=None,
-        gt=0,
-        description="Width across the track [um] of a profile of one line, whose heights are the"
-        " same all across: a whole number of nodes, at least 8; absent: the file holds lines side"
-        " by side",
-    )
+    kind: Literal["file"] = "file"
+    path: str = Field(min_length=1)
+    height_unit: Literal["m", "mm", "um", "nm"] = "m"
+    spacing_um: float = Field(gt=0)
+    level: Literal["auto", "plane", "none"] = "auto"
+    width_um: float | None = Field(default=None, gt=0)
 
     @model_validator(mode="after")
     def _whole_width(self) -> HeightFile:

@@ -18,38 +18,27 @@ DOUBTFUL_DB = 10.0  # above the solver's error, where levels are off by up to 1.
 
 
 def resolved_fluctuation(scene: Scene) -> float:
-    """Return the relative rms fluctuation of the release below which it is error.
+    """Return the rms fluctuation of the release, over its mean, below which it is error.
 
-    It counts at all frequencies and is divided by the mean release.
-
-    The error is white along the track: a band holds its share of the mean square.
+    It counts at all frequencies. The error is white along the track: a band holds its share of the
+    mean square.
     """
     return SOLVER_ERROR * scene.tolerance
 
 
 def doubt(scene: Scene, audible_rms: float, resolved_rms: float) -> str | None:
-    """Write that the solver's error hides a record or nearly does; otherwise return None.
+    """Return a text that the solver's error hides a record or nearly does; otherwise None.
 
-    Parameters
-    ----------
-    audible_rms : float, W
-        Fluctuation of the release power within hearing.
-    resolved_rms : float, W
-        Error of the solver within hearing.
+    The rms values [W] are the fluctuation of the release power within hearing, and the part of it
+    that may be the solver's error.
     """
-    tolerance = f"numerics.tolerance, {scene.tolerance:g} here"
     if scene.surface.kind == "smooth" or not resolved_rms:  # no sound could be hidden
         return None
+    error = f"the solver's error of up to {resolved_rms:.2g} W rms"
+    advice = f"lower numerics.tolerance, {scene.tolerance:g} here"
     if audible_rms <= resolved_rms:
-        return (
-            f"the release fluctuates by {audible_rms:.2g} W rms within hearing, no more than the"
-            f" solver's error of up to {resolved_rms:.2g} W: the record counts as silent; a lower"
-            f" {tolerance}, tells whether it is"
-        )
+        return f"the release fluctuates no more than {error}: the record counts as silent; {advice}"
     above = 20 * math.log10(audible_rms / resolved_rms)
     if above >= DOUBTFUL_DB:
         return None
-    return (
-        f"the fluctuation within hearing stands {above:.2g} dB above the solver's error,"
-        f" {DOUBTFUL_DB:g} dB are wanted: lower {tolerance}"
-    )
+    return f"the fluctuation within hearing stands {above:.2g} dB above {error}: {advice}"

@@ -8,12 +8,8 @@ levelling
     finds tilt and seam of measured heights and removes the tilt
 refined
     computes heights between the nodes, on finer and coarser grids and on sub-cells
-steepness
-    finds steep surfaces, on which sub-cells pay
 scene_surface
     gives the surface of a scene, with its statistics and its digest
-contact_of_scene
-    puts surface, bodies and numerics together for the march
 """
 
 from rolling.surface.heights import gaussian as gaussian

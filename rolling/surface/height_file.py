@@ -7,9 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from rolling._typing import Array
-from rolling.scene import height_text
-from rolling.scene.height_format import TEXT_ENDINGS, UNITS, HeightFormatError
-from rolling.scene.height_header import header, opened
+from rolling.scene.height_files import UNITS, HeightFormatError, numbers
 from rolling.surface.heights import SurfaceError
 
 LARGEST_RA = 1e-3  # [m]; anything rougher is a file in other units
@@ -46,9 +44,8 @@ def stored(path: Path) -> Array:
         The file holds no array of real numbers, or heights are not finite (the first is named).
     """
     try:
-        nodes = header(path).nodes
         with np.errstate(over="ignore", invalid="ignore"):  # such heights are refused below
-            heights = _content(path).reshape(nodes).astype(np.float64)
+            heights = numbers(path).astype(np.float64)
     except HeightFormatError as error:
         raise SurfaceError(error.of(path)) from error
     if not heights.size:
@@ -61,14 +58,6 @@ def stored(path: Path) -> Array:
             f" ({i}, {j}); fill them in first"
         )
     return heights
-
-
-def _content(path: Path) -> np.ndarray:
-    """Read the array of a height file; raise HeightFormatError where it is damaged."""
-    if path.suffix.lower() in TEXT_ENDINGS:
-        return height_text.values(path)
-    with opened(path) as (stream, _):
-        return np.asarray(np.lib.format.read_array(stream, allow_pickle=False))
 
 
 def usable(heights: Array, path: Path, unit: str = "m", n_across: int | None = None) -> Array:

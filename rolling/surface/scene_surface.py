@@ -1,4 +1,4 @@
-"""Surface of a scene, generated or read, centred and levelled.
+"""Surface of a scene, generated or read, centred and levelled, and a wider one like it.
 
 March, statistics and pictures take the heights from this module. The last surface is kept, because
 most runs of a sweep share it, and small ones before it, so that a sweep may alternate between them.
@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from rolling._typing import Array
-from rolling.scene.identity import heights_digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian, HeightFile
@@ -34,15 +35,11 @@ class SceneSurface:
         Node spacing.
     levelling : Levelling or None
         Levelling of heights from a file; None for made heights.
-    sha256 : str or None
-        Digest of the numbers as their file holds them, before unit and levelling; None for made
-        heights.
     """
 
     heights: Array
     spacing: float
     levelling: Levelling | None = None
-    sha256: str | None = None
 
     @cached_property
     def statistics(self) -> Statistics:
@@ -146,7 +143,7 @@ def _make(scene: Scene) -> SceneSurface:
         stored = height_file.stored(path)  # the digest belongs to the array that is used
         read = height_file.usable(stored, path, s.height_unit, s.n_across)
         heights, plane = levelling.level(read, spacing, s.level)
-        return SceneSurface(heights, spacing, plane, heights_digest(stored))
+        return SceneSurface(heights, spacing, plane)
     track = scene.track
     shape = track.n_along, track.n_across
     if isinstance(s, Gaussian):
@@ -157,3 +154,41 @@ def _make(scene: Scene) -> SceneSurface:
         )
         return SceneSurface(made, spacing)
     return SceneSurface(surface.smooth(shape), spacing)
+
+
+def wider_times(scene: Scene) -> int | None:
+    """Return the factor on the width that keeps the sphere's line on its nodes.
+
+    It is 2, or 3 for an odd number of nodes across. It is None for smooth plates, which have no
+    width to judge, and for height files, of which nothing is known beyond their edges.
+    """
+    if not isinstance(scene.surface, Gaussian):
+        return None
+    return 2 if scene.track.n_across % 2 == 0 else 3
+
+
+def wider_heights(scene: Scene, times: int) -> Array:
+    """Generate the surface of a scene `times` as wide, (along, times across) [m].
+
+    The scene's own white noise lies in the middle, between columns of other noise, and its scale is
+    kept. Filtered on the wider period, the asperities in the middle differ from the
+    scene's by the influence of its narrower period only.
+
+    Raises
+    ------
+    SurfaceError
+        The filter leaves nothing.
+    """
+    s, track = scene.surface, scene.track
+    assert isinstance(s, Gaussian)
+    sides = track.n_across * (times - 1)
+    other = np.random.default_rng([s.seed, times]).standard_normal((track.n_along, sides))
+    left, right = np.split(other, 2, axis=1)
+    own = surface.white_noise((track.n_along, track.n_across), s.seed)
+    lengths_um = s.correlation_length_um, s.correlation_length_across_um or s.correlation_length_um
+    lengths = (lengths_um[0] * 1e-6, lengths_um[1] * 1e-6)
+    narrow, wide = (
+        surface.filtered(noise, scene.spacing, lengths, s.autocorrelation)
+        for noise in (own, np.hstack([left, own, right]))
+    )
+    return wide * (s.roughness_ra_um * 1e-6 / float(np.abs(narrow).mean()))

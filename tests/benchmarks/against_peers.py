@@ -20,8 +20,7 @@ from sequences import SEQUENCES, SPACING, N
 
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
-from rolling.contact.state import ContactState, RollingContact
-from rolling.contact.window import Window
+from rolling.contact.state import ContactState, RollingContact, Window
 
 PEERS = Path(__file__).parent / "peers"
 TOLERANCES = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7)

@@ -15,10 +15,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from report_runs import Runs
+from rolling.simulation import labels, summary
 
 from rolling import cli
 from rolling.figures.picture import DPI, SIDE_IN, WIDTH_IN, Picture, drawable, single
-from rolling.simulation import labels, summary
 
 NAMES = [
     "$x^$",

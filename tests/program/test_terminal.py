@@ -13,13 +13,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from rolling.folders import run_record
+from rolling.verification import judge
 
 from rolling import cli
 from rolling.contact import compiling
-from rolling.folders import run_record
 from rolling.terminal import defaults, progress, streams
 from rolling.terminal.progress import Level
-from rolling.verification import judge
 
 ROOT = Path(__file__).parents[2]
 SCENE = """\
@@ -127,10 +127,10 @@ def help_of(command: str, capsys: pytest.CaptureFixture[str]) -> str:
 def test_help_gives_the_numbers_that_are_used(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from rolling.accuracy import study
-    from rolling.lee2025.study import QUICK
-    from rolling.report import page
     from rolling.verification import hard_cases, hard_report
+
+    from rolling.accuracy import study
+    from rolling.report import page
 
     text = help_of("accuracy", capsys)
     counts: list[int] = []
@@ -147,9 +147,9 @@ def test_help_gives_the_numbers_that_are_used(
     assert f"default {defaults.ACCURACY_SECONDS:g}:" in text
     assert f"more than {page.MOST_RUNS} runs" in help_of("run", capsys)
     text = help_of("reproduce", capsys)
-    assert f"{QUICK.seeds} surface" in text and f"{QUICK.duration_s:g} s" in text
-    assert f"{QUICK.strides} times as long" in text
-    assert QUICK.loads is not None and all(f"{load:g}" in text for load in QUICK.loads)
+    assert f"{defaults.QUICK_SEEDS} surface" in text and f"{defaults.QUICK_SECONDS:g} s" in text
+    assert f"{defaults.QUICK_STRIDES} times as long" in text
+    assert all(f"{load:g}" in text for load in defaults.QUICK_LOADS_N)
 
 
 # ---- refusals

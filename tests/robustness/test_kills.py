@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import signal
+import subprocess
 import time
 from pathlib import Path
 
@@ -23,6 +24,8 @@ from commands import (
     words_of,
 )
 
+from rolling import cli
+
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL here")
 
 
@@ -33,22 +36,27 @@ def scene(tmp_path: Path) -> Path:
     return path
 
 
-def whole(scene: Path, *more: str) -> dict[str, bytes]:
+def undisturbed(folder: Path, text: str) -> dict[str, bytes]:
     """Return the files of a run that nothing disturbs."""
-    out = scene.parent / "undisturbed"
-    done = rolling(words_of(scene, out, "--workers", "1", *more), scene.parent)
-    assert done.returncode == 0, done.stderr
+    scene, out = folder / "undisturbed.yaml", folder / "undisturbed"
+    scene.write_text(text)
+    assert cli.main(words_of(scene, out, "--workers", "1")) == 0
     return contents(out)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    return undisturbed(tmp_path_factory.mktemp("whole"), SWEEP)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("text", [SWEEP, WHOLE], ids=["sweep", "whole"])
 def test_killed_at_random_moments_it_goes_on_to_the_same_bytes(text: str, tmp_path: Path) -> None:
-    """40 kills: a command lives between the start of Python and an undisturbed run."""
+    """A command lives between 0.2 s, the start of Python, and an undisturbed run."""
     scene, draw = tmp_path / "scene.yaml", random.Random(1)
     scene.write_text(text)
     began = time.monotonic()
-    expected = whole(scene)
+    expected = undisturbed(tmp_path, text)
     longest = time.monotonic() - began
     kills, rounds = 0, 0
     while kills < 20:
@@ -58,7 +66,7 @@ def test_killed_at_random_moments_it_goes_on_to_the_same_bytes(text: str, tmp_pa
             with started(words_of(scene, out, "--workers", "2"), tmp_path) as command:
                 try:
                     code = command.wait(draw.uniform(0.2, longest))
-                except Exception:  # of the time-out: the kill follows
+                except subprocess.TimeoutExpired:  # the kill follows
                     kills += 1
                     continue
             assert code == 0, (tmp_path / "said").read_text()
@@ -67,7 +75,9 @@ def test_killed_at_random_moments_it_goes_on_to_the_same_bytes(text: str, tmp_pa
         assert not list(out.rglob("*.partial")) and not (out / "pieces").exists()
 
 
-def test_a_killed_command_goes_on_with_its_pieces(scene: Path, tmp_path: Path) -> None:
+def test_a_killed_command_goes_on_with_its_pieces(
+    scene: Path, tmp_path: Path, whole: dict[str, bytes]
+) -> None:
     out = tmp_path / "out"
     with started(words_of(scene, out, "--workers", "1"), tmp_path) as command:
         wait_for(lambda: len(pieces(out)) >= 2)
@@ -79,7 +89,7 @@ def test_a_killed_command_goes_on_with_its_pieces(scene: Path, tmp_path: Path) -
         again = {path: path.stat().st_mtime_ns for path in kept if path.exists()}
         assert again.items() <= kept.items()  # none of them was marched again
         assert command.wait(PATIENCE) == 0
-    assert contents(out) == whole(scene)
+    assert contents(out) == whole
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "term"])
@@ -113,13 +123,15 @@ def test_no_process_outlives_a_killed_command(scene: Path, tmp_path: Path) -> No
     assert not alive
 
 
-def workers_of(command: psutil.Popen) -> list[psutil.Process]:
+def workers_of(command: subprocess.Popen[str]) -> list[psutil.Process]:
     """Return the worker processes of a command, which have loaded the solver."""
     below = psutil.Process(command.pid).children()
     return [process for process in below if "popen_loky" in " ".join(process.cmdline())]
 
 
-def test_a_killed_worker_costs_its_piece_only(scene: Path, tmp_path: Path) -> None:
+def test_a_killed_worker_costs_its_piece_only(
+    scene: Path, tmp_path: Path, whole: dict[str, bytes]
+) -> None:
     out = tmp_path / "out"
     words = [word for word in words_of(scene, out, "--workers", "2") if word != "-q"]
     with started(words, tmp_path) as command:
@@ -127,7 +139,7 @@ def test_a_killed_worker_costs_its_piece_only(scene: Path, tmp_path: Path) -> No
         os.kill(workers_of(command)[0].pid, signal.SIGKILL)
         assert command.wait(PATIENCE) == 0
     assert "a worker process was killed" in (tmp_path / "said").read_text()
-    assert contents(out) == whole(scene)
+    assert contents(out) == whole
 
 
 # A run with seed 13 kills each process that begins its march, as Linux does without memory.
@@ -146,7 +158,9 @@ march.march = killing
 """
 
 
-def test_a_run_that_kills_its_workers_fails_alone_and_by_name(scene: Path, tmp_path: Path) -> None:
+def test_a_run_that_kills_its_workers_fails_alone_and_by_name(
+    scene: Path, tmp_path: Path, whole: dict[str, bytes]
+) -> None:
     (tmp_path / "sitecustomize.py").write_text(KILLER)
     out = tmp_path / "out"
     path = os.pathsep.join([str(tmp_path), str(Path(__file__).parents[2])])
@@ -162,4 +176,4 @@ def test_a_run_that_kills_its_workers_fails_alone_and_by_name(scene: Path, tmp_p
     assert "1 done, 1 failed" in status and "load_n=2: a worker process was killed" in status
     done = rolling(words_of(scene, out, "--workers", "2"), tmp_path)  # without the killer
     assert done.returncode == 0 and not (out / "load_n=2" / "failed.json").exists()
-    assert contents(out) == whole(scene)
+    assert contents(out) == whole

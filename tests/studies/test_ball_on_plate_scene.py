@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from rolling.commands.interface import simulate_sweep
 from rolling.figures.vibration_figures import slope_db
+
 from rolling.scene.file import read_scene
 
 SCENE = Path(__file__).parents[2] / "scenarios" / "ball-on-plate.yaml"

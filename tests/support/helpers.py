@@ -5,14 +5,14 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from hard_cases import optimality
+from hard_cases.named_cases import STEEL, make_track, rough
+from hard_cases.optimality import gap_and_deflection
 
 from rolling.contact import recovery
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import ContactState, RollingContact, march
 from rolling.contact.subcells import half_space_of
-from rolling.verification import optimality
-from rolling.verification.hard_cases import STEEL, make_track, rough
-from rolling.verification.optimality import gap_and_deflection
 
 __all__ = [
     "STEEL",

@@ -1,0 +1,305 @@
+"""Compiled passes on the contact conditions: bounds and load, deformed gaps, approach, violation.
+
+Candidates lie between the bounds or on one of them in no order that a processor could foresee, and
+a wrong guess costs as much as ten sums. The passes therefore select values instead of branching.
+
+The cache of Numba for `_solver_kernels` misses changes here and in `_system`: delete `__pycache__`
+after an edit.
+"""
+
+# mypy: disable-error-code="no-untyped-def"
+from __future__ import annotations
+
+import numpy as np
+
+from rolling.contact.compiling import njit
+
+
+@njit(cache=True, fused=True)
+def sum_of(values):
+    """Return the sum of values."""
+    total = 0.0
+    for k in range(values.size):
+        total += values[k]
+    return total
+
+
+@njit(cache=True)
+def project(p, g, approach, trial, sets, limits, d):
+    """Set d to the direction from p to the feasible pressures nearest to `trial`.
+
+    Free nodes are shifted and clipped, bound nodes go to their bound, and all others stay. A common
+    shift of the free nodes restores the load exactly. `trial` [Pa] holds unbounded pressures of the
+    free nodes before, and feasible pressures after; of the bound nodes it holds their bound.
+
+    Returns the slope of the energy along d [Pa m] and the maximum step length within the bounds, or
+    (inf, 0) where the free nodes cannot take up the load.
+    """
+    active, hardness, total = sets.active, limits.hardness, limits.total
+    target = total - sum_of(p)
+    d[:] = 0.0
+    for a in range(sets.free + sets.bound):
+        target += p[active[a]]
+    for a in range(sets.free, sets.free + sets.bound):
+        k = active[a]
+        d[k] = trial[k] - p[k]
+        target -= d[k] + p[k]
+    if sets.free == 0:
+        if abs(target) > 1e-13 * total:
+            return np.inf, 0.0
+    elif target < 0.0 or target > sets.free * hardness * (1.0 + 1e-13):
+        return np.inf, 0.0
+    shift = find_shift(trial, sets, target, limits)
+    for a in range(sets.free):
+        k = active[a]
+        trial[k] = min(max(trial[k] + shift, 0.0), hardness)
+    restore_load(trial, g, sets, target, limits)
+    for a in range(sets.free):
+        k = active[a]
+        d[k] = trial[k] - p[k]
+    return slope_and_longest_step(p, g, approach, sets, hardness, d)
+
+
+@njit(cache=True)
+def find_shift(trial, sets, target, limits):
+    """Find the shift [Pa] of the free trial pressures that makes them carry `target` [Pa].
+
+    Their sum within the bounds then equals `target`.
+
+    The sum is a monotone, piecewise linear function of the shift. Newton's method finds it within a
+    shrinking bracket.
+    """
+    active, hardness = sets.active, limits.hardness
+    top = min(hardness, target)
+    low = np.inf
+    high = -np.inf
+    for a in range(sets.free):
+        v = trial[active[a]]
+        low = min(low, -v)
+        high = max(high, top - v)
+    shift = 0.0 if low < 0.0 < high else 0.5 * (low + high)
+    for _ in range(200):
+        carried = 0.0
+        moving = 0
+        for a in range(sets.free):
+            v = trial[active[a]] + shift
+            carried += min(max(v, 0.0), hardness)
+            moving += 0.0 < v < hardness
+        error = target - carried
+        if abs(error) <= 1e-15 * limits.total or sets.free == 0:
+            break
+        if error > 0.0:
+            low = shift
+        else:
+            high = shift
+        following = shift + error / moving if moving else np.inf
+        if not low < following < high:
+            following = 0.5 * (low + high)
+        if following == shift:
+            break
+        shift = following
+    return shift
+
+
+@njit(cache=True)
+def restore_load(trial, g, sets, target, limits):
+    """Spread the load that rounding of the shift has lost over the free nodes.
+
+    Only nodes between the bounds take part.
+
+    The shift is rounded coarsely where the direction is much larger than the pressures. Where no
+    node lies between the bounds, the lowest open node takes the missing part, or the highest loaded
+    node gives the excess up.
+    """
+    active, hardness = sets.active, limits.hardness
+    for turn in range(64):
+        error = target
+        moving = 0
+        nearest = -1
+        for a in range(sets.free):
+            k = active[a]
+            error -= trial[k]
+            if 0.0 < trial[k] < hardness:
+                moving += 1
+        if abs(error) <= (1e-15 if turn < 4 else 1e-13) * limits.total:
+            break
+        for a in range(sets.free):
+            k = active[a]
+            if 0.0 < trial[k] < hardness:
+                trial[k] = min(max(trial[k] + error / moving, 0.0), hardness)
+            elif moving == 0 and (nearest < 0 or (g[k] < g[nearest]) == (error > 0.0)):
+                nearest = k if (trial[k] < hardness if error > 0.0 else trial[k] > 0.0) else nearest
+        if nearest >= 0:
+            trial[nearest] = min(max(trial[nearest] + error, 0.0), hardness)
+
+
+@njit(cache=True)
+def slope_and_longest_step(p, g, approach, sets, hardness, d):
+    """Return the slope of the energy along d [Pa m] and the maximum step length.
+
+    The step length within the bounds is at least 1.
+    """
+    slope = 0.0
+    longest = np.inf
+    for a in range(sets.free + sets.bound):
+        k = sets.active[a]
+        slope += (g[k] - approach) * d[k]
+        if d[k] < 0.0:
+            longest = min(longest, -p[k] / d[k])
+        elif d[k] > 0.0:
+            longest = min(longest, (hardness - p[k]) / d[k])
+    return slope, max(longest, 1.0)
+
+
+@njit(cache=True)
+def settle_load(p, g, limits, trace):
+    """Give the missing load to the lowest open nodes, or take the excess from loaded nodes.
+
+    The excess comes from the highest loaded nodes.
+
+    Nodes within `trace` [Pa] of a bound are put on it first, because their load may be an artefact.
+    """
+    hardness = limits.hardness
+    missing = limits.total
+    for k in range(p.size):
+        if p[k] <= trace:
+            p[k] = 0.0
+        elif p[k] >= hardness - trace:
+            p[k] = hardness
+        missing -= p[k]
+    for _ in range(p.size):
+        if abs(missing) <= 1e-16 * limits.total:
+            return
+        best = -1
+        for k in range(p.size):
+            may = p[k] < hardness if missing > 0.0 else p[k] > 0.0
+            if may and (best < 0 or (g[k] < g[best]) == (missing > 0.0)):
+                best = k
+        if best < 0:
+            return
+        change = min(max(p[best] + missing, 0.0), hardness) - p[best]
+        p[best] += change
+        missing -= change
+
+
+MAXIMA = 256  # maxima that are found at a time
+
+
+@njit(cache=True, fused=True)
+def sum_inside(p, values, hardness):
+    """Return the number of pressures between the bounds, and the sum of their values."""
+    inside, total = 0.0, 0.0
+    for k in range(p.size):
+        free = 0.0 < p[k] < hardness
+        inside += 1.0 if free else 0.0
+        total += values[k] if free else 0.0
+    return inside, total
+
+
+@njit(cache=True)
+def middle_of_bounds(p, g, hardness):
+    """Return the middle of the interval over which the approach is free [m].
+
+    It is free where no pressure is between the bounds: above the highest capped node, and below the
+    lowest open node.
+    """
+    lowest_open, highest_capped = np.inf, -np.inf
+    for k in range(p.size):
+        if p[k] <= 0.0:
+            lowest_open = min(lowest_open, g[k])
+        elif p[k] >= hardness:
+            highest_capped = max(highest_capped, g[k])
+    middle = 0.5 * (lowest_open + highest_capped)
+    # An infinite middle means that each node is capped, or that the open nodes are no candidates.
+    return middle if np.isfinite(middle) else highest_capped
+
+
+@njit(cache=True)
+def approach_of(p, g, hardness):
+    """Return the approach [m] of pressures p over deformed gaps g, flat arrays.
+
+    The mean gap of the nodes between the bounds vanishes there.
+    """
+    inside, total = sum_inside(p, g, hardness)
+    return total / inside if inside else middle_of_bounds(p, g, hardness)
+
+
+@njit(cache=True, fused=True)
+def raise_maxima(p, g, approach, hardness, maxima):
+    """Raise maxima to the violations [m] of the contact conditions by as many nodes."""
+    for k in range(maxima.size):
+        gap = g[k] - approach
+        opening = gap if p[k] > 0.0 else 0.0
+        overlap = -gap if p[k] < hardness else 0.0
+        maxima[k] = max(maxima[k], max(opening, overlap))
+
+
+@njit(cache=True)
+def worst_and_load(p, g, approach, hardness):
+    """Return the maximum violation of the contact conditions [m] and the sum of pressures [Pa]."""
+    # A single maximum would wait for the one before it.
+    maxima = np.zeros(MAXIMA)
+    for k in range(0, p.size, MAXIMA):
+        last = min(k + MAXIMA, p.size)
+        raise_maxima(p[k:last], g[k:last], approach, hardness, maxima[: last - k])
+    return maxima.max(), sum_of(p)
+
+
+@njit(cache=True, fused=True)
+def deform(gap, u, p, edge, hardness, g):
+    """Set g to the deformed gaps; return how many of them are not a number.
+
+    A cell that the edge of a patch crosses has gap = edge (1 - 2 p / H): a gap lower by the edge on
+    a node that gives 2 edge / H by itself. An empty `edge` means sharp edges.
+    """
+    per_hardness = 2.0 / hardness
+    strange = 0.0
+    for k in range(g.size):
+        v = gap[k] + u[k]
+        if edge.size:
+            v = (gap[k] - edge[k]) + (u[k] + edge[k] * (p[k] * per_hardness))
+        g[k] = v
+        strange += 1.0 if v != v else 0.0
+    return strange
+
+
+@njit(cache=True)
+def state_of(gap, u, p, edge, hardness, g, fresh):
+    """Return approach [m] and maximum violation [m] of a state.
+
+    The state has undeformed gaps, deflections u and pressures p, as flat arrays. Its deformed gaps
+    before the approach is subtracted go into g [m] (see `deform`). The violation of the contact
+    conditions is infinite where numbers are not finite, and unless the deflections are `fresh`.
+    """
+    strange = deform(gap, u, p, edge, hardness, g)
+    approach = approach_of(p, g, hardness)
+    if strange or not fresh:
+        return approach, np.inf
+    worst, _ = worst_and_load(p, g, approach, hardness)
+    return approach, worst
+
+
+@njit(cache=True)
+def yielding_overlap(gap, u, p, hardness, approach, enough):
+    """Return the maximum overlap [m] of the nodes at the hardness, or one that is `enough`.
+
+    The overlap is that of the undeformed gap and the deflection u with the approach; it is 0 where
+    no node is at the hardness. The search begins in the middle, where the pressures are highest.
+    """
+    overlap = 0.0
+    for k in range(p.size):
+        node = (k + p.size // 2) % p.size
+        if p[node] >= hardness:
+            overlap = max(overlap, approach - gap[node] - u[node])
+            if overlap >= enough:
+                break
+    return overlap
+
+
+@njit(cache=True)
+def has_partial_cells(p, edge, hardness):
+    """Tell whether any node between the bounds has an edge."""
+    count = 0
+    for k in range(p.size):
+        count += edge[k] > 0.0 and 0.0 < p[k] < hardness
+    return count > 0

@@ -1,0 +1,94 @@
+"""Rolling contact of a scene for the march: surface, bodies and numerics as plain numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from rolling._typing import Array
+from rolling.contact.state import RollingContact
+from rolling.scene.scene import Scene
+from rolling.surface import refined
+from rolling.surface.scene_surface import heights
+
+
+def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
+    """Make the rolling contact of a scene over its own or other heights [m]."""
+    contact = RollingContact(
+        heights=heights(scene) if over is None else over,
+        spacing=scene.spacing,
+        radius=scene.radius,
+        contact_modulus=scene.contact_modulus,
+        hardness=scene.hardness,
+        load=scene.load,
+        step=scene.step,
+        start=scene.start,
+        tolerance=scene.tolerance,
+        single=scene.numerics.precision == "single",
+        blended=scene.numerics.edges == "blended",
+    )
+    subcells = scene.numerics.subcells
+    return on_subcells(contact, auto_subcells(contact) if subcells == "auto" else subcells)
+
+
+def auto_subcells(contact: RollingContact) -> int:
+    """Choose the sub-cells along the side of a cell for a contact, as `numerics.subcells: auto`."""
+    if not contact.has_blended_edges:
+        return 1
+    slope = refined.rms_slope(_between(contact.heights).median_step, contact.spacing)
+    return refined.auto_subcells(slope, contact.contact_modulus, contact.hardness)
+
+
+def on_subcells(
+    contact: RollingContact, subcells: int, smooth: bool | None = None
+) -> RollingContact:
+    """Split the cells of a contact into sub-cells, r along the side of a cell.
+
+    If `smooth`, the surface continues between its nodes. Default: its spectrum decides.
+    """
+    if subcells == 1 and not contact.has_blended_edges:
+        return contact
+    between = _between(contact.heights)
+    if smooth is not None:
+        between.smooth = smooth
+    return replace(
+        contact,
+        heights=between.on_subcells(subcells),
+        spacing=contact.spacing / subcells,
+        subcells=subcells,
+        slopes=between.smooth,
+    )
+
+
+@dataclass(eq=False)
+class _Between:
+    """Heights between the nodes of a surface, kept for further contacts on it."""
+
+    heights: Array
+    fine: tuple[int, Array] | None = None
+
+    @cached_property
+    def smooth(self) -> bool:
+        """Whether the surface continues between its nodes."""
+        return refined.dies_out(self.heights)
+
+    @cached_property
+    def median_step(self) -> float:
+        """Median change of heights from node to node [m]."""
+        return refined.median_step(self.heights)
+
+    def on_subcells(self, subcells: int) -> Array:
+        """Return the heights of sub-cells [m]."""
+        if self.fine is None or self.fine[0] != subcells:
+            self.fine = subcells, refined.subcell_heights(self.heights, subcells, self.smooth)
+        return self.fine[1]
+
+
+_last: list[_Between] = []
+
+
+def _between(z: Array) -> _Between:
+    """Return the heights between the nodes of a surface; the last surface is kept."""
+    if not _last or _last[0].heights is not z:
+        _last[:] = [_Between(z)]
+    return _last[0]

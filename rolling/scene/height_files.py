@@ -1,0 +1,245 @@
+"""Files of heights: .npy and .npz of numpy, and text with a row of numbers on each line."""
+
+from __future__ import annotations
+
+import io
+import itertools
+import lzma
+import math
+import struct
+import tokenize
+import warnings
+import zipfile
+import zlib
+from array import array
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+from rolling._typing import Array
+from rolling.scene.messages import shown
+from rolling.scene.yaml_text import open_regular
+
+UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
+MAX_TEXT_BYTES = 500_000_000  # of a file: reading text takes long, and .npy holds the same in less
+MAX_LINE = 20_000_000  # letters
+NAME = "heights.npy"  # of the array in an archive of several
+_TEXT_ENDINGS = (".csv", ".txt")
+_ENDINGS = (".npy", ".npz", *_TEXT_ENDINGS)
+_SHAPES = "one 2-D array of real heights, (along track, across), or a profile of one line"
+_NUMBERS = "numbers by comma, semicolon, tab or whitespace"
+# Errors of numpy and zipfile for damaged files. Their texts are not repeated: some of them advise
+# to load objects, which would run code of the file.
+_DAMAGE = (
+    *(ArithmeticError, AttributeError, EOFError, LookupError, MemoryError, NotImplementedError),
+    *(OSError, RuntimeError, SyntaxError, TypeError, ValueError, lzma.LZMAError, struct.error),
+    *(tokenize.TokenError, zipfile.BadZipFile, zlib.error),
+)
+
+
+class HeightFormatError(Exception):
+    """A reason why a file cannot be read as heights, with the line of a text file that has it."""
+
+    def __init__(self, message: str, line: int | None = None) -> None:
+        super().__init__(message)
+        self.line = line
+
+    def of(self, name: object) -> str:
+        """Write the reason behind the name of the file and the line."""
+        return f"{name}: {self}" if self.line is None else f"{name}:{self.line}: {self}"
+
+
+def nodes(path: Path) -> tuple[int, int]:
+    """Read the nodes along and across of a height file; a profile of one line is one column.
+
+    Raises
+    ------
+    HeightFormatError
+        The file is missing, of another format, damaged, shorter than its header says, or holds no
+        heights.
+    """
+    if _ending(path) in _TEXT_ENDINGS:
+        return _rows_and_columns(_text(path).shape)
+    with _opened(path) as (stream, size), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of headers by Python 2
+        shape, dtype, begin = _array_header(stream)
+    if any(count < 0 for count in shape):
+        raise HeightFormatError("a damaged file: its header says a negative shape")
+    if dtype.kind not in "fiu":
+        raise HeightFormatError(f"got {len(shape)}-D {dtype}, allowed: {_SHAPES}")
+    counts = _rows_and_columns(shape)
+    needed, there = math.prod(shape) * dtype.itemsize, max(size - begin, 0)
+    if needed > there:
+        large = needed >= 10**15
+        count = f"10^{len(str(needed)) - 1} or more" if large else f"{needed:,}"
+        raise HeightFormatError(
+            f"a file that is not whole: its header says {count} bytes of heights, it holds"
+            f" {there:,}"
+        )
+    return counts
+
+
+def numbers(path: Path) -> np.ndarray:
+    """Read the numbers of a height file, shape (along, across); raise as `nodes` does."""
+    shape = nodes(path)
+    if path.suffix.lower() in _TEXT_ENDINGS:
+        return _text(path)
+    with _opened(path) as (stream, _):
+        return np.asarray(np.lib.format.read_array(stream, allow_pickle=False)).reshape(shape)
+
+
+def _ending(path: Path) -> str:
+    """Return the ending of the name of an existing regular file; raise HeightFormatError else."""
+    try:
+        open_regular(path).close()
+    except FileNotFoundError as error:
+        raise HeightFormatError("no such file") from error
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise HeightFormatError(
+            reason if reason.startswith("is ") else f"not readable ({reason})"
+        ) from error
+    ending = path.suffix.lower()
+    if ending not in _ENDINGS:
+        raise HeightFormatError(
+            f"got {f'the ending {path.suffix}' if ending else 'no ending'}, allowed: .npy, .npz,"
+            " .csv or .txt; export the heights as a matrix of numbers, for example in Gwyddion with"
+            ' "ASCII data matrix (.txt)"'
+        )
+    return ending
+
+
+def _rows_and_columns(shape: tuple[int, ...]) -> tuple[int, int]:
+    """Return the nodes along and across in an array of one or two dimensions."""
+    if len(shape) not in (1, 2):
+        raise HeightFormatError(f"got a {len(shape)}-D array, allowed: {_SHAPES}")
+    return (math.prod(shape), 1) if len(shape) == 1 or 1 in shape else (shape[0], shape[1])
+
+
+# ---- arrays of numpy
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[tuple[IO[bytes], int]]:
+    """Open the array in a .npy or .npz file; yield the stream and its size [bytes].
+
+    Damage that is met while the stream is read raises HeightFormatError as well.
+    """
+    ending = path.suffix.lower()
+    try:
+        with io.BufferedReader(open_regular(path)) as file:
+            if ending == ".npy":
+                yield file, path.stat().st_size
+                return
+            with zipfile.ZipFile(file) as archive:
+                member = archive.getinfo(_member(archive.namelist()))
+                with archive.open(member) as stream:
+                    yield stream, member.file_size
+    except _DAMAGE as error:
+        reason = (isinstance(error, OSError) and error.strerror) or "damaged, or another format"
+        raise HeightFormatError(f"no readable {ending} file ({reason})") from error
+
+
+def _member(names: list[str]) -> str:
+    """Return the file of the heights within an archive: of the only array, or of the named one."""
+    arrays = [name for name in names if name.endswith(".npy")]
+    if NAME in arrays or len(arrays) == 1:
+        return NAME if NAME in arrays else arrays[0]
+    listed = ", ".join(repr(name.removesuffix(".npy"))[:60] for name in arrays[:5])
+    got = f"{len(arrays)} arrays ({listed}{', ...' * (len(arrays) > 5)})" if arrays else "no array"
+    raise HeightFormatError(f'got {got}, allowed: one array, or one that is named "heights"')
+
+
+def _array_header(stream: IO[bytes]) -> tuple[tuple[int, ...], np.dtype[Any], int]:
+    """Read shape and type of an array, and the bytes that its header takes."""
+    version = np.lib.format.read_magic(stream)
+    if version == (1, 0):
+        shape, _, dtype = np.lib.format.read_array_header_1_0(stream)
+    else:  # later versions have names that no heights need
+        shape, _, dtype = np.lib.format.read_array_header_2_0(stream)
+    return tuple(int(count) for count in shape), dtype, stream.tell()
+
+
+# ---- text
+
+
+def _text(path: Path) -> Array:
+    """Read the numbers of a text file, shape (rows, columns); a profile is one column.
+
+    Empty lines and lines that begin with # do not count. A separator at the end of a line adds no
+    number. The array is read-only, because the last one is kept.
+    """
+    status = path.stat()
+    if status.st_size > MAX_TEXT_BYTES:
+        raise HeightFormatError(
+            f"is larger than {MAX_TEXT_BYTES:,} bytes of text; a .npy file may be larger"
+        )
+    return _table(path, (status.st_mtime_ns, status.st_size, status.st_ino))
+
+
+@lru_cache(maxsize=1)
+def _table(path: Path, stamp: tuple[int, ...]) -> Array:
+    """Read the numbers of a file that was last written at a stamp."""
+    values, rows, width = array("d"), 0, 0
+    separator: str | None = None
+    for place, line in _lines(path):
+        separator = separator or next((sign for sign in (";", "\t", ",") if sign in line), None)
+        row = _row(line, separator, place)
+        if width and len(row) != width:
+            words = f"got {len(row)} numbers, allowed: {width}, as on the lines before"
+            raise HeightFormatError(words, place)
+        width, rows = len(row), rows + 1
+        values.extend(row)
+    if not rows:
+        raise HeightFormatError(f"holds no heights, allowed: {_NUMBERS}")
+    table = np.frombuffer(values, dtype=float).reshape(_rows_and_columns((rows, width)))
+    table.flags.writeable = False
+    return table
+
+
+def _lines(path: Path) -> Iterator[tuple[int, str]]:
+    """Yield number and text of the lines that hold values.
+
+    Numbers are ASCII. Read as Latin-1, comments may be in any encoding.
+    """
+    with io.TextIOWrapper(io.BufferedReader(open_regular(path)), encoding="latin-1") as stream:
+        for number in itertools.count(1):
+            line = stream.readline(MAX_LINE)
+            if len(line) == MAX_LINE:
+                raise HeightFormatError(f"a line of more than {MAX_LINE:,} letters", number)
+            if not line:
+                return
+            # The mark of UTF-8 may stand before the first number.
+            line = line.removeprefix("\xef\xbb\xbf").strip(" \t\r\n")
+            if line and not line.startswith("#"):
+                yield number, line
+
+
+def _row(line: str, separator: str | None, place: int) -> list[float]:
+    """Return the numbers of a line; raise HeightFormatError for the first that is no number."""
+    fields = line.split(separator)
+    if separator and not fields[-1].strip():
+        fields.pop()
+    try:
+        row = [float(field) for field in fields]
+        if all(map(math.isfinite, row)) and "_" not in line:
+            return row
+    except ValueError:
+        pass
+    wrong = next((field for field in fields if not _is_number(field)), line)
+    decimal_comma = separator != "," and _is_number(wrong.replace(",", ".", 1))
+    advice = ", with a point before the decimals" if decimal_comma else ""
+    # The letters were read as Latin-1, and are probably UTF-8.
+    text = wrong.strip().encode("latin-1").decode("utf-8", "backslashreplace")
+    raise HeightFormatError(f"got {shown(text)}, allowed: {_NUMBERS}{advice}", place)
+
+
+def _is_number(field: str) -> bool:
+    try:
+        return math.isfinite(float(field)) and "_" not in field
+    except ValueError:
+        return False

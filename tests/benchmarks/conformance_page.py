@@ -1,0 +1,152 @@
+"""The conformance page of `acoustics` in Markdown: results against standards and own requirements.
+
+`python tests/benchmarks/conformance_page.py` computes every number on the page and prints it. The
+standards are IEC 61672-1 and IEC 61260-1.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterable, Sequence
+
+from conformance import bands, levels, resampling
+from conformance.rows import MAX_DB, Row, Table
+
+COMMAND = "python tests/benchmarks/conformance_page.py > acoustics/CONFORMANCE.md"
+
+_HEADS = ("expected", "computed", "difference", "lower limit", "upper limit")
+
+
+def tables() -> tuple[Table, ...]:
+    """Compute all tables of the page."""
+    return (
+        levels.a_weighting(),
+        levels.tone_bursts(),
+        levels.decay_rates(),
+        levels.steady_tone(),
+        bands.mid_band_frequencies(),
+        bands.band_edges(),
+        bands.closed_records(),
+        bands.open_records(),
+        bands.effective_bandwidth(),
+        resampling.resampled_levels(),
+        resampling.step_mean_correction(),
+        resampling.alias_rejection(),
+        resampling.varying_speed(),
+        levels.levels(),
+    )
+
+
+def page(measured: Sequence[Table]) -> str:
+    """Write the page in Markdown: introduction, summary and tables."""
+    summary = [
+        (
+            f"{number}. {table.title}",
+            table.source,
+            len(table.rows),
+            _number(table.worst.share, 1),
+            verdict(table),
+        )
+        for number, table in enumerate(measured, start=1)
+    ]
+    parts = [
+        "# Conformance of the package `acoustics`",
+        f"Every number on this page is computed by\n\n```sh\n{COMMAND}\n```\n\n"
+        "and a test fails when the page differs from the output of that command.",
+        "- *Limits* are on the difference between computed and expected; for an attenuation, "
+        "which ideally is infinite "
+        "(∞), the lower limit is the minimum attenuation.\n"
+        "- *Share* is the part of the tolerance used: the difference over the limit on its side, "
+        "or the attenuation "
+        "required over the one computed. Above 100 % the limit is exceeded; "
+        "such a share is in **bold**.\n"
+        f"- *> {MAX_DB:g}*: the remainder is rounding, or close to it.\n"
+        "- *Class 1*: the acceptance limits of IEC 61672-1:2013 and IEC 61260-1:2014. "
+        "They leave out the uncertainty of "
+        "a testing laboratory, which the tolerance limits of earlier editions included.\n"
+        "- Only arithmetic is tested here: no microphone, no display, no environment. "
+        "This is no pattern evaluation.",
+        "## Summary",
+        _markdown(("section", "source", "rows", "worst share %", "verdict"), summary, "llrrl"),
+    ]
+    for number, table in enumerate(measured, start=1):
+        cells = [(*row.keys, *_cells(row, table.decimals)) for row in table.rows]
+        heads = (*table.heads, *(f"{head} {table.unit}" for head in _HEADS), "share %")
+        parts += [
+            f"## {number}. {table.title}",
+            f"{table.source[0].upper()}{table.source[1:]}. {table.text}",
+            _markdown(heads, cells, "l" * len(table.heads) + "r" * (len(_HEADS) + 1)),
+            f"{len(table.rows)} rows, worst share {_number(table.worst.share, 1)} % "
+            f"({', '.join(table.worst.keys)}): {verdict(table)}.",
+        ]
+        if table.after:
+            parts.append(table.after)
+    return "\n\n".join(parts) + "\n"
+
+
+def verdict(table: Table) -> str:
+    """State that all rows are within the limits, or count the rows outside."""
+    if table.outside:
+        return f"**{len(table.outside)} of {len(table.rows)} outside {table.limits}**"
+    return f"all within {table.limits}"
+
+
+def _cells(row: Row, decimals: int) -> tuple[str, ...]:
+    share = _number(row.share, 1)
+    if math.isinf(row.expected):
+        computed = f"> {MAX_DB:g}" if math.isinf(row.computed) else _number(row.computed, decimals)
+        difference, lower, upper = "", _number(row.lower, decimals), ""
+    else:
+        computed, difference = (
+            _number(row.computed, decimals),
+            _number(row.difference, decimals, signed=True),
+        )
+        lower, upper = (_number(limit, decimals, signed=True) for limit in (row.lower, row.upper))
+    return (
+        _number(row.expected, decimals),
+        computed,
+        difference,
+        lower,
+        upper,
+        share if row.within else f"**{share}**",
+    )
+
+
+def _number(value: float, decimals: int, signed: bool = False) -> str:
+    """Write a rounded number without the sign of a zero, so that rounding does not show.
+
+    The text is empty for a missing limit.
+    """
+    if math.isinf(value):
+        return "∞" if value > 0.0 else ""
+    rounded = round(value, decimals) + 0.0  # turns -0.0 into 0.0
+    return f"{rounded:{'+' if signed and rounded else ''}.{decimals}f}"
+
+
+def _markdown(heads: Sequence[str], rows: Iterable[Sequence[object]], align: str) -> str:
+    """Write a Markdown table with padded columns; ``align`` holds l or r for each."""
+    cells = [list(map(str, heads)), *(list(map(str, row)) for row in rows)]
+    widths = [max(3, *(len(cell) for cell in column)) for column in zip(*cells, strict=True)]
+
+    def line(row: Sequence[str]) -> str:
+        padded = (
+            cell.rjust(width) if side == "r" else cell.ljust(width)
+            for cell, width, side in zip(row, widths, align, strict=True)
+        )
+        return f"| {' | '.join(padded)} |"
+
+    rule = [
+        "-" * (width - 1) + ":" if side == "r" else "-" * width
+        for width, side in zip(widths, align, strict=True)
+    ]
+    return "\n".join([line(cells[0]), line(rule), *map(line, cells[1:])])
+
+
+def main() -> None:
+    """Print the page."""
+    sys.stdout.buffer.write(page(tables()).encode())  # UTF-8 and plain line ends wherever it runs
+
+
+if __name__ == "__main__":
+    main()

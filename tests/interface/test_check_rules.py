@@ -1,0 +1,221 @@
+"""Rules of the check against marches and numbers by hand: grid, tolerance, resonance, memory."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from large_scenes import FILE, LAPS, scene_of
+from scene_text import MADE, WIDE
+
+from rolling._typing import Array
+from rolling.check import cost, findings, resolution, vibration
+from rolling.contact.half_space import HalfSpace
+from rolling.contact.march import march
+from rolling.contact.of_scene import rolling_contact
+from rolling.contact.recovery import step_energy
+from rolling.contact.state import RollingContact
+from rolling.scene.file import loads, read_scene
+from rolling.scene.scene import Scene
+
+TEXT = """\
+name: coarse
+sphere: {radius_mm: 5}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
+spacing_um: 2, width_um: 256, seed: 5}
+rolling: {load_n: 0.1, speed_m_s: 0.1, duration_s: 0.005}
+"""
+ELASTIC = "plate.hardness_gpa="
+STEPS = 40
+
+
+def finding(scene: Scene, key: str) -> findings.Finding:
+    return next(each for each in findings.findings(scene) if each.key == key)
+
+
+def release(contact: RollingContact) -> Array:
+    """Return the release [J] of the first steps of a march."""
+    half_space = HalfSpace(contact.spacing, contact.contact_modulus)
+    states = list(march(contact, 0, STEPS, half_space))
+    pairs = pairwise(states)
+    return np.array([step_energy(*pair, half_space).release for pair in pairs])
+
+
+def error_db(coarse: Array, fine: Array) -> float:
+    return float(20 * np.log10(np.std(coarse - fine) / np.std(fine)))
+
+
+# ---- error of the grid
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        [],
+        [ELASTIC, "rolling.load_n=0.5", "surface.correlation_length_um=5"],
+        ["numerics.edges=sharp", "rolling.load_n=2"],
+        ["surface.spacing_um=4", "surface.width_um=300"],
+        ["surface.width_um=254"],
+    ],
+    ids=["light", "elastic", "sharp", "4 um", "odd"],
+)
+def test_the_named_spacing_does(overrides: list[str]) -> None:
+    """It silences the warning, the scene accepts it, and a little more would not do."""
+    scene = loads(TEXT, overrides)
+    warning = finding(scene, resolution.KEY).warning
+    assert warning is not None
+    spacing = float(warning.rpartition("spacing_um of at most ")[2].split(",")[0])
+    finer = scene.with_({"surface.spacing_um": spacing})
+    error = resolution.grid_signal_db(finer)
+    assert error is not None and resolution.WANTED_DB - 6 < error <= resolution.WANTED_DB - 0.5
+    assert finding(finer, resolution.KEY).warning is None
+
+
+def test_the_rule_knows_edges_sub_cells_and_laws() -> None:
+    def error(*overrides: str) -> float:
+        value = resolution.grid_signal_db(loads(TEXT, overrides))
+        assert value is not None
+        return value
+
+    assert error("numerics.edges=sharp") > error() + 5
+    assert error("numerics.subcells=2") == pytest.approx(error() - 6)
+    assert error(ELASTIC, "numerics.edges=sharp") == error(ELASTIC)
+    assert error("rolling.load_n=5") < error() - 5
+    assert error("surface.correlation_length_um=5") > error() + 3
+    # shorter waves, in spite of its flat cells
+    assert error("surface.autocorrelation=exponential") > error()
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ["rolling.load_n=0.5", "surface.correlation_length_um=5"],
+        ["rolling.load_n=5", "surface.correlation_length_um=24"],
+    ],
+    ids=["coarse", "fine"],
+)
+def test_the_grid_rule_holds_for_marches_on_every_fourth_node(overrides: list[str]) -> None:
+    """Short stretches scatter by 3 dB, and the rule was off by 10 dB at most."""
+    scene = loads(TEXT, [*overrides, ELASTIC, "numerics.tolerance=1e-5"])
+    own = rolling_contact(scene)
+    fine = rolling_contact(scene.with_(spacing_um=0.5))
+    fine = replace(fine, step=own.step)
+    coarse = replace(fine, heights=fine.heights[::4, ::4].copy(), spacing=own.spacing)
+    measured = error_db(release(coarse), release(fine))
+    assert measured == pytest.approx(resolution.grid_signal_db(scene), abs=10)
+
+
+# ---- tolerance
+
+
+@pytest.mark.parametrize(
+    ("overrides", "tolerance"),
+    [
+        # Hertz deflections of 0.95, 0.38 and 2.8 um, and an rms roughness of 1.25 Ra
+        ([], 1e-4),
+        (["rolling.load_n=5"], 1e-4),
+        (["rolling.load_n=100"], 4e-5),
+        (["surface.roughness_ra_um=0.01"], 1e-5),
+        (["surface.roughness_ra_um=1e-6"], 1e-6),
+        (["numerics.tolerance=0.003"], 0.003),
+    ],
+)
+def test_tolerance_by_hand(overrides: list[str], tolerance: float) -> None:
+    assert loads(WIDE, overrides).tolerance == tolerance
+
+
+@pytest.mark.parametrize("roughness_um", [0.003, 0.01, 0.1])
+def test_the_tolerance_keeps_the_solver_14_db_below_the_grid(roughness_um: float) -> None:
+    """At 1e-4 on the smoothest surface it would be 5 dB below; grids leave some -25 dB."""
+    scene = loads(WIDE, [f"surface.roughness_ra_um={roughness_um}", ELASTIC])
+    scene = scene.with_(duration_s=0.002)
+    contact = rolling_contact(scene)
+    grid_db = resolution.grid_signal_db(scene)
+    assert grid_db is not None
+    tight = release(replace(contact, tolerance=1e-7))
+    assert error_db(release(contact), tight) < min(grid_db, -25) - 14
+
+
+# ---- resonance
+
+
+def bounce_hz(*overrides: str) -> float:
+    return vibration.bounce_hz(loads(WIDE, overrides))
+
+
+def test_frequency_by_hand() -> None:
+    # 2 E* a = 2 x 230.77 GPa x 68.75 um = 3.173e7 N/m; 7850 kg/m3 x 4/3 pi (5 mm)^3 = 4.110 g;
+    # sqrt(k/m) / 2 pi = 13.98 kHz.
+    assert bounce_hz() == pytest.approx(13.98e3, rel=1e-3)
+    assert bounce_hz("sphere.density_kg_m3=2500") == pytest.approx(
+        bounce_hz() * math.sqrt(7850 / 2500), rel=1e-12
+    )
+    # Two bodies of steel: E* halves, a grows by 2^(1/3), the stiffness falls by 2^(2/3), the
+    # frequency by 2^(1/3).
+    both = bounce_hz("sphere.youngs_modulus_gpa=210", "sphere.poissons_ratio=0.3")
+    assert both == pytest.approx(bounce_hz() / 2 ** (1 / 3), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        # a model of the dynamics at 20 N gives -44 dB at 0.1 m/s, -25 at 0.3 and -6 at 1 m/s
+        ([], "30 dB or more below"),
+        (["rolling.speed_m_s=0.3"], "its part is heard"),
+        (["rolling.speed_m_s=1"], "a large part of the sound"),
+        # without waves of the resonance there is little: -23 dB by the model
+        (["rolling.speed_m_s=1", "surface.correlation_length_um=100"], "its part is heard"),
+        ([], "a free ball as if of steel, 7850 kg/m3 (sphere.density_kg_m3) would bounce"),
+        (["sphere.density_kg_m3=2500", "rolling.load_n=5"], "of 2500 kg/m3 would bounce on its"),
+        # outside of the record: the steps carry 6.25 kHz; 35 kHz; 24.8 kHz; 12.5 kHz are reached
+        (["numerics.step_nodes=4"], None),
+        (["sphere.radius_mm=2"], None),
+        (["sphere.density_kg_m3=2500"], None),
+        (["rolling.speed_m_s=[[0, 0.05], [1, 0.05], [2, 1]]"], None),
+    ],
+)
+def test_resonance_is_weighed(overrides: list[str], words: str | None) -> None:
+    warning = finding(loads(WIDE, overrides), "resonance").warning
+    assert warning is None if words is None else words in str(warning)
+
+
+# ---- memory
+
+
+STEEP = MADE.replace("0.1, corr", "1, corr")
+
+
+@pytest.mark.parametrize(
+    ("surface", "rest", "workers", "measured_mb"),
+    [
+        (FILE, LAPS % (10, 1), 1, 2498),
+        (FILE, LAPS % (0.001, 300), 1, 3917),
+        (
+            MADE.replace("200", "20000"),
+            "{load_n: 1, speed_m_s: 0.1, duration_s: 0.02}",
+            2,
+            1360,
+        ),
+        (STEEP.replace("200", "10000"), "{load_n: 1, speed_m_s: 0.1, duration_s: 0.01}", 1, 626),
+        (
+            STEEP.replace("_um: 2,", "_um: 1,").replace("200", "500"),
+            "{load_n: 50, speed_m_s: 0.1, duration_s: 0.005}\nnumerics: {step_nodes: 10}",
+            1,
+            875,
+        ),
+    ],
+    ids=["laps", "long and slow", "wide", "sub-cells", "large window"],
+)
+def test_memory_is_the_measured_peak_within_a_factor_of_1_5(
+    tmp_path: Path, surface: str, rest: str, workers: int, measured_mb: float
+) -> None:
+    """The peaks are those of the resident memory of all processes of a command."""
+    np.save(tmp_path / "heights.npy", np.random.default_rng(1).standard_normal((64, 64)) * 2e-8)
+    scene = read_scene(scene_of(tmp_path, surface, rest))
+    needed = sum(cost.memory([run for _, run in scene.runs()], workers).values())
+    assert measured_mb / 1.5 < needed / 1e6 < 1.5 * measured_mb

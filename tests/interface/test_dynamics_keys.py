@@ -1,0 +1,129 @@
+"""Keys of a scene that vibrates: what needs what, in words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from rolling.scene.file import loads, resound
+from rolling.scene.identity import contact_keys
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+
+TEXT = """\
+name: trial
+sphere: {radius_mm: 5, density_kg_m3: 7850}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, density_kg_m3: 7850, thickness_mm: 10}
+surface:
+  {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 64,
+   seed: 1}
+rolling: {load_n: 20, speed_m_s: 0.1, distance_mm: 1}
+dynamics: {}
+sound: {source: vibration}
+"""
+
+
+def scene(*changes: str) -> Scene:
+    return loads(TEXT, changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (["sound.q=0.5"], "sound.q: got 0.5, which only goes with source: release"),
+        (["sound.gain_pa_per_w_m2=3"], "sound.gain_pa_per_w_m2: got 3, which only goes with"),
+        (["dynamics=", "plate.thickness_mm="], 'sound.source: got "vibration", which needs the'),
+        (["dynamics="], "plate.thickness_mm: only goes with dynamics"),
+        (["plate.thickness_mm=", "plate.loss_factor=0.1"], "plate.loss_factor: only goes with"),
+        (["sphere.density_kg_m3="], "sphere.density_kg_m3: missing; dynamics needs the mass"),
+        (["plate.density_kg_m3="], "plate.density_kg_m3: missing; dynamics needs the mass"),
+        (["dynamics.loads=4"], "dynamics.loads: got 4, allowed: an odd whole number from 3 to 15"),
+        (["dynamics.span=1"], "dynamics.span: got 1, allowed: greater than or equal to 1.05"),
+        (["rolling.duration_s=1"], "rolling.distance_mm: given beside duration_s, allowed: one"),
+        (["rolling.distance_mm="], "rolling.duration_s: missing; give it or a rolling"),
+        (["rolling.distance_mm=0.01"], "the shortest track is 8 nodes, 16 um: at least 0.016"),
+        (["rolling.distance_mm=1e9"], "rolling.distance_mm: got 1000000000, which is more than"),
+        (["rolling.speed_m_s=[[0, 1], [1e-4, 0]]"], "rolling.distance_mm is 1: give it more speed"),
+    ],
+)
+def test_message(changes: list[str], message: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        scene(*changes)
+    assert len(caught.value.faults) == 1
+    assert message in caught.value.faults[0]
+
+
+def test_the_resolved_scene_is_read_again() -> None:
+    for given in (scene(), scene("sound.source=release"), scene("plate.thickness_mm=")):
+        assert Scene.from_dict(given.to_dict()) == given
+    assert "q" not in scene().to_dict()["sound"]
+
+
+def test_every_speed_meets_the_same_surface() -> None:
+    tracks = [scene(f"rolling.speed_m_s={speed}").track for speed in (0.03, 0.1, 0.37, 3)]
+    assert {track.steps for track in tracks} == {500}
+    assert scene("rolling.speed_m_s=[[0, 0.1], [0.01, 0.2]]").track == tracks[0]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"sphere.density_kg_m3": 3200.0},
+        {"plate.density_kg_m3": 2700.0},
+        {"plate.thickness_mm": 1.0},
+        {"plate.loss_factor": 0.1},
+        {"dynamics.loads": 5},
+        {"rolling.speed_m_s": 1.0},
+        {"sound.source": "release"},
+        {"sound.source": "release", "plate.thickness_mm": None, "dynamics": None},
+    ],
+)
+def test_the_march_does_not_depend_on_the_vibration(change: dict[str, Any]) -> None:
+    assert contact_keys(scene()) == contact_keys(scene().with_(change))
+
+
+def test_resound_changes_bodies_and_source() -> None:
+    changed = resound(
+        scene(),
+        [
+            "rolling.speed_m_s=1",
+            "plate.thickness_mm=1",
+            "plate.loss_factor=0.01",
+            "sphere.density_kg_m3=3200",
+            "sound.source=release",
+        ],
+    )
+    assert changed.track == scene().track
+    assert changed.sound.source == "release"
+    with pytest.raises(SceneError, match=r"dynamics.loads: needs a new run"):
+        resound(scene(), ["dynamics.loads=5"])
+
+
+@pytest.mark.parametrize(
+    ("changes", "source"),
+    [
+        (["sound="], "vibration"),
+        (["sound.source="], "vibration"),
+        (["sound.source=release"], "release"),
+        (["sound=", "dynamics=", "plate.thickness_mm="], "release"),
+    ],
+)
+def test_with_dynamics_the_vibration_is_heard_unless_the_scene_says_otherwise(
+    changes: list[str], source: str
+) -> None:
+    assert scene(*changes).sound.source == source
+    assert Scene.from_dict(scene(*changes).to_dict()) == scene(*changes)
+
+
+def test_the_default_source_follows_dynamics_that_are_added_or_removed_in_python() -> None:
+    silent = {"dynamics": None, "plate.thickness_mm": None}
+    assert scene().with_(silent).sound.source == "release"
+    assert scene().with_(silent).with_(dynamics={}).sound.source == "vibration"
+    changes = {"sound.source": "release", "dynamics": {"loads": 5}}
+    assert scene().with_(changes).sound.source == "release"
+
+
+def test_a_free_factor_does_not_go_with_the_default_source_of_dynamics() -> None:
+    with pytest.raises(SceneError, match=r"sound\.q: got 0.5, which only goes with"):
+        scene("sound.source=", "sound.q=0.5")

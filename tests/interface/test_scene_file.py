@@ -1,0 +1,310 @@
+"""Scene files report faults with their lines, and survive a round trip."""
+
+import math
+import pickle
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from ruamel.yaml import YAML
+from scene_text import PLAIN, SCENES, TEXT, faults
+
+from rolling.scene.file import RESOUND_KEYS, dump, loads, read_scene, resound, schema
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+from rolling.scene.sections import STEP_NODES
+
+# ---- Messages
+
+
+NEEDED = "empty, a scene needs at least name, sphere, plate, surface, rolling"
+FIRST = "allowed: a scene of keys and values, the first being name"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", f" {NEEDED}"),
+        ("# only a comment\n", f" {NEEDED}"),
+        ("- name: x\n", f'1: got [{{"name": "x"}}], {FIRST}'),
+        ("hello", f'1: got "hello", {FIRST}'),
+        ("name: x\nsphere: {radius_mm: 5\n", "3: not YAML: expected ',' or '}', but got 'the end'"),
+        ("name: x\nname: y\n", '2: not YAML: found duplicate key "name" with value "y"'),
+        (
+            PLAIN.replace("ratio: 0.3\n", "ratio: 0.3\n  poissons_ratio: 0.2\n"),
+            '6: not YAML: found duplicate key "poissons_ratio" with value',
+        ),
+        ("name: x\n---\nname: y\n", "2: not YAML: but found another document"),
+    ],
+)
+def test_message_of_text_that_is_no_scene(text: str, message: str) -> None:
+    (fault,) = faults(text)
+    assert fault.startswith(f"s.yaml:{message}")
+
+
+def test_messages_of_files(tmp_path: Path) -> None:
+    def fault(path: Path) -> str:
+        with pytest.raises(SceneError) as error:
+            read_scene(path)
+        return str(error.value)
+
+    assert fault(tmp_path / "no.yaml") == f"{tmp_path / 'no.yaml'}: no such file"
+    assert fault(tmp_path) == f"{tmp_path}: is a folder, a scene file is needed"
+    latin = tmp_path / "latin.yaml"
+    latin.write_bytes("name: x\ndescription: Stöße\n".encode("latin-1"))
+    assert fault(latin) == f"{latin}:2: not UTF-8 text (byte 0xf6)"
+    bad = tmp_path / "bad.yaml"
+    bad.write_text(PLAIN.replace("load_n: 20", "load_n: 0"))
+    assert fault(bad) == f"{bad}:15: rolling.load_n: got 0, allowed: greater than 0"
+
+
+def test_aliases_and_merges_keep_a_line() -> None:
+    text = PLAIN.replace("sphere: {radius_mm: 5}", "sphere: {radius_mm: &r -5}").replace(
+        "load_n: 20", "load_n: *r"
+    )
+    assert faults(text) == [
+        "s.yaml:2: sphere.radius_mm: got -5, allowed: greater than 0",
+        "s.yaml:15: rolling.load_n: got -5, allowed: greater than 0",
+    ]
+    assert loads(PLAIN.replace("load_n: 20", "<<: {load_n: 20}")).load == 20
+
+
+def test_aliases_cannot_grow_without_end() -> None:
+    assert faults("name: x\nsphere: &s\n  sphere: *s\n")  # an alias of itself
+    text = "a0: &a0 [1, 1]\n" + "".join(
+        f"a{k}: &a{k} [*a{k - 1}, *a{k - 1}]\n" for k in range(1, 9)
+    )
+    assert faults(text)[0].endswith("[0][0][0]: nested too deeply")
+
+
+# ---- Reading and writing
+
+
+def test_numbers_of_yaml() -> None:
+    scene = loads(
+        PLAIN.replace("gpa: 210", "gpa: 210e0").replace(
+            "step_nodes: 1", "step_nodes: 1, tolerance: 1e-3"
+        )
+    )
+    assert scene.plate.youngs_modulus_gpa == 210.0
+    assert scene.numerics.tolerance == 1e-3
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
+def test_round_trip(path: Path) -> None:
+    scene = read_scene(path)
+    again = loads(dump(scene))
+    assert again == scene
+    assert Scene.from_dict(scene.to_dict()) == scene
+    assert pickle.loads(pickle.dumps(scene)).folder == scene.folder == path.parent
+
+
+def test_dump_fills_in_defaults_and_no_folder(tmp_path: Path) -> None:
+    path = tmp_path / "s.yaml"
+    path.write_text(PLAIN)
+    text = dump(read_scene(path))
+    for line in (
+        "tolerance: auto",
+        "rule: mean",
+        "events: false",
+        "distance_m: 1.0",
+        "autocorrelation: gaussian",
+    ):
+        assert line in text
+    assert str(tmp_path) not in text
+
+
+@pytest.mark.slow
+@settings(deadline=None, max_examples=100)
+@given(
+    st.floats(1e-12, 1e12),
+    st.sampled_from(STEP_NODES),
+    st.text(st.characters(codec="utf-8", exclude_categories=["Cs", "Cc"]), max_size=50),
+    st.from_regex(r"\A[A-Za-z0-9][A-Za-z0-9._-]{0,63}\Z"),
+)
+def test_round_trip_of_any_value(
+    load_n: float, step_nodes: float, description: str, name: str
+) -> None:
+    data = loads(PLAIN).to_dict()
+    data["rolling"]["load_n"], data["numerics"]["step_nodes"] = load_n, step_nodes
+    data["name"], data["description"] = name, description
+    scene = Scene.from_dict(data)
+    assert loads(dump(scene)) == scene
+
+
+# ---- Overrides
+
+
+def test_overrides() -> None:
+    scene = loads(
+        PLAIN,
+        [
+            "rolling.load_n = 50",
+            "recovery.events=true",
+            "sound={distance_m: 2}",
+            "plate.hardness_gpa=null",
+        ],
+    )
+    assert scene.load == 50
+    assert scene.recovery.events
+    assert scene.sound.distance_m == 2
+    assert scene.plate.hardness_gpa is None
+    assert loads(PLAIN, ["rolling.speed_m_s=[[0, 0.1], [1, 0.2]]"]).rolling.speed_m_s == (
+        (0, 0.1),
+        (1, 0.2),
+    )
+
+
+def test_overrides_of_the_sweep() -> None:
+    assert loads(TEXT, ["sweep=null"]).sweep == {}
+    assert loads(TEXT, ["sweep.rolling.load_n=[1, 2]"]).sweep["rolling.load_n"] == (1, 2)
+    assert list(loads(TEXT, ["sweep.rolling.load_n="]).sweep) == ["sphere.radius_mm"]
+    assert loads(PLAIN, ["sweep.surface.seed=[1, 2]"]).sweep == {"surface.seed": (1, 2)}
+
+
+def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
+    scene = loads(TEXT, ["rolling.load_n=50"])
+    assert scene.load == 50
+    assert list(scene.sweep) == ["sphere.radius_mm"]
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        (
+            "rolling.lod_n=5",
+            "rolling.lod_n: unknown key, nearest: rolling.load_n, allowed: load_n, ",
+        ),
+        ("rolling.speed=5", "rolling.speed: unknown key, nearest: rolling.speed_m_s, allowed: "),
+        ("load_n=5", "load_n: unknown key, nearest: rolling.load_n"),
+        ("sond=null", "sond: unknown key, nearest: sound"),
+        ("zzz=1", "zzz: unknown key"),
+        ("rolling.load_n", 'got "rolling.load_n", allowed: key=value, as in rolling.load_n=50'),
+        ("=5", 'got "=5", allowed: key=value, as in rolling.load_n=50'),
+        ("rolling.load_n=-1", "rolling.load_n: got -1, allowed: greater than 0"),
+        ("rolling.load_n=", "rolling.load_n: missing; Normal load [N]"),
+        ("numerics.step_nodes=[1", "numerics.step_nodes: not YAML: expected ',' or ']', but got"),
+        ("sound={q: 2}", "sound.q: got 2, allowed: less than or equal to 1"),
+        ("recovery.rule=men", 'recovery.rule: got "men", allowed: mean or left_end, nearest: mean'),
+        ("sweep.rolling.load_n=5", "sweep.rolling.load_n: got 5, allowed: a list of numbers, at"),
+        (
+            "sweep.rolling.load_n=[5, -1]",
+            "sweep.rolling.load_n[1]: got -1, allowed: greater",
+        ),
+        ("sweep.rolling.lod_n=[5]", "sweep.rolling.lod_n: unknown key, nearest: sweep.rolling."),
+    ],
+)
+def test_message_of_override(override: str, message: str) -> None:
+    (fault,) = faults(PLAIN, override)
+    assert fault.startswith(f"--set: {message}")
+
+
+# ---- New sound
+
+
+def test_resound() -> None:
+    scene = loads(PLAIN)
+    new = resound(scene, ["rolling.speed_m_s=0.2", "sound.distance_m=3"])
+    assert (new.rolling.speed_m_s, new.rolling.duration_s, new.sound.distance_m) == (0.2, 0.005, 3)
+    assert new.track == scene.track
+    slow = resound(scene, ["rolling.speed_m_s=[[0, 0], [1, 0.002]]"])
+    assert slow.track == scene.track
+
+
+def test_resound_slower_than_the_shortest_track_would_take() -> None:
+    assert resound(loads(PLAIN), ["rolling.speed_m_s=1e-6"]).rolling.duration_s == pytest.approx(
+        1000
+    )
+
+
+def test_resound_refusals() -> None:
+    with pytest.raises(SceneError) as error:
+        resound(loads(PLAIN), ["rolling.load_n=5", "sound.q=0", "sound.z=1"])
+    allowed = ", ".join(RESOUND_KEYS)
+    load, unknown, share = error.value.faults
+    assert load == (
+        f"--set: rolling.load_n: needs a new run; without solving again allowed: {allowed}"
+    )
+    assert unknown.startswith("--set: sound.z: unknown key, allowed: source, ball, distance_m, q")
+    assert share == "--set: sound.q: got 0, allowed: greater than 0"
+    with pytest.raises(
+        SceneError,
+        match=r"^--set: rolling.speed_m_s: the sphere comes to rest after 0.0005 m and never",
+    ):
+        resound(loads(PLAIN), ["rolling.speed_m_s=[[0, 0.1], [0.01, 0]]"])
+    with pytest.raises(
+        SceneError, match=r"^--set: rolling.speed_m_s: got -1, allowed: a number > 0"
+    ):
+        resound(loads(PLAIN), ["rolling.speed_m_s=-1"])
+
+
+# ---- The schema
+
+
+def resolved(node: dict[str, Any], root: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return a schema node and its alternatives, with references followed."""
+    if "$ref" in node:
+        return resolved(root["$defs"][node["$ref"].rpartition("/")[2]], root)
+    parts = node.get("anyOf") or node.get("oneOf")
+    return [leaf for part in parts for leaf in resolved(part, root)] if parts else [node]
+
+
+def accepts(node: dict[str, Any], value: Any, root: dict[str, Any]) -> bool:
+    """Validate by the part of JSON Schema that the schema uses."""
+    for leaf in resolved(node, root):
+        if value != leaf.get("const", value) or value not in leaf.get("enum", [value]):
+            continue
+        kind = leaf.get("type")
+        if kind == "object":
+            if not isinstance(value, dict) or not set(leaf.get("required", [])) <= set(value):
+                continue
+            known = leaf.get("properties", {})
+            assert leaf["additionalProperties"] is False
+            if all(
+                name in known and accepts(known[name], item, root) for name, item in value.items()
+            ):
+                return True
+        elif kind == "array":
+            if isinstance(value, list) and leaf["minItems"] <= len(value) <= leaf.get(
+                "maxItems", math.inf
+            ):
+                items = leaf.get("prefixItems") or [leaf["items"]] * len(value)
+                if all(accepts(item, part, root) for item, part in zip(items, value, strict=True)):
+                    return True
+        elif kind in ("number", "integer"):
+            if isinstance(value, int if kind == "integer" else int | float) and not isinstance(
+                value, bool
+            ):
+                low, high = leaf.get("minimum", -math.inf), leaf.get("maximum", math.inf)
+                if low <= value <= high and value > leaf.get("exclusiveMinimum", -math.inf):
+                    return True
+        elif (kind is None and "enum" in leaf) or isinstance(
+            value, {"string": str, "boolean": bool, "null": type(None)}[kind]
+        ):  # words and numbers
+            return True
+    return False
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
+def test_schema_accepts_the_scenes(path: Path) -> None:
+    root = schema()
+    assert root["$schema"] == "https://json-schema.org/draft/2020-12/schema"
+    data = YAML(typ="safe").load(path.read_text())
+    assert accepts(root, data, root)
+    assert accepts(root, read_scene(path).to_dict(), root)
+    assert not accepts(root, {**data, "nmae": 1}, root)
+    assert not accepts(root, {**data, "rolling": {**data["rolling"], "load_n": 0}}, root)
+    assert not accepts(root, {**data, "sweep": {"rolling.lod_n": [1]}}, root)
+    assert not accepts(root, {**data, "surface": {**data["surface"], "kind": "x"}}, root)
+
+
+def test_schema_describes_every_key() -> None:
+    root = schema()
+    for section in root["$defs"].values():
+        assert section["additionalProperties"] is False
+        for name, key in section["properties"].items():
+            assert key.get("description"), name
+    for name, unit in (("radius_mm", "[mm]"), ("youngs_modulus_gpa", "[GPa]")):
+        assert unit in root["$defs"]["Sphere"]["properties"][name]["description"]

@@ -1,0 +1,207 @@
+"""Stretches of the error estimate: their places, their cost, and the errors that they tell."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scene_text import BODIES, NARROW, PLAIN
+
+from rolling.check import error_cost
+from rolling.check.error_cost import LEVELS
+from rolling.marches import error_stretches
+from rolling.marches.next_pieces import march_all, next_pieces
+from rolling.marches.piece import Piece, contact_identity, march_piece
+from rolling.marches.result import Result
+from rolling.scene.file import loads, read_scene
+from rolling.scene.scene import Scene
+from rolling.sound.error_estimate import LevelErrors, RecordLevels, level_errors
+from rolling.surface.heights import gaussian
+
+TEXT = f"""\
+name: short
+{BODIES}{NARROW}\
+rolling: {{load_n: 0.1, speed_m_s: 0.1, duration_s: 0.012}}
+numerics: {{error_estimate: true, tolerance: 1.0e-4}}
+"""
+FLAT = RecordLevels(np.ones(31), np.ones(31), own_factor=False)
+
+
+@pytest.fixture
+def generous(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let short runs pay for stretches."""
+    monkeypatch.setattr(error_cost, "SHARE", 8.0)
+    monkeypatch.setattr(error_cost, "STRETCH_STEPS", (32, 64))
+
+
+def scene_of(*overrides: str) -> Scene:
+    return loads(TEXT, overrides, "s.yaml")
+
+
+def long_scene(*overrides: str) -> Scene:
+    settings = ["rolling.duration_s=0.5", "numerics.error_estimate=true", "numerics.tolerance=1e-4"]
+    return loads(PLAIN, [*settings, *overrides], "s.yaml")
+
+
+def stretch(scene: Scene, level: str, first: int, steps: int = 64) -> dict:
+    """March a stretch on a level."""
+    identity = contact_identity(scene)
+    return march_piece(Piece(scene, identity, "error", first, first + steps, 1.0, level=level))
+
+
+def errors_of(scene: Scene, result: Result) -> LevelErrors:
+    return level_errors(error_stretches.stretch_powers(scene, result), FLAT)
+
+
+# ---- places and cost
+
+
+@pytest.mark.parametrize("change", ["rolling.load_n=20", "numerics.tolerance=1e-6"])
+@pytest.mark.parametrize("seconds", [0.2, 0.5, 1.5, 5.0])
+def test_stretches_cost_no_more_than_their_share_of_the_run(change: str, seconds: float) -> None:
+    given = long_scene(change, f"rolling.duration_s={seconds}")
+    layout = error_cost.layout(given)
+    assert layout is not None
+    steps = len(layout.firsts) * (layout.steps + error_cost.START_STEPS)
+    cost = steps * sum(error_cost.level_cost(given, level) for level in LEVELS)
+    assert error_cost.cost_share(given) == pytest.approx(cost / given.track.solved_steps)
+    assert error_cost.cost_share(given) <= error_cost.SHARE
+    assert 4 <= len(layout.firsts) <= 8 and 64 <= layout.steps <= 400
+    # More than four stretches are marched only when they are as long as they may be.
+    assert len(layout.firsts) == 4 or layout.steps == 400
+
+
+def test_stretches_lie_all_along_the_track_without_overlap() -> None:
+    for seconds, count in ((0.5, 4), (4, 8)):
+        given = long_scene(f"rolling.duration_s={seconds}")
+        layout, solved = error_cost.layout(given), given.track.solved_steps
+        assert layout is not None and len(layout.firsts) == count
+        assert np.diff(layout.firsts).min() >= layout.steps
+        assert layout.firsts[-1] + layout.steps <= solved
+        gaps = np.diff([*layout.firsts, solved])
+        assert gaps == pytest.approx(np.full(count, solved / count), abs=layout.steps)
+
+
+def test_a_short_track_says_how_long_it_has_to_be() -> None:
+    short = long_scene("rolling.duration_s=0.05")
+    text = error_cost.too_short(short) or ""
+    assert error_cost.layout(short) is None and "2500 different steps" in text
+    assert error_cost.cost_share(short) == 0.0
+    needed = int(text.split("needs ")[1].split()[0])
+    assert error_cost.layout(long_scene(f"rolling.duration_s={(needed + 1) * 2e-5}"))
+    assert not error_cost.layout(long_scene(f"rolling.duration_s={(needed - 1) * 2e-5}"))
+
+
+@pytest.mark.parametrize(("own", "tight"), [(1e-4, 1e-5), (3e-10, 1e-10), (1e-11, 1e-11)])
+def test_the_tight_tolerance_stays_above_rounding(own: float, tight: float) -> None:
+    scene = long_scene(f"numerics.tolerance={own}")
+    assert error_cost.tight_tolerance(scene) == pytest.approx(tight)
+
+
+# ---- marches
+
+
+def test_stretches_are_marched_over_the_positions_of_the_run() -> None:
+    """At the scene's own grid a stretch releases the energy of the run, but for the tolerance."""
+    scene = scene_of()
+    lap = march_all(scene_of("numerics.error_estimate=false")).series["release_energy"]
+    for first in (0, 30):
+        release = stretch(scene, "tight", first)["release_energy"]
+        off = release - lap[first : first + 64]
+        assert np.sqrt(np.mean(off**2)) < 0.01 * np.std(release)
+
+
+@pytest.mark.parametrize("level", ["fine", "coarse"])
+def test_other_grids_see_the_same_asperities(level: str) -> None:
+    """An elastic contact at Ra 0.02 um converges: releases on two grids are nearly equal."""
+    scene = scene_of("surface.roughness_ra_um=0.02", "plate.hardness_gpa=null")
+    releases = [stretch(scene, each, 590)["release_energy"] for each in ("tight", level)]
+    assert np.corrcoef(releases)[0, 1] > 0.97  # across the end of the track
+
+
+@pytest.mark.usefixtures("generous")
+def test_a_run_knows_its_errors() -> None:
+    scene = scene_of()
+    result = march_all(scene)
+    layout = error_cost.layout(scene)
+    assert result.stretches is not None and layout is not None
+    assert set(result.stretches.marches) == {(k, level) for k in layout.firsts for level in LEVELS}
+    errors = errors_of(scene, result)
+    assert 0.5 <= errors.order <= 1.5 and errors.order_measured
+    # The grid is off by more than the solver, and neither by as much as the signal.
+    assert -100 < errors.solver_signal_db < errors.grid_signal_db < 0
+    assert abs(errors.laeq_grid_db) < 3
+    areas = [error_stretches.plastic_area(scene, result, level) for level in ("tight", "fine")]
+    assert areas[0] == pytest.approx(areas[1], rel=0.3)
+    # The same lines stand an octave lower at half the speed.
+    half = scene.with_(speed_m_s=0.05, duration_s=0.024)
+    slower = errors_of(half, replace(result, identity=contact_identity(half)))
+    k = {name: 17 + 3 * n for n, name in enumerate(("1k", "2k", "4k", "8k", "16k"))}
+    assert slower.grid_db[k["8k"]] == pytest.approx(errors.grid_db[k["16k"]], abs=0.5)
+    assert np.isnan(slower.grid_db[k["16k"]])
+
+
+@pytest.mark.usefixtures("generous")
+def test_a_stretch_that_cannot_be_solved_is_a_fault_of_the_estimate() -> None:
+    scene = scene_of()
+    result = march_all(scene_of("numerics.error_estimate=false"))
+    pieces = next_pieces(scene, result)
+    for piece in reversed(pieces):
+        fault = {"fault": np.array("no room")}
+        failing = piece.level == "fine" and piece.first > 0
+        result.add(piece, fault if failing else stretch(scene, piece.level, piece.first, 64))
+    assert not next_pieces(scene, result)
+    assert result.stretches is not None and result.stretches.fault == "fine: no room"
+    assert error_stretches.stretch_firsts(scene, result) == ()
+
+
+@pytest.mark.usefixtures("generous")
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"surface": {"kind": "smooth", "spacing_um": 2, "width_um": 128}},
+        {"numerics.error_estimate": False},
+    ],
+)
+def test_runs_without_an_estimate_march_no_stretches(changes: dict) -> None:
+    assert march_all(scene_of().with_(changes)).stretches is None
+
+
+@pytest.mark.usefixtures("generous")
+def test_laps_of_a_height_file_at_changing_speed_have_an_estimate(tmp_path: Path) -> None:
+    heights = gaussian((301, 65), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 4)
+    np.save(tmp_path / "heights.npy", heights)
+    (tmp_path / "scene.yaml").write_text(
+        f"name: file\n{BODIES}"
+        "surface: {kind: file, path: heights.npy, spacing_um: 2}\n"
+        "rolling: {load_n: 0.1, speed_m_s: [[0, 0.05], [0.02, 0.15]], duration_s: 0.02,"
+        " start_um: 30}\n"
+        "numerics: {error_estimate: true, tolerance: 1.0e-4}\n"
+    )
+    scene = read_scene(tmp_path / "scene.yaml")
+    assert scene.track.solved_steps == 301 and scene.track.steps > 900
+    errors = errors_of(scene, march_all(scene))
+    assert np.isfinite(errors.laeq_grid_db) and abs(errors.laeq_grid_db) < 3
+    assert -60 < errors.grid_signal_db < 0
+
+
+@pytest.mark.usefixtures("generous")
+def test_a_faster_ball_hears_less_of_the_grid() -> None:
+    """The short waves are the grid's, and a chain of sphere and contact filters them."""
+    scene = loads(
+        TEXT.replace("radius_mm: 5", "radius_mm: 5, density_kg_m3: 7850")
+        .replace("hardness_gpa: 2.1", "density_kg_m3: 7850, thickness_mm: 10")
+        .replace("roughness_ra_um: 0.1", "roughness_ra_um: 0.05")
+        .replace("load_n: 0.1", "load_n: 0.5")
+        + "dynamics: {release: false}\nsound: {source: vibration}\n",
+        ["rolling.duration_s=0.008"],
+        "s.yaml",
+    )
+    result = march_all(scene)
+    faster = scene.with_(speed_m_s=0.3, duration_s=0.008 / 3)
+    assert contact_identity(faster) == result.identity
+    errors, of_faster = errors_of(scene, result), errors_of(faster, result)
+    assert of_faster.laeq_grid_db != errors.laeq_grid_db
+    assert of_faster.grid_signal_db < errors.grid_signal_db

@@ -1,0 +1,194 @@
+"""Pieces of a march: cold starts, any order, plain arrays, and the identity of their contact."""
+
+from __future__ import annotations
+
+import io
+import pickle
+import random
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scene_text import PLAIN, TINY
+
+from rolling.contact.march import march
+from rolling.contact.of_scene import rolling_contact
+from rolling.contact.recovery import step_energy
+from rolling.contact.solver import ContactError
+from rolling.contact.subcells import half_space_of
+from rolling.marches.next_pieces import march_all, next_pieces
+from rolling.marches.observers import STATE_SERIES, STEP_SERIES
+from rolling.marches.piece import PIECE_STEPS, Piece, contact_identity, march_piece
+from rolling.marches.result import Result
+from rolling.scene.file import loads, read_scene
+from rolling.scene.scene import Scene
+from rolling.surface.heights import gaussian
+
+SHORT = ("rolling.load_n=0.3", "rolling.duration_s=0.0088", "surface.width_um=96")  # 440 steps
+
+
+def scene(*overrides: str) -> Scene:
+    return loads(PLAIN, [*SHORT, *overrides], "s.yaml")
+
+
+@pytest.fixture(scope="module")
+def reference() -> Result:
+    return march_all(scene("recovery.events=true"))
+
+
+def solve(given: Scene) -> tuple[Result, list[tuple[Piece, dict]]]:
+    """Return an empty result of a scene, and the pieces of its track with their arrays."""
+    result = Result.empty(given)
+    return result, [(piece, march_piece(piece)) for piece in next_pieces(given, result)]
+
+
+@pytest.mark.law("Pieces: the series of a piece are the march's from its cold start, to the bit.")
+def test_a_piece_is_a_march_from_a_cold_start(reference: Result) -> None:
+    contact = rolling_contact(scene())
+    half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
+    first, last = PIECE_STEPS, 2 * PIECE_STEPS
+    states = list(march(contact, first, last, half_space))
+    for name in STATE_SERIES:
+        series = reference.series[name][first + 1 : last + 1]
+        assert series.tolist() == [getattr(state, name) for state in states[1:]], name
+    energies = [step_energy(*pair, half_space) for pair in pairwise(states)]
+    assert reference.series["release_energy"][first:last].tolist() == [e.release for e in energies]
+    assert reference.series["energy_defect"][first:last].tolist() == [e.defect for e in energies]
+
+
+def test_pieces_in_any_order_make_the_same_result(reference: Result) -> None:
+    result, marched = solve(scene("recovery.events=true"))
+    random.Random(1).shuffle(marched)
+    for piece, arrays in marched:
+        assert not result.complete
+        result.add(piece, arrays)
+    assert result.complete and not result.missing()
+    for name in {*STEP_SERIES, *STATE_SERIES} - {"step_time"}:  # a time of the clock
+        assert np.array_equal(result.series[name], reference.series[name]), name
+    assert result.maps.keys() == reference.maps.keys()
+    events, expected = result.events(), reference.events()
+    assert events is not None and expected is not None
+    for name, column in expected.items():
+        assert np.array_equal(events[name], column), name
+    # An event releases a part of the energy of the run.
+    assert events["energy"].sum() == pytest.approx(result.series["release_energy"].sum(), rel=1e-9)
+
+
+def test_arrays_of_a_piece_survive_a_file_without_pickles(reference: Result) -> None:
+    result, marched = solve(scene("recovery.events=true"))
+    for piece, arrays in marched:
+        file = io.BytesIO()
+        np.savez(file, **arrays)
+        file.seek(0)
+        with np.load(file, allow_pickle=False) as stored:
+            result.add(pickle.loads(pickle.dumps(piece)), dict(stored))
+    assert result.snapshot is not None and reference.snapshot is not None
+    assert np.array_equal(result.snapshot.pressure, reference.snapshot.pressure)
+    for position, pressure_map in reference.maps.items():
+        assert np.array_equal(result.maps[position].pressure, pressure_map.pressure)
+        assert result.maps[position].along == pressure_map.along
+
+
+def test_maps_carry_the_load(reference: Result) -> None:
+    """Single precision of the maps leaves seven digits."""
+    forces = [float(m.pressure.sum()) * m.cell**2 for m in reference.maps.values()]
+    assert forces == pytest.approx([0.3] * len(forces), rel=1e-6)
+    assert reference.snapshot is not None and len(forces) == 120
+
+
+def test_keys_of_pieces_differ_and_name_files(reference: Result) -> None:
+    given, forces = scene(), np.full(441, 0.3)
+    base = {"scene": given, "identity": reference.identity, "first": 0, "last": 200, "cost": 1.0}
+    pieces = [
+        Piece(**base, kind="track"),
+        Piece(**base, kind="load", load=0.2),
+        Piece(**base, kind="load", load=np.nextafter(0.2, 1)),
+        Piece(**base, kind="judge", load=0.2),
+        Piece(**base, kind="moving", forces=forces),
+        Piece(**base, kind="moving", forces=2 * forces),
+        Piece(**base, kind="error", level="fine"),
+        Piece(**base, kind="error", level="tight"),
+        Piece(**base, kind="film", stride=1),
+        Piece(**base, kind="film", stride=2),
+        Piece(**{**base, "first": 100}, kind="track"),
+    ]
+    keys = [piece.key for piece in pieces]
+    assert len(set(keys)) == len(set(pieces)) == len(pieces)
+    assert all(set(key) <= set("abcdefghijklmnopqrstuvwxyz0123456789-") for key in keys)
+    assert Piece(**base, kind="track") == pieces[0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "same"),
+    [
+        ({"name": "other", "sound.distance_m": 3}, True),
+        ({"sphere.density_kg_m3": 7000, "plate.density_kg_m3": 7000}, True),
+        ({"numerics.error_estimate": True}, True),
+        ({"rolling.speed_m_s": 0.2, "rolling.duration_s": 0.0044}, True),
+        ({"rolling.duration_s": 0.0044}, False),
+        ({"rolling.load_n": 0.31}, False),
+        ({"rolling.start_um": 2}, False),
+        ({"surface.seed": 2}, False),
+        ({"plate.hardness_gpa": 3}, False),
+        ({"numerics.tolerance": 1e-5}, False),
+        ({"recovery.rule": "left_end"}, False),
+    ],
+)
+def test_the_identity_knows_the_contact_alone(changes: dict, same: bool) -> None:
+    assert (contact_identity(scene().with_(changes)) == contact_identity(scene())) == same
+
+
+def measured(folder: Path) -> Scene:
+    """Return a scene over a height file in a folder."""
+    heights = gaussian((64, 64), 2e-6, 2e-8, (1e-5, 1e-5), "gaussian", 4)
+    np.save(folder / "heights.npy", heights)
+    surface = "surface: {kind: file, path: heights.npy, spacing_um: 2}"
+    lines = TINY.splitlines()
+    (folder / "scene.yaml").write_text("\n".join([*lines[:3], surface, lines[6]]))
+    return read_scene(folder / "scene.yaml")
+
+
+def test_heights_that_were_replaced_or_removed_are_refused(tmp_path: Path) -> None:
+    given = measured(tmp_path)
+    pieces = next_pieces(given, Result.empty(given))
+    march_piece(pieces[0])
+    path = tmp_path / "heights.npy"
+    content = path.read_bytes()
+    np.save(path, 1.01 * np.load(path))
+    with pytest.raises(ContactError, match="not the surface that was solved"):
+        march_piece(pieces[0])
+    path.unlink()
+    with pytest.raises(ContactError, match="gone"):
+        march_piece(pieces[0])
+    path.write_bytes(content)
+    march_piece(pieces[0])
+
+
+def test_the_same_bytes_elsewhere_are_the_same_surface(tmp_path: Path) -> None:
+    identities = set()
+    for name in ("here", "there"):
+        (tmp_path / name).mkdir()
+        identities.add(contact_identity(measured(tmp_path / name)))
+    assert len(identities) == 1
+
+
+def test_a_track_that_cannot_be_solved_raises_and_a_load_returns_its_fault() -> None:
+    """1 MN is more than the surface can carry."""
+    given = scene()
+    (piece, *_) = next_pieces(given.with_(load_n=1e6), Result.empty(given))
+    with pytest.raises(ContactError, match="more than the surface can carry"):
+        march_piece(piece)
+    base = {"scene": given, "identity": contact_identity(given), "first": 0, "last": 20}
+    for kind in ("load", "judge"):
+        arrays = march_piece(Piece(**base, kind=kind, cost=1.0, load=1e6))
+        assert list(arrays) == ["fault"] and "can carry" in str(arrays["fault"])
+
+
+def test_steps_and_expected_seconds_are_counted() -> None:
+    given, steps = scene(), list[int]()
+    pieces = next_pieces(given, Result.empty(given))
+    march_piece(pieces[-1], steps.append)
+    assert sum(steps) == pieces[-1].last - pieces[-1].first == 40
+    per_step = {round(piece.cost / (piece.last - piece.first), 12) for piece in pieces}
+    assert len(per_step) == 1 and per_step.pop() > 0

@@ -1,0 +1,295 @@
+"""Folders that hold something else, or that are written badly: a sentence each, nothing lost."""
+
+from __future__ import annotations
+
+import errno
+import os
+import resource
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import (
+    PATIENCE,
+    SWEEP,
+    contents,
+    pieces,
+    rolling,
+    started,
+    tree,
+    wait_for,
+    words_of,
+)
+from scene_text import TINY
+
+from rolling import cli, open_run
+from rolling.run import folder as folders
+from rolling.run import worker
+from rolling.terminal import files
+from rolling.terminal.files import FolderError
+
+SEEDS = TINY + "sweep: {surface.seed: [1, 2, 3]}\n"
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.yaml"
+    path.write_text(TINY)
+    return path
+
+
+@pytest.fixture
+def seeds(scene: Path) -> Path:
+    scene.write_text(SEEDS)
+    return scene
+
+
+def run(scene: Path, out: Path, *more: str) -> int:
+    return cli.main(words_of(scene, out, "--workers", "1", *more))
+
+
+# ---- two commands
+
+
+def test_a_second_command_is_refused_and_status_only_looks(tmp_path: Path) -> None:
+    scene, out = tmp_path / "scene.yaml", tmp_path / "out"
+    scene.write_text(SWEEP)
+    with started(words_of(scene, out, "--workers", "1"), tmp_path) as first:
+        wait_for(lambda: pieces(out))
+        first.send_signal(signal.SIGSTOP)
+        for part in ((), ("--part", "1/2")):
+            second = rolling(words_of(scene, out, *part), tmp_path)
+            assert second.returncode == 2 and "Traceback" not in second.stderr
+            assert "another command works on it" in second.stderr and ".lock" in second.stderr
+        status = rolling(["status", out], tmp_path)
+        assert "2 running" in status.stdout
+        first.send_signal(signal.SIGCONT)
+        assert first.wait(PATIENCE) == 0
+    assert not [path for path in out.iterdir() if path.name.startswith(".")]
+    assert "2 done" in rolling(["status", out], tmp_path).stdout
+
+
+def test_parts_work_side_by_side_and_not_twice(seeds: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert run(seeds, out, "--part", "2/2") == 0
+    with folders.held(out, (1, 2)):
+        assert run(seeds, out, "--part", "1/2") == 2
+        assert run(seeds, out) == 2
+        assert run(seeds, out, "--part", "2/2") == 0
+        assert folders.states(out)["seed=1"][0] == "running"
+    assert run(seeds, out, "--part", "1/2") == 0
+    assert (out / "runs.csv").is_file()
+
+
+def test_the_lock_of_a_dead_command_holds_nobody(scene: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / ".lock").touch()  # as a kill leaves it
+    assert run(scene, out) == 0 and not (out / ".lock").exists()
+
+
+def test_a_lock_that_is_a_link_reaches_no_other_file(
+    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    victim, out = tmp_path / "victim", tmp_path / "out"
+    victim.write_text("precious")
+    out.mkdir()
+    (out / ".lock").symlink_to(victim)
+    assert run(scene, out) == 2
+    assert "cannot be written" in capsys.readouterr().err and victim.read_text() == "precious"
+
+
+# ---- foreign folders
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("thesis.txt", "it holds thesis.txt"),
+        ("scene.yaml", "it holds scene.yaml"),
+        ("run.json", "made by version 0.1"),
+    ],
+)
+def test_a_foreign_folder_is_refused_and_left_as_it_was(
+    name: str, words: str, scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / name).write_text(TINY)
+    before = tree(out)
+    for command in (words_of(scene, out), ["status", str(out)], ["resound", str(out)]):
+        assert cli.main(command) == 2
+        assert words in capsys.readouterr().err
+    assert run(scene, out) == 2 and f"{out}-2" in capsys.readouterr().err  # a free name
+    assert tree(out) == before
+
+
+def test_another_scene_is_refused_with_its_differences(
+    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert run(scene, out) == 0
+    before = tree(out)
+    assert run(scene, out, "--set", "rolling.load_n=0.006") == 2
+    said = capsys.readouterr().err
+    assert "rolling.load_n: got 0.006, has 0.005" in said and f"{out}-2" in said
+    stored = out / "scene.yaml"
+    stored.write_text(stored.read_text().replace("0.005", "0.006"))  # an edited scene
+    assert run(scene, out) == 2
+    assert "rolling.load_n: got 0.005, has 0.006" in capsys.readouterr().err
+    with pytest.raises(FolderError, match="another scene"):
+        open_run(out)
+    stored.write_text(f"{folders.MARK}\nname: [")
+    assert run(scene, out) == 2 and "scene.yaml" in capsys.readouterr().err
+    stored.write_bytes(before["scene.yaml"].encode())
+    assert run(scene, out) == 0 and tree(out) == before
+
+
+def test_edited_heights_are_not_taken_for_the_solved_ones(
+    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    heights = np.random.default_rng(1).standard_normal((40, 60)) * 2e-8
+    np.save(tmp_path / "z.npy", heights)
+    head, _, tail = TINY.partition("surface:")
+    rest = tail[tail.index("rolling:") :]
+    scene.write_text(f"{head}surface: {{kind: file, path: z.npy, spacing_um: 2}}\n{rest}")
+    out = tmp_path / "out"
+    assert run(scene, out) == 0
+    before = contents(out)
+    np.save(tmp_path / "z.npy", 2 * heights)
+    assert run(scene, out) == 2
+    assert "another scene or surface" in capsys.readouterr().err
+    assert contents(out) == before
+
+
+@pytest.mark.parametrize("name", ["pieces", "seed=2"])
+def test_a_link_in_place_of_a_folder_is_not_followed(
+    name: str, seeds: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    assert run(seeds, out, "--part", "1/3") == 0
+    (out / name).symlink_to(elsewhere)
+    assert run(seeds, out) == 2
+    assert "a link" in capsys.readouterr().err and not [*elsewhere.iterdir()]
+
+
+# ---- files that are damaged
+
+
+@pytest.mark.parametrize(
+    "damage", [b"", b"PK\x03\x04 half", "flipped"], ids=["empty", "half", "bit"]
+)
+def test_a_damaged_piece_is_marched_again(damage: bytes | str, scene: Path, tmp_path: Path) -> None:
+    from rolling.marches.next_pieces import next_pieces
+    from rolling.marches.result import Result
+    from rolling.scene.file import read_scene
+
+    single = read_scene(scene)
+    (piece,) = next_pieces(single, Result.empty(single))
+    expected = worker.solve_piece(piece, tmp_path)
+    path = worker.piece_path(tmp_path, piece)
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(bytes(content) if damage == "flipped" else damage)
+    assert worker.read_piece(path) is None
+    again = worker.solve_piece(piece, tmp_path)
+    assert isinstance(expected, dict) and isinstance(again, dict)
+    for name, values in expected.items():
+        if name != "step_time":
+            np.testing.assert_array_equal(again[name], values)
+    assert worker.read_piece(path) is not None
+
+
+def test_files_half_written_are_removed(scene: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / ".result.h5.0123456789abcdef.partial").write_text("half")
+    assert run(scene, out) == 0
+    assert not [*out.rglob("*.partial")]
+
+
+# ---- disks
+
+
+def break_writing(patch: pytest.MonkeyPatch, code: int, name: str) -> None:
+    """Let files of this name fail as the system fails."""
+    inner = os.open
+
+    def broken(path: str | Path, flags: int, *more: int, **named: int) -> int:
+        if flags & os.O_CREAT and Path(path).name.startswith(f".{name}."):
+            raise OSError(code, os.strerror(code), str(path))
+        return inner(path, flags, *more, **named)
+
+    patch.setattr(os, "open", broken)
+
+
+@pytest.mark.parametrize("name", ["result.h5", "track-0-25.npz", "runs.csv"])
+def test_a_full_disk_stops_with_a_sentence_and_loses_nothing(
+    name: str,
+    seeds: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    out = tmp_path / "out"
+    with monkeypatch.context() as patch:
+        break_writing(patch, errno.ENOSPC, name)
+        assert run(seeds, out) == 1
+    said = capsys.readouterr().err
+    assert "No space left on device" in said and str(out) in said
+    assert not [*out.rglob("*.partial")] and (out / "scene.yaml").is_file()
+    assert run(seeds, out) == 0
+    assert [state for state, _ in folders.states(out).values()] == ["done"] * 3
+
+
+@pytest.mark.slow
+def test_a_file_that_may_grow_no_more_is_a_full_disk(seeds: Path, tmp_path: Path) -> None:
+    """A real limit of the system, in the workers too."""
+    out, limit = tmp_path / "out", (20_000, resource.RLIM_INFINITY)
+    done = subprocess.run(
+        [sys.executable, "-m", "rolling", *words_of(seeds, out, "--workers", "2")],
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limit),
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        check=False,
+    )
+    assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr
+    assert "File too large" in done.stderr
+    assert run(seeds, out) == 0
+
+
+def test_a_run_whose_folder_cannot_be_written_fails_alone(
+    seeds: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    assert run(seeds, out, "--part", "1/3") == 0
+    (out / "seed=2").write_text("no folder")
+    assert run(seeds, out) == 1
+    assert "failed: seed 2: " in capsys.readouterr().err
+    assert [state for state, _ in folders.states(out).values()] == ["done", "waiting", "done"]
+
+
+def test_a_folder_below_a_file_is_refused(
+    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("mine")
+    assert run(scene, tmp_path / "file" / "out") == 1
+    assert "Not a directory" in capsys.readouterr().err
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_a_failed_write_leaves_the_earlier_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "summary.json"
+    files.write_bytes(path, b"first")
+    monkeypatch.setattr(os, "fsync", lambda number: (_ for _ in ()).throw(OSError(28, "full")))
+    with pytest.raises(OSError, match="full"):
+        files.write_bytes(path, b"second")
+    assert path.read_bytes() == b"first" and [*tmp_path.iterdir()] == [path]

@@ -1,0 +1,278 @@
+"""Height files of each format and unit: the same heights whatever the format, and faults that name
+file, line and what is allowed.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import struct
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rolling.check import findings
+from rolling.scene import file, height_files
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+from rolling.surface import heights, scene_surface
+
+TEXT = """\
+name: measured
+sphere: {radius_mm: 5}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}
+surface: {kind: file, path: %s, spacing_um: 2}
+rolling: {load_n: 0.2, speed_m_s: 0.1}
+"""
+Z = heights.gaussian((24, 32), 2e-6, 2e-8, (1e-5, 1e-5), "gaussian", 1)
+ROWS = [[repr(float(number)) for number in row] for row in Z]
+
+
+def scene(folder: Path, name: str, *overrides: str) -> Scene:
+    return file.loads(TEXT % name, overrides, folder=folder)
+
+
+def fault(folder: Path, name: str, *overrides: str) -> str:
+    """Return the one fault of a scene with a height file, which track and surface agree on."""
+    with pytest.raises(SceneError) as error:
+        findings.check_scene(scene(folder, name, *overrides), solve=False)
+    (text,) = error.value.faults
+    assert "pickle" not in text and "\n" not in text
+    return text
+
+
+def text_of(separator: str, end: str = "\n") -> str:
+    return "".join(separator.join(row) + end for row in ROWS)
+
+
+WRITERS: dict[str, Callable[[Path], object]] = {
+    "h.npy": lambda path: np.save(path, Z),
+    "H.NPY": lambda path: path.write_bytes(npy(Z)),
+    "only.npz": lambda path: np.savez(path, anything=Z),
+    "named.npz": lambda path: np.savez_compressed(path, heights=Z, mask=Z > 0, x=np.arange(3)),
+    "comma.csv": lambda path: path.write_text(text_of(",")),
+    "semicolon.csv": lambda path: path.write_text(text_of(" ; ", ";\n")),
+    "tab.txt": lambda path: path.write_text(text_of("\t", "\r\n")),
+    "space.txt": lambda path: path.write_text(text_of("   ", " \n")),
+    "old_mac.txt": lambda path: path.write_bytes(text_of(" ", "\r").encode()),
+    "mark.csv": lambda path: path.write_text(text_of(","), encoding="utf-8-sig"),
+    "comments.csv": lambda path: path.write_bytes(
+        b"# H\xf6he [m]\n\n" + text_of(", ").encode() + b"\n# end"
+    ),
+}
+
+
+def npy(values: np.ndarray) -> bytes:
+    stream = io.BytesIO()
+    np.save(stream, values)
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_the_same_heights_come_out_of_every_format(tmp_path: Path, name: str) -> None:
+    WRITERS[name](tmp_path / name)
+    np.save(tmp_path / "reference.npy", Z)
+    own = scene(tmp_path, name)
+    assert (own.track.n_along, own.track.n_across) == Z.shape
+    expected = scene_surface.scene_surface(scene(tmp_path, "reference.npy"))
+    read = scene_surface.scene_surface(own)
+    assert np.array_equal(read.heights, expected.heights)
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("m", 1), ("mm", 1e3), ("um", 1e6), ("nm", 1e9)])
+def test_heights_are_in_the_unit_that_the_scene_says(
+    tmp_path: Path, unit: str, factor: float
+) -> None:
+    np.savetxt(tmp_path / "h.txt", Z * factor)
+    read = scene_surface.heights(scene(tmp_path, "h.txt", f"surface.height_unit={unit}"))
+    np.testing.assert_allclose(read, Z - Z.mean(), rtol=1e-12, atol=1e-22)
+
+
+def test_a_unit_that_cannot_be_is_refused(tmp_path: Path) -> None:
+    np.save(tmp_path / "h.npy", Z * 1e6)
+    assert "set surface.height_unit, m here, to the unit of the file (m, mm, um, nm)" in fault(
+        tmp_path, "h.npy"
+    )
+    with pytest.raises(SceneError, match=r"got \"µm\", allowed: m, mm, um or nm"):
+        scene(tmp_path, "h.npy", "surface.height_unit=µm")
+
+
+# ---- profiles of one line
+# --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "write"),
+    [
+        ("flat.npy", lambda path, z: np.save(path, z)),
+        ("column.npy", lambda path, z: np.save(path, z[:, None])),
+        ("row.npz", lambda path, z: np.savez(path, z[None, :])),
+        ("column.csv", lambda path, z: path.write_text("\n".join(map(repr, z.tolist())))),
+        ("row.csv", lambda path, z: path.write_text(",".join(map(repr, z.tolist())))),
+    ],
+)
+def test_a_profile_of_one_line_runs_along_and_is_the_same_all_across(
+    tmp_path: Path, name: str, write: Callable[[Path, np.ndarray], object]
+) -> None:
+    profile = Z[:, 0]
+    write(tmp_path / name, profile)
+    laid = scene(tmp_path, name, "surface.width_um=20")
+    assert (laid.track.n_along, laid.track.n_across) == (24, 10)
+    read = scene_surface.heights(laid)
+    assert np.array_equal(read, np.repeat((profile - profile.mean())[:, None], 10, axis=1))
+    assert "24 x 10 nodes" in str(findings.check_scene(laid, solve=False))
+
+
+def test_a_profile_needs_a_width_and_nothing_else_may_have_one(tmp_path: Path) -> None:
+    np.save(tmp_path / "profile.npy", Z[:, 0])
+    np.save(tmp_path / "map.npy", Z)
+    assert fault(tmp_path, "profile.npy") == (
+        "surface.width_um: missing; profile.npy is a profile of one"
+        " line, which is laid across the track over that width"
+    )
+    assert fault(tmp_path, "map.npy", "surface.width_um=20") == (
+        "surface.width_um: only goes with a profile of one line, but map.npy has 32 lines side"
+        " by side"
+    )
+    with pytest.raises(SceneError, match=r"at least 8; nearest: 16"):
+        scene(tmp_path, "profile.npy", "surface.width_um=3")
+    np.save(tmp_path / "profile.npy", Z[:7, 0])
+    assert "got 7 x 10 nodes" in fault(tmp_path, "profile.npy", "surface.width_um=20")
+    np.save(tmp_path / "profile.npy", np.zeros((1, 0)))
+    assert "got 0 x 10 nodes" in fault(tmp_path, "profile.npy", "surface.width_um=20")
+
+
+# ---- faults of text
+# --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "content", "message"),
+    [
+        (1, "x [um], y [um]", '1: got "x [um]", allowed: numbers by comma, semicolon, tab or '),
+        (3, "1,2,abc", '3: got "abc", allowed: numbers'),
+        (3, "1,,3", '3: got "", allowed: numbers'),
+        (3, "1,nan,3", '3: got "nan", allowed: numbers'),
+        (3, "1,1e999,3", '3: got "1e999", allowed: numbers'),
+        (3, "1,1_0,3", '3: got "1_0", allowed: numbers'),
+        (3, "1,2,3", "3: got 3 numbers, allowed: 32, as on the lines before"),
+        (24, "caf\u00e9", '24: got "caf\u00e9", allowed: numbers'),
+        (24, "\x00\x01", '24: got "\\u0000\\u0001", allowed: numbers'),
+        (24, "1" * 5000, '24: got "11111'),
+    ],
+)
+def test_a_line_without_numbers_is_named(
+    tmp_path: Path, line: int, content: str, message: str
+) -> None:
+    lines = text_of(",").splitlines()
+    lines[line - 1] = content
+    (tmp_path / "h.csv").write_text("\n".join(lines), encoding="utf-8")
+    assert fault(tmp_path, "h.csv").startswith(f"surface.path: h.csv:{message}")
+
+
+def test_decimal_commas_get_their_own_advice(tmp_path: Path) -> None:
+    (tmp_path / "h.csv").write_text("0,5;1,5\n2,5;3,5\n")
+    message = fault(tmp_path, "h.csv")
+    assert 'h.csv:1: got "0,5"' in message and "with a point before the decimals" in message
+
+
+def test_text_without_numbers_and_text_that_is_too_large(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "h.txt").write_text("# nothing\n\n")
+    assert "h.txt: holds no heights" in fault(tmp_path, "h.txt")
+    (tmp_path / "h.txt").write_text(text_of(" "))
+    monkeypatch.setattr(height_files, "MAX_LINE", 100)
+    assert "h.txt:1: a line of more than 100 letters" in fault(tmp_path, "h.txt")
+    monkeypatch.setattr(height_files, "MAX_TEXT_BYTES", 100)
+    assert "is larger than 100 bytes of text; a .npy file may be larger" in fault(tmp_path, "h.txt")
+
+
+def test_a_text_that_was_written_again_is_read_again(tmp_path: Path) -> None:
+    path = tmp_path / "h.csv"
+    path.write_text(text_of(","))
+    before = scene_surface.heights(scene(tmp_path, "h.csv"))
+    path.write_text("\n".join(text_of(",").splitlines()[::-1]))
+    later = path.stat().st_mtime_ns + 10**9  # clocks of file systems may be slower than this test
+    os.utime(path, ns=(later, later))
+    after = scene_surface.heights(scene(tmp_path, "h.csv"))
+    np.testing.assert_allclose(after, before[::-1], atol=1e-20)
+
+
+# ---- faults of other files
+# --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["h.sur", "h.plu", "h.mat", "h", "h.npy.bak"])
+def test_other_formats_are_refused_with_what_can_be_read(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(npy(Z))
+    message = fault(tmp_path, name)
+    assert "allowed: .npy, .npz, .csv or .txt; export the heights" in message
+    assert (f"the ending {Path(name).suffix}" if "." in name else "no ending") in message
+
+
+def test_archives_must_say_which_array_holds_the_heights(tmp_path: Path) -> None:
+    np.savez(tmp_path / "h.npz", x=Z, y=Z)
+    assert fault(tmp_path, "h.npz") == (
+        "surface.path: h.npz: got 2 arrays ('x', 'y'), allowed: one array, or one that is named"
+        ' "heights"'
+    )
+    np.savez(tmp_path / "h.npz")
+    assert "got no array" in fault(tmp_path, "h.npz")
+    (tmp_path / "h.npz").write_bytes(npy(Z))
+    assert "no readable .npz file" in fault(tmp_path, "h.npz")
+    np.savez(tmp_path / "h.npz", np.array([[{}, 1]], dtype=object))
+    assert "got 2-D object" in fault(tmp_path, "h.npz")
+
+
+def with_header(shape: str, descr: str = "'<f8'", data: bytes = bytes(8 * 64)) -> bytes:
+    head = f"{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}\n".encode()
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head + data
+
+
+@pytest.mark.parametrize(
+    ("shape", "message"),
+    [
+        ("(True, True)", "profile of one line"),
+        ("(-1, 64)", "a negative shape"),
+        ("(10000000000000000000000, 64)", "its header says 10^24 or more bytes of heights"),
+        ("(99999999999999999999999, 0)", "nodes, allowed: at least 8"),
+        ("(" + "9" * 5000 + ", 9)", "no readable .npy file (damaged, or another format)"),
+        ("(9.0, 9)", "no readable .npy file (damaged, or another format)"),
+        ("9", "no readable .npy file (damaged, or another format)"),
+        ("(" * 200, "no readable .npy file (damaged, or another format)"),
+        ("(9, 9), 'x': " + "0" * 20000, "no readable .npy file (damaged, or another format)"),
+        ("()", "got a 0-D array"),
+    ],
+)
+@pytest.mark.parametrize("ending", [".npy", ".npz"])
+def test_headers_that_lie(tmp_path: Path, ending: str, shape: str, message: str) -> None:
+    content = with_header(shape)
+    path = tmp_path / f"h{ending}"
+    if ending == ".npy":
+        path.write_bytes(content)
+    else:
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr("heights.npy", content)
+    assert message.replace(".npy", ending if "readable" in message else ".npy") in fault(
+        tmp_path, path.name
+    )
+
+
+@pytest.mark.parametrize("height", [1.7e308, -1.7e308, 1e200, 1e7])
+def test_heights_beyond_reason_are_refused(tmp_path: Path, height: float) -> None:
+    for values in (np.full_like(Z, height), np.where(Z > 0, height, -height)):
+        np.save(tmp_path / "h.npy", values)
+        assert f"got a height of {abs(height):.4g} m, allowed: up to 1e+06 m" in fault(
+            tmp_path, "h.npy"
+        )
+    np.save(tmp_path / "h.npy", np.full_like(Z, np.longdouble("1e4000"), dtype=np.longdouble))
+    assert "are not numbers" in fault(tmp_path, "h.npy")
+    signalling = np.full(Z.shape, 0x7FA00000, dtype="<u4").view("<f4")  # a cast of it is invalid
+    np.save(tmp_path / "h.npy", signalling)
+    assert "768 of 768 heights are not numbers" in fault(tmp_path, "h.npy")
+    np.save(tmp_path / "h.npy", np.full(Z.shape, 2**64 - 1, dtype=np.uint64))
+    assert "allowed: up to" in fault(tmp_path, "h.npy")

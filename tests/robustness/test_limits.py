@@ -1,0 +1,93 @@
+"""A scene that cannot fit is refused by its numbers, before anything large is made or read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from large_scenes import FILE, LAPS, scene_of
+from scene_text import MADE, TEXT
+
+from rolling.check import findings, refusals
+from rolling.scene.file import loads, read_scene
+from rolling.scene.messages import SceneError
+
+
+@pytest.mark.parametrize(
+    ("surface", "rest", "words"),
+    [
+        (
+            MADE.replace("200", "2e7"),
+            "{load_n: 1, speed_m_s: 0.1, duration_s: 2}",
+            ("memory: needs about", "for the surface", "surface.spacing_um"),
+        ),
+        (FILE, LAPS % (0.0001, 1e5), ("for the record", "rolling.duration_s")),
+        (FILE, LAPS % (1.0, 1000), ("for the record", "disk: needs about")),
+        (
+            FILE,
+            LAPS % (0.1, 20) + f"\nsweep: {{rolling.start_um: {list(range(2000))}}}",
+            ("for the record", "fewer values"),
+        ),
+    ],
+    ids=["surface", "samples", "laps", "sweep"],
+)
+def test_a_scene_that_does_not_fit_is_refused(
+    tmp_path: Path,
+    surface: str,
+    rest: str,
+    words: tuple[str, ...],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(refusals, "memory_limit", lambda: 32e9)
+    monkeypatch.setattr(refusals, "free_disk", lambda folder: 50e9)
+    np.save(tmp_path / "heights.npy", np.random.default_rng(1).standard_normal((64, 64)) * 2e-8)
+    scene = read_scene(scene_of(tmp_path, surface, rest))
+    with pytest.raises(SceneError) as error:
+        refusals.refuse(scene, 2, tmp_path / "out")
+    assert all(part in str(error.value) for part in words)
+    assert "allowed: 26 GB, 80 % of the 32 GB" in str(error.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_check_says_how_much_memory_and_disk(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = loads(TEXT)
+    rows = dict(findings.check_scene(scene, solve=False).of_all)
+    assert "MB for the program" in rows["memory of all"] and "about" in rows["disk of all"]
+    monkeypatch.setattr(refusals, "free_disk", lambda folder: 1e6)
+    text = str(findings.check_scene(scene, solve=False))
+    assert "warning: disk of all: needs about" in text
+
+
+def test_height_file_of_50_gb_is_refused_by_its_header(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file is sparse; reading it would take minutes and fill the memory."""
+    monkeypatch.setattr(refusals, "memory_limit", lambda: 32e9)
+    with (tmp_path / "heights.npy").open("wb") as stream:
+        header = {"descr": "<f8", "fortran_order": False, "shape": (62500, 100000)}
+        np.lib.format.write_array_header_1_0(stream, header)
+        stream.truncate(stream.tell() + 50_000_000_000)
+    scene = read_scene(scene_of(tmp_path, FILE, LAPS % (0.1, 0.01)))
+    with pytest.raises(SceneError, match="for the surface"):
+        refusals.refuse(scene)
+    with pytest.raises(SceneError, match="for the surface"):
+        findings.check_scene(scene)
+
+
+def test_memory_is_limited_by_control_groups(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The smallest limit counts, of the group of the process and of those above it."""
+    whole = refusals.memory_limit()
+    assert 1e8 < whole < 1e14
+    groups = tmp_path / "cgroup"
+    group = groups / "job" / "task"
+    group.mkdir(parents=True)
+    (group / "memory.max").write_text("max\n")
+    (groups / "job" / "memory.max").write_text("123456789\n")
+    lines = tmp_path / "lines"
+    lines.write_text("0::/job/task\n")
+    monkeypatch.setattr(refusals, "GROUPS_OF_PROCESS", lines)
+    monkeypatch.setattr(refusals, "GROUPS", groups)
+    assert refusals.memory_limit() == 123456789

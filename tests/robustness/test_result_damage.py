@@ -1,0 +1,216 @@
+"""A result.h5 that is damaged, foreign or hostile ends in one sentence, before it is read."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from finished import run_of
+from scene_text import TINY
+
+from rolling.results.result_file import read_result
+from rolling.results.run_files import read_run, write_run
+from rolling.scene.file import loads
+from rolling.terminal.files import FolderError
+
+SCENE = loads(TINY, ["recovery.events=true"])
+LINE = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
+Spoil = Callable[[h5py.File], object]
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    run = run_of(SCENE, tmp_path_factory.mktemp("damage"))
+    write_run(run)
+    return run.folder
+
+
+@pytest.fixture
+def path(written: Path, tmp_path: Path) -> Path:
+    """Return a copy of the file."""
+    copy = tmp_path / "result.h5"
+    copy.write_bytes((written / "result.h5").read_bytes())
+    return copy
+
+
+def spoil(path: Path, change: Spoil) -> None:
+    """Change a file as a program that knows the digest would."""
+    content = path.read_bytes()
+    path.write_bytes(content[: content.rindex(LINE)])
+    with h5py.File(path, "r+") as file:
+        change(file)
+    content = path.read_bytes()
+    path.write_bytes(content + LINE + hashlib.sha256(content).hexdigest().encode() + b"\n")
+
+
+def refusal(path: Path) -> str:
+    """Return the sentence that refuses a file; it begins with its path."""
+    with pytest.raises(FolderError) as error:
+        read_result(path, SCENE)
+    message = str(error.value)
+    assert message.startswith(str(path)) and "\n" not in message
+    return message
+
+
+def test_no_changed_byte_is_accepted(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The digest refuses flips, truncations, insertions and additions.
+
+    The HDF5 library, which such files could crash, never sees them.
+    """
+    monkeypatch.setattr(h5py, "File", lambda *_: pytest.fail("the damaged file was opened"))
+    good, rng = path.read_bytes(), np.random.default_rng(0)
+    for k in range(300):
+        at = int(rng.integers(len(good))) if k % 4 else len(good) - 1 - k // 4  # the digest, too
+        bad = bytearray(good)
+        if k % 6 < 3:
+            bad[at] ^= 1 << int(rng.integers(8))
+        elif k % 6 == 3:
+            bad = bad[:at]
+        elif k % 6 == 4:
+            bad[at:at] = bytes(1)
+        else:
+            bad += bytes(rng.integers(0, 256, 1 + k % 3, dtype=np.uint8))
+        path.write_bytes(bad)
+        assert "damaged" in refusal(path)
+
+
+def put(name: str, values: np.ndarray) -> Spoil:
+    """Replace an array."""
+
+    def change(file: h5py.File) -> None:
+        del file[name]
+        file[name] = values
+
+    return change
+
+
+def declared(shapes: dict[str, tuple[int, ...]], kind: str = "f8") -> Spoil:
+    """Declare arrays of which no chunk is written, so that the file stays small."""
+
+    def change(file: h5py.File) -> None:
+        for name, shape in shapes.items():
+            if name in file:
+                del file[name]
+            chunks = tuple(min(count, 1000) for count in shape)
+            file.create_dataset(name, shape, kind, chunks=chunks)
+
+    return change
+
+
+def linked(name: str, link: h5py.SoftLink | h5py.ExternalLink) -> Spoil:
+    def change(file: h5py.File) -> None:
+        del file[name]
+        file[name] = link
+
+    return change
+
+
+def stored_outside(file: h5py.File) -> None:
+    """Let an array take its values from a file that never ends."""
+    count = file["approach"].size
+    del file["approach"]
+    outside = [("/dev/zero", 0, 8 * count)]
+    file.create_dataset("approach", (count,), "f8", external=outside)
+
+
+def without(name: str) -> Spoil:
+    return lambda file: file.__delitem__(name)
+
+
+SOUND, SNAPSHOT = ("pressure", "sound_time"), ("pressure", "deflection")
+HOSTILE: list[tuple[str, Spoil]] = [
+    ("approach", declared({"approach": (10**12,)})),
+    ("bytes in a file", declared({f"sound/{name}": (10**12,) for name in SOUND})),
+    (
+        "bytes in a file",
+        lambda file: (
+            declared({f"snapshot/{name}": (2**32, 2**32) for name in SNAPSHOT})(file),
+            without("snapshot/along")(file),
+            without("snapshot/across")(file),
+        ),
+    ),
+    ("release_energy", put("release_energy", np.zeros(24))),
+    ("release_energy", put("release_energy", np.zeros((5, 5)))),
+    ("release_energy", put("release_energy", np.full(25, b"text"))),
+    ("events/energy", put("events/energy", np.zeros(3))),
+    ("events/node", put("events/node", np.zeros((3, 5), np.int32))),
+    ("stranger", declared({"stranger": (10**12,)})),
+    ("deep", lambda file: file.create_group("sound/deep")),
+    ("residual", linked("residual", h5py.SoftLink("/approach"))),
+    ("residual", linked("residual", h5py.ExternalLink("other.h5", "/approach"))),
+    ("sound", lambda file: file.__setitem__("loop/sound", file["/"])),
+    ("approach", stored_outside),
+    ("release_energy", without("release_energy")),
+    ("not a result", without("snapshot/along")),
+    ("distance_m", lambda file: file["snapshot"].attrs.__delitem__("distance_m")),
+    ("attribute", lambda file: file.attrs.__delitem__("identity")),
+    ("solved for another scene", lambda file: file.attrs.__setitem__("identity", "0" * 64)),
+    ("format 2, which version 0.2", lambda file: file.attrs.__setitem__("format", 2)),
+]
+
+
+@pytest.mark.parametrize(("word", "change"), HOSTILE)
+def test_a_hostile_file_is_refused_by_its_declarations(
+    word: str, change: Spoil, path: Path
+) -> None:
+    """A digest is no signature: nothing is allocated that the scene or the file's size forbids."""
+    spoil(path, change)
+    assert word in refusal(path)
+
+
+def test_an_untouched_file_with_a_new_digest_is_read(path: Path) -> None:
+    spoil(path, lambda file: None)
+    assert read_result(path, SCENE).complete
+
+
+def test_files_that_are_none_are_refused(path: Path, tmp_path: Path) -> None:
+    path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(500))
+    assert "version 0.1.0" in refusal(path)  # its files had no digest
+    path.unlink()
+    assert "not readable" in refusal(path)
+    path.mkdir()
+    assert "not readable" in refusal(path)
+
+
+def test_the_result_of_another_scene_is_refused(path: Path) -> None:
+    """Speed and listener do not matter to the contact, but load and surface do."""
+    faster = SCENE.with_({"rolling.speed_m_s": 0.2, "rolling.duration_s": 0.00025})
+    assert read_result(path, faster.with_({"sound.distance_m": 3})).complete
+    for change in ({"rolling.load_n": 0.006}, {"surface.seed": 2}):
+        with pytest.raises(FolderError, match="another scene or surface"):
+            read_result(path, SCENE.with_(change))
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"[1]", b"{", b"{}", b"null", b"\xff", json.dumps({"laeq_db": 1}).encode()]
+)
+def test_a_damaged_summary_is_refused(content: bytes, path: Path) -> None:
+    (path.parent / "summary.json").write_bytes(content)
+    with pytest.raises(FolderError, match=r"summary\.json: ") as error:
+        read_run(path.parent, SCENE, {}, "run")
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("limit", [20_000, 150])
+def test_a_full_disk_leaves_nothing_half_written(limit: int, written: Path, tmp_path: Path) -> None:
+    """Files that may not grow end in an error that names one; summary.json never comes before."""
+    resource = pytest.importorskip("resource", reason="Windows sets no limit on the size of files")
+    run = read_run(written, SCENE, {}, "run")
+    object.__setattr__(run, "folder", tmp_path / "full")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limits[1]))
+    try:
+        with pytest.raises(OSError, match="File too large") as error:
+            write_run(run)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert Path(str(error.value.filename)).parent == run.folder
+    names = {path.name for path in run.folder.iterdir()}
+    assert names <= {"signal.wav", "listen.wav"}
+    write_run(run)
+    assert (run.folder / "result.h5").read_bytes() == (written / "result.h5").read_bytes()
