@@ -34,8 +34,8 @@ FLOORS = {
     "acoustics": (
         ("_typing",),
         ("bands", "radiation", "weighting"),
-        ("drawn_lines", "resampling", "spectrum", "time_weighting"),
-        ("extension", "level", "loudness", "plot_style", "sound_power", "spectrogram"),
+        ("plot_style", "resampling", "spectrum"),
+        ("extension", "level", "loudness", "sound_power"),
         ("plots", "uncertainty", "wav"),
         ("conformance",),
     ),
