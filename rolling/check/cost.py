@@ -30,8 +30,8 @@ SMOOTH = 1e-9
 SLOPE_MARGIN = 1.05
 
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
-# Bytes of the program alone, beside workers, and in a worker; per node of a rough surface and per node
-# of the window, and more of both per sub-cell; per step and per sample of a record while its sound
+# Bytes of the program alone, beside workers, and in a worker; per node of a rough surface and of
+# the window, and more of both per sub-cell; per step and per sample of a record while its sound
 # is made, and as long as runs are compared; per time step of a motion; per recovery event.
 ALONE, PARENT, WORKER = 300e6, 110e6, 230e6
 NODE, NODE_SUBCELL, WINDOW, WINDOW_SUBCELL = 16.0, 16.0, 20.0, 700.0
