@@ -146,9 +146,7 @@ def tables(table: pd.DataFrame, cases: pd.DataFrame, scene_files: list[tuple[str
     wide = cells.agg(lambda words: " / ".join(dict.fromkeys(words))).unstack("reading", sort=False)
     wide = wide.reset_index()
     rows = [[*wide.columns], ["---"] * len(wide.columns), *wide.to_numpy().tolist()]
-    names = {file: name for name, file in library.scenes().items()}
-    known = library.titles(inner=True)
-    titles = {reading: known[names[file]] for reading, file in scene_files}
+    titles = {reading: library.title(file) for reading, file in scene_files}
     assumptions = "\n".join(f"- **{reading}**: {title}" for reading, title in titles.items())
     intro = (
         "Levels are judged with 10 lg of the release power, as in the article's equation, and with"

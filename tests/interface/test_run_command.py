@@ -1,4 +1,4 @@
-"""Commands on run folders as a user meets them: run, resound, status, table, plot, report, extend."""
+"""Commands on run folders as a user meets them, from `run` to `extend`."""
 
 from __future__ import annotations
 
