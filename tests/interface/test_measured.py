@@ -61,9 +61,9 @@ def test_check_says_what_was_taken_off_and_what_stays(tmp_path: Path) -> None:
     warning = got["seam"].warning
     assert warning is not None
     assert (
-        "between neighbouring rows" in warning
+        "no period of a surface" in warning
         and "does not loop" in warning
-        and "blend the end" in warning
+        and "blend its end" in warning
     )
     # The contact, 0.0402 mm wide by Hertz (a^3 = 3 W R / (4 E*) gives a = 20.1 um), crosses the
     # seam once on 0.4 mm at 0.1 m/s.
