@@ -227,12 +227,12 @@ def _speed(value: Any) -> Any:
     for i, pair in enumerate(value):
         if not isinstance(pair, list | tuple) or len(pair) != 2 or not all(map(is_number, pair)):
             raise fault(f"got {shown(pair)}, allowed: [time_s, speed_m_s], two numbers", *at, i)
-        time, before = shown(pair[0]), value[i - 1][0]
+        time = shown(pair[0])
         if i == 0 and pair[0] != 0:
             raise fault(f"got {time}, allowed: 0, the time of the first pair", *at, 0)
-        if i and pair[0] <= before:
-            words = f"got time {time} after {shown(before)}, allowed: increasing times"
-            raise fault(words, *at, i)
+        if i and pair[0] <= value[i - 1][0]:
+            before = shown(value[i - 1][0])
+            raise fault(f"got time {time} after {before}, allowed: increasing times", *at, i)
         if pair[1] < 0:
             raise fault(f"got speed {shown(pair[1])}, allowed: a number >= 0", *at, i)
     if not any(v > 0 for _, v in value):
