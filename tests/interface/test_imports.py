@@ -1,0 +1,195 @@
+"""Imports go down the floors, acoustics stands alone, and a help text loads little."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+# A room is a file or folder at the top of a package. A room imports rooms of lower floors only, so
+# a new room needs a floor.
+FLOORS = {
+    "rolling": (
+        ("_own_acoustics", "_typing", "terminal"),
+        ("scene",),
+        ("surface",),
+        ("contact",),
+        ("dynamics",),
+        ("check", "sound"),
+        ("marches",),
+        ("results",),
+        ("figures",),
+        ("plot", "report"),
+        ("run",),
+        ("accuracy", "lee2025"),
+        ("cli",),
+    ),
+    "acoustics": (
+        ("_typing",),
+        ("bands", "radiation", "weighting"),
+        ("plot_style", "resampling", "spectrum"),
+        ("extension", "level", "loudness", "sound_power"),
+        ("plots", "uncertainty", "wav"),
+        ("conformance",),
+    ),
+}
+FRONT_DOOR = "__init__"  # hands out names of every floor; rooms take version and place from it only
+HEAVY = ("h5py", "matplotlib", "numba", "numpy", "pydantic", "scipy", "soundfile", "xarray")
+
+
+@cache
+def modules(package: str) -> dict[str, Path]:
+    """Return the files of a package by the names of their modules."""
+    files = sorted((ROOT / package).rglob("*.py"))
+    names = [
+        ".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+        for file in files
+    ]
+    return dict(zip(names, files, strict=True))
+
+
+@cache
+def imported(module: str, for_types: bool = True) -> tuple[str, ...]:
+    """Return the dotted names that a module imports, at its top, inside functions and for types."""
+    path = modules(module.split(".")[0])[module]
+    names: list[str] = []
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    if not for_types:
+        tree.body = [node for node in tree.body if not _is_for_types(node)]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}:{node.lineno}: relative imports are not followed here"
+            names += [f"{node.module}.{alias.name}" for alias in node.names]
+    return tuple(names)
+
+
+def _is_for_types(node: ast.stmt) -> bool:
+    """Return whether a statement is `if TYPE_CHECKING:`."""
+    return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+
+
+def room(name: str) -> str:
+    """Return the room of a dotted name.
+
+    Names that a package defines itself belong to its front door.
+    """
+    package, _, rest = name.partition(".")
+    first = "cli" if rest == "__main__" else rest.split(".")[0]  # `python -m rolling` is its door
+    is_room = first and (
+        (ROOT / package / first).is_dir() or (ROOT / package / f"{first}.py").is_file()
+    )
+    return first if is_room else FRONT_DOOR
+
+
+def arrows(package: str) -> set[tuple[str, str, str, str]]:
+    """Return (room, imported room, module, imported name) of every import between rooms."""
+    found = set()
+    for module in modules(package):
+        here = room(module)
+        for name in imported(module):
+            if name.split(".")[0] == package and room(name) != here:
+                found.add((here, room(name), module, name))
+    return found
+
+
+@pytest.mark.parametrize("package", FLOORS)
+def test_every_room_has_one_floor(package: str) -> None:
+    placed = [name for floor in FLOORS[package] for name in floor]
+    rooms = {room(module) for module in modules(package) if "." in module}
+    assert len(placed) == len(set(placed))
+    assert rooms <= set(placed), (
+        f"give them a floor in {Path(__file__).name}: {sorted(rooms - set(placed))}"
+    )
+
+
+@pytest.mark.parametrize("package", FLOORS)
+def test_rooms_import_lower_floors_only(package: str) -> None:
+    floor = {name: height for height, names in enumerate(FLOORS[package]) for name in names}
+    upwards = [
+        f"{module} imports {name}"
+        for here, there, module, name in sorted(arrows(package))
+        if here != FRONT_DOOR and there != FRONT_DOOR and floor[there] >= floor[here]
+    ]
+    assert not upwards, "\n".join(upwards)
+
+
+@pytest.mark.parametrize("package", FLOORS)
+def test_rooms_take_nothing_from_the_front_door_but_version_and_place(package: str) -> None:
+    taken = set()
+    for _, there, module, name in arrows(package):
+        if there == FRONT_DOOR and name == package:
+            tree = ast.parse(modules(package)[module].read_text(encoding="utf-8"))
+            attributes = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute)]
+            taken |= {node.attr for node in attributes if ast.unparse(node.value) == package}
+        elif there == FRONT_DOOR:
+            taken.add(name.removeprefix(f"{package}."))
+    assert taken <= {"__version__", "__file__"}
+
+
+@pytest.mark.parametrize("package", FLOORS)
+def test_modules_do_not_import_each_other_in_a_circle(package: str) -> None:
+    """Imports inside functions count too, since they hide a circle without breaking it.
+
+    Imports for types alone do not count.
+    """
+    known = modules(package)
+    graph: dict[str, set[str]] = {}
+    for module in known:
+        if module == package:
+            continue
+        names = imported(module, for_types=False)
+        targets = {name if name in known else name.rpartition(".")[0] for name in names}
+        graph[module] = {
+            target for target in targets if target in known and target not in (package, module)
+        }
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        pytest.fail(f"a circle: {' -> '.join(error.args[1])}")
+
+
+def test_acoustics_knows_nothing_of_rolling() -> None:
+    strangers = [
+        (module, name)
+        for module in modules("acoustics")
+        for name in imported(module)
+        if name.startswith("rolling")
+    ]
+    assert not strangers
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import rolling",
+        "import acoustics",
+        "import rolling.cli\ntry: rolling.cli.main(['--help'])\nexcept SystemExit: pass",
+    ],
+    ids=["import rolling", "import acoustics", "rolling --help"],
+)
+def test_nothing_heavy_is_loaded_before_it_is_needed(code: str) -> None:
+    code = f"import sys\n{code}\nprint('loaded:', *sorted(set(sys.modules) & {set(HEAVY)!r}))"
+    printed = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    ).stdout
+    assert printed.splitlines()[-1] == "loaded:"
+
+
+def test_a_process_that_solves_loads_no_packages_of_pictures_motions_or_dask() -> None:
+    """Every worker and every part of a sweep starts so: these packages took half of its time."""
+    code = "import sys, rolling.run.executor, rolling.run.worker as runs\nprint(*sys.modules)"
+    printed = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    ).stdout
+    unused = {"matplotlib", "dask", "pandas", "xarray", "jinja2", "scipy.signal", "scipy.stats"}
+    unused |= {"scipy.optimize", "scipy.integrate", "scipy.interpolate", "scipy.ndimage"}
+    assert not unused & {*printed.split()}

@@ -1,0 +1,65 @@
+"""The block of the nodes below the approach is that of a search over all nodes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rolling.contact import _window_kernels
+from rolling.contact.state import maxima_of
+
+pytestmark = pytest.mark.kernel
+
+SPACING, RADIUS = 2e-6, 1e-3
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_overlap_block_is_that_of_a_plain_search(seed: int) -> None:
+    """Rough plates, high and low approaches, and spheres near the border of a period."""
+    rng = np.random.default_rng(seed)
+    along, across = rng.integers(12, 60, 2)
+    heights = rng.normal(size=(along, across)) * 10 ** rng.uniform(-8, -6)
+    x, y = rng.uniform(-1, 2) * along * SPACING, rng.uniform(0, 1) * across * SPACING
+    approach = rng.uniform(-0.5, 1) * heights.max()
+    # All nodes that the search may reach: a period to each side.
+    rows = np.arange(
+        int(np.ceil(x / SPACING - along - 0.5)), int(np.floor(x / SPACING + along + 0.5)) + 1
+    )
+    columns = np.arange(
+        int(np.ceil(y / SPACING - across - 0.5)), int(np.floor(y / SPACING + across + 0.5)) + 1
+    )
+    rise = (rows * SPACING - x)[:, None] ** 2 + (columns * SPACING - y) ** 2
+    gap = rise / (2 * RADIUS) - heights[np.ix_(rows % along, columns % across)]
+    below = np.argwhere(gap < approach)
+    maxima = maxima_of(heights, rising=False)
+    got = _window_kernels.overlap_block(*maxima, SPACING, RADIUS, x, y, approach)
+    if below.size == 0:
+        assert got[1] < got[0]
+        return
+    expected = (rows[below[:, 0].min()], rows[below[:, 0].max()])
+    expected += (columns[below[:, 1].min()], columns[below[:, 1].max()])
+    assert got == expected
+
+
+@pytest.mark.parametrize("offset", [(0, 0), (3, -4), (-6, 2), (40, 0), (0, 40), (-40, -40)])
+def test_blocks_are_copied_where_both_exist(offset: tuple[int, int]) -> None:
+    """Nodes that a window lacks are 0; a window far away shares none."""
+    source, target = np.random.default_rng(1).random((9, 11)), np.full((12, 8), np.nan)
+    _window_kernels.copy_block(source, target, *offset)
+    expected = np.zeros_like(target)
+    for i, j in np.ndindex(*source.shape):
+        a, b = i + offset[0], j + offset[1]
+        if 0 <= a < 12 and 0 <= b < 8:
+            expected[a, b] = source[i, j]
+    np.testing.assert_array_equal(target, expected)
+
+
+@pytest.mark.parametrize("offset", [(0, 0), (3, -4), (-6, 2), (0, 40), (-40, -40)])
+def test_deflections_change_once_more_where_both_are_known(offset: tuple[int, int]) -> None:
+    """Deflections off the window before are unknown and stay."""
+    rng = np.random.default_rng(2)
+    u, before, out = rng.random((12, 8)), rng.random((9, 11)), np.empty((12, 8))
+    _window_kernels.extrapolate(u, before, *offset, out)
+    shared = np.zeros((12, 8))
+    _window_kernels.copy_block(before, shared, *offset)
+    np.testing.assert_array_equal(out, np.where(shared > 0, u + (u - shared), u))
