@@ -166,6 +166,22 @@ def seed_table(runs: Sequence[Run]) -> pd.DataFrame:
     return mean_band_table(sweep_table(runs), _others(runs, SEED))
 
 
+def level_table(runs: Sequence[Run]) -> pd.DataFrame:
+    """Tabulate swept values and levels of runs with their standard uncertainty [dB]."""
+    return _columns(runs, [name for pair in _LEVELS.items() for name in (pair[0], pair[1][1])])
+
+
+def area_table(runs: Sequence[Run]) -> pd.DataFrame:
+    """Tabulate swept values and mean areas of runs [m²]."""
+    return _columns(runs, [*_AREAS])
+
+
+def _columns(runs: Sequence[Run], names: Sequence[str]) -> pd.DataFrame:
+    """Return columns of the table of runs, with the runs, their scenes and their swept values."""
+    frame, keys = sweep_table(runs), dict.fromkeys(key for run in runs for key in run.values)
+    return frame[[name for name in ("run", SCENE, *keys, *names) if name in frame]]
+
+
 def sweep_table(runs: Sequence[Run]) -> pd.DataFrame:
     """Return the table of runs with the columns of runs.csv and the names of their scenes."""
     frame = runs_table(runs).reset_index()
