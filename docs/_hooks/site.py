@@ -20,20 +20,15 @@ PAGES = {
     "acoustics/CONFORMANCE.md": "conformance.md",
 }
 PICTURES = "scenarios/pictures/"
-# The rooms whose modules are documented where a package exports no names. A module whose name
-# begins with an underscore is private.
-ROOMS = {
-    "rolling": (
-        "rolling/scene",
-        "rolling/surface",
-        "rolling/contact",
-        "rolling/simulation",
-        "rolling",
-    ),
-    "acoustics": ("acoustics",),
+PACKAGES = ("rolling", "acoustics")
+# Objects that a user receives without an import.
+RECEIVED = {
+    "Run": "rolling.results.run_result.Run",
+    "Run.sound": "rolling.sound.contact_sound.ContactSound",
+    "Run.sound.levels": "acoustics.level.SoundLevels",
+    "Run.vibration": "rolling.sound.vibration_sound.Vibration",
+    "Scene.check()": "rolling.check.findings.Findings",
 }
-# The command line is described by its own help.
-NOT_LISTED = {"rolling/actions.py", "rolling/cli.py"}
 
 LINK = re.compile(r"(!?)\[([^\]]*)\]\((?:\.\./)+([^)#\s]+)(#[^)\s]*)?\)")
 OWN_LINK = re.compile(r"\]\(docs/([^)\s]+)\)")
@@ -82,37 +77,23 @@ def exported_names(package):
     return {name: path for name, path in names.items() if not name.startswith("_")}
 
 
-def public_modules(room):
-    """List the public modules of a room, as dotted names, from the files that exist."""
-    paths = [path.relative_to(ROOT) for path in sorted((ROOT / room).glob("*.py"))]
-    return [
-        ".".join(path.with_suffix("").parts)
-        for path in paths
-        if not path.name.startswith("_") and path.as_posix() not in NOT_LISTED
-    ]
-
-
 def api_page():
-    """Return the Markdown of the API page.
-
-    A package is listed by its exported names, or by its modules where it exports none.
-    """
+    """Return the Markdown of the API page: the exported names, and objects that a user receives."""
     lines = [
         "# API",
         "",
         "All arguments and results are in SI units unless a name carries its unit.",
         "",
     ]
-    for package, rooms in ROOMS.items():
-        exported = exported_names(package)
-        lines += [f"## {package}", ""]
-        if exported:
-            lines += ["| name | is |", "|---|---|"]
-            lines += [
-                f"| `{package}.{name}` | [`{path}`][{path}] |" for name, path in exported.items()
-            ]
-            lines += [""]
-        paths = exported.values() or [module for room in rooms for module in public_modules(room)]
-        for path in dict.fromkeys(paths):
-            lines += [f"::: {path}", ""]
+    tables = {package: exported_names(package) for package in PACKAGES}
+    shown = dict.fromkeys(path for names in tables.values() for path in names.values())
+    tables["Objects that functions return"] = RECEIVED
+    for heading, names in tables.items():
+        prefix = f"{heading}." if heading in PACKAGES else ""
+        lines += [f"## {heading}", "", "| name | is |", "|---|---|"]
+        lines += [f"| `{prefix}{name}` | [`{path}`][{path}] |" for name, path in names.items()]
+        lines += [""]
+        for path in names.values():
+            if heading in PACKAGES or path not in shown:
+                lines += [f"::: {path}", ""]
     return "\n".join(lines)
