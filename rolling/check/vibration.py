@@ -172,48 +172,38 @@ def _bending(scene: Scene) -> list[Finding]:
     share, limit = radius / plate.thickness_m, of_scene.bending_limit_hz(plate)
     stiff = 8 * plate.bending_stiffness_n_m / plate.mass_per_area_kg_m2
     near, air = FAR * math.sqrt(stiff) / SPEED_OF_SOUND, plate.radiator().lowest_hz
-    thin = (
-        None
-        if share <= THICK
-        else (
+    warnings: dict[str, str] = {}
+    if share > THICK:
+        warnings["contact_thickness"] = (
             f"the contact radius is {share:.2g} of the thickness, and the contact is that of a"
             f" half-space, which holds up to {THICK:g}: choose a plate.thickness_mm of at least"
             f" {rounded_up(1e3 * radius / THICK)}"
         )
-    )
-    short = (
-        None
-        if limit >= HEARING[1]
-        else (
+    if limit < HEARING[1]:
+        warnings["bending"] = (
             f"bending waves above {si(limit, 'Hz')} are shorter than {of_scene.LEAST_THICKNESSES:g}"
-            " thicknesses, and thin-plate theory ends there: do not trust the bands above, or choose"
-            f" a plate.thickness_mm of at most {rounded_down(thickness_mm * limit / HEARING[1])}"
+            " thicknesses, and thin-plate theory ends there: do not trust the bands above, or"
+            " choose a plate.thickness_mm of at most"
+            f" {rounded_down(thickness_mm * limit / HEARING[1])}"
         )
-    )
-    close = (
-        None
-        if distance >= near
-        else (
+    if distance < near:
+        warnings["coincidence"] = (
             f"the pressure on the axis holds from about {near:.2g} m for this plate: choose a"
             f" sound.distance_m of at least {rounded_up(near)}"
         )
-    )
-    light = (
-        None
-        if air <= LOADED_HZ
-        else (
+    if air > LOADED_HZ:
+        warnings["air_load"] = (
             f"the air loads a plate as light as this below some {si(air, 'Hz')}, which is left out:"
             " levels there are too high; choose a plate.thickness_mm of at least"
             f" {rounded_up(thickness_mm * air / LOADED_HZ)}, or a denser plate"
         )
-    )
-    coincidence = si(plate.critical_hz, "Hz")
-    return [
-        Finding("air_load", "air loads the plate below", si(air, "Hz"), light),
-        Finding("contact_thickness", "contact radius / thickness", f"{share:.2g}", thin),
-        Finding("bending", "thin-plate theory up to", si(limit, "Hz"), short),
-        Finding("coincidence", "coincidence of the plate", coincidence, close),
+    rows = [
+        ("air_load", "air loads the plate below", si(air, "Hz")),
+        ("contact_thickness", "contact radius / thickness", f"{share:.2g}"),
+        ("bending", "thin-plate theory up to", si(limit, "Hz")),
+        ("coincidence", "coincidence of the plate", si(plate.critical_hz, "Hz")),
     ]
+    return [Finding(key, name, value, warnings.get(key)) for key, name, value in rows]
 
 
 # ---- cost

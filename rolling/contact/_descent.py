@@ -60,8 +60,7 @@ class Effort:
 
     @property
     def sweeps(self) -> int:
-        """Number of sweeps that settle the model for the next step; without any it has no say."""
-        # It has no say after a state without a descent either.
+        """Number of sweeps that settle the model, 0 where the model does not lead."""
         return SWEEPS if self.iterations < MODELLED and not self.stuck else 0
 
 
@@ -84,10 +83,9 @@ class Candidates:
         subcells: int = 1,
         neighbours: bool = False,
     ) -> Candidates:
-        """Find the nodes that are loaded or lie lower than `highest` [m], and their block.
+        """Find the nodes that are loaded or lie lower than `highest` [m], and their whole cells.
 
-        Heights count before the approach is subtracted. With `neighbours` the nodes around them are
-        candidates too. The block consists of whole cells.
+        With `neighbours` the nodes around them are candidates too.
         """
         listed = np.empty(pressure.size, dtype=np.int64)
         count, *block = _candidate_kernels.candidates(
@@ -97,21 +95,10 @@ class Candidates:
 
 
 class BlendedEdges:
-    """Edges of patches within the cells of a window, which belong to a deflection.
+    """Edges of patches within the cells of a window: half ranges of the gap over each cell [m].
 
-    Parameters
-    ----------
-    gap, shape : (m, n) arrays, m
-        Undeformed gap of the nodes, and the undeformed gap as it continues within cells.
-    levelled : float, m
-        Half range of gaps over a cell that elastic pressures level.
-    share : float
-        Share of the remaining half range that edges take. Default: 1.
-
-    Attributes
-    ----------
-    edge : (m, n) array, m
-        Half the range of gaps over the cell of each node.
+    They follow from a deflection and the undeformed gap as it continues within cells (`shape`). An
+    edge takes a share of the half range beyond that which elastic pressures level.
     """
 
     def __init__(self, gap: Array, shape: Array, levelled: float, share: float = 1.0) -> None:
@@ -122,7 +109,7 @@ class BlendedEdges:
         """Find the edges by a deflection [m]."""
         # The edges that a solution returned must not change.
         self.edge = np.empty_like(self._gap)
-        _solver_kernels.cell_ranges(self._shape, deflection, self.levelled, self.edge)
+        _candidate_kernels.cell_ranges(self._shape, deflection, self.levelled, self.edge)
         self.edge *= self.share
 
     def between_nodes(self, node: NDArray[np.int64]) -> Array:
@@ -135,16 +122,9 @@ class BlendedEdges:
 
 @dataclass(frozen=True)
 class Goal:
-    """Violation of the contact conditions that a descent leaves.
+    """Violation of the contact conditions that a descent leaves, a share of the allowed violation.
 
-    Parameters
-    ----------
-    tolerance : float
-        Maximum allowed violation over the maximum deflection.
-    u_max : float, m
-        Maximum deflection.
-    share : float
-        Share of the allowed violation at which the descent ends.
+    The tolerance is the maximum allowed violation over the maximum deflection `u_max` [m].
     """
 
     tolerance: float
@@ -165,35 +145,9 @@ class Goal:
 class Descent:
     """Conjugate gradients on the candidates, until they satisfy the contact conditions.
 
-    Parameters
-    ----------
-    half_space : HalfSpace
-        Pressure to deflection.
-    candidates : Candidates
-        Nodes that may be in contact.
-    pressure, gap : (m, n) arrays on the window, Pa and m
-        Start, and its gaps before the approach is subtracted.
-    edges : BlendedEdges or None
-        Edges within cells, which `gap` contains.
-    limits : Limits
-        Hardness and sum of pressures.
-    goal : Goal
-        Violation that the descent leaves.
-    single : bool
-        If true, transforms are in single precision.
-
-    Attributes
-    ----------
-    block : (int, int)
-        Rows and columns of the block of the candidates.
-    packed : tuple
-        Fields of a Packed, the arrays of the compiled passes.
-    stiffness : float, Pa/m
-        Pressure on a single node that opens its gap by a metre.
-    direction : Direction
-        Numbers of the current direction.
-    step : Step
-        State after the last step.
+    Pressure and gap before the approach is subtracted are those of the start on the window; the gap
+    contains the edges. `packed` holds the arrays of the compiled passes, `stiffness` is the
+    pressure on a single node that opens its gap by a metre [Pa/m].
     """
 
     def __init__(
@@ -304,10 +258,8 @@ class Descent:
 
     @property
     def is_exhausted(self) -> bool:
-        """Whether the descent went as far as its precision lets it.
-
-        A descent that the model led for long enough did not, and neither did the first descent.
-        """
+        """Whether the descent went as far as its precision allows."""
+        # Neither the first descent nor a descent that the model led to its last iteration did.
         if self.step.worst > self.goal:
             return not self.direction.slope < 0
         return self.share <= AIM
@@ -320,10 +272,9 @@ class Descent:
         deflection_before: Array,
         offset: tuple[int, int],
     ) -> None:
-        """Take the first direction from the extrapolation of the last solutions.
+        """Take the first direction from the solution on the window and the solution before.
 
-        These are the solution on the window and the solution before, whose window begins at the
-        offset (row, column).
+        The window of the latter begins at the offset (row, column).
         """
         self._moving, direction = _solver_kernels.lead(
             self.packed,
@@ -404,6 +355,7 @@ class Descent:
         return False
 
     def _convolve(self, effort: Effort) -> None:
+        """Replace the direction in the array of the transforms by its deflection."""
         few = self._moving * self.node.size <= self._most_pairs
         if not (few and _solver_kernels.sum_directly(self.packed, self._most_pairs)):
             self.transforms.apply(*self.block, self._listed)

@@ -18,8 +18,8 @@ import numpy as np
 
 from rolling.contact._condition_kernels import approach_of, project, worst_and_load
 from rolling.contact._far_field import answer, mark_free, prolong, restrict
-from rolling.contact._march_kernels import shared
 from rolling.contact._system import BORDER, Direction, Sets
+from rolling.contact._window_kernels import shared
 from rolling.contact.compiling import njit
 
 # Sweeps that settle the model after its far field is known.

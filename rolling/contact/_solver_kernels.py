@@ -2,9 +2,8 @@
 
 r is the residual, the remaining gap or overlap on a free node [m]; z is the preconditioned residual
 and d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
-direction. `cell_ranges` reads a whole window. All other passes read its candidates, the nodes that
-may be in contact, as flat arrays. Python calls `iterate`, `lead`, `sum_directly` and
-`carry_load`.
+direction. All passes read the candidates of a window, the nodes that may be in contact, as flat
+arrays. Python calls `iterate`, `lead`, `sum_directly` and `carry_load`.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -12,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rolling.contact._candidate_kernels import move_edges
 from rolling.contact._condition_kernels import approach_of, project, sum_of
 from rolling.contact._model_kernels import (
     extrapolate,
@@ -26,10 +26,6 @@ from rolling.contact._model_kernels import (
 from rolling.contact._system import Direction, Sets, unpack
 from rolling.contact.compiling import njit
 
-# The half range of gaps over a cell is at most so many times the range that pressures level.
-# Without this limit cliffs of many deflections made 2 % of random scenes too soft to converge.
-# Surfaces of Ra 1 um at 2.1 GPa hardly reach it: -29.3 and -29.2 dB without and with it.
-STEEPEST = 100.0
 # After a step length alpha below it the direction is dropped, because nodes that were put on a
 # bound point the wrong way.
 LEAST_STEP = 1e-3
@@ -207,75 +203,6 @@ def find_direction(nodes, stencil, work, limits, approach, free, bound, directio
         slope, longest = project(p, g, approach, trial, Sets(active, p.size, 0), limits, d)
     r_before[:] = r
     return Direction(slope, longest, zr, length), restarts, plain_steps
-
-
-@njit(cache=True)
-def half_range(along, across, levelled):
-    """Return half of the range [m] of the gap over a cell, from its differences over two cells.
-
-    The range is that of a uniform distribution with the variance of the gaps: the gradient times a
-    side of the cell. Pressures below the hardness level a small range: up to `levelled` [m] it does
-    not count, from twice that on it counts in full, up to STEEPEST times that.
-    """
-    half = 0.25 * np.sqrt(along * along + across * across)
-    return max(min(half, 2.0 * (half - levelled), STEEPEST * levelled), 0.0)
-
-
-@njit(cache=True)
-def cell_ranges(shape, u, levelled, out):
-    """Set `out` to half the range [m] of the deflected gap over each cell.
-
-    It is zero on the border of the window, and beside a deflection of zero, which means an unknown
-    deflection.
-    """
-    rows, columns = u.shape
-    out[0] = out[rows - 1] = 0.0
-    for i in range(1, rows - 1):
-        out[i, 0] = out[i, columns - 1] = 0.0
-        left, right = (shape[i, :-2], u[i, :-2]), (shape[i, 2:], u[i, 2:])
-        before, after = (shape[i - 1, 1:-1], u[i - 1, 1:-1]), (shape[i + 1, 1:-1], u[i + 1, 1:-1])
-        ranges_of_line(*before, *after, *left, *right, levelled, out[i, 1:-1])
-
-
-@njit(cache=True)
-def ranges_of_line(
-    z_before, u_before, z_after, u_after, z_left, u_left, z_right, u_right, levelled, out
-):
-    """Set a line to half the ranges over its cells, from gaps z and deflections u around them."""
-    for k in range(out.size):
-        along = z_after[k] + u_after[k] - z_before[k] - u_before[k]
-        across = z_right[k] + u_right[k] - z_left[k] - u_left[k]
-        half = half_range(along, across, levelled)
-        known = u_after[k] * u_before[k] * u_right[k] * u_left[k] != 0.0
-        out[k] = half if known else 0.0
-
-
-@njit(cache=True)
-def move_edges(system, slack):
-    """Move the edges of the candidates to the place that the present gaps give them.
-
-    The edge of a node beside a node that is no candidate stays, and so does an edge that would move
-    by less than `slack` [m].
-    """
-    p, g, compliance = system.nodes.p, system.nodes.g, system.nodes.compliance
-    edge, between_nodes, field, levelled, share = system.edges
-    place, row_length = system.stencil.node, system.stencil.row_length
-    for k in range(p.size):
-        field[place[k]] = g[k] + edge[k] - compliance[k] * p[k] + between_nodes[k]
-    per_hardness = 2.0 / system.limits.hardness
-    left, stiffness = system.model.softening.reshape(-1), system.model.stiffness
-    for k in range(p.size):
-        at = place[k]
-        along = field[at + row_length] - field[at - row_length]
-        across = field[at + 1] - field[at - 1]
-        if along == along and across == across:
-            moved = share * half_range(along, across, levelled)
-            if abs(moved - edge[k]) <= slack:  # most often both are zero
-                continue
-            g[k] += (edge[k] - moved) * (1.0 - per_hardness * p[k])
-            edge[k] = moved
-            compliance[k] = per_hardness * moved
-            left[at] = 1.0 / (1.0 + compliance[k] * stiffness)
 
 
 @njit(cache=True)

@@ -23,34 +23,16 @@ BORDER = 3  # open nodes around the candidates: one that moves, and the reach of
 
 
 class Limits(NamedTuple):
-    """Bound of each pressure and sum of all pressures, constant in a descent.
+    """Bound of each pressure and sum of all pressures, constant in a descent."""
 
-    Parameters
-    ----------
-    hardness : float, Pa
-        Maximum pressure of a node.
-    total : float, Pa
-        Sum of the pressures that carries the load.
-    """
-
-    hardness: float
-    total: float
+    hardness: float  # maximum pressure of a node [Pa]
+    total: float  # sum of the pressures that carries the load [Pa]
 
 
 class Sets(NamedTuple):
-    """Candidates that may move.
+    """Candidates that may move."""
 
-    Parameters
-    ----------
-    active : (n,) array of int
-        Indices of candidates, first the free nodes, then the nodes that go to a bound.
-    free : int
-        Number of free candidates.
-    bound : int
-        Number of candidates that go to a bound.
-    """
-
-    active: Indices
+    active: Indices  # (n,) indices of candidates: free nodes, then nodes that go to a bound
     free: int
     bound: int
 
@@ -59,206 +41,97 @@ class Nodes(NamedTuple):
     """Candidates of a descent, as flat arrays of equal length.
 
     The last two are empty where no node is compliant by itself.
-
-    Parameters
-    ----------
-    p : (n,) array, Pa
-        Pressure.
-    g : (n,) array, m
-        Gap before the approach is subtracted.
-    compliance : (n,) array, m/Pa
-        Closing of a node's gap by its own pressure in addition to the deflection.
-    softening : (n,) array
-        Square root of the share of a node's stiffness that its compliance leaves; the residual sets
-        it.
     """
 
-    p: Array
-    g: Array
-    compliance: Array
-    softening: Array
+    p: Array  # pressure [Pa]
+    g: Array  # gap before the approach is subtracted [m]
+    compliance: Array  # closing of the gap by the node's own pressure beside the deflection [m/Pa]
+    softening: Array  # square root of the share of stiffness left; the residual sets it
 
 
 class Transform(NamedTuple):
-    """Array of the transforms: the direction goes in, its deflection comes out.
+    """Array of the transforms: the direction goes in, its deflection comes out."""
 
-    Parameters
-    ----------
-    image : flat array, m
-        Pressure times `unit` before the convolution, deflection after it.
-    node : (n,) array of int
-        Index of each candidate in `image`.
-    unit : float, m/Pa
-        Deflection per pressure and coefficient.
-    """
-
-    image: NDArray[np.floating]
-    node: Indices
-    unit: float
+    image: NDArray[np.floating]  # pressure times `unit` before, deflection after [m]
+    node: Indices  # (n,) index of each candidate in `image`
+    unit: float  # deflection per pressure and coefficient [m/Pa]
 
 
 class Stencil(NamedTuple):
-    """Preconditioner, a short stencil of the inverse half-space, with its grid.
+    """Preconditioner, a short stencil of the inverse half-space, with its grid."""
 
-    Parameters
-    ----------
-    values : (3, 3) array, Pa/m
-        Stencil.
-    grid : flat array, m
-        Residual on the block of the candidates with a border of one open node.
-    node : (n,) array of int
-        Index of each candidate in `grid`.
-    row_length : int
-        Nodes in a row of `grid`.
-    stiffness : float, Pa/m
-        Pressure on a single node that opens its gap by a metre.
-    """
-
-    values: Array
-    grid: Array
-    node: Indices
-    row_length: int
-    stiffness: float
+    values: Array  # (3, 3) stencil [Pa/m]
+    grid: Array  # flat residual on the block of the candidates with a border of open nodes [m]
+    node: Indices  # (n,) index of each candidate in `grid`
+    row_length: int  # nodes in a row of `grid`
+    stiffness: float  # pressure on a single node that opens its gap by a metre [Pa/m]
 
 
 class Model(NamedTuple):
-    """Model problem with its grid (see _model_kernels).
+    """Model problem (see _model_kernels) on the block of the candidates with BORDER open nodes.
 
-    The grid is the block of the candidates with a border of BORDER open nodes.
-
-    Parameters
-    ----------
-    values : (6,) array
-        Stencil of the inverse half-space over its centre: centre, side, corner, second side, beside
-        it, second corner.
-    change, gap, low, high : (rows, columns) arrays, Pa
-        Changes of pressure: that of the model, the one that opens the gap, and the bounds.
-    moved : (rows, columns) array, Pa
-        Moves of the gaps in a sweep.
-    sums : (3, rows, columns) array, Pa
-        Sums of moves along the columns of the stencil.
-    softening : (rows, columns) array
-        Share of a node's stiffness that its compliance leaves; empty where no node is compliant.
-    node : (n,) array of int
-        Index of each candidate in the grid.
-    strips : (strips, 2) array of int
-        Strips of the nodes near candidates (see list_strips).
-    stiffness : float, Pa/m
-        Centre of the stencil.
-    lift : float, m/Pa
-        Violation that counts for a missing sum of pressures.
+    Changes of pressure and moves of gaps are arrays (rows, columns) [Pa].
     """
 
-    values: Singles
-    change: Singles
-    gap: Singles
-    low: Singles
+    values: Singles  # (6,) stencil of the inverse half-space over its centre, see `inverse_stencil`
+    change: Singles  # change of pressure
+    gap: Singles  # change of pressure that opens the gap
+    low: Singles  # bounds of the change
     high: Singles
-    moved: Singles
-    sums: Singles
-    softening: Singles
-    node: Indices
-    strips: NDArray[np.uint64]
-    stiffness: float
-    lift: float
+    moved: Singles  # moves of the gaps in a sweep
+    sums: Singles  # (3, rows, columns) sums of moves along the columns of the stencil
+    softening: Singles  # share of stiffness left by compliance; empty where no node is compliant
+    node: Indices  # (n,) index of each candidate in the grid
+    strips: NDArray[np.uint64]  # (strips, 2) strips of the nodes near candidates
+    stiffness: float  # centre of the stencil [Pa/m]
+    lift: float  # violation that counts for a missing sum of pressures [m/Pa]
 
 
 class FarField(NamedTuple):
     """Far field of the model problem on a coarse grid (see _far_field).
 
     All grids are flat, with rows of `row_length`, of which the second half is padding.
-
-    Parameters
-    ----------
-    tile : int
-        Nodes from a coarse node to the next.
-    row_length : int
-        Entries in a row of the grids.
-    own, common : float
-        Gap of a node by a unit of its own pressure, and by a unit of pressure all over, as the
-        stencil has them.
-    table : flat array
-        Coefficients by distance, with rows of the same length.
-    loads, known : flat arrays, Pa
-        Changes of pressure, and the changes whose far field the gaps have already.
-    stiffness : flat array
-        Answer of the free nodes to a common gap.
-    field : flat array, Pa
-        Far field, over the stiffness of the model.
-    residual, direction, image : flat arrays, Pa
-        Vectors of the conjugate gradients.
     """
 
-    tile: int
+    tile: int  # nodes from a coarse node to the next
     row_length: int
-    own: float
-    common: float
-    table: Singles
-    loads: Singles
-    known: Singles
-    stiffness: Singles
-    field: Singles
-    residual: Singles
+    own: float  # gap of a node by a unit of its own pressure, as the stencil has it
+    common: float  # gap by a unit of pressure all over, as the stencil has it
+    table: Singles  # coefficients by distance, with rows of the same length
+    loads: Singles  # changes of pressure [Pa]
+    known: Singles  # changes whose far field the gaps have already [Pa]
+    stiffness: Singles  # answer of the free nodes to a common gap
+    field: Singles  # far field over the stiffness of the model [Pa]
+    residual: Singles  # vectors of the conjugate gradients [Pa]
     direction: Singles
     image: Singles
 
 
 class Influence(NamedTuple):
-    """Deflection coefficients between the candidates.
+    """Deflection coefficients between the candidates."""
 
-    Parameters
-    ----------
-    coefficients : flat array
-        Coefficients by distance along and across, both from negative to positive; empty where
-        nodes are not put on a bound without a convolution.
-    node : (n,) array of int
-        Index of each candidate in an array with rows of the same length.
-    """
-
-    coefficients: Singles
-    node: Indices
+    coefficients: Singles  # flat, by distance along and across from negative to positive, or empty
+    node: Indices  # (n,) index of each candidate in an array with rows of the same length
 
 
 class Work(NamedTuple):
-    """Vectors that the passes overwrite, with one entry per candidate.
+    """Vectors that the passes overwrite, with one entry per candidate."""
 
-    Parameters
-    ----------
-    trial : (n,) array, Pa
-        Preconditioned residual, then trial pressure.
-    d : (n,) array, Pa
-        Direction.
-    r, r_before : (n,) arrays, m
-        Residuals of this and of the previous iteration.
-    active : (n,) array of int
-        Indices of candidates (see Sets).
-    """
-
-    trial: Array
-    d: Array
-    r: Array
+    trial: Array  # preconditioned residual, then trial pressure [Pa]
+    d: Array  # direction [Pa]
+    r: Array  # residual of this and of the previous iteration [m]
     r_before: Array
-    active: Indices
+    active: Indices  # indices of candidates (see Sets)
 
 
 class Edges(NamedTuple):
-    """The edges within the cells of candidates; arrays are empty where edges are sharp.
+    """Edges within the cells of candidates; arrays are empty where edges are sharp."""
 
-    Parameters
-    ----------
-    edge : half of the range of gaps over the cell, m.
-    between_nodes : undeformed gap as it runs within cells less the gap of the nodes, m.
-    field : flat array, m. Grid as that of the stencil, for the gap as it runs within cells; it is
-        not a number off the candidates.
-    levelled : float, m. Half range that elastic pressures level.
-    share : float. Share of the remaining half range that edges take.
-    """
-
-    edge: Array
-    between_nodes: Array
-    field: Array
-    levelled: float
-    share: float
+    edge: Array  # half of the range of gaps over the cell [m]
+    between_nodes: Array  # undeformed gap as it runs within cells less the gap of the nodes [m]
+    field: Array  # gap as it runs within cells on the grid of the stencil; NaN off candidates [m]
+    levelled: float  # half range that elastic pressures level [m]
+    share: float  # share of the remaining half range that edges take
 
 
 class System(NamedTuple):
@@ -276,48 +149,25 @@ class System(NamedTuple):
 
 
 class Packed(NamedTuple):
-    """The arrays and numbers of a System, few enough to cross to compiled code fast.
+    """Arrays and numbers of a System, few enough to cross to compiled code fast."""
 
-    Parameters
-    ----------
-    vectors : (6 or 10, n) array
-        Vectors of the candidates: pressure, gap, trial, direction and both residuals; where edges
-        are blended also compliance, softening, edge and the gap between nodes.
-    indices : (4, n) array
-        Indices of the candidates: active ones, in the array of the transforms, in the grid, by
-        distance.
-    image : flat array
-        Array of the transforms.
-    grids : (1 or 2, cells) array
-        Residual, and the gap as it runs within cells where edges are blended.
-    model : (8 or 9, rows, columns) array
-        Grids of the Model in its order, sums after moves, and softening where edges are blended.
-    strips : (strips, 2) array
-        Those of the Model.
-    coarse : (7, cells) array
-        Grids of the FarField.
-    stencil, model_stencil, table, coefficients : arrays
-        Those of Stencil, Model, FarField and Influence.
-    numbers : tuple
-        Hardness, total, deflection and stiffness of a cell, levelled range, stiffness and lift of
-        the Model, own and common gap of the FarField, share of the edges.
-    lengths : tuple
-        Tile and row length of the FarField.
-    """
-
+    # (6 or 10, n): pressure, gap, trial, direction and both residuals; where edges are blended also
+    # compliance, softening, edge and the gap between nodes
     vectors: Array
-    indices: Indices
-    image: NDArray[np.floating]
-    grids: Array
-    model: Singles
+    indices: Indices  # (4, n): active ones, in the transforms, in the grid, by distance
+    image: NDArray[np.floating]  # array of the transforms
+    grids: Array  # (1 or 2, cells): residual, and the gap within cells where edges are blended
+    model: Singles  # (8 or 9, rows, columns): grids of the Model in its order, softening last
     strips: NDArray[np.uint64]
-    coarse: Singles
+    coarse: Singles  # (7, cells): grids of the FarField
     stencil: Array
     model_stencil: Singles
     table: Singles
     coefficients: Singles
+    # hardness, total, unit, stiffness, levelled range, stiffness and lift of the Model, own and
+    # common gap of the FarField, share of the edges
     numbers: tuple[float, ...]
-    lengths: tuple[int, int]
+    lengths: tuple[int, int]  # tile and row length of the FarField
 
 
 @njit(cache=True)
@@ -376,47 +226,21 @@ def unpack(packed):
 
 
 class Direction(NamedTuple):
-    """Numbers that belong to a direction d.
+    """Numbers that belong to a direction d."""
 
-    Parameters
-    ----------
-    slope : float, Pa m
-        Slope of the energy along d; it is not negative where no direction descends.
-    longest : float
-        Maximum step length within the bounds, at least 1.
-    zr : float, Pa m
-        Product z.r, 0 where the next direction forgets this direction.
-    length : float
-        Share of the preconditioned residual in the direction, from the step lengths so far.
-    """
-
-    slope: float
-    longest: float
-    zr: float
-    length: float
+    slope: float  # slope of the energy along d [Pa m]; not negative where no direction descends
+    longest: float  # maximum step length within the bounds, at least 1
+    zr: float  # product z.r [Pa m], 0 where the next direction forgets this direction
+    length: float  # share of the preconditioned residual in d, from the step lengths so far
 
 
 class Step(NamedTuple):
-    """State after a step.
+    """State after a step."""
 
-    Parameters
-    ----------
-    approach : float, m
-        Approach of sphere and plate.
-    worst : float, m
-        Maximum violation of the contact conditions.
-    free, bound : int
-        Numbers of candidates that may move freely and that go to a bound.
-    restarts, plain_steps : int
-        1 if the next direction is a restart or a plain gradient, otherwise 0.
-    load : float, Pa
-        Sum of the pressures after the last step by the model; 0 where there was none.
-    """
-
-    approach: float
-    worst: float
-    free: int
-    bound: int
-    restarts: int
-    plain_steps: int
-    load: float
+    approach: float  # [m]
+    worst: float  # maximum violation of the contact conditions [m]
+    free: int  # number of candidates that may move freely
+    bound: int  # number of candidates that go to a bound
+    restarts: int  # 1 if the next direction is a restart
+    plain_steps: int  # 1 if the next direction is a plain gradient
+    load: float  # sum of pressures after the last step by the model [Pa]; 0 where there was none

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import _state_kernels, _transform_kernels
+from rolling.contact import _transform_kernels, _window_kernels
 
 # The interface of pyfftw to Dask is not used. It imports all arrays of Dask and pandas, a third of
 # the time that a process of this program takes to start, so its import fails here.
@@ -60,18 +60,6 @@ def padded_length(reach: int, across: bool = False) -> int:
     """Return the minimum quick length of a transform for nodes up to `reach` spacings apart.
 
     The coefficients are even, so a distance of half the length is still correct.
-
-    Parameters
-    ----------
-    reach : int
-        Maximum distance between a loaded node and a node whose deflection counts.
-    across : bool
-        If true, the length is that of rows, across the track. Default: false.
-
-    Raises
-    ------
-    ValueError
-        `reach` exceeds the longest transform.
     """
     lengths = _ACROSS if across else _ALONG
     if 2 * reach > lengths[-1]:
@@ -207,7 +195,7 @@ class HalfSpace:
             The window exceeds the longest transform.
         """
         m, n = pressure.shape
-        convolution = self.convolution(*_state_kernels.reach(pressure))
+        convolution = self.convolution(*_window_kernels.reach(pressure))
         block = convolution.block(m, n)
         _transform_kernels.load(pressure, block)
         convolution.apply(m, n)
@@ -245,23 +233,9 @@ class HalfSpace:
 class Convolution:
     """Transforms of one padded size and their work arrays.
 
-    Write the pressure to a `block`, call `apply`, then read the deflection.
-
-    Parameters
-    ----------
-    m, n : int
-        Padded lengths along and across.
-    single : bool
-        If true, transforms are in single precision: their error is about 1e-7 of the maximum
-        deflection, and they are up to twice as fast.
-    spectrum : (m // 2 + 1, n // 2 + 1) array
-        Transform of the wrapped coefficients, the first half of its rows.
-
-    Attributes
-    ----------
-    real : (m / 2, n, 2) array
-        Pressure on the cells before the transforms, and deflection after them. Rows of cells lie
-        side by side in pairs (see _transform_kernels).
+    Write the pressure to a `block`, call `apply`, then read the deflection. In single precision
+    their error is about 1e-7 of the maximum deflection, and they are up to twice as fast. `real`
+    (m / 2, n, 2) holds rows of cells side by side in pairs (see _transform_kernels).
     """
 
     def __init__(self, m: int, n: int, single: bool, spectrum: Array) -> None:
@@ -306,15 +280,10 @@ class Convolution:
         return sum(int(array.nbytes) for array in arrays)
 
     def block(self, rows: int, columns: int) -> Array:
-        """Return the array of a block of nodes, which may have further rows and columns.
+        """Return the array (lines, columns, 2) of a block of nodes, with further rows and columns.
 
         It holds the pressure before `apply`, with zeros on the further rows and columns, and the
-        deflection in units of spacing / (pi E*) afterwards.
-
-        Returns
-        -------
-        (lines, columns, side) array
-            Lines of so many rows of nodes side by side: row i is `block[i // side, :, i % side]`.
+        deflection in units of spacing / (pi E*) afterwards. Row i is `block[i // 2, :, i % 2]`.
         """
         view: Array = self.real[: -(-rows // 2) + GROUP]
         return view
@@ -325,10 +294,9 @@ class Convolution:
         return int(2 * (self.real.shape[1] // 2) + 1)
 
     def influence(self) -> NDArray[np.float32]:
-        """Return the coefficients of nodes by distance, along and across, as a flat array.
+        """Return the coefficients by distance along and across, flat, with zero in the middle.
 
-        Its middle is the distance zero. It is empty for large transforms, whose memory it would
-        add to.
+        The array is empty for large transforms, whose memory it would add to.
         """
         if self._influence is None:
             length, n, _ = self.real.shape

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact import _march_kernels, _state_kernels, closed_forms, solver
+from rolling.contact import _window_kernels, closed_forms, solver
 from rolling.contact.half_space import MOST_NODES, HalfSpace
 from rolling.contact.solver import Contact, ContactError, Previous, WarmStart
 from rolling.contact.state import ContactState, RollingContact, Window
@@ -98,15 +98,7 @@ def march(
 
 @dataclass(frozen=True)
 class _Problem:
-    """Contact to be solved at position k on a window.
-
-    Parameters
-    ----------
-    gap : (rows, columns) array on the window, m
-        Undeformed gap.
-    approach : float, m
-        Approach up to which the window holds the overlap.
-    """
+    """Contact to be solved at position k on a window that holds the overlap up to an approach."""
 
     contact: RollingContact
     k: int
@@ -130,10 +122,7 @@ class _Problem:
         )
 
     def wider(self, approach: float) -> _Problem | None:
-        """Return the problem on a window that holds the overlap at a larger approach.
-
-        Return None if this window holds it.
-        """
+        """Return the problem on a window for an approach [m]; None if this window holds it."""
         overlap = self.contact.overlap(self.k, approach) if approach > self.approach else None
         if overlap is None or self.window.covers(overlap):
             return None
@@ -146,8 +135,7 @@ def _solve(
 ) -> ContactState:
     """Solve the problem, again on a larger window where the overlap leaves the window.
 
-    The overlap at the solved approach counts. The share of the start that moved with the sphere
-    goes into the state.
+    `sphere_share` is the share of the start that moved with the sphere.
     """
     iterations, before = 0, problem.half_space.count
     while True:
@@ -170,9 +158,9 @@ def _state(
     edge = np.empty((0, 0)) if solved.edge is None else solved.edge
     fields = solved.pressure, solved.deflection, contact.hardness
     levelled = solver.levelled_range(problem.half_space, contact.hardness)
-    count, capped, maximum, work, *block = _state_kernels.measures(*fields, edge, levelled)
+    count, capped, maximum, work, *block = _window_kernels.measures(*fields, edge, levelled)
     if edge.size and maximum < contact.hardness:  # there is no patch that could end within a cell
-        count, capped, *_ = _state_kernels.measures(*fields, np.empty((0, 0)), levelled)
+        count, capped, *_ = _window_kernels.measures(*fields, np.empty((0, 0)), levelled)
     cell = contact.spacing**2
     loaded = Window(
         window.row + block[0],
@@ -203,10 +191,7 @@ def _state(
 
 
 def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactState:
-    """Solve from a Winkler foundation that fits Hertz.
-
-    The window grows until contact cannot leave it.
-    """
+    """Solve from a Winkler foundation that fits Hertz."""
     hertz = closed_forms.hertz_radius(contact.load, contact.radius, contact.contact_modulus)
     stiffness = 4 * contact.contact_modulus / (np.pi * hertz)
     reach = max(hertz, np.sqrt(contact.load / (np.pi * contact.hardness))) * 1.5
@@ -231,8 +216,6 @@ def _follow(
     before: ContactState | None,
 ) -> ContactState:
     """Solve the next position from pressures that stayed with the plate.
-
-    The window holds all nodes that were or can be loaded.
 
     On a smooth plate pressures move with the sphere instead. The start is then the mixture of both
     with minimum energy, as long as this pays. Both deflections are known, so finding the mixture
@@ -273,7 +256,7 @@ def _towards_the_sphere(
     ):
         return 0.0, start
     offset = state.window.row - window.row, state.window.column - window.column
-    slope, curvature = _march_kernels.towards_the_sphere(
+    slope, curvature = _window_kernels.towards_the_sphere(
         state.pressure, state.deflection, gap, *offset, nodes
     )
     share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0

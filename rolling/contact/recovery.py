@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling._typing import Array
-from rolling.contact import _state_kernels
+from rolling.contact import _window_kernels
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.state import ContactState, Window
 from rolling.contact.subcells import cell_means
@@ -24,19 +24,11 @@ from rolling.contact.subcells import cell_means
 
 @dataclass(frozen=True)
 class StepEnergy:
-    """Energies of the step between two states.
+    """Energies of the step between two states [J].
 
-    Parameters
-    ----------
-    release, loading : float, J
-        Sums of the energies that nodes released and took up.
-    defect : float, J
-        Loading minus release minus change of the stored energy, zero except for the error of the
-        step.
-    window : Window
-        Nodes of `node_work`.
-    node_work : (rows, columns) array, J
-        Energy that each node released (positive) or took up (negative).
+    The defect is loading minus release minus change of the stored energy, zero except for the error
+    of the step. `node_work` is the energy that each node of the window released (positive) or took
+    up (negative).
     """
 
     release: float
@@ -51,23 +43,9 @@ def step_energy(
 ) -> StepEnergy:
     """Compute release and loading between two successive positions.
 
-    Each node that is loaded at either position counts, so both deflections must be known on all
-    these nodes. The new window covers the nodes that were loaded; where the old window misses newly
-    loaded nodes, its deflection is computed there.
-
-    Parameters
-    ----------
-    old, new : ContactState
-        States at successive positions.
-    half_space : HalfSpace
-        Pressure to deflection.
-    left_end : bool
-        If true, the pressure is taken at the old position instead of the mean. Default: false.
-
-    Returns
-    -------
-    StepEnergy
-        Energies of the step.
+    Each node that is loaded at either position counts. The new window covers the nodes that were
+    loaded; where the old window misses newly loaded nodes, its deflection is computed there. With
+    `left_end` the pressure is taken at the old position instead of the mean.
     """
     window, p_old, u_old = new.window, old.pressure, old.deflection
     offset = old.window.row - window.row, old.window.column - window.column
@@ -76,7 +54,7 @@ def step_energy(
         u_old = half_space.deflection(p_old)
     work = np.empty((window.rows, window.columns))
     cell = half_space.spacing**2
-    release, loading = _state_kernels.node_work(
+    release, loading = _window_kernels.node_work(
         (p_old, u_old), offset, (new.pressure, new.deflection), left_end, cell, work
     )
     defect = loading - release - (new.stored_energy - old.stored_energy)
@@ -85,24 +63,10 @@ def step_energy(
 
 @dataclass
 class EventTable:
-    """Recovery events of a march.
+    """Recovery events of a march: each an unbroken fall of the deflection of one loaded node.
 
-    Each event is an unbroken fall of the deflection of one loaded node.
-
-    Parameters
-    ----------
-    shape : (int, int)
-        Nodes of the surface along and across.
-    count : int
-        Number of events, which is the number of filled rows in each column.
-    node : (n, 2) array
-        Node along and across.
-    first, last : (n,) arrays
-        Positions between which the deflection fell.
-    energy : (n,) array, J
-        Energy of the event.
-    peak : (n,) array, J per step
-        Maximum release in a step.
+    The columns, of which `count` rows are filled, are the node along and across, the positions
+    between which the deflection fell, the energy [J] and the maximum release [J] in a step.
     """
 
     shape: tuple[int, int]
@@ -129,7 +93,7 @@ class EventTable:
         origin = window.row, window.column
         while True:
             table = self.node, self.first, self.last, self.energy, self.peak
-            count = _state_kernels.extend_events(
+            count = _window_kernels.extend_events(
                 released, origin, step, self._open, table, self.count
             )
             if count >= 0:
@@ -149,69 +113,31 @@ class EventTable:
 
 
 def join_events(pieces: Iterable[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
-    """Join the tables of successive pieces of a track.
-
-    An event that the border between pieces cuts is made whole.
-
-    Parameters
-    ----------
-    pieces : iterable of dict
-        Tables as EventTable.columns returns them, in the order of the pieces.
-
-    Returns
-    -------
-    dict
-        Joined columns.
-    """
-    copies = [{name: column.copy() for name, column in piece.items()} for piece in pieces]
-    tables = [piece for piece in copies if piece["energy"].size]
+    """Join the columns of successive pieces of a track, and the events that their borders cut."""
+    tables = list(pieces)
     if not tables:
-        return copies[0] if copies else {}
-    kept = [np.ones(table["energy"].size, dtype=bool) for table in tables]
-    # This holds table and row of each event that reaches the last position of its piece, because a
-    # long event may run through whole pieces.
-    open_events: dict[tuple[int, ...], tuple[dict[str, NDArray[Any]], int]] = {}
-    for table, keep in zip(tables, kept, strict=True):
-        border = table["first"].min()
-        reaching = open_events
-        open_events = {}
-        end = table["last"].max()
-        for k in np.flatnonzero((table["first"] == border) | (table["last"] == end)):
-            owner, row = table, int(k)
-            node = tuple(table["node"][k])
-            before = reaching.get(node) if table["first"][k] == border else None
-            if before is not None and before[0]["last"][before[1]] == border:
-                owner, row = before
-                owner["last"][row] = table["last"][k]
-                owner["energy"][row] += table["energy"][k]
-                owner["peak"][row] = max(owner["peak"][row], table["peak"][k])
-                keep[k] = False
-            if table["last"][k] == end:
-                open_events[node] = (owner, row)
-    return {
-        name: np.concatenate([table[name][keep] for table, keep in zip(tables, kept, strict=True)])
-        for name in tables[0]
-    }
+        return {}
+    table = {name: np.concatenate([piece[name] for piece in tables]) for name in tables[0]}
+    node, first, last = table["node"], table["first"], table["last"]
+    if not first.size:
+        return table
+    order = np.lexsort((first, node[:, 1], node[:, 0]))
+    same = (node[order[1:]] == node[order[:-1]]).all(axis=1)
+    begins = np.append(True, ~(same & (first[order[1:]] == last[order[:-1]])))
+    starts = np.flatnonzero(begins)
+    for name, merge in (("last", np.maximum), ("energy", np.add), ("peak", np.maximum)):
+        table[name][order[starts]] = merge.reduceat(table[name][order], starts)
+    rows = np.sort(order[starts])
+    return {name: column[rows] for name, column in table.items()}
 
 
 @dataclass(frozen=True)
 class EventStatistics:
     """Statistics of the recovery events on a length of track.
 
-    Parameters
-    ----------
-    count : int
-        Number of events.
-    per_metre : float, 1/m
-        Events per length of track.
-    energy_mean, energy_median, energy_p90 : float, J
-        Energy of an event: mean, median and 90th percentile.
-    duration_mean : float
-        Steps that an event lasts.
-    peak : float, J
-        Maximum release of a node in a step.
-    top_tenth_share : float
-        Share of the release by the tenth of the events (rounded up) with the highest energies.
+    Energies are mean, median and 90th percentile of an event [J], the peak is the maximum release
+    of a node in a step [J], and `top_tenth_share` is the share of the release by the tenth of the
+    events (rounded up) with the highest energies. Events last `duration_mean` steps.
     """
 
     count: int
@@ -225,20 +151,7 @@ class EventStatistics:
 
 
 def event_statistics(events: Mapping[str, NDArray[Any]], length: float) -> EventStatistics | None:
-    """Summarize a table of recovery events; return None when there are no events.
-
-    Parameters
-    ----------
-    events : mapping of str to (n,) array
-        Columns first, last, energy [J] and peak [J per step] (see EventTable).
-    length : float, m
-        Length of the track on which they were released.
-
-    Returns
-    -------
-    EventStatistics or None
-        Statistics, or None without events.
-    """
+    """Summarize the columns of recovery events on a length of track [m]; None without events."""
     energy = events["energy"]
     count = len(energy)
     if count == 0:

@@ -19,7 +19,7 @@ from math import inf, isfinite
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact import _condition_kernels, _march_kernels
+from rolling.contact import _condition_kernels, _window_kernels
 from rolling.contact._descent import AIM, AIM_FIRST, BlendedEdges, Candidates, Descent, Effort, Goal
 from rolling.contact._system import Limits, Sets
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
@@ -357,7 +357,7 @@ def _continued(contact: Contact) -> WarmStart:
 def _extrapolated(deflection: Array, previous: Previous) -> Array:
     """Return a deflection [m] that changes once more as it did since the previous position."""
     expected = np.empty_like(deflection)
-    _march_kernels.extrapolate(
+    _window_kernels.extrapolate(
         deflection, previous.deflection, previous.row, previous.column, expected
     )
     return expected

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rolling._typing import Array
-from rolling.contact import _march_kernels
+from rolling.contact import _window_kernels
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Window:
     def moved(self, values: Array, target: Window) -> Array:
         """Copy values (rows, columns) into the target window, with zeros off this window."""
         out = np.empty((target.rows, target.columns))
-        _march_kernels.copy_block(values, out, self.row - target.row, self.column - target.column)
+        _window_kernels.copy_block(values, out, self.row - target.row, self.column - target.column)
         return out
 
 
@@ -96,8 +96,8 @@ def maxima_of(heights: Array, rising: bool) -> Maxima:
         tops = heights
         if rising and heights.any():
             tops = np.empty_like(heights)
-            _march_kernels.cell_tops(heights, tops)
-        first = np.arange(0, tops.shape[1], _march_kernels.STRETCH)
+            _window_kernels.cell_tops(heights, tops)
+        first = np.arange(0, tops.shape[1], _window_kernels.STRETCH)
         stretches = np.maximum.reduceat(tops, first, axis=1)
         rows = stretches.max(axis=1)
         _last[:] = [(heights, rising, Maxima(tops, stretches, rows, float(rows.max())))]
@@ -208,7 +208,7 @@ class RollingContact:
         Contact at this approach or a smaller approach lies inside. With blended edges the gap is
         that of the top of each cell, and a border of one node allows for the slope of the sphere.
         """
-        row, last_row, column, last_column = _march_kernels.overlap_block(
+        row, last_row, column, last_column = _window_kernels.overlap_block(
             *self.maxima,
             self.spacing,
             self.radius,
@@ -233,7 +233,7 @@ class RollingContact:
 
     def _gap(self, k: int, window: Window, heights: Array) -> Array:
         out = np.empty((window.rows, window.columns))
-        _march_kernels.undeformed_gap(
+        _window_kernels.undeformed_gap(
             heights,
             self.spacing,
             self.radius,

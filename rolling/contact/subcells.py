@@ -37,19 +37,9 @@ def interpolation(subcells: int) -> Array:
 
 
 def mean_coefficients(rows: Array, columns: Array, subcells: int) -> Array:
-    """Compute the mean deflection of a cell by unit pressure on another cell.
+    """Compute coefficients of the mean deflection of a cell by pressure on another cell.
 
-    Parameters
-    ----------
-    rows, columns : (m,) and (n,) arrays
-        Distances of the cells, whole numbers of cells.
-    subcells : int
-        Sub-cells along the side of a cell.
-
-    Returns
-    -------
-    (m, n) array
-        Coefficients for the spacing of sub-cells.
+    Distances along and across are whole numbers of cells; the spacing is that of sub-cells.
     """
     shifts = range(1 - subcells, subcells)
     total = np.zeros((len(rows), len(columns)))
@@ -62,10 +52,7 @@ def mean_coefficients(rows: Array, columns: Array, subcells: int) -> Array:
 
 @lru_cache(maxsize=4)
 def own_block(subcells: int) -> Array:
-    """Return the corrections (r r, r r) of the coefficients among the sub-cells of a cell.
-
-    A correction is the exact coefficient less the coefficient by way of the cells.
-    """
+    """Return corrections (r r, r r) of coefficients: exact less those by way of the cells."""
     r = subcells
     weights = interpolation(r)
     both = np.einsum("ak,bl->abkl", weights, weights).reshape(r * r, 9)
@@ -85,18 +72,9 @@ def own_block(subcells: int) -> Array:
 
 
 class SubcellSpace(HalfSpace):
-    """A half-space under pressures on sub-cells, with transforms of whole cells.
+    """Half-space under pressures on sub-cells, with transforms of whole cells.
 
-    Windows begin and end with whole cells.
-
-    Parameters
-    ----------
-    spacing : float, m
-        Side of a sub-cell.
-    contact_modulus : float, Pa
-        Contact modulus E* of both bodies.
-    subcells : int
-        Sub-cells along the side of a cell.
+    The spacing is that of sub-cells [m]; windows begin and end with whole cells.
     """
 
     def __init__(self, spacing: float, contact_modulus: float, subcells: int) -> None:
@@ -112,17 +90,7 @@ class SubcellSpace(HalfSpace):
 
 
 class SubcellConvolution(Convolution):
-    """The transforms of one padded size of cells, behind blocks of sub-cells.
-
-    Parameters
-    ----------
-    m, n : int
-        Padded numbers of cells along and across.
-    single : bool
-        If true, transforms are in single precision.
-    subcells : int
-        Sub-cells along the side of a cell.
-    """
+    """Transforms of one padded size of cells, behind blocks of sub-cells."""
 
     def __init__(self, m: int, n: int, single: bool, subcells: int) -> None:
         coefficients = partial(mean_coefficients, subcells=subcells)
@@ -177,10 +145,9 @@ class SubcellConvolution(Convolution):
     def cells_of(
         self, node: NDArray[np.int64], columns: int, block: tuple[int, int, int, int]
     ) -> NDArray[np.int64]:
-        """List the cells that hold nodes of a window, for `apply` on a block of it.
+        """List the cells that hold nodes of a window of so many columns, for `apply` on a block.
 
-        The window has `columns` columns; the block has its first row and column there, and its
-        numbers of rows and columns.
+        The block is its first row and column on the window, and its numbers of rows and columns.
         """
         cells, r = np.empty(node.size, np.int64), self._subcells
         across = block[3] // r
@@ -191,10 +158,7 @@ class SubcellConvolution(Convolution):
 
 
 def half_space_of(spacing: float, contact_modulus: float, subcells: int = 1) -> HalfSpace:
-    """Return the half-space for nodes of this spacing [m].
-
-    Nodes are sub-cells where a cell has several along its side.
-    """
+    """Return the half-space for nodes of this spacing [m], so many along the side of a cell."""
     if subcells == 1:
         return HalfSpace(spacing, contact_modulus)
     return SubcellSpace(spacing, contact_modulus, subcells)

@@ -20,9 +20,6 @@ from rolling.scene.sections import Rolling, Sound
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.yaml_text import TextError
 
-_LONG_TEXT = 100_000  # letters; the resolved form of a shorter text keeps the limits
-
-
 # ---- reading, writing, overriding
 
 
@@ -74,19 +71,13 @@ def loads(
     except TextError as error:
         raise SceneError([str(error)]) from error
     if data is None:
-        needed = ", ".join(["name", *messages.required(Scene)])
-        raise SceneError([f"{where}: empty, a scene needs at least {needed}"])
+        needed = ", ".join(name for name, key in Scene.model_fields.items() if key.is_required())
+        raise SceneError([f"{where}: empty, a scene needs at least name, {needed}"])
     if not isinstance(data, dict):
         words = "a scene of keys and values, the first being name"
         raise SceneError([f"{where}:1: got {shown(data)}, allowed: {words}"])
     places = {key: f"{where}:{line}" for key, line in lines.items()}
-    scene = Scene.from_dict(data, folder, places, _override(data, places, overrides))
-    if len(text) > _LONG_TEXT or any(len(override) > _LONG_TEXT for override in overrides):
-        try:  # the resolved form, which is longer, will be read again
-            yaml_text.parse(dump(scene), where)
-        except TextError as error:
-            raise SceneError([f"{where}: with every default filled in: {_bare(error)}"]) from error
-    return scene
+    return Scene.from_dict(data, folder, places, _override(data, places, overrides))
 
 
 def _bare(error: TextError) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import re
 from contextlib import suppress
 from pathlib import Path
@@ -35,57 +36,38 @@ def find(path: Path) -> Path:
     return path if file is None or path.is_file() else file
 
 
-def title(file: Path) -> str:
-    """Return the title of a scene: the first sentence of the comment that it begins with."""
-    comment = []
-    for line in file.read_text(encoding="utf-8").splitlines():
-        if not line.startswith("#"):
-            break
-        if not line.startswith("# yaml-language-server:"):
-            comment.append(line.strip("# "))
-    return re.split(r"(?<=[.?!])\s", " ".join(comment), maxsplit=1)[0]
+def titles(inner: bool = False) -> dict[str, str]:
+    """Return the titles of scenes by name; `inner` includes the scenes in folders, of studies.
 
-
-def titles(inner: bool = False) -> list[tuple[str, str]]:
-    """Return the name and title of each scene.
-
-    Parameters
-    ----------
-    inner : bool. If true, include the scenes in folders, which belong to studies. Default: False.
+    The title is the first sentence of the comment that the file begins with.
     """
-    return [(name, title(file)) for name, file in scenes().items() if inner or "/" not in name]
+    titles = {}
+    for name, file in scenes().items():
+        lines = file.read_text(encoding="utf-8").splitlines()
+        comment = itertools.takewhile(lambda line: line.startswith("#"), lines)
+        text = " ".join(line.strip("# ") for line in comment if "$schema=" not in line)
+        if inner or "/" not in name:
+            titles[name] = re.split(r"(?<=[.?!])\s", text, maxsplit=1)[0]
+    return titles
 
 
 def copy(name: str, target: Path) -> list[Path]:
     """Copy a scene of the library into a folder, with the schema that its first line names.
 
-    Parameters
-    ----------
-    name : str. Name of the scene, with or without `.yaml`.
-    target : Path. The folder.
-
-    Returns
-    -------
-    The files that were written, the scene first. A schema that exists already stays as it is.
-
-    Raises
-    ------
-    LibraryError : there is no such scene, or the file exists.
+    Return the files that were written, the scene first; a schema that exists stays as it is. Raise
+    LibraryError where there is no such scene, or the file exists.
     """
-    known = scenes()
-    file = known.get(name.removesuffix(_SUFFIX))
+    file = scenes().get(name.removesuffix(_SUFFIX))
     if file is None:
         raise LibraryError(
             f"{name}: no such scene in the library{_nearest(name)}; `rolling scenes` lists them"
         )
-    content = file.read_bytes()
-    written = [target / file.name]
+    content, written = file.read_bytes(), [target / file.name]
     try:
         _write_new(written[0], content)
     except FileExistsError as error:
-        raise LibraryError(
-            f"{written[0]}: exists, and nothing is replaced; rename it or change to another folder"
-        ) from error
+        advice = "nothing is replaced; rename it or change to another folder"
+        raise LibraryError(f"{written[0]}: exists, and {advice}") from error
     if f"$schema={_SCHEMA}".encode() in content:
         with suppress(FileExistsError):
             _write_new(target / _SCHEMA, (folder() / _SCHEMA).read_bytes())
@@ -108,12 +90,7 @@ def _nearest(name: str) -> str:
 
 
 def _write_new(path: Path, content: bytes) -> None:
-    """Write a file that does not exist; a write that fails leaves nothing.
-
-    Raises
-    ------
-    FileExistsError : the file exists.
-    """
+    """Write a file that does not exist, or raise FileExistsError; a failed write leaves nothing."""
     with path.open("xb") as file:
         try:
             file.write(content)

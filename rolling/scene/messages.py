@@ -9,11 +9,11 @@ from __future__ import annotations
 import difflib
 import json
 import math
+import re
 import types
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -23,13 +23,16 @@ from pydantic_core import PydanticCustomError
 Key = tuple[str | int, ...]
 
 _LONGEST = 60  # letters of a value in a message
-
-
-@dataclass(frozen=True)
-class Words:
-    """Allowed values in words, for a field whose type does not tell them."""
-
-    allowed: str
+# Allowed values by the types of faults for which pydantic has words of Python.
+_WORDS = {
+    "bool_type": "true or false",
+    "dict_type": "a section of keys",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "model_type": "a section of keys",
+    "model_attributes_type": "a section of keys",
+    "string_type": "text",
+}
 
 
 class SceneError(Exception):
@@ -60,44 +63,35 @@ def fault(message: str, *at: str | int) -> PydanticCustomError:
 
 def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
     """Return key and message of a pydantic fault of plain values."""
-    key, kind = error["loc"], error["type"]
+    key, kind, value = error["loc"], error["type"], error["input"]
+    context, words = error.get("ctx", {}), re.sub(r"^\w+ should (be )?|'", "", error["msg"])
     if kind == "fault":
-        return error["ctx"]["at"] or key, error["ctx"]["message"]
+        return context["at"] or key, context["message"]
     section = root.model_fields.get(str(key[0]))
     by = section.discriminator if section else None
     if by and len(key) > 1:  # pydantic names the kind of a section in between
         key = (key[0], *key[2:])
-    if kind == "extra_forbidden":
-        return key, _unknown_key(key, data, root)
-    if kind.startswith("union_tag") and section:
+    choices = re.findall(r"'([^']*)'", context.get("expected", ""))
+    if section and kind.startswith("union_tag"):
         key = (*key, str(by))
-        fields = [model.model_fields[str(by)] for model in _models(section)]
-        choices = [choice for field in fields for choice in _choices(field)]
-        words = _either(choices)
-    else:
-        field = _field(root, key, data)
-        choices, words = _choices(field), allowed(field)
-    value = _value(data, key)
-    if kind in ("missing", "union_tag_not_found") and value is None:
-        return key, f"missing, allowed: {words}"
-    like = nearest(value, choices) if isinstance(value, str) else ""
-    return key, f"got {shown(value)}, allowed: {words}{like}"
-
-
-def _unknown_key(key: Key, data: Mapping[str, Any], root: type[BaseModel]) -> str:
-    """Write that a key is unknown, with the nearest and all known names in its place."""
-    model: type[BaseModel] | None = root
-    of = ""
-    if len(key) > 1:
-        field = root.model_fields[str(key[0])]
-        model = _model(field, data.get(str(key[0])))
-        if field.discriminator:
-            of = f" of kind {_value(data, (key[0], str(field.discriminator)))}"
+        value = _value(data, key)
+        choices = [_default(model, str(by)) for model in _models(section)]
+        words = ", ".join(choices)
+        if value is None:
+            return key, f"missing, allowed: {words}"
+    model = root if len(key) == 1 or not section else _model(section, data.get(str(key[0])))
     siblings = list(model.model_fields) if model else []
-    # A key of another kind of the section is no slip.
-    elsewhere = [] if dotted(key) in keys(root) else [*root.model_fields, *keys(root)]
-    like = nearest(str(key[-1]), siblings, elsewhere)
-    return f"unknown key{of}{like}, allowed: {', '.join(siblings)}"
+    if kind == "missing":
+        text = model.descriptions().get(str(key[-1]), "") if model else ""  # type: ignore[attr-defined]
+        return key, f"missing{f'; {text}' * bool(text)}"
+    if kind == "extra_forbidden":
+        # A key of another kind of the section is no slip.
+        elsewhere = [] if dotted(key) in keys(root) else [*root.model_fields, *keys(root)]
+        of = f" of kind {_value(data, (key[0], str(by)))}" if by else ""
+        like = nearest(str(key[-1]), siblings, elsewhere)
+        return key, f"unknown key{of}{like}, allowed: {', '.join(siblings)}"
+    like = nearest(value, choices) if isinstance(value, str) else ""
+    return key, f"got {shown(value)}, allowed: {_WORDS.get(kind, words)}{like}"
 
 
 def unknown_name(name: str, root: type[BaseModel]) -> str:
@@ -212,50 +206,16 @@ def all_keys(root: type[BaseModel]) -> list[str]:
     return [*root.model_fields, *keys(root), *swept]
 
 
-def required(model: type[BaseModel]) -> list[str]:
-    """List the keys that must be given."""
-    return [name for name, field in model.model_fields.items() if field.is_required()]
-
-
-def allowed(field: FieldInfo) -> str:
-    """Write the allowed values of a field in words."""
-    for words in field.metadata:
-        if isinstance(words, Words):
-            return words.allowed
-    if choices := _choices(field):
-        return _either(choices)
-    if field.discriminator:
-        return f"a section of keys ({field.discriminator}, ...)"
-    for model in _models(field):
-        return f"a section of keys ({', '.join(required(model) or model.model_fields)})"
-    kind = _kinds(field.annotation)[0]
-    if kind not in (int, float):
-        return "true or false" if kind is bool else "text"
-    bounds = [
-        f"{sign} {getattr(limit, name):g}"
-        for name, sign in (("gt", ">"), ("ge", ">="), ("lt", "<"), ("le", "<="))
-        for limit in field.metadata
-        if hasattr(limit, name)
-    ]
-    return f"{'a whole number' if kind is int else 'a number'} {' and '.join(bounds)}".strip()
-
-
-def _field(root: type[BaseModel], key: Key, data: Mapping[str, Any]) -> FieldInfo:
-    """Return the field of a key, or the innermost field around it."""
-    field = root.model_fields[str(key[0])]
-    model = _model(field, data.get(str(key[0])))
-    return model.model_fields.get(str(key[1]), field) if model and len(key) > 1 else field
-
-
 def _model(field: FieldInfo, section: Any) -> type[BaseModel] | None:
     """Return the model of a section, by default that of its first kind; None for a plain value."""
-    models = list(_models(field))
-    if isinstance(field.discriminator, str) and isinstance(section, Mapping):
-        kind = section.get(field.discriminator)
-        for model in models:
-            if kind in _choices(model.model_fields[field.discriminator]):
-                return model
-    return models[0] if models else None
+    models, by = list(_models(field)), str(field.discriminator)
+    kind = section.get(by) if isinstance(section, Mapping) else None
+    own = (model for model in models if field.discriminator and _default(model, by) == kind)
+    return next(own, models[0] if models else None)
+
+
+def _default(model: type[BaseModel], key: str) -> Any:
+    return model.model_fields[key].default
 
 
 def _models(field: FieldInfo) -> Iterator[type[BaseModel]]:
@@ -273,18 +233,6 @@ def _kinds(annotation: Any) -> tuple[Any, ...]:
         parts = [part for part in get_args(annotation) if part is not type(None)]
         return tuple(kind for part in parts for kind in _kinds(part))
     return (annotation,)
-
-
-def _choices(field: FieldInfo) -> list[str]:
-    """List the names that a field chooses from."""
-    literals = (kind for kind in _kinds(field.annotation) if get_origin(kind) is Literal)
-    return [choice for literal in literals for choice in get_args(literal)]
-
-
-def _either(choices: Sequence[Any]) -> str:
-    """Join names as in "a, b or c"."""
-    names = [str(choice) for choice in choices]
-    return " or ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
 
 
 def _value(data: Any, key: Key) -> Any:

@@ -7,6 +7,7 @@ reads and writes. It is frozen, and `with_` gives a changed copy.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -26,7 +27,7 @@ from pydantic_core import PydanticCustomError
 
 from rolling.scene import messages
 from rolling.scene import sweep as sweeps
-from rolling.scene.messages import Key, SceneError, Words, fault
+from rolling.scene.messages import Key, SceneError, fault
 from rolling.scene.motion import Motion
 from rolling.scene.sections import (
     MAX_FAULTS,
@@ -55,11 +56,19 @@ STEEL_DENSITY = 7850.0  # [kg/m3]
 TOLERANCE, LEAST_TOLERANCE = 1e-4, 1e-6
 SMOOTH = 0.1  # rms roughness over Hertz deflection, below which the tolerance falls
 FILE_TOLERANCE = 2e-5  # for a height file, whose roughness the scene does not know
+PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 DEFAULT_NAME = "scene"  # name of a scene that is built in Python
-NAME = Words(
+NAME = (
     "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in"
     " quotes)"
 )
+
+
+def _name(value: Any) -> Any:
+    """Refuse a name that some file system may not take."""
+    if isinstance(value, str) and re.match(PATTERN, value):
+        return value
+    raise fault(f"got {messages.shown(value)}, allowed: {NAME}")
 
 
 class SweepRun(NamedTuple):
@@ -115,9 +124,7 @@ class Scene(Section):
 
     IN_FILES: ClassVar[str] = "name"
 
-    name: Annotated[str, NAME] = Field(
-        default=DEFAULT_NAME, pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
-    )
+    name: Annotated[str, BeforeValidator(_name)] = Field(default=DEFAULT_NAME, pattern=PATTERN)
     title: str | None = None
     description: str | None = None
     sphere: Sphere
@@ -146,7 +153,7 @@ class Scene(Section):
     def _has_duration(cls, rolling: Rolling, info: ValidationInfo) -> Rolling:
         lengths = rolling.duration_s, rolling.distance_mm
         if lengths == (None, None) and isinstance(info.data.get("surface"), MadeSurface):
-            words = "missing, allowed: a number > 0, or a rolling.distance_mm"
+            words = "missing; give it or a rolling.distance_mm"
             raise fault(words, "rolling", "duration_s")
         return rolling
 
@@ -169,7 +176,7 @@ class Scene(Section):
             return None
         for name, body in bodies.items():
             if body is not None and body.density_kg_m3 is None:
-                words = f"missing, dynamics needs the mass of the {name}; allowed: a number > 0"
+                words = f"missing; dynamics needs the mass of the {name}"
                 raise fault(words, name, "density_kg_m3")
         return dynamics
 
@@ -231,7 +238,7 @@ class Scene(Section):
         SceneError
             The data has faults. The known faults come first.
         """
-        data = sweeps.with_first_sections(plain(data))
+        data = plain(data)
         scene, new_faults = None, list[sweeps.Fault]()
         try:
             scene = cls.model_validate(data)
@@ -240,7 +247,7 @@ class Scene(Section):
                 messages.explained(each, data, cls) for each in sweeps.first_errors(error)
             ]
         if "name" not in data:
-            new_faults.insert(0, (("name",), f"missing, allowed: {NAME.allowed}"))
+            new_faults.insert(0, (("name",), f"missing; {NAME}"))
         if not any(key[:1] == ("sweep",) for key, _ in new_faults):
             new_faults += sweeps.faults_of_runs(data, new_faults, cls)
         lines = [

@@ -30,7 +30,6 @@ from pydantic import (
 
 from rolling.scene.messages import (
     SceneError,
-    Words,
     cut,
     dotted,
     explained,
@@ -85,9 +84,8 @@ class _SceneErrors(ModelMetaclass):
 
     def __call__(cls, *positional: Any, **values: Any) -> Any:
         if positional:
-            raise TypeError(
-                f"{cls.__name__} takes keys by name only, as in {cls.__name__}(key=value)"
-            )
+            name = cls.__name__
+            raise TypeError(f"{name} takes keys by name only, as in {name}(key=value)")
         return cls.from_values(plain(values))  # type: ignore[attr-defined]
 
 
@@ -95,7 +93,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
     """Section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-    SECTION: ClassVar[str] = ""  # its name in a scene
+    SECTION: ClassVar[str] = ""  # its name in a scene; by default that of the class
     IN_FILES: ClassVar[str] = ""  # key that scene files must give, and that has a default in Python
 
     @classmethod
@@ -124,10 +122,10 @@ class Section(BaseModel, metaclass=_SceneErrors):
         try:
             return cls.model_validate(values)
         except ValidationError as error:
-            faults = []
+            section, faults = cls.SECTION or cls.__name__.lower(), []
             for listed in error.errors(include_url=False)[:MAX_FAULTS]:
                 key, message = explained(listed, values, cls)
-                key = key if key[:1] == (cls.SECTION,) else (cls.SECTION, *key)
+                key = key if key[:1] == (section,) else (section, *key)
                 faults.append(f"scene: {cut(dotted(key))}: {message}")
             raise SceneError(faults) from error
 
@@ -137,10 +135,8 @@ class Section(BaseModel, metaclass=_SceneErrors):
         """Refuse sizes whose powers and quotients overflow or underflow."""
         for number in np.ravel(value) if isinstance(value, float | tuple) else ():
             if number and not _SMALLEST <= abs(number) <= 1 / _SMALLEST:
-                raise fault(
-                    f"got {shown(float(number))}, allowed: a size from {_SMALLEST:g} to"
-                    f" {1 / _SMALLEST:g}"
-                )
+                sizes = f"a size from {_SMALLEST:g} to {1 / _SMALLEST:g}"
+                raise fault(f"got {shown(float(number))}, allowed: {sizes}")
         return value
 
 
@@ -162,8 +158,6 @@ class Sphere(Section):
     poissons_ratio : float, optional
         Poisson's ratio [-]; absent: a rigid sphere
     """
-
-    SECTION: ClassVar[str] = "sphere"
 
     radius_mm: float = Field(gt=0)
     density_kg_m3: float | None = Field(default=None, gt=0)
@@ -202,8 +196,6 @@ class Plate(Section):
         power there
     """
 
-    SECTION: ClassVar[str] = "plate"
-
     youngs_modulus_gpa: float = Field(gt=0)
     poissons_ratio: float = Field(ge=0, le=0.5)
     hardness_gpa: float | None = Field(default=None, gt=0)
@@ -222,7 +214,7 @@ class Plate(Section):
 # ---- rolling
 
 
-SPEED = Words("a number > 0, or at least two [time_s, speed_m_s] pairs")
+SPEED = "a number > 0, or at least two [time_s, speed_m_s] pairs"
 
 
 def _speed(value: Any) -> Any:
@@ -231,7 +223,7 @@ def _speed(value: Any) -> Any:
     if is_number(value) and value > 0:
         return float(value)
     if not isinstance(value, list | tuple) or len(value) < 2:
-        raise fault(f"got {shown(value)}, allowed: {SPEED.allowed}", *at)
+        raise fault(f"got {shown(value)}, allowed: {SPEED}", *at)
     for i, pair in enumerate(value):
         if not isinstance(pair, list | tuple) or len(pair) != 2 or not all(map(is_number, pair)):
             raise fault(f"got {shown(pair)}, allowed: [time_s, speed_m_s], two numbers", *at, i)
@@ -256,7 +248,7 @@ _SPEEDS = [
 ]
 Speed = Annotated[
     float | tuple[tuple[float, float], ...],
-    *(SPEED, BeforeValidator(_speed), WithJsonSchema({"anyOf": _SPEEDS})),
+    *(BeforeValidator(_speed), WithJsonSchema({"anyOf": _SPEEDS})),
 ]
 
 
@@ -278,8 +270,6 @@ class Rolling(Section):
         Start position along the track [um]
     """
 
-    SECTION: ClassVar[str] = "rolling"
-
     load_n: float = Field(gt=0)
     speed_m_s: Speed
     duration_s: float | None = Field(default=None, gt=0)
@@ -298,7 +288,7 @@ class Rolling(Section):
 
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 TOLERANCES = 1e-12, 1e-1  # allowed numbers
-TOLERANCE = Words(f"auto, or a number >= {TOLERANCES[0]:g} and <= {TOLERANCES[1]:g}")
+TOLERANCE = f"auto, or a number >= {TOLERANCES[0]:g} and <= {TOLERANCES[1]:g}"
 
 
 def _step_nodes(value: float) -> float:
@@ -317,7 +307,7 @@ def _tolerance(value: Any) -> Any:
         return value
     if is_number(value) and TOLERANCES[0] <= value <= TOLERANCES[1]:
         return float(value)
-    raise fault(f"got {shown(value)}, allowed: {TOLERANCE.allowed}")
+    raise fault(f"got {shown(value)}, allowed: {TOLERANCE}")
 
 
 _TOLERANCES = [
@@ -326,7 +316,7 @@ _TOLERANCES = [
 ]
 Tolerance = Annotated[
     float | Literal["auto"],
-    *(TOLERANCE, BeforeValidator(_tolerance), WithJsonSchema({"anyOf": _TOLERANCES})),
+    *(BeforeValidator(_tolerance), WithJsonSchema({"anyOf": _TOLERANCES})),
 ]
 
 
@@ -354,8 +344,6 @@ class Numerics(Section):
         for about a quarter more time
     """
 
-    SECTION: ClassVar[str] = "numerics"
-
     step_nodes: Annotated[float, AfterValidator(_step_nodes)] = Field(default=1.0, gt=0)
     tolerance: Tolerance = "auto"
     edges: Literal["sharp", "blended"] = "blended"
@@ -378,19 +366,14 @@ class Recovery(Section):
         Pressure of a falling node: mean of both ends of the step, or left_end, the article's
     """
 
-    SECTION: ClassVar[str] = "recovery"
-
     events: bool = False
     rule: Literal["mean", "left_end"] = "mean"
-
-
-LOADS = Words("an odd whole number from 3 to 15")
 
 
 def _odd(value: int) -> int:
     """Refuse an even number of loads."""
     if value % 2 == 0:
-        raise fault(f"got {value}, allowed: {LOADS.allowed}")
+        raise fault(f"got {value}, allowed: an odd whole number from 3 to 15")
     return value
 
 
@@ -408,9 +391,7 @@ class Dynamics(Section):
         otherwise under the constant load; absent: true for sound.source: release
     """
 
-    SECTION: ClassVar[str] = "dynamics"
-
-    loads: Annotated[int, LOADS, AfterValidator(_odd)] = Field(default=3, ge=3, le=15)
+    loads: Annotated[int, AfterValidator(_odd)] = Field(default=3, ge=3, le=15)
     span: float = Field(default=1.4, ge=1.05, le=4)
     release: bool | None = None
 
@@ -436,8 +417,6 @@ class Sound(Section):
         Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package mosqito
     """
 
-    SECTION: ClassVar[str] = "sound"
-
     source: Literal["release", "vibration"] | None = None
     ball: bool = True
     distance_m: float = Field(default=1.0, gt=0)
@@ -453,12 +432,9 @@ class Sound(Section):
 
 def refuse_free_factors(sound: Sound) -> None:
     """Refuse the free factors of the release for a vibration, whose pressure has none."""
-    given = {
-        "q": None if sound.q == 1 else sound.q,
-        "gain_pa_per_w_m2": sound.gain_pa_per_w_m2,
-    }
-    for key, value in given.items():
-        if sound.source == "vibration" and value is not None:
+    for key, default in (("q", 1), ("gain_pa_per_w_m2", None)):
+        value = getattr(sound, key)
+        if sound.source == "vibration" and value != default:
             rule = "the pressure of the vibration has no free factor"
             words = f"got {plain_number(value)}, which only goes with source: release; {rule}"
             raise fault(words, "sound", key)

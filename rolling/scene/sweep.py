@@ -155,17 +155,6 @@ def with_values(data: Mapping[str, Any], forms: Mapping[str, Any]) -> dict[str, 
     return result
 
 
-def with_first_sections(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the plain values of a scene with the first of swept sections that it lacks."""
-    sweep = data.get("sweep")
-    first = {
-        name: next(iter(listed.values()))
-        for name, listed in (sweep.items() if isinstance(sweep, dict) else ())
-        if "." not in str(name) and isinstance(listed, dict) and listed
-    }
-    return {**first, **data}
-
-
 def with_paths(data: Mapping[str, Any], moved: Callable[[str], str]) -> dict[str, Any]:
     """Return the plain values of a scene with other paths of height files, swept ones as well.
 

@@ -171,8 +171,8 @@ def height_nodes(path: Path, name: str, width_nodes: int | None) -> tuple[int, i
         words = f"only goes with a profile of one line, but {name} has {columns} lines side by side"
         if columns == 1:
             words = (
-                f"missing, allowed: a number > 0, because {name} is a profile of one line, which is"
-                " laid across the track over that width"
+                f"missing; {name} is a profile of one line, which is laid across the track over"
+                " that width"
             )
         raise fault(words, "surface", "width_um")
     nodes = rows, columns if width_nodes is None else width_nodes

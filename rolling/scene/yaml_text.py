@@ -24,8 +24,7 @@ from rolling.scene.messages import Key, cut, dotted, first_line, shown
 MAX_BYTES = 1_000_000  # maximum size of a file
 MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded
 MAX_ALIASES = 100  # maximum number of aliases; each may merge a whole section into another
-MAX_NESTING = 4  # maximum depth of values in a scene
-MAX_SWEEP_NESTING = 7  # such as a speed profile, in a section with a label, under sweep.zip
+MAX_NESTING = 7  # maximum depth of values, such as a speed profile in a swept section
 _MAX_DEPTH = 20  # maximum depth of a text; deeper values are reported without their key
 _MAX_BITS = 1000  # maximum length of a whole number; Python refuses to write much longer numbers
 _LONG_NUMBER = re.compile(r"[0-9_]{4301,}")  # Python reads no longer numbers
@@ -152,7 +151,7 @@ def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
         return f"{where}:{lines[key]}: {cut(dotted(key))}"
 
     def plain(value: Any, key: Key) -> Any:
-        if len(key) > (MAX_SWEEP_NESTING if key[:1] == ("sweep",) else MAX_NESTING):
+        if len(key) > MAX_NESTING:
             raise TextError(f"{at(key)}: nested too deeply")
         if len(lines) > MAX_VALUES:
             raise TextError(f"{where}:{lines[key]}: more than {MAX_VALUES:,} keys and values")

@@ -13,14 +13,16 @@ import json
 import os
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 
 from rolling.contact.half_space import HalfSpace
+from rolling.marches.piece import Piece, contact_identity, march_piece, track_pieces
 from rolling.scene import file
 from rolling.scene.scene import Scene
-from rolling.simulation.simulate import Piece, march_pieces, pieces
 from rolling.surface.scene_surface import heights
 
 QUICKSTART = Path(__file__).parent.parent.parent / "scenarios" / "quickstart.yaml"
@@ -46,18 +48,22 @@ def peak_memory(afresh: bool = False) -> int:
     return 1024 * int(status[status.index("VmHWM:") + 1])
 
 
+Arrays = dict[str, np.ndarray]
+
+
 def simulated(
     scene: Scene, todo: list[tuple[int, int]], workers: int
-) -> tuple[np.ndarray, list[Piece]]:
-    """Return wall and CPU seconds, workers included, and the pieces."""
-    kept: list[Piece] = []
+) -> tuple[np.ndarray, list[Arrays]]:
+    """Return wall and CPU seconds, workers included, and the arrays of the pieces."""
+    identity = contact_identity(scene)
+    pieces = [Piece(scene, identity, "track", *ends, cost=1.0) for ends in todo]
     began = clocks()
-    outcome = march_pieces(
-        [scene], [(0, *piece) for piece in todo], workers, lambda _, piece: kept.append(piece)
-    )
-    if outcome.failures or outcome.interrupted:
-        raise SystemExit(f"the run was not finished: {outcome}")
-    return clocks() - began, kept
+    if workers == 1:
+        arrays = [march_piece(piece) for piece in pieces]
+        return clocks() - began, arrays
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        arrays = list(pool.map(march_piece, pieces))
+    return clocks() - began, arrays
 
 
 def clocks() -> np.ndarray:
@@ -76,13 +82,13 @@ def run(steps: int, workers: int) -> dict[str, float]:
     simulated(scene, [(0, 1)], 1)
     start_up, _ = simulated(scene, [(0, 1)] * workers, workers)
     resident = peak_memory(afresh=True)
-    seconds, kept = simulated(scene, pieces(steps), workers)
+    seconds, marched = simulated(scene, track_pieces(steps), workers)
     means = {
-        name: np.concatenate([p.states[name] for p in kept]).mean()
+        name: np.concatenate([arrays[name] for arrays in marched]).mean()
         for name in ("iterations", "convolutions")
     }
     return {
-        "steps": sum(piece.last - piece.first for piece in kept),
+        "steps": sum(len(arrays["release_energy"]) for arrays in marched),
         "workers": workers,
         "seconds": seconds[0],
         "cpu_s": seconds[1],

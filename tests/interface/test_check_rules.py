@@ -16,11 +16,11 @@ from rolling._typing import Array
 from rolling.check import cost, findings, resolution, vibration
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
+from rolling.contact.of_scene import rolling_contact
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
-from rolling.contact.of_scene import rolling_contact
 
 TEXT = """\
 name: coarse

@@ -1,4 +1,4 @@
-"""The sentences of what to hear follow from the records, and stay within their uncertainty."""
+"""The sentences on the sound follow from the records, and stay within their uncertainty."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from report_runs import run_results
+from report_runs import runs_of
 
 from rolling.report import hearing, text
-from rolling.simulation.run_result import RunResult
+from rolling.results.run_result import Run
 
 
-def with_record(run: RunResult, pressure: np.ndarray, laeq_db: float) -> RunResult:
+def with_record(run: Run, pressure: np.ndarray, laeq_db: float) -> Run:
     sound = replace(run.sound, pressure=pressure)
     return replace(run, sound=sound, summary=run.summary | {"laeq_db": laeq_db})
 
@@ -22,16 +22,15 @@ def tone(hertz: float, samples: int = 48000) -> np.ndarray:
 
 
 @pytest.fixture
-def heard(runs) -> list[RunResult]:
-    return run_results(runs.three())
+def heard() -> list[Run]:
+    return runs_of("three")
 
 
-def test_colour_is_the_mean_of_the_log_frequency_that_the_ear_weighs(heard) -> None:
+def test_colour_is_the_mean_of_the_a_weighted_log_frequency(heard) -> None:
     both = tone(1000) + tone(4000) / 10 ** (0.964 / 20)  # equal after A-weighting
-    own = hearing.colour(with_record(heard[0], both, 60.0))
-    assert own is not None
-    assert own.middle_hz == pytest.approx(2000, rel=2e-3)
-    assert (own.low_hz, own.high_hz) == (1000, 4000)
+    colour = hearing.colour(with_record(heard[0], both, 60.0))
+    assert colour is not None
+    assert colour[0] == pytest.approx(2000, rel=2e-3) and colour[1:] == (1000, 4000)
 
 
 def test_the_loudest_run_is_compared_with_the_quietest(heard) -> None:
@@ -89,8 +88,8 @@ def test_the_thickness_of_the_plate_is_said_where_it_is_given(heard) -> None:
     assert "over a plate or a 1 mm thick plate of" in hearing.situation([run, thin])
 
 
-def test_a_vibrating_ball_rings_and_flies(runs) -> None:
-    _, fast = run_results(runs.flying())
+def test_a_vibrating_ball_rings_and_flies() -> None:
+    _, fast = runs_of("flying")
     (said,) = hearing.sentences([fast])
     summary = fast.summary
     assert f"rings on its contact at {summary['resonance_hz'] / 1e3:.2g} kHz" in said
@@ -98,19 +97,19 @@ def test_a_vibrating_ball_rings_and_flies(runs) -> None:
     assert f"hits the plate {summary['impacts']} times" in said
 
 
-def test_a_reason_that_covers_little_is_not_given_as_one(runs, heard) -> None:
-    (run,) = run_results(runs.smooth())
+def test_a_reason_that_covers_little_is_not_given_as_one(heard) -> None:
+    (run,) = runs_of("smooth")
     rough = run.scene.with_(kind="gaussian", roughness_ra_um=0.1, correlation_length_um=10, seed=1)
     loud = replace(with_record(run, tone(100), 60.0), scene=rough)
     loud = replace(loud, sound=replace(loud.sound, levels=heard[0].sound.levels))
     (said,) = hearing.sentences([loud])
-    assert "Only 0 % of what is heard lies between the two rates" in said
+    assert "Only 0 % of the A-weighted power lies between the two rates" in said
     inside = replace(loud, sound=replace(loud.sound, pressure=tone(5000)))
-    assert "fit into the contact: 100 % of what" in hearing.sentences([inside])[0]
+    assert "fit into the contact: 100 % of the" in hearing.sentences([inside])[0]
 
 
-def test_silence_has_nothing_to_say(runs) -> None:
-    (silent,) = run_results(runs.smooth())
+def test_silence_has_no_sentence() -> None:
+    (silent,) = runs_of("smooth")
     assert hearing.sentences([silent]) == [] and hearing.colour(silent) is None
 
 
@@ -123,10 +122,10 @@ def test_weighting_is_explained_where_it_raises_a_level(heard) -> None:
     assert {"steady level", "plastic ratio"} == set(words) - {"LAeq above LZeq"}
 
 
-def test_runs_heard_by_their_vibration_have_the_words_of_their_own_columns(runs) -> None:
-    flying = run_results(runs.flying())
+def test_runs_heard_by_their_vibration_have_the_words_of_their_own_columns() -> None:
+    flying = runs_of("flying")
     words = dict(hearing.explanations(flying))
-    heads = text.levels(flying).heads
+    heads, _ = text.levels(flying)
     assert "steady level" not in words
     for word in ("q that equals them", "F/W"):
         assert word in words and any(word in head for head in heads)

@@ -15,13 +15,13 @@ from report_browser import (
     time_of,
     until,
 )
+from report_runs import runs_of
 
-from acoustics import level, wav
-from rolling import commands
+from acoustics import level
 
 
-def test_sound_decodes_to_the_record_and_its_level(runs, pages, opened) -> None:
-    """The decoded samples, times the stated scale, have the number and the rms of signal.wav.
+def test_sound_decodes_to_the_record_and_its_level(pages, opened) -> None:
+    """The decoded samples, times the stated scale, have the number and the rms of the record.
 
     The rms agrees within 0.01 dB: 16 bits round at -101 dB of full scale, 85 dB below the quietest
     rms here.
@@ -43,12 +43,10 @@ def test_sound_decodes_to_the_record_and_its_level(runs, pages, opened) -> None:
         assert page.locator("audio").first.evaluate("player => player.duration") == pytest.approx(
             0.9, abs=1e-3
         )
-    for one, each, shown in zip(
-        commands.read_runs(runs.three()), found, data_of(path)["runs"], strict=True
-    ):
-        record, _, _ = wav.read(one.folder / "signal.wav")
-        assert each["length"] == len(record)
-        rms = each["rms"] * shown["playback"]["full_scale_pa"]
+    for run, decoded, shown in zip(runs_of("three"), found, data_of(path)["runs"], strict=True):
+        record = run.sound.pressure
+        assert decoded["length"] == len(record)
+        rms = decoded["rms"] * shown["playback"]["full_scale_pa"]
         assert 20 * np.log10(rms / np.sqrt(np.mean(record**2))) == pytest.approx(0, abs=0.01)
 
 
@@ -60,7 +58,7 @@ def test_gains_give_the_stated_levels_and_never_clip(pages, opened) -> None:
     """
     path = pages("three")
     records = [embedded_record(path, k) for k in range(3)]
-    stated = [one["playback"] for one in data_of(path)["runs"]]
+    stated = [run["playback"] for run in data_of(path)["runs"]]
     got: dict[str, list[tuple[float, float, float]]] = {"calibrated": [], "equal": []}
     with opened(path) as page:
         play(page)
@@ -171,10 +169,10 @@ def test_a_short_record_does_not_loop_unasked_and_says_why(pages, opened) -> Non
     """A record of 6 ms repeats 167 times a second: it ends, and goes on only with Loop on."""
     with opened(pages("lap")) as page:
         assert not page.is_checked("#loop")
-        said = page.locator("[data-repeats]")
-        assert said.count() == 1 and said.is_visible()
-        assert "repeats 167 times a second" in said.text_content()
-        assert "the repetition, not the contact" in said.text_content()
+        notes = page.locator("[data-repeats]")
+        assert notes.count() == 1 and notes.is_visible()
+        assert "repeats 167 times a second" in notes.text_content()
+        assert "the repetition, not the contact" in notes.text_content()
         page.click("#play")
         until(page, "document.querySelector('#play').textContent === 'Play'")
         assert time_of(page) == pytest.approx(0.006)
@@ -187,7 +185,7 @@ def test_a_short_record_does_not_loop_unasked_and_says_why(pages, opened) -> Non
 
 @pytest.mark.parametrize("name", ["lap", "one"])
 def test_play_plays_the_computed_record(name, pages, opened) -> None:
-    """Play sends the samples of the record, short or long, times the calibrated gain, once."""
+    """Play sends the samples of the record, short or long, times the calibrated gain."""
     path = pages(name)
     record, gain = embedded_record(path, 0), data_of(path)["runs"][0]["playback"]["calibrated"]
     with opened(path) as page:
@@ -204,7 +202,7 @@ def test_play_plays_the_computed_record(name, pages, opened) -> None:
 def test_a_short_record_among_long_ones_goes_round_only_when_asked_to(pages, opened) -> None:
     """The chosen record of 6 ms, beside 0.9 s and 0.45 s, goes on only while Loop is on."""
     path = pages("one", "fast", "lap")
-    assert [one["buzzes"] for one in data_of(path)["runs"]] == [False, False, True]
+    assert [run["buzzes"] for run in data_of(path)["runs"]] == [False, False, True]
     loudest = """async () => {
       const block = new Float32Array(2048);
       let maximum = 0;
@@ -216,7 +214,6 @@ def test_a_short_record_among_long_ones_goes_round_only_when_asked_to(pages, ope
       return maximum;
     }"""
     with opened(path) as page:
-        assert page.is_checked("input[name=source][value=record]")
         assert not page.is_checked("#loop")
         page.check("input[name=run][value='2']")
         assert (

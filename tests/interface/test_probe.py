@@ -9,11 +9,10 @@ import pytest
 
 from rolling.check import cost, findings, probe
 from rolling.check.finding import Finding
-from rolling.contact import march
+from rolling.contact import march, of_scene
 from rolling.contact.subcells import half_space_of
 from rolling.scene import file
 from rolling.scene.scene import Scene
-from rolling.contact import of_scene
 
 TEXT = """\
 name: trial

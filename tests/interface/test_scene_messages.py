@@ -7,9 +7,9 @@ from scene_text import PLAIN, TEXT, faults
 
 from rolling.scene.messages import SceneError
 
-NUMBER = "allowed: a number > 0"
+NUMBER = "allowed: greater than 0"
 PAIRS = "a number > 0, or at least two [time_s, speed_m_s] pairs"
-SECTION = "allowed: a section of keys (radius_mm)"
+SECTION = "allowed: a section of keys"
 STEPS = "a whole number from 1 to 64, or one over a whole number down to 1/16"
 LOADS = "rolling.load_n: [5, 20, 100]"
 PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n    glass: "
@@ -21,45 +21,57 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         # name and bodies
         ("name: trial", "name: a/b", '1: name: got "a/b", allowed: 1 to 64 letters'),
         ("name: trial", "name: 2024", "1: name: got 2024, allowed: 1 to 64 letters"),
-        ("name: trial\n", "\n", "1: name: missing, allowed: 1 to 64 letters"),
+        ("name: trial\n", "\n", "1: name: missing; 1 to 64 letters"),
         ("name: trial", "name: x\ndescription: 3", "2: description: got 3, allowed: text"),
         ("radius_mm: 5", "radius_mm: 0", f"2: sphere.radius_mm: got 0, {NUMBER}"),
-        ("radius_mm: 5", 'radius_mm: "5"', f'2: sphere.radius_mm: got "5", {NUMBER}'),
-        ("radius_mm: 5", "radius_mm: .nan", f"2: sphere.radius_mm: got .nan, {NUMBER}"),
+        ("radius_mm: 5", 'radius_mm: "5"', '2: sphere.radius_mm: got "5", allowed: a number'),
+        (
+            "radius_mm: 5",
+            "radius_mm: .nan",
+            "got .nan, allowed: a finite number",
+        ),
         ("radius_mm: 5", "radius_mm: 1e300", "got 1e+300, allowed: a size from 1e-15 to 1e+15"),
-        ("radius_mm: 5", "radius_mm: [5]", f"2: sphere.radius_mm: got [5], {NUMBER}"),
+        ("radius_mm: 5", "radius_mm: [5]", "2: sphere.radius_mm: got [5], allowed: a number"),
         (
             "radius_mm: 5",
             "radius_mm: 5, poissons_ratio: 0.3",
             "2: sphere.youngs_modulus_gpa: missing beside poissons_ratio",
         ),
-        ("sphere: {radius_mm: 5}\n", "", f"1: sphere: missing, {SECTION}"),
+        ("sphere: {radius_mm: 5}\n", "", "1: sphere: missing"),
         ("sphere: {radius_mm: 5}", "sphere: 5", f"2: sphere: got 5, {SECTION}"),
-        ("sphere: {radius_mm: 5}", "sphere:", f"2: sphere: missing, {SECTION}"),
-        ("ratio: 0.3", "ratio: 0.6", "poissons_ratio: got 0.6, allowed: a number >= 0 and <= 0.5"),
+        ("sphere: {radius_mm: 5}", "sphere:", "2: sphere: missing"),
+        ("ratio: 0.3", "ratio: 0.6", "poissons_ratio: got 0.6, allowed: less than or equal to 0.5"),
         (
             "hardness_gpa",
             "hardnes_gpa",
             "6: plate.hardnes_gpa: unknown key, nearest: hardness_gpa, allowed: youngs_modulus_gpa",
         ),
         ("hardness_gpa", "load_n", "6: plate.load_n: unknown key, nearest: rolling.load_n"),
-        ("hardness_gpa: 2.1", "hardness_gpa: .inf", f"6: plate.hardness_gpa: got .inf, {NUMBER}"),
+        (
+            "hardness_gpa: 2.1",
+            "hardness_gpa: .inf",
+            "got .inf, allowed: a finite number",
+        ),
         # surface
         (
             "kind: gaussian",
             "kind: gausian",
-            '8: surface.kind: got "gausian", allowed: gaussian, smooth or file, nearest: gaussian',
+            '8: surface.kind: got "gausian", allowed: gaussian, smooth, file, nearest: gaussian',
         ),
         ("kind: gaussian", "kind: [smooth]", '8: surface.kind: got ["smooth"], allowed: gaussian,'),
-        ("  kind: gaussian\n", "", "7: surface.kind: missing, allowed: gaussian, smooth or file"),
+        ("  kind: gaussian\n", "", "7: surface.kind: missing, allowed: gaussian, smooth, file"),
         (
             "kind: gaussian",
             "kind: gaussian\n  autocorrelation: exponental",
             "exponential or exponential_10pct, nearest: exponential",
         ),
-        ("ra_um: 0.1", "ra_um: 1001", "9: surface.roughness_ra_um: got 1001, allowed: a number >"),
-        ("seed: 1", "seed: 1.5", "13: surface.seed: got 1.5, allowed: a whole number >= 0"),
-        ("seed: 1", "seed: true", "13: surface.seed: got true, allowed: a whole number >= 0"),
+        (
+            "ra_um: 0.1",
+            "ra_um: 1001",
+            "surface.roughness_ra_um: got 1001, allowed: less than",
+        ),
+        ("seed: 1", "seed: 1.5", "13: surface.seed: got 1.5, allowed: a whole number"),
+        ("seed: 1", "seed: true", "13: surface.seed: got true, allowed: a whole number"),
         (
             "width_um: 64",
             "width_um: 65",
@@ -68,10 +80,10 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         ("width_um: 64", "width_um: 4", "12: surface.width_um: got 4, allowed: a whole number"),
         ("width_um: 64", "width_um: 1e12", "got 1000000000000, allowed: less than 1e+09 nodes"),
         # rolling
-        ("load_n: 20", "load_n: true", f"15: rolling.load_n: got true, {NUMBER}"),
-        ("load_n: 20", "load_n:", f"15: rolling.load_n: missing, {NUMBER}"),
+        ("load_n: 20", "load_n: true", "15: rolling.load_n: got true, allowed: a number"),
+        ("load_n: 20", "load_n:", "15: rolling.load_n: missing; Normal load [N]"),
         ("load_n: 20", "load_n: !big 20", "15: rolling.load_n: got the tag !big, allowed: plain"),
-        ("load_n: 20", "load_n: [[[1]]]", "15: rolling.load_n[0][0][0]: nested too deeply"),
+        ("load_n: 20", "load_n: [[[[[[1]]]]]]", "[0][0][0][0]: nested too deeply"),
         ("load_n: 20", "load: 20\n  load_n: 20", "15: rolling.load: unknown key, nearest: load_n"),
         ("speed_m_s: 0.1", "speed_m_s: 0", f"16: rolling.speed_m_s: got 0, allowed: {PAIRS}"),
         ("speed_m_s: 0.1", "speed_m_s: [[0, 1]]", f"got [[0, 1]], allowed: {PAIRS}"),
@@ -87,9 +99,13 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         (
             "speed_m_s: 0.1",
             "speed_m_s: [[0, 1e-3], [0.01, 0]]",
-            "the sphere comes to rest after 5 um, the shortest track is 8 nodes, 16 um: give it more",
+            "the sphere comes to rest after 5 um, the shortest track is 8 nodes, 16 um: give it",
         ),
-        ("  duration_s: 0.01\n", "", f"14: rolling.duration_s: missing, {NUMBER}, or a rolling."),
+        (
+            "  duration_s: 0.01\n",
+            "",
+            "14: rolling.duration_s: missing; give it or a",
+        ),
         ("duration_s: 0.01", "duration_s: 1.0e-4", "track is 8 nodes, 16 um: at least 0.00016"),
         ("duration_s: 0.01", "duration_s: 1e9", "got 1000000000, which is more than 1e+09 nodes"),
         # the other sections
@@ -98,7 +114,11 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         ("numerics: {step_nodes: 1}", "numeric: {}", "18: numeric: unknown key, nearest: numerics"),
         ("numerics: {step_nodes: 1}", "17: 3", "18: 17: unknown key, allowed: name, title"),
         ("numerics: {step_nodes: 1}", "recovery: {events: on}", 'got "on", allowed: true or false'),
-        ("numerics: {step_nodes: 1}", "sound: {q: 1.5}", "18: sound.q: got 1.5, allowed: a number"),
+        (
+            "numerics: {step_nodes: 1}",
+            "sound: {q: 1.5}",
+            "18: sound.q: got 1.5, allowed: less than",
+        ),
         # sweep
         ("sweep:\n", "sweep: [1]\nx:\n", "19: sweep: got [1], allowed: lists of numbers by dotted"),
         (LOADS, "load_n: [1]", "20: sweep.load_n: unknown key, nearest: rolling.load_n"),

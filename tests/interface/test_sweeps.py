@@ -80,18 +80,6 @@ def test_a_scene_comes_back_from_its_text() -> None:
     assert again == scene and again.runs() == scene.runs()
 
 
-def test_a_section_may_stand_in_the_sweep_alone() -> None:
-    without = PLAIN[: PLAIN.index("plate:")] + PLAIN[PLAIN.index("surface:") :]
-    plates = (
-        "sweep.plate={steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3},"
-        " glass: {youngs_modulus_gpa: 70, poissons_ratio: 0.2}}"
-    )
-    with pytest.raises(SceneError, match="plate: missing"):
-        loads(without)
-    moduli = [run.scene.plate.youngs_modulus_gpa for run in runs_of(without, plates)]
-    assert moduli == [210, 70]
-
-
 # ---- names of runs
 
 

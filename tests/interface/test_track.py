@@ -138,7 +138,7 @@ def test_files_that_are_none(tmp_path: Path) -> None:
         _ = scene.track
     with path.open("wb") as stream:
         np.savez(stream, a=np.zeros((9, 9)))
-    with pytest.raises(SceneError, match="no readable .npy file"):
+    with pytest.raises(SceneError, match=r"no readable .npy file"):
         _ = scene.track
     path.write_bytes(b"")
     with pytest.raises(SceneError, match="no readable"):

@@ -16,9 +16,9 @@ from rolling.simulation.pool import Task
 ROOT = Path(__file__).parents[2]
 COMPILE = """\
 import os, numpy as np
-from rolling.contact import _state_kernels, solver
+from rolling.contact import _window_kernels, solver
 z = np.ones((8, 8))
-print(_state_kernels.node_work((z, z), (0, 0), (z, z / 2), False, 1.0, np.empty((8, 8))))
+print(_window_kernels.node_work((z, z), (0, 0), (z, z / 2), False, 1.0, np.empty((8, 8))))
 print(os.environ.get("NUMBA_CACHE_DIR"))
 """
 SUMS = "(32.0, 0.0)"  # 64 nodes of pressure 1 fall by a half

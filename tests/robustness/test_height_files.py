@@ -130,7 +130,7 @@ def test_a_profile_needs_a_width_and_nothing_else_may_have_one(tmp_path: Path) -
     np.save(tmp_path / "profile.npy", Z[:, 0])
     np.save(tmp_path / "map.npy", Z)
     assert fault(tmp_path, "profile.npy") == (
-        "surface.width_um: missing, allowed: a number > 0, because profile.npy is a profile of one"
+        "surface.width_um: missing; profile.npy is a profile of one"
         " line, which is laid across the track over that width"
     )
     assert fault(tmp_path, "map.npy", "surface.width_um=20") == (

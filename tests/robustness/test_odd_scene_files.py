@@ -14,7 +14,6 @@ from scene_text import PLAIN, faults
 
 from rolling.check import findings
 from rolling.scene import file as scene_file
-from rolling.scene import yaml_text
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Rolling
@@ -106,17 +105,6 @@ def test_aliases_and_their_values_are_limited() -> None:
     merges = "".join(f"m{i}: &m{i} {{k{i}: 1, <<: [*m{i - 1}, *m{i - 2}]}}\n" for i in range(2, 60))
     assert faults(f"m0: &m0 {{x: 1}}\nm1: &m1 {{y: 1}}\n{merges}")[0].endswith("100 aliases")
     assert faults("a: &a [1, *a]\n") == ["s.yaml:1: an alias of a value that contains it"]
-
-
-def test_scene_whose_resolved_form_could_not_be_read_again_is_refused(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    # the scene holds some 20 keys and values, with its defaults over 40
-    monkeypatch.setattr(yaml_text, "MAX_VALUES", 25)
-    scene_file.loads(PLAIN)
-    monkeypatch.setattr(scene_file, "_LONG_TEXT", 10)
-    begin = "s.yaml: with every default filled in: more than 25 keys and values"
-    assert faults(PLAIN)[0].startswith(begin)
 
 
 def test_stumbles_of_the_reader_are_refusals() -> None:

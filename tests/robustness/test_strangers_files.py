@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rolling.folders.files import write_bytes
+from rolling.terminal.files import write_bytes
 
 SCENE = """\
 name: short

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rolling.marches.next_pieces import march_all
+from rolling.marches.next_pieces import march_all, next_pieces
+from rolling.marches.piece import march_piece
 from rolling.results.run_result import Run, hear
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
@@ -56,3 +57,12 @@ def same(a: Any, b: Any) -> bool:
         names = [field.name for field in fields(a) if field.name not in ("seconds", "extremes")]
         return all(same(getattr(a, name), getattr(b, name)) for name in names)
     return bool(a == b) or (a != a and b != b)
+
+
+def heard_again(run: Run, scene: Scene) -> Run:
+    """Return the run of another scene over the marches of a run, and over those that it lacks."""
+    result = replace(run.result, moving=None)
+    while pieces := next_pieces(scene, result):
+        for piece in pieces:
+            result.add(piece, march_piece(piece))
+    return hear("again", {}, run.folder, scene, result)

@@ -30,6 +30,7 @@ const timelines = $$(".timeline").map((figure) => {
 
 function movePlayhead({ run, begin, end, left, right, line }) {
   const share = (ownTime(run) - begin) / (end - begin);
+  line.hidden = false;
   line.style.left = `${left + (right - left) * Math.min(1, Math.max(0, share))}%`;
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rolling.contact import _march_kernels
+from rolling.contact import _window_kernels
 from rolling.contact.state import maxima_of
 
 pytestmark = pytest.mark.kernel
@@ -32,7 +32,7 @@ def test_overlap_block_is_that_of_a_plain_search(seed: int) -> None:
     gap = rise / (2 * RADIUS) - heights[np.ix_(rows % along, columns % across)]
     below = np.argwhere(gap < approach)
     maxima = maxima_of(heights, rising=False)
-    got = _march_kernels.overlap_block(*maxima, SPACING, RADIUS, x, y, approach)
+    got = _window_kernels.overlap_block(*maxima, SPACING, RADIUS, x, y, approach)
     if below.size == 0:
         assert got[1] < got[0]
         return
@@ -45,7 +45,7 @@ def test_overlap_block_is_that_of_a_plain_search(seed: int) -> None:
 def test_blocks_are_copied_where_both_exist(offset: tuple[int, int]) -> None:
     """Nodes that a window lacks are 0; a window far away shares none."""
     source, target = np.random.default_rng(1).random((9, 11)), np.full((12, 8), np.nan)
-    _march_kernels.copy_block(source, target, *offset)
+    _window_kernels.copy_block(source, target, *offset)
     expected = np.zeros_like(target)
     for i, j in np.ndindex(*source.shape):
         a, b = i + offset[0], j + offset[1]
@@ -59,7 +59,7 @@ def test_deflections_change_once_more_where_both_are_known(offset: tuple[int, in
     """Deflections off the window before are unknown and stay."""
     rng = np.random.default_rng(2)
     u, before, out = rng.random((12, 8)), rng.random((9, 11)), np.empty((12, 8))
-    _march_kernels.extrapolate(u, before, *offset, out)
+    _window_kernels.extrapolate(u, before, *offset, out)
     shared = np.zeros((12, 8))
-    _march_kernels.copy_block(before, shared, *offset)
+    _window_kernels.copy_block(before, shared, *offset)
     np.testing.assert_array_equal(out, np.where(shared > 0, u + (u - shared), u))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rolling.contact import _condition_kernels, _state_kernels
+from rolling.contact import _condition_kernels, _window_kernels
 
 pytestmark = pytest.mark.kernel
 
@@ -72,7 +72,7 @@ def test_measures_of_loaded_nodes_are_those_of_plain_arrays(seed: int, blended: 
         (p * u).sum(),
         *(rows.min(), rows.max(), columns.min(), columns.max()),
     )
-    got = _state_kernels.measures(p, u, HARDNESS, edge if blended else np.empty((0, 0)), LEVELLED)
+    got = _window_kernels.measures(p, u, HARDNESS, edge if blended else np.empty((0, 0)), LEVELLED)
     assert got == pytest.approx(expected, rel=1e-12)
 
 
@@ -88,7 +88,7 @@ def test_work_of_nodes_is_that_of_plain_arrays(offset: tuple[int, int], left_end
             p = p_old[i, j] if left_end else (p_old[i, j] + p_new[a, b]) / 2
             expected[a, b] = p * (u_old[i, j] - u_new[a, b]) * 4e-12
     work = np.full_like(expected, np.nan)
-    sums = _state_kernels.node_work((p_old, u_old), offset, (p_new, u_new), left_end, 4e-12, work)
+    sums = _window_kernels.node_work((p_old, u_old), offset, (p_new, u_new), left_end, 4e-12, work)
     np.testing.assert_allclose(work, expected, rtol=1e-12, atol=1e-22)
     assert sums == pytest.approx((expected.clip(min=0).sum(), -expected.clip(max=0).sum()))
 
@@ -98,7 +98,7 @@ def test_range_of_loaded_nodes(loaded: tuple[int, ...]) -> None:
     """Any node may be the first or the last, in a row longer than what is searched at once."""
     row = np.zeros(40)
     row[list(loaded)] = 1e-300 * (-1.0) ** np.arange(len(loaded))  # their sum is no measure
-    first, end = _state_kernels.loaded_range(row)
+    first, end = _window_kernels.loaded_range(row)
     assert (first, end) == (loaded[0], loaded[-1] + 1) if loaded else first == end
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rolling.contact import _condition_kernels, _march_kernels, _model_kernels
+from rolling.contact import _condition_kernels, _model_kernels, _window_kernels
 from rolling.contact._far_field import LONGEST_WAVE, inverse_stencil, square_stencil
 from rolling.contact._system import Limits, Model, Nodes, Sets
 from rolling.contact.half_space import love
@@ -113,10 +113,10 @@ def test_changes_are_those_since_the_previous_position(offset: tuple[int, int]) 
         *scratch,
     )
     known = np.zeros((13, 11))
-    _march_kernels.copy_block(p_before, known, *offset)
+    _window_kernels.copy_block(p_before, known, *offset)
     change = (p - known)[nodes]
     known[:] = 0.0
-    _march_kernels.copy_block(u_before, known, *offset)
+    _window_kernels.copy_block(u_before, known, *offset)
     opened = np.where(known > 0, 2.0 * (u - known), 0.0)[nodes]
     np.testing.assert_allclose(state.change[inner, inner], change, atol=1e-6)
     np.testing.assert_allclose(state.gap[inner, inner], gaps + opened, atol=1e-6)

@@ -14,11 +14,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scene_text import PLAIN
 
+from rolling.results import labels
+from rolling.results.labels import LONGEST
 from rolling.scene import file
 from rolling.scene.scene import Scene
-from rolling.simulation import labels
-from rolling.simulation.batch import Run
-from rolling.simulation.labels import LONGEST
 
 SCENE = file.loads(PLAIN)
 
@@ -39,7 +38,7 @@ def scene(folder: Path = Path(), **keys: Any) -> Scene:
 class Case:
     scene: Scene
     folder: Path = Path("runs/a")
-    values: dict[str, float] = field(default_factory=dict)
+    values: dict[str, float | str] = field(default_factory=dict)
 
 
 def of(*cases: Case) -> list[str]:
@@ -144,31 +143,26 @@ def test_equal_scenes_are_told_apart_by_folder_and_then_by_number() -> None:
 def test_a_sweep_is_named_by_its_values_whether_alone_or_together() -> None:
     swept = file.loads(PLAIN + "sweep: {rolling.load_n: [5, 20], surface.seed: [1, 2]}\n")
     runs = [
-        Run(values, single, Path("runs") / str(k))
+        Case(single, Path("runs") / str(k), values)
         for k, (values, single) in enumerate(swept.runs())
     ]
-    assert labels.labels(runs) == [
-        f"load {load} N, seed {seed}" for load in (5, 20) for seed in (1, 2)
-    ]
-    assert [run.label for run in runs] == labels.labels(runs)
-    assert Run({}, SCENE, Path("runs/a")).label == "load 20 N"
+    names = [f"load {load} N, seed {seed}" for load in (5, 20) for seed in (1, 2)]
+    assert of(*runs) == [of(run)[0] for run in runs] == names
+    assert of(Case(SCENE)) == ["load 20 N"]
 
 
-def test_names_stand_once_and_long_ones_are_cut_where_they_do_not_differ() -> None:
-    """Names of up to 64 characters are cut where they do not differ."""
+def test_values_under_labels_are_named_by_them() -> None:
+    lapped = scene(surface__roughness_ra_um=0.2)
+    cases = [Case(SCENE, values={"surface": "ground"}), Case(lapped, values={"surface": "lapped"})]
+    assert of(*cases) == ["surface ground", "surface lapped"]
+
+
+def test_long_names_are_cut_and_stand_once() -> None:
     names = [f"{'a' * 40}{digit}{'b' * 23}" for digit in "12"]
-    found = of(*(Case(scene(name=name)) for name in names))
-    assert "1" in found[0] and "2" in found[1] and max(map(len, found)) <= LONGEST
-    for name, label in zip(names, found, strict=True):
-        assert labels.title(name, label).count("load 20 N") == 1
+    found = of(*(Case(scene(name=name, surface__seed=k)) for k, name in enumerate(names)))
+    assert len(set(found)) == 2 and max(map(len, found)) <= LONGEST
     assert labels.title("quickstart", "quickstart, load 5 N") == "quickstart, load 5 N"
     assert labels.title("quickstart", "load 5 N") == "quickstart, load 5 N"
-    assert (
-        labels.title(
-            "a" * 30 + "b" * 34, labels.shortened(["a" * 30 + "b" * 34], 20)[0] + ", load 5 N"
-        ).count("a")
-        < 20
-    )
 
 
 def test_ten_swept_keys_stay_short_and_apart() -> None:
@@ -238,21 +232,6 @@ def test_labels_of_any_runs_differ_and_can_be_printed(cases: list[Case], repeate
         assert label.isprintable() and label == label.strip() and 0 < len(label) <= LONGEST
         assert not label.startswith("_")  # matplotlib would leave it out of a legend
         label.encode()
-
-
-@settings(max_examples=200, deadline=None)
-@given(st.lists(st.text("ab", max_size=60) | st.text(max_size=60), max_size=6), st.integers(12, 40))
-def test_shortened_texts_keep_to_their_length_and_stay_apart(
-    texts: list[str], longest: int
-) -> None:
-    found = labels.shortened(texts, longest)
-    assert all(len(text) <= longest for text in found)
-    for text, short in zip(texts, found, strict=True):
-        assert short == text or len(text) > longest
-    # Two alone: the place where they first differ is shown of both.
-    for text in texts:
-        one, two = labels.shortened([text + "1" + "z" * 50, text + "2" + "z" * 50], longest)
-        assert one != two
 
 
 @given(st.text())

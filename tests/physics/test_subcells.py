@@ -14,8 +14,9 @@ from rolling.contact.half_space import HalfSpace
 from rolling.contact.of_scene import auto_subcells, on_subcells, rolling_contact
 from rolling.contact.recovery import EventTable
 from rolling.contact.subcells import SubcellSpace, cell_means
+from rolling.marches.piece import Piece, contact_identity, march_piece
 from rolling.scene.file import loads
-from rolling.simulation import simulate
+from rolling.scene.scene import Scene
 from rolling.surface.refined import dies_out, subcell_heights
 
 CLOSED = """\
@@ -125,14 +126,18 @@ def test_pieces_do_not_depend_on_other_pieces(subcells: int) -> None:
     assert scene.track.closed
     steps = scene.track.steps
     borders = [(0, 12), (12, 24), (steps - 12, steps)]
-    forth = [simulate.simulate_piece(scene, a, b) for a, b in borders]
-    simulate.simulate_piece(other, 0, 3)
-    back = [simulate.simulate_piece(scene, a, b) for a, b in borders[::-1]][::-1]
-    for one, again in zip(forth, back, strict=True):
-        for name in ("release_energy", "loading_energy"):
-            assert np.array_equal(one.steps[name], again.steps[name])
-        for name, values in one.states.items():
-            assert np.array_equal(values, again.states[name])
+
+    def marched(scene: Scene, first: int, last: int) -> dict[str, np.ndarray]:
+        piece = Piece(scene, contact_identity(scene), "track", first, last, cost=1.0)
+        return {name: x for name, x in march_piece(piece).items() if name != "step_time"}
+
+    forth = [marched(scene, a, b) for a, b in borders]
+    marched(other, 0, 3)
+    back = [marched(scene, a, b) for a, b in borders[::-1]][::-1]
+    for arrays, again in zip(forth, back, strict=True):
+        assert "release_energy" in arrays
+        for name, values in arrays.items():
+            assert np.array_equal(values, again[name]), name
 
 
 @pytest.mark.law("Sub-cells: events of nodes add up to the release of sub-cells.")

@@ -1,0 +1,178 @@
+"""Tables and statistics of runs are what the summaries of the runs say."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import statistics
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from finished import run_of
+from scene_text import TINY
+
+from rolling.results.labels import labels
+from rolling.results.run_files import write_run
+from rolling.results.run_result import hear
+from rolling.results.runs_table import (
+    columns,
+    level_text,
+    levels_table,
+    numbers,
+    runs_table,
+    seed_statistics,
+    uncertain,
+)
+from rolling.scene import file
+from rolling.scene.scene import Scene
+
+SWEEP = f"""\
+{TINY}sweep:
+  rolling.load_n: [0.005, 0.01]
+  rolling.speed_m_s: [0.1, 0.2]
+  surface.seed: [1, 2, 3]
+"""
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A run whose files are in its folder."""
+
+    values: dict[str, float | str]
+    scene: Scene
+    folder: Path
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Stored]:
+    """Return twelve runs of a sweep, of which the last is not solved."""
+    folder = tmp_path_factory.mktemp("table")
+    stored = [
+        Stored(dict(values), scene, folder / str(number))
+        for number, (values, scene) in enumerate(file.loads(SWEEP).runs())
+    ]
+    for run in stored[:-1]:
+        write_run(hear("run", run.values, run.folder, run.scene, run_of(run.scene).result))
+    return stored
+
+
+def summary_of(run: Stored) -> dict:
+    return json.loads((run.folder / "summary.json").read_text())
+
+
+def test_the_table_has_every_run_and_its_numbers(runs: list[Stored]) -> None:
+    table = runs_table(runs)
+    keys = ["rolling.load_n", "rolling.speed_m_s", "surface.seed"]
+    assert list(table.index.names) == ["run", "folder", *keys]
+    assert list(table.index.get_level_values("run")) == labels(runs)
+    read = pd.read_csv(io.StringIO(table.to_csv()))
+    assert len(read) == 12 and read["laeq_db"].isna().tolist() == [False] * 11 + [True]
+    assert read["folder"].tolist() == list(range(12))
+    first = summary_of(runs[0])
+    for column, value in (
+        ("laeq_db", first["laeq_db"]),
+        ("laeq_uncertainty_db", first["uncertainty_db"]["laeq"]),
+        ("surface_ra_m", first["surface"]["ra"]),
+        ("surface_rms_slope", first["surface"]["rms_slope"]),
+        ("plastic_ratio", first["plastic_ratio"]),
+        ("steps", 25),
+        ("third_octave_db_12500", first["third_octave_db"]["12500"]),
+        ("caveats", " ".join(caveat["key"] for caveat in first["caveats"])),
+        ("rolling.load_n", 0.005),
+    ):
+        assert read[column][0] == value, column
+
+
+def test_statistics_are_those_of_the_summaries(runs: list[Stored]) -> None:
+    table = seed_statistics(runs_table(runs))
+    of_first = table[(table["rolling.load_n"] == 0.005) & (table["rolling.speed_m_s"] == 0.1)]
+    summaries = [summary_of(run) for run in runs[:3]]
+    for level, band, values, stated in (
+        (
+            "laeq_db",
+            None,
+            [summary["laeq_db"] for summary in summaries],
+            [summary["uncertainty_db"]["laeq"] for summary in summaries],
+        ),
+        (
+            "third_octave_a_db",
+            "12500",
+            [summary["third_octave_a_db"]["12500"] for summary in summaries],
+            [summary["third_octave_uncertainty_db"]["12500"] for summary in summaries],
+        ),
+    ):
+        named = of_first["level"] == level
+        named &= of_first["band_hz"] == band if band else of_first["band_hz"].isna()
+        ((_, row),) = of_first[named].iterrows()
+        deviation = statistics.stdev(values)
+        mean_stated = statistics.fmean([one**2 for one in stated]) ** 0.5
+        assert row["runs"] == 3
+        assert row["mean"] == pytest.approx(statistics.fmean(values), rel=1e-12)
+        assert row["standard_deviation"] == pytest.approx(deviation, rel=1e-12)
+        assert row["standard_error"] == pytest.approx(deviation / 3**0.5, rel=1e-12)
+        assert row["stated_uncertainty"] == pytest.approx(mean_stated, rel=1e-12)
+        ratio = deviation / mean_stated
+        assert row["deviation_over_stated"] == pytest.approx(ratio, rel=1e-12)
+    laeq = table[table["level"] == "laeq_db"]
+    assert laeq["runs"].tolist() == [3, 3, 3, 2]  # a run is not solved
+
+
+def test_statistics_over_another_key_and_over_all_runs(runs: list[Stored]) -> None:
+    over_speed = seed_statistics(runs_table(runs), "rolling.speed_m_s")
+    laeq = over_speed[over_speed["level"] == "laeq_db"]
+    assert laeq["runs"].tolist() == [2, 2, 2, 2, 2, 1]
+    assert laeq["standard_deviation"].isna().tolist() == [False] * 5 + [True]
+    alone = [Stored({"surface.seed": k}, run.scene, run.folder) for k, run in enumerate(runs[:3])]
+    every = seed_statistics(runs_table(alone))
+    assert every.columns[0] == "level" and every[every["level"] == "laeq_db"]["runs"].item() == 3
+
+
+@pytest.mark.parametrize("total", [2.5, None])
+def test_the_record_and_the_total_have_their_own_uncertainty(total: float | None) -> None:
+    summary = {
+        "laeq_db": 60.0,
+        "uncertainty_db": {"laeq": 0.5},
+        "laeq_uncertainty_db": total,
+        "laeq_uncertainty_parts_db": {"record": 0.5, "grid": 2.4},
+    }
+    cells = numbers(summary)
+    assert cells["laeq_uncertainty_db"] == 0.5 and cells["laeq_total_uncertainty_db"] == total
+
+
+def test_the_terminal_shows_levels_with_uncertainty_and_each_caveat_once(
+    runs: list[Stored],
+) -> None:
+    text = levels_table(runs)
+    lines = text.splitlines()
+    summary = summary_of(runs[0])
+    assert lines[0].split()[:2] == ["run", "LAeq"]
+    first = uncertain(summary["laeq_db"], summary["uncertainty_db"]["laeq"])
+    assert first in lines[1] and lines[1].endswith(str(runs[0].folder))
+    assert lines[12].split()[8:11] == ["-", "-", "-"]  # not solved
+    for word in ("upper bound", "microphone", "surface: Ra", "note: When it loops", "warning: "):
+        assert word in text
+    assert text.count("microphone") == 1
+
+
+@pytest.mark.parametrize(
+    ("level", "spread", "text"),
+    [(30.04, 0.01, "30.0 ± 0.1"), (30.06, None, "30.1"), (None, None, "silent")],
+)
+def test_uncertainties_are_rounded_up(level: float | None, spread: float | None, text: str) -> None:
+    summary = {"laeq_db": level, "uncertainty_db": {"laeq": spread}, "source": "vibration"}
+    summary["steady_level_db"] = None
+    assert level_text(summary, "laeq_db") == text
+    assert level_text(summary, "steady_level_db") == "-"
+
+
+def test_folders_of_any_name_are_shown_on_one_line(runs: list[Stored]) -> None:
+    odd = [Stored({}, runs[0].scene, Path(os.fsdecode(b"new\nline \xff")))]
+    assert levels_table(odd).splitlines()[1].endswith(r"new\nline \xff")
+
+
+def test_columns_are_as_wide_as_their_cells() -> None:
+    text = columns([{"a": "long cell", "b": "x"}, {"a": "y", "b": "z"}])
+    assert text.splitlines() == ["a          b", "long cell  x", "y          z"]

@@ -1,0 +1,124 @@
+"""A run leaves two WAV files, and summary.json says what their samples are."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+from finished import marched
+from scene_text import PLAIN, TINY
+
+from acoustics import extension, wav
+from acoustics.level import laeq_db, peak_pressure
+from acoustics.radiation import P_REF_PA
+from rolling.results.run_files import write_extended, write_run
+from rolling.results.run_result import Run
+from rolling.scene import file
+from rolling.scene.scene import Scene
+from rolling.sound.contact_sound import contact_sound
+
+SCENE = file.loads(PLAIN.replace("duration_s: 0.01", "duration_s: 0.5"))
+SILENT = np.full(25000, 1e-9)  # J in each step of 2 um
+
+
+def noise(seed: int) -> np.ndarray:
+    return SILENT * (1.0 + 0.1 * np.random.default_rng(seed).standard_normal(25000))
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return marched(TINY)
+
+
+def heard(
+    run: Run, folder: Path, release: np.ndarray, closed: bool = True, scene: Scene = SCENE
+) -> Run:
+    """Return a run that sounds like a release [J], with its files written."""
+    sound = contact_sound(scene, release, 2e-6, closed)
+    other = replace(run, sound=sound, folder=folder, scene=scene, label="load 20 N")
+    write_run(other)
+    return other
+
+
+def listen_of(folder: Path) -> dict:
+    return json.loads((folder / "summary.json").read_text(), parse_constant=pytest.fail)["listen"]
+
+
+@pytest.mark.parametrize("release", [noise(1), SILENT], ids=["noise", "silence"])
+def test_the_same_sound_leaves_the_same_bytes(
+    release: np.ndarray, run: Run, tmp_path: Path
+) -> None:
+    heard(run, tmp_path / "a", release)
+    second = int(time.time())
+    while int(time.time()) == second:  # libsndfile's time stamp counts seconds
+        time.sleep(0.02)
+    heard(run, tmp_path / "b", release)
+    names = ["listen.wav", "result.h5", "signal.wav", "summary.json"]
+    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == names
+    for name in names[:3]:
+        content = (tmp_path / "a" / name).read_bytes()
+        assert content == (tmp_path / "b" / name).read_bytes()
+        assert str(tmp_path).encode() not in content
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_samples_times_their_factor_are_the_sound(closed: bool, run: Run, tmp_path: Path) -> None:
+    sound = heard(run, tmp_path, noise(2), closed).sound
+    listen = listen_of(tmp_path)
+    gain = listen["gain_full_scale_per_pa"]
+    assert gain * listen["pascal_per_full_scale"] == pytest.approx(1.0, rel=1e-15)
+    assert listen["gain_db_re_1_per_pa"] == pytest.approx(20.0 * math.log10(gain), abs=1e-12)
+    for name, factor, subtype in (
+        ("signal", 1.0, "FLOAT"),
+        ("listen", listen["pascal_per_full_scale"], "PCM_24"),
+    ):
+        path = tmp_path / f"{name}.wav"
+        samples, rate, comment = wav.read(path)
+        pressure = samples * factor
+        # Rounding to 24 bits lies 126 dB below the record.
+        assert laeq_db(pressure, rate) == pytest.approx(sound.levels.laeq_db, abs=1e-4)
+        peak = 20.0 * math.log10(peak_pressure(pressure) / P_REF_PA)
+        assert peak == pytest.approx(sound.levels.lz_peak_db, abs=1e-4)
+        assert (b"smpl" in path.read_bytes()) is closed
+        for word in (f"{sound.factor:.6g} Pa per W/m2", "distance 1 m", "q 1", "load 20 N"):
+            assert word in comment
+        assert ("loops" if closed else "faded") in comment
+        with soundfile.SoundFile(path) as stream:
+            assert (stream.title, stream.subtype) == ("trial, load 20 N", subtype)
+    assert f"{gain:.6g} full scale per Pa" in comment
+
+
+def test_silence_and_records_below_hearing_say_so(run: Run, tmp_path: Path) -> None:
+    """A record at -22 dB(A) plays at -45 dB of full scale, silence at a gain of 1."""
+    heard(run, tmp_path / "silent", SILENT)
+    assert listen_of(tmp_path / "silent")["gain_full_scale_per_pa"] == 1.0
+    far = SCENE.with_({"sound.distance_m": 1e3, "sound.q": 0.03})
+    level = heard(run, tmp_path / "far", noise(3), scene=far).sound.levels.laeq_db
+    assert level is not None and -30 < level < 0
+    listen = listen_of(tmp_path / "far")
+    assert listen["gain_full_scale_per_pa"] == wav.MOST_GAIN
+    assert "stays quieter than others" in listen["meaning"]
+    assert "the largest gain" in wav.read(tmp_path / "far" / "listen.wav")[2]
+
+
+def test_an_extended_record_states_its_kurtosis(run: Run, tmp_path: Path) -> None:
+    one = heard(run, tmp_path, noise(4))
+    longer = np.random.default_rng(5).standard_normal(48000) * 0.01
+    path = write_extended(one, longer)
+    samples, _, comment = wav.read(path)
+    assert len(samples) == 48000 and "none of the record's single events" in comment
+    assert f"kurtosis {extension.kurtosis(longer):.3g}, of the record" in comment
+
+
+def test_a_player_needs_no_notebook(
+    run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    replace(run, folder=tmp_path).play()
+    assert f"listen: {tmp_path / 'listen.wav'}" in capsys.readouterr().out
+    assert len(wav.read(tmp_path / "listen.wav")[0]) == len(run.sound.pressure)

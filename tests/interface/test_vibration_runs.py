@@ -1,0 +1,197 @@
+"""Runs with dynamics: their levels, numbers and caveats, and other bodies over the same marches."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from finished import VIBRATING, WITHOUT_DYNAMICS, caveat_texts, heard_again, marched, run_of
+
+from rolling.check import error_cost, findings
+from rolling.results.run_errors import LINEAR
+from rolling.results.run_files import read_run, write_run
+from rolling.results.run_result import Run
+from rolling.scene.file import loads
+
+
+@pytest.fixture(scope="module")
+def steady() -> Run:
+    return marched(VIBRATING)
+
+
+@pytest.fixture(scope="module")
+def fast(steady: Run) -> Run:
+    return heard_again(steady, steady.scene.with_({"rolling.speed_m_s": 1}))
+
+
+def test_levels_rise_with_speed_and_have_no_steady_level(steady: Run, fast: Run) -> None:
+    # Six to nine decibels for three times the speed in practice, 2 to 25 in this short record.
+    assert 2 < fast.summary["laeq_db"] - steady.summary["laeq_db"] < 25
+    for run in (steady, fast):
+        numbers = run.summary
+        assert numbers["laeq_db"] == numbers["vibration_laeq_db"] != numbers["release_laeq_db"]
+        difference = numbers["release_over_vibration_db"]
+        assert difference == pytest.approx(-10 * np.log10(numbers["equivalent_q"]))
+        assert numbers["steady_level_db"] is None and numbers["factor_pa_per_w_m2"] is None
+        assert numbers["motion_balance_error"] < 1e-6  # the integrator's own tolerance
+        assert numbers["force_min_ratio"] < 1 < numbers["force_max_ratio"]
+        assert numbers["force_law_min_n"] < 1 < numbers["force_law_max_n"]
+        keys = caveat_texts(run).keys()
+        assert {"on_axis", "infinite_plate", "unvalidated", "constant_load_release"} <= keys
+        assert not {"upper_bound", "quasi_static", "resonance"} & keys
+
+
+def test_other_bodies_over_the_same_marches_sound_as_if_solved_alone(steady: Run) -> None:
+    keys = {"sphere.density_kg_m3": 15000, "plate.thickness_mm": 3, "rolling.speed_m_s": 0.7}
+    scene = steady.scene.with_(keys)
+    again, alone = heard_again(steady, scene), run_of(scene)
+    assert np.array_equal(again.sound.pressure, alone.sound.pressure)
+    assert np.array_equal(again.series["release_energy"], steady.series["release_energy"])
+    assert again.vibration is not None and steady.vibration is not None
+    assert again.vibration.chain.mass_kg > 1.9 * steady.vibration.chain.mass_kg  # 15000 / 7850
+
+
+def test_the_constant_load_solves_the_contact_of_a_scene_without_dynamics() -> None:
+    changes = ["rolling.distance_mm=0.1", "sound.source=release"]
+    plain = marched(VIBRATING, [*WITHOUT_DYNAMICS, "rolling.distance_mm=0.1"])
+    still = marched(VIBRATING, [*changes, "dynamics.release=false"])
+    assert still.vibration is not None and plain.vibration is None
+    for name in set(plain.series) - {"step_time"}:  # a time of the clock
+        assert np.array_equal(plain.series[name], still.series[name]), name
+    assert np.array_equal(plain.sound.pressure, still.sound.pressure)
+    assert still.summary["laeq_db"] == plain.summary["laeq_db"]
+    assert not any(key.startswith(("force", "motion")) for key in plain.summary)
+    assert still.to_xarray()["force_law"].attrs["own_load_n"] == 1.0
+
+
+@pytest.mark.law("Vibration: the plate alone makes a pressure of the force's wave form.")
+def test_the_plate_alone_repeats_the_force(steady: Run) -> None:
+    run = heard_again(steady, steady.scene.with_({"sound.ball": False}))
+    assert run.vibration is not None
+    # -rho_air / (2 pi rho_plate h) at 1 m, of 10 mm of steel; 0.2 %: the plate's own impedance
+    per_newton = -1.204 / (2 * np.pi * 78.5)
+    assert np.allclose(run.sound.pressure, per_newton * run.vibration.force, rtol=2e-3, atol=0)
+    assert not np.allclose(steady.sound.pressure, run.sound.pressure, rtol=0.1)
+
+
+def test_power_above_coincidence_needs_the_loss_factor(steady: Run) -> None:
+    lossy, unknown = (
+        heard_again(steady, steady.scene.with_({"plate.loss_factor": loss})) for loss in (0.1, None)
+    )
+    powers = [
+        run.summary["plate_power_third_octave_db"]["16000"] for run in (steady, lossy, unknown)
+    ]
+    # Ten times the loss factor: ten decibels less, less where air takes some of the power.
+    assert powers[2] is None and 6 < powers[0] - powers[1] < 10.5
+    assert np.array_equal(lossy.sound.pressure, unknown.sound.pressure)
+
+
+def test_a_smooth_plate_is_silent() -> None:
+    text = VIBRATING.split("surface:")
+    smooth = f"{text[0]}surface: {{kind: smooth, spacing_um: 2, width_um: 160}}\nrolling:"
+    run = marched(smooth + text[1].split("rolling:")[1], ["rolling.distance_mm=0.1"])
+    assert run.summary["laeq_db"] is None and run.vibration is not None
+    assert not run.vibration.pressure.any()
+    assert run.vibration.rms_ratio < 1e-3  # what the solver's error of 1e-4 leaves
+
+
+def test_a_flight_longer_than_the_record_is_told() -> None:
+    """A load of 1 mN brings the sphere back after many laps; a silent lap is no settled motion."""
+    changes = ["rolling.load_n=0.001", "rolling.distance_mm=0.2", "surface.width_um=120"]
+    run = marched(VIBRATING, changes)
+    assert run.summary["flight_share"] == 1 and run.summary["laeq_db"] is None
+    assert not run.summary["motion_settled"]
+    texts = caveat_texts(run)
+    assert "the record is shorter than a flight" in texts["impacts"]
+    assert "does not repeat from lap to lap" in texts["not_settled"]
+
+
+CALM = ["surface.roughness_ra_um=0.02", "rolling.distance_mm=0.4", "rolling.speed_m_s=0.6"]
+
+
+def test_a_release_that_is_heard_is_of_the_moving_load() -> None:
+    """`release: false` leaves the march under the moving load out."""
+    changes = [*CALM, "sound.source=release"]
+    moved = marched(VIBRATING, [*changes, "dynamics.release=true"])
+    still = marched(VIBRATING, [*changes, "dynamics.release=false"])
+    assert "moving_load_release" in caveat_texts(moved)
+    assert "constant_load_release" in caveat_texts(still)
+    # The law interpolates between loads, so march and motion agree to a few percent.
+    assert moved.result.moving is not None and moved.summary["force_law_error_m"] > 0
+    fluctuation = np.std(moved.result.moving.approach)
+    assert moved.summary["force_law_error_m"] < 0.03 * fluctuation
+    assert moved.summary["moving_release_balance_error"] < 1e-12  # rounding
+    assert "force_law_error_m" not in still.summary
+    assert moved.sound.power_rms > 1.02 * still.sound.power_rms
+    assert np.array_equal(moved.series["release_energy"], still.series["release_energy"])
+
+
+def test_a_release_without_a_load_is_of_the_constant_load(tmp_path: Path) -> None:
+    changes = ["dynamics.release=true", "surface.roughness_ra_um=0.2", "rolling.speed_m_s=1"]
+    run = marched(VIBRATING, [*changes, "rolling.distance_mm=0.32"], tmp_path)
+    assert "loses contact" in caveat_texts(run)["no_moving_release"]
+    assert "force_law_error_m" not in run.summary
+    write_run(run)
+    again = read_run(tmp_path, run.scene, {}, "run")
+    assert caveat_texts(again) == caveat_texts(run)
+
+
+JUDGED = ["numerics.error_estimate=true", "rolling.load_n=0.5", "surface.width_um=120"]
+
+
+def test_levels_have_errors_of_grid_solver_and_force_law(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(error_cost, "SHARE", 3.0)  # a short run pays for its stretches
+    monkeypatch.setattr(error_cost, "STRETCH_STEPS", (16, 50))
+    run = marched(VIBRATING, [*JUDGED, "rolling.speed_m_s=0.1", "rolling.distance_mm=0.4"])
+    numbers = run.summary
+    parts = numbers["laeq_uncertainty_parts_db"]
+    assert set(parts) == {"record", "grid", "solver", "force_law"}
+    assert parts["force_law"] == numbers["force_law_error_db"]
+    total = np.sqrt(sum(part**2 for part in parts.values()))
+    assert numbers["laeq_uncertainty_db"] == pytest.approx(total)
+    assert 0 < parts["solver"] < parts["grid"] < 6
+    assert numbers["error_estimate"]["stretches"] >= 4
+    assert "Errors of grid, solver and force law are" in caveat_texts(run)["uncertainty"]
+    # The short waves are the grid's, and a faster ball does not hear them.
+    faster = heard_again(run, run.scene.with_({"rolling.speed_m_s": 0.3}))
+    assert faster.summary["grid_signal_db"] < numbers["grid_signal_db"]
+
+
+@pytest.mark.parametrize(
+    ("roughness", "reason"), [(0.3, "contact is lost"), (0.06, "the contact force fluctuates by")]
+)
+def test_no_estimate_where_no_linear_chain_carries_it(roughness: float, reason: str) -> None:
+    """Near lift-off the level on one grid says nothing about that on another."""
+    changes = [f"surface.roughness_ra_um={roughness}", "rolling.distance_mm=0.2"]
+    run = marched(VIBRATING, ["numerics.error_estimate=true", "rolling.speed_m_s=1", *changes])
+    assert run.vibration is not None and run.vibration.rms_ratio > LINEAR
+    texts = caveat_texts(run)
+    assert (
+        f"{reason}" in texts["no_error_estimate"]
+        and "no linear chain" in texts["no_error_estimate"]
+    )
+    assert run.summary["laeq_uncertainty_db"] is None
+    assert "it holds no error of model, grid or solver" in texts["uncertainty"]
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "words"),
+    [
+        ("plate.thickness_mm=30", "bending", "shorter than 6 thicknesses"),
+        ("plate.thickness_mm=0.1", "contact_thickness", "of the thickness"),
+        ("plate.thickness_mm=0.1", "air_load", "the air loads a plate as light as this"),
+        ("sound.distance_m=0.2", "coincidence", "pressure on the axis holds from"),
+        ("rolling.speed_m_s=0.05", "resonance_wave", "the grid decides"),
+        ("surface.roughness_ra_um=2", "force_ratio", "loses contact"),
+        ("surface.roughness_ra_um=0.05", "force_ratio", "marched down to 0.25 of it"),
+    ],
+)
+def test_limits_of_the_model_become_warnings_with_numbers(
+    change: str, key: str, words: str
+) -> None:
+    calm = "surface.roughness_ra_um=0.04"
+    plain = {each.key: each for each in findings.findings(loads(VIBRATING, [calm]))}
+    changed = {each.key: each for each in findings.findings(loads(VIBRATING, [calm, change]))}
+    assert plain[key].warning is None
+    assert words in str(changed[key].warning)
