@@ -62,34 +62,21 @@ __all__ = [
     "welch",
 ]
 
-_MODULES = {
-    "bands": (
-        "BAND_NAMES",
-        "EDGES_HZ",
-        "MID_HZ",
-        "band_uncertainty_db",
-        "reliable",
-        "third_octave_mean_square",
-    ),
-    "extension": ("extend", "kurtosis"),
-    "level": ("SoundLevels", "laeq_db", "level_db", "sound_levels"),
-    "radiation": ("I_REF_W_M2", "P_REF_PA", "RHO_C", "intensity", "sound_pressure"),
-    "spectrum": ("Psd", "line_spectrum", "welch"),
-    "uncertainty": ("LevelUncertainty", "level_uncertainty"),
-    "weighting": ("a_weighting_db",),
-}
-_MODULE_BY_NAME = {name: module for module, names in _MODULES.items() for name in names}
+_SUBMODULES = ("plots", "wav")
+_MODULES = ("bands", "extension", "level", "radiation", "spectrum", "uncertainty", "weighting")
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
-    if name in ("plots", "wav"):
+    if name in _SUBMODULES:
         return import_module(f"{__name__}.{name}")
-    if name not in _MODULE_BY_NAME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_MODULE_BY_NAME[name]}"), name)
-    globals()[name] = value
-    return value
+    if name in __all__:
+        for module in _MODULES:
+            names = vars(import_module(f"{__name__}.{module}"))
+            if name in names:
+                globals()[name] = names[name]
+                return names[name]
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

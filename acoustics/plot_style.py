@@ -111,14 +111,6 @@ def look_of(number: int, count: int, ordered: bool = False) -> dict[str, Any]:
     }
 
 
-def steps(ax: Axes, level_db: Array, edges_hz: Array, few: bool, **look: Any) -> None:
-    """Draw bands as steps, or as a line where the steps of many curves would hide one another."""
-    if few:
-        ax.stairs(level_db, edges_hz, baseline=None, **look)
-    else:
-        ax.plot(np.sqrt(edges_hz[:-1] * edges_hz[1:]), level_db, **look)
-
-
 def bars(ax: Axes, x: Array, level_db: Array, uncertainty_db: Array, colour: str) -> None:
     """Draw error bars of the standard uncertainty."""
     ax.errorbar(
@@ -211,19 +203,14 @@ class Lines:
         return [float(shown.min()), float(shown.max())] if len(shown) else []
 
 
-def is_thinned(time_s: Array) -> bool:
-    """Return whether a plot shows fewer values than a record has."""
-    return len(time_s) > 2 * _COLUMNS
+def envelope(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return a curve over rising x, of which 3,000 points at most are drawn.
 
-
-def power_envelope(time_s: Array, power_w: Array) -> tuple[Array, Array]:
-    """Return time and power as they are drawn.
-
-    More than 3,000 values are thinned to the minimum and maximum in each of 1,500 columns.
+    More points are thinned to the minimum and maximum in each of 1,500 columns.
     """
-    if not is_thinned(time_s):
-        return time_s, power_w
-    return _thinned(time_s, power_w, (time_s - time_s[0]) / (time_s[-1] - time_s[0]))
+    if len(x) <= 2 * _COLUMNS:
+        return x, y
+    return _thinned(x, y, (x - x[0]) / (x[-1] - x[0]))
 
 
 def _thinned(x: Array, y: Array, share: Array) -> tuple[Array, Array]:

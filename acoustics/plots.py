@@ -1,4 +1,4 @@
-"""Plots of levels and power: each function draws on `ax` and returns it.
+"""Plots of levels: each function draws on `ax` and returns it.
 
 The functions label their curves, but leave title and legend to the caller.
 """
@@ -17,7 +17,6 @@ from acoustics._typing import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, LEAST_BT, MID_HZ, OFF_DB, reliable
 from acoustics.plot_style import (
     COLOURS,
-    DENSE,
     FEW,
     GREY,
     LINE_STYLES,
@@ -27,17 +26,14 @@ from acoustics.plot_style import (
     Lines,
     bars,
     finish,
-    is_thinned,
     level_limits,
     look_of,
     numbers,
-    power_envelope,
     say_if_silent,
     short_name,
-    steps,
     unit_prefix,
 )
-from acoustics.spectrogram import Spectrogram
+from acoustics.spectrum import Spectrogram
 
 __all__ = [
     "COLOURS",
@@ -49,12 +45,8 @@ __all__ = [
     "Lines",
     "bars",
     "drawn_as_means",
-    "is_thinned",
     "level_limits",
     "look_of",
-    "power",
-    "power_envelope",
-    "power_share",
     "short_name",
     "spectrogram",
     "spectrum",
@@ -63,7 +55,6 @@ __all__ = [
 
 # Errors of band levels [dB] and their standard uncertainty, by nominal frequency.
 BandErrors = tuple[Mapping[str, float | None], Mapping[str, float | None]]
-_CORRECTED = "level less its estimated error"
 # Shades of a spectrogram are 2 dB apart, less than the uncertainty of noise; more make large files.
 _SHADES = 36
 
@@ -221,72 +212,62 @@ def _audible(ax: Axes) -> None:
 def _band_curve(
     ax: Axes, label: str, level: Array, spread: Array, first: int, look: dict[str, Any], few: bool
 ) -> None:
-    """Draw a curve of third octaves.
+    """Draw a curve of third octaves, grey below the first reliable band.
 
-    The bands below the first reliable band are grey, the others coloured.
+    Bands are steps, or a line where the steps of many curves would hide one another.
     """
-    colour, style = look["color"], look["linestyle"]
-    marker = {"marker": look["marker"], "markersize": 4, "linestyle": "none"}
-    if first > 0:
-        width = 1.2 if few else 0.7
-        steps(
-            ax,
-            level[:first],
-            EDGES_HZ[: first + 1],
-            few,
-            color=GREY,
-            linestyle=style,
-            linewidth=width,
-        )
+    marker, style = {"marker": look["marker"], "markersize": 4}, {"linestyle": look["linestyle"]}
+    grey, coloured = slice(0, first), slice(first, len(level))
+    for part, colour in ((grey, GREY), (coloured, look["color"])):
+        if part.start == part.stop:
+            continue
+        line = style | {"color": colour, "linewidth": 0.7 if colour == GREY and not few else 1.3}
+        edges = EDGES_HZ[part.start : part.stop + 1]
         if few:
-            ax.plot(MID_HZ[:first], level[:first], color=GREY, markerfacecolor="white", **marker)
-    if first < len(level):
-        steps(
-            ax, level[first:], EDGES_HZ[first:], few, color=colour, linestyle=style, linewidth=1.5
-        )
-        if few:
-            bars(ax, MID_HZ[first:], level[first:], spread[first:], colour)
-    ax.plot(MID_HZ[first:], level[first:], color=colour, **marker)
-    ax.plot(
-        [], [], color=colour, linestyle=style, marker=marker["marker"], markersize=4, label=label
-    )
+            ax.stairs(level[part], edges, baseline=None, **line)
+        else:
+            ax.plot(MID_HZ[part], level[part], **line)
+        if few or colour != GREY:
+            face = "white" if colour == GREY else colour
+            dots = marker | {"color": colour, "markerfacecolor": face, "linestyle": "none"}
+            ax.plot(MID_HZ[part], level[part], **dots)
+    if few:
+        bars(ax, MID_HZ[coloured], level[coloured], spread[coloured], look["color"])
+    ax.plot([], [], color=look["color"], label=label, **marker, **style)
 
 
-def _error_marks(
-    ax: Axes,
-    level: Array,
-    errors: BandErrors,
-    look: dict[str, Any],
-) -> None:
+def _error_marks(ax: Axes, level: Array, errors: BandErrors, look: dict[str, Any]) -> None:
     """Draw diamonds at levels less their errors, and hatch the bands that are off by over 1 dB."""
     error, spread = (numbers(by_name[name] for name in BAND_NAMES) for by_name in errors)
     known = np.isfinite(error) & np.isfinite(level)
-    labels = ax.get_legend_handles_labels()[1]
+    diamond: dict[str, Any] = {
+        "marker": "D",
+        "markersize": 3.5,
+        "markerfacecolor": "white",
+        "linestyle": "none",
+    }
+    label = "level less its estimated error"
     ax.errorbar(
         MID_HZ[known],
         (level - error)[known],
         np.nan_to_num(spread[known]),
         color=look["color"],
-        marker="D",
-        markersize=3.5,
-        markerfacecolor="white",
-        linestyle="none",
         elinewidth=0.7,
-        label=None if _CORRECTED in labels else _CORRECTED,
         zorder=4,
+        label=None if label in ax.get_legend_handles_labels()[1] else label,
+        **diamond,
     )
+    hatched = f"off by more than {OFF_DB:g} dB"
+    hatch: dict[str, Any] = {
+        "facecolor": "none",
+        "edgecolor": "0.8",
+        "hatch": "////",
+        "linewidth": 0.0,
+    }
     for band in np.flatnonzero(known & (np.abs(error) > OFF_DB)):
-        hatched = f"off by more than {OFF_DB:g} dB"
-        ax.axvspan(
-            EDGES_HZ[band],
-            EDGES_HZ[band + 1],
-            facecolor="none",
-            edgecolor="0.8",
-            hatch="////",
-            linewidth=0.0,
-            zorder=0.5,
-            label=None if hatched in ax.get_legend_handles_labels()[1] else hatched,
-        )
+        new = hatched not in ax.get_legend_handles_labels()[1]
+        low, high = EDGES_HZ[band], EDGES_HZ[band + 1]
+        ax.axvspan(low, high, zorder=0.5, label=hatched if new else None, **hatch)
 
 
 def spectrogram(
@@ -313,7 +294,7 @@ def spectrogram(
     >>> import numpy as np
     >>> from matplotlib.figure import Figure
     >>> from acoustics import plots
-    >>> from acoustics.spectrogram import spectrogram
+    >>> from acoustics.spectrum import spectrogram
     >>> shown = spectrogram(np.random.default_rng(1).standard_normal(24000), 48000)
     >>> plots.spectrogram(Figure().subplots(), shown, 0.5, (20.0, 90.0)).get_xlabel()
     'time [ms]'
@@ -343,74 +324,3 @@ def spectrogram(
     ax.set_ylabel("frequency [Hz]")
     ax.figure.colorbar(image, ax=ax, label="density level [dB re (20 µPa)²/Hz]", extend="both")
     return ax
-
-
-def power(
-    ax: Axes,
-    time_s: Array,
-    power_w: Array,
-    mean_w: float,
-    duration_s: float,
-    share: tuple[float, float] | None = None,
-) -> Axes:
-    """Draw release power against time with its mean, in units that suit the numbers.
-
-    The power axis spans at least 2 % of the mean, so a steady power looks steady. More than
-    3,000 values are drawn as minimum and maximum in each of 1,500 columns.
-
-    Parameters
-    ----------
-    ax : axes to draw on.
-    time_s : array (n,), s. Time.
-    power_w : array (n,), W. Release power.
-    mean_w : float, W. Mean of the power over time; the values may be unevenly spaced.
-    duration_s : float, s. Duration of the record, the whole width of the axes.
-    share : pair of float. Minimum and maximum power shown, as shares of the mean. Default:
-        `power_share`.
-
-    Returns
-    -------
-    the axes
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from matplotlib.figure import Figure
-    >>> from acoustics import plots
-    >>> ax = plots.power(Figure().subplots(), np.arange(4) / 4, np.full(4, 2e-6), 2e-6, 1.0)
-    >>> ax.get_ylabel()
-    'release power [µW]'
-    """
-    time_unit, power_unit = unit_prefix(duration_s), unit_prefix(np.max(np.abs(power_w)))
-    mean = mean_w / power_unit[0]
-    time, shown = power_envelope(time_s, power_w)
-    ax.plot(
-        time / time_unit[0],
-        shown / power_unit[0],
-        color=COLOURS[0],
-        linewidth=0.5 if len(time) > DENSE else 1.5,
-        label="release power",
-    )
-    ax.axhline(
-        mean,
-        color=COLOURS[1],
-        linestyle="--",
-        linewidth=1.5,
-        label=f"mean {mean:.4g} {power_unit[1]}W",
-    )
-    low, high = (edge * mean for edge in share or power_share(power_w, mean_w))
-    room = 0.05 * (high - low) or 1.0
-    ax.set_ylim(low - room, high + room)
-    ax.set_xlim(0.0, duration_s / time_unit[0])
-    ax.ticklabel_format(useOffset=False)
-    ax.set_xlabel(f"time [{time_unit[1]}s]")
-    return finish(ax, f"release power [{power_unit[1]}W]")
-
-
-def power_share(power_w: Array, mean_w: float) -> tuple[float, float]:
-    """Return minimum and maximum power as shares of the mean, at least 1 % away from it.
-
-    The extremes of several runs give a common axis.
-    """
-    mean = mean_w or 1.0
-    return min(float(power_w.min()) / mean, 0.99), max(float(power_w.max()) / mean, 1.01)

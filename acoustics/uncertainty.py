@@ -15,9 +15,8 @@ import numpy as np
 
 from acoustics._typing import Array
 from acoustics.bands import BANDWIDTH_HZ, third_octave_mean_square
-from acoustics.level import SoundLevels
+from acoustics.level import FAST_S, SLOW_S, SoundLevels
 from acoustics.spectrum import line_spectrum
-from acoustics.time_weighting import FAST_S, SLOW_S
 from acoustics.weighting import a_weighting_db
 
 _DB = 10.0 / math.log(10.0)

@@ -142,45 +142,26 @@ def _values(field: Json, sections: list[Json]) -> str:
 
 
 def law_table() -> str:
-    """Return the table of laws, each with the tests that carry it.
+    """Return the table of laws by subject, with their number and the files of their tests.
 
-    The markers `@pytest.mark.law("...")` are read from the source, without running a test.
+    The markers `@pytest.mark.law("subject: sentence")` are read from the source, without running a
+    test.
     """
-    laws = defaultdict(list)
+    laws, files = defaultdict(set), defaultdict(set)
     for path in sorted((ROOT / "tests").rglob("test_*.py")):
-        for law, test in _marked(ast.parse(path.read_text(encoding="utf-8")), []):
-            laws[law].append(f"`{path.relative_to(ROOT).as_posix()}::{test}`")
-    rows = [[law, "<br>".join(tests)] for law, tests in sorted(laws.items())]
-    return _table(["law", "tests"], rows)
+        for law in _laws(ast.parse(path.read_text(encoding="utf-8"))):
+            subject = law.partition(":")[0]
+            laws[subject].add(law)
+            files[subject].add(f"`{path.relative_to(ROOT / 'tests').as_posix()}`")
+    rows = [[name, str(len(laws[name])), ", ".join(sorted(files[name]))] for name in sorted(laws)]
+    return _table(["subject", "laws", "tests"], rows)
 
 
-def _marked(scope: ast.Module | ast.ClassDef, laws: list[str]) -> Iterator[tuple[str, str]]:
-    """Yield law and test of each marked test of a module or class.
-
-    The mark of a class or of a module (`pytestmark`) holds for all of its tests.
-    """
-    for node in scope.body:
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "pytestmark":
-            laws = laws + _laws([node.value])
-    for node in scope.body:
-        if isinstance(node, ast.ClassDef):
-            for law, test in _marked(node, laws + _laws(node.decorator_list)):
-                yield law, f"{node.name}::{test}"
-        elif isinstance(node, ast.FunctionDef) and node.name.startswith("test"):
-            for law in laws + _laws(node.decorator_list):
-                yield law, node.name
-
-
-def _laws(expressions: list[ast.expr]) -> list[str]:
-    """Return the texts of all `....mark.law("text")` within expressions."""
-    return [
-        argument.value
-        for expression in expressions
-        for call in ast.walk(expression)
-        if isinstance(call, ast.Call) and ast.unparse(call.func).endswith("mark.law")
-        for argument in call.args
-        if isinstance(argument, ast.Constant) and isinstance(argument.value, str)
-    ]
+def _laws(module: ast.Module) -> Iterator[str]:
+    """Yield the texts of all `....mark.law("text")` in a module."""
+    for call in ast.walk(module):
+        if isinstance(call, ast.Call) and ast.unparse(call.func).endswith("mark.law"):
+            yield from (ast.literal_eval(argument) for argument in call.args)
 
 
 # ---- rooms

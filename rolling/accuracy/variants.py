@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 
 from rolling._typing import Array
+from rolling.contact import of_scene
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.scene.scene import Scene
-from rolling.contact import of_scene
 from rolling.surface.refined import dies_out, refined, subcell_heights
-from rolling.surface.scene_surface import heights
-from rolling.surface.scene_surface import wider_heights, wider_times
+from rolling.surface.scene_surface import heights, wider_heights, wider_times
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 REFERENCE_TOLERANCE, SOLVER_TOLERANCE = 1e-6, 1e-8

@@ -13,10 +13,9 @@ import pandas as pd
 from acoustics import plots
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.level import P_REF_PA
-from acoustics.plots import Lines
-from acoustics.spectrogram import Spectrogram
-from acoustics.spectrogram import spectrogram as spectrogram_of
-from acoustics.spectrum import line_spectrum, welch
+from acoustics.plot_style import COLOURS, DENSE, Lines, envelope, unit_prefix
+from acoustics.spectrum import Spectrogram, line_spectrum, welch
+from acoustics.spectrum import spectrogram as spectrogram_of
 from acoustics.weighting import a_weighting_db
 from rolling._typing import Array
 from rolling.figures.picture import (
@@ -24,6 +23,7 @@ from rolling.figures.picture import (
     common,
     distance_and_duration,
     finish,
+    finish_grid,
     listed,
     number,
     subject,
@@ -224,20 +224,33 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
     >>> rolling.plot.release_power(run)  # doctest: +SKIP
     """
     sound, compared = run.sound, listed(among) or [run]
-    shares = np.array(
-        [plots.power_share(other.sound.power, other.sound.mean_power) for other in compared]
-    )
-    share = float(shares[:, 0].min()), float(shares[:, 1].max())
-    ax = plots.power(axes_of(ax), sound.time, sound.power, sound.mean_power, sound.duration, share)
+    # The axis spans at least 2 % of the mean, so that a steady power looks steady.
+    extremes = np.array([[other.sound.power.min(), other.sound.power.max()] for other in compared])
+    means = np.array([[other.sound.mean_power or 1.0] for other in compared])
+    shares = extremes / means
+    low, high = min(0.99, float(shares.min())), max(1.01, float(shares.max()))
+    second, time_unit = unit_prefix(sound.duration)
+    watt, unit = unit_prefix(float(np.abs(sound.power).max()))
+    time, power = envelope(sound.time, sound.power)
+    mean, ax = sound.mean_power / watt, axes_of(ax)
+    width = 0.5 if len(time) > DENSE else 1.5
+    ax.plot(time / second, power / watt, color=COLOURS[0], linewidth=width, label="release power")
+    ax.axhline(mean, color=COLOURS[1], linestyle="--", label=f"mean {mean:.4g} {unit}W")
+    room = 0.05 * (high - low) * mean or 1.0
+    ax.set_ylim(low * mean - room, high * mean + room)
+    ax.set_xlim(0.0, sound.duration / second)
+    ax.ticklabel_format(useOffset=False)
+    ax.set_xlabel(f"time [{time_unit}s]")
+    ax.set_ylabel(f"release power [{unit}W]")
     facts = [*distance_and_duration([run])[1:], "q and distance are not in it"]
     if run.scene.dynamics is not None:
         moved = any(caveat["key"] == "moving_load_release" for caveat in run.summary["caveats"])
         facts.append(f"under the {'moving' if moved else 'constant'} load")
     if len(compared) > 1:
-        facts.append(f"axis from {share[0]:.3g} to {share[1]:.3g} of the mean for all runs")
-    if plots.is_thinned(sound.time):
+        facts.append(f"axis from {low:.3g} to {high:.3g} of the mean for all runs")
+    if len(time) < len(sound.time):
         facts.append("minimum and maximum in each of 1,500 columns")
-    return finish(ax, f"Release power: {run.title}", facts)
+    return finish(finish_grid(ax), f"Release power: {run.title}", facts)
 
 
 def release_power_table(run: Run) -> pd.DataFrame:

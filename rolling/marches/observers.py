@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from rolling._typing import Array
 from rolling.contact.recovery import EventTable, StepEnergy
-from rolling.contact.state import ContactState, RollingContact
+from rolling.contact.state import ContactState, RollingContact, Window
 from rolling.contact.subcells import cell_means
-from rolling.contact.state import Window
 
 STEP_SERIES = ("release_energy", "loading_energy", "energy_defect", "step_time")
 STATE_SERIES = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from acoustics import extension, level
+from acoustics import level
 from acoustics.bands import third_octave_mean_square
 from acoustics.extension import extend, kurtosis
 from acoustics.resampling import band_limit
@@ -92,9 +92,3 @@ def test_silence_stays_silent_and_shorter_records_are_refused() -> None:
     assert np.isnan(kurtosis(np.zeros(480)))
     with pytest.raises(ValueError, match="extended to more than that"):
         extend(np.ones(480), 480, RATE)
-
-
-def test_phases_fill_the_circle_evenly() -> None:
-    phases = extension._phases(np.arange(100_000), 3)
-    assert np.abs(np.mean(np.exp(1j * phases))) < 0.01
-    assert np.abs(np.mean(np.exp(1j * np.diff(phases)))) < 0.01

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from acoustics import wav
 from acoustics.level import sound_levels
-from acoustics.spectrogram import spectrogram
-from acoustics.spectrum import welch
+from acoustics.spectrum import spectrogram, welch
 from acoustics.uncertainty import level_uncertainty, steady_uncertainty_db
 
 RATE = 48000

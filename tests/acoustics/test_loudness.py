@@ -5,35 +5,13 @@ The program also says what to install where the package is missing.
 
 from __future__ import annotations
 
-import importlib.util
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from acoustics.loudness import Loudness, loudness
 from acoustics.radiation import P_REF_PA
-from rolling import cli
-from rolling.check import refusals
 
 RATE = 48000
-SCENE = """\
-name: heard
-sphere: {radius_mm: 5}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
-spacing_um: 2, width_um: 200, seed: 3}
-rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.002}
-sound: {loudness: true}
-"""
-
-
-@pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    path = tmp_path / "heard.yaml"
-    path.write_text(SCENE)
-    return path
 
 
 @pytest.fixture
@@ -87,56 +65,3 @@ def test_silence_and_what_has_no_loudness(mosqito):
         loudness(tone(60.0), 44100.0, closed=True)
     with pytest.raises(ValueError, match="finite"):
         loudness(np.array([0.0, np.nan]), RATE, closed=True)
-
-
-@pytest.mark.slow
-def test_a_scene_gets_what_it_asks_for(mosqito, scene: Path, tmp_path: Path, undrawn: None):
-    first, again, without = tmp_path / "first", tmp_path / "again", tmp_path / "without"
-    assert cli.main(["run", str(scene), "--out", str(first), "--workers", "1"]) == 0
-    found = json.loads((first / "summary.json").read_text())
-    assert found["loudness_sone"] > 0.0 and found["sharpness_acum"] > 0.0
-    assert "mosqito" in json.loads((first / "provenance.json").read_text())["packages"]
-    # Nearer is louder: half the distance, 6 dB, is 1.5 times the sones, and more at low levels.
-    assert (
-        cli.main(["resound", str(first), "--set", "sound.distance_m=0.5", "--out", str(again)]) == 0
-    )
-    assert (
-        json.loads((again / "summary.json").read_text())["loudness_sone"]
-        > 1.3 * found["loudness_sone"]
-    )
-    assert (
-        cli.main(["resound", str(first), "--set", "sound.loudness=false", "--out", str(without)])
-        == 0
-    )
-    assert "loudness_sone" not in json.loads((without / "summary.json").read_text())
-
-
-@pytest.mark.slow
-def test_without_the_package_the_scene_is_refused_before_anything_is_done(
-    scene: Path, tmp_path: Path, undrawn: None, monkeypatch, capsys
-):
-    there = importlib.util.find_spec
-    monkeypatch.setattr(
-        refusals, "find_spec", lambda name: None if name == "mosqito" else there(name)
-    )
-    out, plain = tmp_path / "out", tmp_path / "plain"
-    message = (
-        "sound.loudness: needs the package mosqito, which is not installed; "
-        'pip install "rolling-contact-noise[loudness]"'
-    )
-    assert cli.main(["run", str(scene), "--out", str(out)]) == 2
-    assert message in capsys.readouterr().err and not out.exists()
-    assert cli.main(["check", str(scene)]) == 2
-    assert message in capsys.readouterr().err
-    settings = ["--set", "sound.loudness=false", "--workers", "1"]
-    assert cli.main(["run", str(scene), *settings, "--out", str(plain)]) == 0
-    capsys.readouterr()
-    assert cli.main(["resound", str(plain), "--set", "sound.loudness=true", "--out", str(out)]) == 2
-    assert message in capsys.readouterr().err and not out.exists()
-    # A run made where the package is: to be resumed it would have to be here.
-    resolved = plain / "resolved.yaml"
-    resolved.write_text(resolved.read_text().replace("loudness: false", "loudness: true"))
-    before = sorted((file, file.stat().st_mtime_ns) for file in plain.iterdir())
-    assert cli.main(["resume", str(plain)]) == 2
-    assert message in capsys.readouterr().err
-    assert sorted((file, file.stat().st_mtime_ns) for file in plain.iterdir()) == before

@@ -64,30 +64,6 @@ def test_widths_and_rates_are_of_the_contact(heard) -> None:
     )
 
 
-def test_what_differs_between_runs_is_named_with_all_its_kinds(heard) -> None:
-    run = heard[0]
-    runs = [replace(run, scene=run.scene.with_(radius_mm=r, distance_m=2)) for r in (1, 2, 3, 4)]
-    said = hearing.situation(runs[:2])
-    assert said.startswith(
-        "A rigid sphere of 2 mm or 4 mm diameter rolls at 0.1 m/s under 0.5 N over"
-    )
-    assert said.endswith("It is heard from 2 m.")
-    assert "of 2 mm to 8 mm (4 kinds) diameter" in hearing.situation(runs)
-    fast = replace(run, scene=run.scene.with_(speed_m_s=0.3))
-    assert "rolls at 0.1 m/s or 0.3 m/s under" in hearing.situation([run, fast])
-
-
-def test_the_thickness_of_the_plate_is_said_where_it_is_given(heard) -> None:
-    run = heard[0]
-    plates = [run.scene.plate.model_copy(update={"thickness_mm": mm}) for mm in (1, 10)]
-    thin, thick = (
-        replace(run, scene=run.scene.model_copy(update={"plate": plate})) for plate in plates
-    )
-    assert "under 0.5 N over a 10 mm thick plate of 210 GPa" in hearing.situation([thick])
-    assert "over a 1 mm thick plate or a 10 mm thick plate of" in hearing.situation([thin, thick])
-    assert "over a plate or a 1 mm thick plate of" in hearing.situation([run, thin])
-
-
 def test_a_vibrating_ball_rings_and_flies() -> None:
     _, fast = runs_of("flying")
     (said,) = hearing.sentences([fast])

@@ -27,8 +27,9 @@ LUMINANCE = """() => {
     slider.dispatchEvent(new Event('input'));
     pen.drawImage(canvas, 0, 0, width, height);
     const { data } = pen.getImageData(0, 0, width, height);
-    frames.push(Array.from({ length: data.length / 4 }, (_, i) => 0.2126 * linear(data[4 * i])
-      + 0.7152 * linear(data[4 * i + 1]) + 0.0722 * linear(data[4 * i + 2])));
+    const channel = (i, k) => linear(data[4 * i + k]);
+    frames.push(Array.from({ length: data.length / 4 }, (_, i) =>
+      0.2126 * channel(i, 0) + 0.7152 * channel(i, 1) + 0.0722 * channel(i, 2)));
   }
   const shown = canvas.getBoundingClientRect();
   return { frames, pixels: shown.width * shown.height };

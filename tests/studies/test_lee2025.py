@@ -10,10 +10,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from hard_cases.dense import dense_contact
 
 from acoustics.bands import BAND_NAMES
 from acoustics.level import I_REF_W_M2
 from rolling import cli
+from rolling.contact import of_scene
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.state import Window
@@ -23,8 +25,6 @@ from rolling.scene import library
 from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
-from rolling.contact import of_scene
-from rolling.verification.dense import dense_contact
 
 pytestmark = pytest.mark.slow
 

@@ -25,9 +25,9 @@ FLAGS = [
     "--disable-gpu",
     "--disable-quic",
     "--no-first-run",
+    "--disable-sync",
     "--disable-background-networking",
     "--disable-component-update",
-    "--disable-sync",
     "--autoplay-policy=no-user-gesture-required",
 ]
 PATIENCE = 120.0  # [s] until something surely does not happen
@@ -36,17 +36,11 @@ RATE = wav.SAMPLE_RATE_HZ
 # Counts what the page starts, keeps its gains, pictures and last look at the clock, and listens at
 # its way out. Work that the page puts off by a second or more waits in `later` for the test.
 TAP = """
-  window.tap = {
-    starts: 0, offsets: [], gains: [], sources: [], images: [], later: [],
-    analyser: null, context: null, now: 0,
-  };
+  window.tap = { starts: 0, offsets: [], gains: [], sources: [], images: [], later: [], now: 0 };
   const now = performance.now.bind(performance);
   performance.now = () => (tap.now = now());
   window.Image = class extends Image {
-    constructor(...a) {
-      super(...a);
-      tap.images.push(this);
-    }
+    constructor(...a) { super(...a); tap.images.push(this); }
   };
   const soon = window.setTimeout;
   window.setTimeout = (work, ms, ...rest) =>
@@ -59,10 +53,7 @@ TAP = """
   };
   const connect = AudioNode.prototype.connect;
   AudioNode.prototype.connect = function (to, ...rest) {
-    if (this instanceof AudioBufferSourceNode) {
-      tap.gains.push(to);
-      tap.sources.push(this);
-    }
+    if (this instanceof AudioBufferSourceNode) { tap.gains.push(to); tap.sources.push(this); }
     if (to instanceof AudioDestinationNode) {
       tap.context = this.context;
       tap.analyser = new AnalyserNode(this.context, { fftSize: 2048 });

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from finished import run_of
 
 from rolling.marches import slow_motion
-from rolling.marches.next_pieces import march_all
 from rolling.results import labels
-from rolling.results.run_result import Run, hear
+from rolling.results.run_result import Run
 from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
 from rolling.surface import heights
@@ -80,8 +80,7 @@ def solved(scene: Scene, values: dict[str, Any] | None = None, film: bool = Fals
     """March a scene in this process and make its sound."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(slow_motion, "SHARE", 0.3)  # a film of a run that is too short for one
-        result = march_all(scene, film=film)
-    return hear("", values or {}, folder(), scene, result)
+        return replace(run_of(scene, folder(), film), values=values or {})
 
 
 def swept(text: str, key: str, *values: float, film: bool = False) -> list[Run]:

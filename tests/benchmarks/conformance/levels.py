@@ -6,10 +6,9 @@ import math
 
 import numpy as np
 
-from acoustics.level import level_db, sound_levels
+from acoustics.level import FAST_S, SLOW_S, a_weighted, level_db, running_mean_square, sound_levels
 from acoustics.radiation import P_REF_PA
 from acoustics.resampling import band_limit
-from acoustics.time_weighting import FAST_S, SLOW_S, a_weighted, running_mean_square
 from acoustics.wav import SAMPLE_RATE_HZ
 from acoustics.weighting import a_weighting_db
 from conformance import standards
@@ -135,7 +134,7 @@ def decay_rates() -> Table:
         "class 1",
         "IEC 61672-1:2013, 5.8.2",
         "4 kHz for 1 s, then silence. Computed: fall of the A-weighted level of "
-        "`time_weighting.running_mean_square` "
+        "`level.running_mean_square` "
         "from 0.1 s to 1.1 s after the end of the tone.",
         ("time weighting",),
         "dB/s",
