@@ -236,8 +236,8 @@ def _scenes(given: argparse.Namespace) -> int:
     from rolling.scene import library
 
     titles = library.titles(given.all)
-    width = max(map(len, titles))
-    for name, title in titles.items():
+    width = max(len(name) for name, _ in titles)
+    for name, title in titles:
         print(f"{name:{width}}  {title}")
     if not given.all:
         inner = len(library.scenes()) - len(titles)

@@ -142,19 +142,22 @@ def _values(field: Json, sections: list[Json]) -> str:
 
 
 def law_table() -> str:
-    """Return the table of laws, each with the tests that carry it.
+    """Return the table of laws by subject, with their number and the files of their tests.
 
-    The markers `@pytest.mark.law("...")` are read from the source, without running a test.
+    The markers `@pytest.mark.law("subject: sentence")` are read from the source, without running a
+    test.
     """
-    laws: dict[str, list[str]] = {}
+    laws: dict[str, set[str]] = {}
+    files: dict[str, set[str]] = {}
     for path in sorted((ROOT / "tests").rglob("test_*.py")):
-        for law, test in _marked(ast.parse(path.read_text(encoding="utf-8"))):
-            laws.setdefault(law, []).append(f"`{path.relative_to(ROOT).as_posix()}::{test}`")
+        for law, _ in _marked(ast.parse(path.read_text(encoding="utf-8"))):
+            subject = law.partition(":")[0]
+            laws.setdefault(subject, set()).add(law)
+            files.setdefault(subject, set()).add(f"`{path.relative_to(ROOT / 'tests').as_posix()}`")
     if not laws:
         return "No test carries the marker `law` yet."
-    return _table(
-        ["law", "tests"], [[law, "<br>".join(tests)] for law, tests in sorted(laws.items())]
-    )
+    rows = [[name, str(len(laws[name])), ", ".join(sorted(files[name]))] for name in sorted(laws)]
+    return _table(["subject", "laws", "tests"], rows)
 
 
 def _marked(module: ast.Module) -> Iterator[tuple[str, str]]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
 import math
 from collections.abc import Mapping, Sequence
-from concurrent.futures import BrokenExecutor, as_completed
+from concurrent.futures import BrokenExecutor, Future
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +31,7 @@ from rolling.check import long_steps
 from rolling.contact.solver import ContactError
 from rolling.run import pools
 from rolling.run.executor import ended_by_signal
+from rolling.scene.identity import digest, scene_identity
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import run_name
 from rolling.sound.contact_sound import contact_sound
@@ -111,20 +112,24 @@ def _march_all(
     total = sum(variant.cost for variant in variants)
     bar = progress.bar(total, f"{scene.name}: {len(variants)} variants")
     with bar, ended_by_signal(), pools.local_pool(workers, [scene]) as pool:
-        futures = {
-            pool.submit(pools.Task(("", ""), march_variant, (scene, variant, nodes))): variant
-            for variant in sorted(variants, key=lambda variant: -variant.cost)
-        }
-        for future in as_completed(futures):
-            variant = futures[future]
+        futures: dict[Variant, Future[dict[str, Array]]] = {}
+        for variant in sorted(variants, key=lambda variant: -variant.cost):
+            task = pools.Task(("", ""), march_variant, (scene, variant, nodes))
+            futures[variant] = pool.submit(task)
+            futures[variant].add_done_callback(partial(_proceed, bar, variant.cost))
+        for variant, future in futures.items():
             try:
                 marched[variant] = future.result()
             except ContactError as error:
                 failures[variant] = str(error)
             except BrokenExecutor as error:
                 raise OSError("a worker process was killed; out of memory?") from error
-            bar.update(variant.cost)
     return {variant: marched[variant] for variant in variants if variant in marched}, failures
+
+
+def _proceed(bar: progress.Bar, share: float, future: object) -> None:
+    """Add the share of a variant that is done to the progress."""
+    bar.update(share)
 
 
 def _row(scene: Scene, variant: Variant, nodes: int, series: Mapping[str, Array]) -> xr.Dataset:
@@ -214,7 +219,7 @@ def run_study(
     """
     values, scene = scene.runs()[0]
     long_steps.refuse_long_steps(scene)
-    identity = _identity(scene, finest, duration_s)
+    identity = digest([scene_identity(scene), finest, duration_s])
     folder = out or Path("outputs") / f"{scene.name}-accuracy-{identity[:8]}"
     study = _stored(folder, identity)
     if study is None:
@@ -231,13 +236,6 @@ def run_study(
     if not progress.is_quiet():
         print(work_precision.text(study))
     return folder
-
-
-def _identity(scene: Scene, finest: int, duration_s: float) -> str:
-    """Return the digest of a scene, its height file and the extent of its study."""
-    heights = scene.height_path.read_bytes() if scene.height_path else b""
-    settings = json.dumps([scene.to_dict(), finest, duration_s], sort_keys=True)
-    return hashlib.sha256(settings.encode() + heights).hexdigest()
 
 
 def _stored(folder: Path, identity: str) -> xr.Dataset | None:

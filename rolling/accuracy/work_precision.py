@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from acoustics.plots import COLOURS, LINE_STYLES, MARKERS
 from rolling.accuracy.variants import OWN, REFERENCE, SOLVER, tolerance_text
@@ -141,6 +141,7 @@ def diagram(study: xr.Dataset) -> Figure:
         ax.set_ylabel(label)
     for ax, limit in ((axes[1], LAEQ_LIMIT_DB), (axes[2], BAND_LIMIT_DB)):
         ax.set_yscale("log")
+        ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         ax.yaxis.set_major_formatter("{x:g}")
         ax.yaxis.set_minor_formatter(NullFormatter())
         ax.axhline(limit, color="black", linewidth=1, label="limit of a recommendation")

@@ -30,17 +30,17 @@ SMOOTH = 1e-9
 SLOPE_MARGIN = 1.05
 
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
-# Bytes of the program in the main process and in a worker; per node of a rough surface and per node
-# of the window, and more of both per sub-cell; per step and per sample of a record while its sound
+# Bytes of the program alone, beside workers, and in a worker; per node of a rough surface and of
+# the window, and more of both per sub-cell; per step and per sample of a record while its sound
 # is made, and as long as runs are compared; per time step of a motion; per recovery event.
-PROGRAM, WORKER = 300e6, 230e6
-NODE, NODE_SUBCELL, WINDOW, WINDOW_SUBCELL = 28.0, 16.0, 20.0, 700.0
+ALONE, PARENT, WORKER = 300e6, 110e6, 230e6
+NODE, NODE_SUBCELL, WINDOW, WINDOW_SUBCELL = 16.0, 16.0, 20.0, 700.0
 ESTIMATE = 5.0  # nodes of the windows of an error estimate over those of the window
-STEP, SAMPLE, STEP_KEPT, SAMPLE_KEPT, TIME_STEP, EVENT = 450.0, 280.0, 60.0, 16.0, 300.0, 300.0
+STEP, SAMPLE, STEP_KEPT, SAMPLE_KEPT, TIME_STEP, EVENT = 650.0, 280.0, 60.0, 16.0, 300.0, 300.0
 EVENTS_PER_NODE = 0.6  # approximate recovery events of a node that the contact passes over
 TIME_STEPS = 40.0  # of a motion in a period of the resonance
 # Bytes on disk: of a run, and per step, sample and event of it.
-RUN_FILES, STEP_FILE, SAMPLE_FILE, EVENT_FILE = 2e6, 155.0, 18.0, 41.0
+RUN_FILES, STEP_FILE, SAMPLE_FILE, EVENT_FILE = 1e6, 180.0, 26.0, 41.0
 
 
 def cores() -> int:
@@ -166,7 +166,7 @@ def memory(scenes: Sequence[Scene], workers: int) -> dict[str, float]:
     parts["record"] += sum(kept) - max(kept)
     parts["surface"] *= workers
     parts["window"] *= workers
-    return parts | {"program": PROGRAM + WORKER * workers * (workers > 1)}
+    return parts | {"program": ALONE if workers == 1 else PARENT + WORKER * workers}
 
 
 def disk(scenes: Sequence[Scene]) -> float:

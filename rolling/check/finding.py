@@ -22,7 +22,7 @@ class Finding:
     warning : str or None
         Doubtful number, and the advice to change it.
     seconds : float, s
-        Time of computing, which the runs of a sweep add up.
+        Time of computing on one core, which the runs of a sweep add up.
     """
 
     key: str

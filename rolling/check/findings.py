@@ -185,7 +185,7 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     return Findings(
         by_run,
         (
-            ("expected time of all", f"{computing(seconds * cost.cores())}, {len(runs)} runs"),
+            ("expected time of all", f"{computing(seconds)}, {len(runs)} runs"),
             ("memory of all", refusals.memory_text(cost.memory(scenes, cost.cores()))),
             ("disk of all", f"about {byte_size(cost.disk(scenes))}"),
         ),
@@ -253,7 +253,7 @@ def _march(scene: Scene) -> list[Finding]:
     result = [
         Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", _narrow(scene, rq)),
         Finding("step_time", "time of a step", f"about {step_ms:.2g} ms on 1 core"),
-        Finding("expected_time", "expected time", computing(seconds), None, seconds / cost.cores()),
+        Finding("expected_time", "expected time", computing(seconds), None, seconds),
         Finding("tolerance", "tolerance", f"{scene.tolerance:g}{rule}"),
     ]
     if scene.numerics.error_estimate:
@@ -261,9 +261,7 @@ def _march(scene: Scene) -> list[Finding]:
         seconds = share * error_cost.marched_steps(scene) * step_ms * 1e-3
         reason = error_cost.too_short(scene) or "a smooth surface makes no sound"
         value = f"{computing(seconds)} ({share:.0%} more)" if share else f"none: {reason}"
-        result.append(
-            Finding("error_estimate", "error estimate", value, None, seconds / cost.cores())
-        )
+        result.append(Finding("error_estimate", "error estimate", value, None, seconds))
     return result
 
 
@@ -275,10 +273,8 @@ def _narrow(scene: Scene, rq: float) -> str | None:
         return None
     side = "width" if track.n_across <= track.n_along else "length"
     length = "duration_s" if scene.rolling.distance_mm is None else "distance_mm"
-    key = {"width": "surface.width_um", "length": f"rolling.{length}"}[side]
-    if isinstance(scene.surface, HeightFile) and (
-        side == "length" or scene.surface.width_um is None
-    ):
+    key = "surface.width_um" if side == "width" else f"rolling.{length}"
+    if isinstance(scene.surface, HeightFile) and not (side == "width" and scene.surface.width_um):
         key = "height file"
     return (
         f"the contact is about {si(across, 'm')} across, the surface has a {side} of"

@@ -62,9 +62,8 @@ def _resolution(surface: SceneSurface) -> list[Finding]:
     least = f"{MIN_CORRELATION_NODES:g} are wanted"
     if nodes < 1:
         warnings.append(
-            "neighbouring heights have nothing in common: less than 1 node per correlation length"
-            f" (1/e of the autocorrelation), {least}; a finer measurement is needed, or noise must"
-            " be filtered out"
+            f"less than 1 node per correlation length (1/e of the autocorrelation), {least}: a"
+            " finer measurement is needed, or noise must be filtered out"
         )
     elif round(nodes, 1) < MIN_CORRELATION_NODES:
         spacing = rounded_down(length / MIN_CORRELATION_NODES * 1e6)
@@ -76,8 +75,7 @@ def _resolution(surface: SceneSurface) -> list[Finding]:
     if noise > MAX_NOISE and nodes >= 1:
         warnings.append(
             f"{100 * noise:.2g} % of the variance of the heights changes from each node to the"
-            " next: noise of the measurement, which must be filtered out, or detail that needs a"
-            " finer measurement"
+            " next: filter noise out, or take a finer measurement"
         )
     quantity, warning = "nodes per correlation length", "; ".join(warnings) or None
     return [Finding("correlation_nodes", quantity, f"{nodes:.3g}", warning)]
@@ -94,13 +92,10 @@ def _seam(scene: Scene, levelling: Levelling) -> Finding:
     if share > 0:
         on_seam, record = si(share * scene.duration, "s"), si(scene.duration, "s")
         warning = (
-            f"the step from the last row of the file to the first is {si(seam.step, 'm')} rms,"
-            f" {si(seam.neighbours, 'm')} between neighbouring rows: the file is no period of a"
-            f" surface. The contact is on that step for {on_seam} of the record's {record}"
-            f" ({100 * share:.2g} %); the sound of that time belongs to the cut and may be louder"
-            " than the rest, and the record does not loop. Roll over the middle of the file only"
-            " (rolling.start_um, rolling.duration_s), or blend the end of the file into its"
-            " beginning"
+            f"the file is no period of a surface. The contact is on that step for {on_seam} of the"
+            f" record's {record} ({100 * share:.2g} %); the sound of that time belongs to the cut,"
+            " and the record does not loop: roll over the middle of the file only"
+            " (rolling.start_um, rolling.duration_s), or blend its end into its beginning"
         )
     return Finding("seam", "step across the seam", f"{sizes}, stands out", warning)
 
@@ -123,8 +118,7 @@ def _form(surface: SceneSurface) -> list[Finding]:
     warning = None
     if share > MAX_FORM:
         warning = (
-            f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights: if"
-            " they are tilt and form of the part, they pass for roughness; take the tilt off with"
-            " surface.level plane, the form before"
+            f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights and"
+            " pass for roughness: take tilt off with surface.level plane, the form before"
         )
     return [Finding("form", "plane and parabola", f"{100 * share:.2g} % of the variance", warning)]

@@ -99,9 +99,7 @@ class Probe:
         result += [
             Finding("window", "window", window),
             Finding("step_time", "time of a step", f"{step} on 1 core"),
-            Finding(
-                "expected_time", "expected time", computing(seconds), None, seconds / cost.cores()
-            ),
+            Finding("expected_time", "expected time", computing(seconds), None, seconds),
             Finding("contact_area", "contact area", _ranged(self.contact_area, _area)),
         ]
         if math.isfinite(scene.hardness):

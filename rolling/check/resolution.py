@@ -160,8 +160,7 @@ def _nyquist(scene: Scene) -> Finding:
     seconds = motion.time_below(wanted, duration)
     step_um = rounded_down(_usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6)
     advice = (
-        f"choose a step of at most {step_um} um (numerics.step_nodes or surface.spacing_um) or a"
-        f" speed of at least {rounded_up(wanted)} m/s"
+        f"choose a step of at most {step_um} um or a speed of at least {rounded_up(wanted)} m/s"
     )
     if motion.is_constant(duration):
         short = f"the simulated band ends at {high} at {fastest:g} m/s, hearing at {end}: {advice}"
@@ -169,9 +168,8 @@ def _nyquist(scene: Scene) -> Finding:
         return Finding("nyquist", "simulated Nyquist", high, short if short_band else None)
     short = (
         f"for {100 * seconds / duration:.3g} % of the record ({si(seconds, 's')}) the simulated"
-        f" band ends below {end}, at {low} when the sphere is slowest ({slowest:.3g} m/s): the"
-        f" bands above hold the sound of the faster stretches alone; {advice} for"
-        f" {100 - 100 * MIN_SHARE:g} % of the record"
+        f" band ends below {end}, at {low} at the slowest: the bands above hold the sound of the"
+        f" faster stretches alone; {advice} for {100 - 100 * MIN_SHARE:g} % of the record"
     )
     short_band = seconds >= MIN_SHARE * duration
     value = f"{low} to {high}"
@@ -220,8 +218,7 @@ def _step_length(scene: Scene) -> Finding:
             f" {long_steps.DOUBTFUL_RADII:g} are wanted: the mean release is up to about"
             f" {100 * lost:.2g} % low, levels are off by up to"
             f" {long_steps.LEVEL_ERROR_DB * radii:.2g} dB; choose a step of at most"
-            f" {rounded_down(long_steps.DOUBTFUL_RADII * radius * 1e6)} um (numerics.step_nodes or"
-            " surface.spacing_um)"
+            f" {rounded_down(long_steps.DOUBTFUL_RADII * radius * 1e6)} um"
         )
     return Finding("step_length", "step / contact radius", f"{radii:.2g}", warning)
 
@@ -239,8 +236,8 @@ def record(scene: Scene) -> Finding:
             longer = f"rolling.distance_mm of at least {rounded_up(1e3 * rolled)}"
         warning = (
             f"{len(short)} of {len(certain)} third octaves, up to {short[-1]} Hz, have a bandwidth"
-            f" times duration below {bands.LEAST_BT:g} and are uncertain by 2 dB or more: for all"
-            f" of them choose a {longer}"
+            f" times duration below {bands.LEAST_BT:g} and are uncertain by 2 dB or more: choose a"
+            f" {longer}"
         )
     return Finding(
         "third_octaves", "certain third octaves", f"{certain.sum()} of {len(certain)}", warning

@@ -71,9 +71,7 @@ def _bouncing(scene: Scene) -> Finding:
         )
     warning = (
         f"a free ball {ball} would bounce on its contact at {si(frequency, 'Hz')}, inside hearing"
-        f" and the simulated band, and the load is held constant here; at {speed:.3g} m/s waves of"
-        f" {si(speed / frequency, 'm')} feed it, {wave:.2g} of contact radius and correlation"
-        f" length: {part}; the section dynamics (`dynamics: {{}}`, with both densities) lets the"
-        " sphere bounce"
+        f" and the simulated band, and the load is held constant here: at {speed:.3g} m/s {part};"
+        " `dynamics: {}`, with both densities, lets the sphere bounce"
     )
     return Finding("resonance", "contact resonance", si(frequency, "Hz"), warning)

@@ -78,13 +78,13 @@ def _force(scene: Scene) -> Finding:
     warning = None
     if low < 0:
         warning = (
-            f"the contact force fluctuates by about {ratio:.2g} of the load, and the sphere loses"
-            f" contact: impacts need a small step, and the forces leave the marched loads; {advice}"
+            f"it fluctuates by about {ratio:.2g} of the load, and the sphere loses contact: impacts"
+            f" need a small step, and the forces leave the marched loads; {advice}"
         )
     elif low < least:  # a force above the highest load has lost contact, too
         warning = (
-            f"the contact force falls to about {low:.2g} of the load, and loads are marched down to"
-            f" {least:.2g} of it: the force below may be extrapolated; {advice}"
+            f"it falls to about {low:.2g} of the load, and loads are marched down to {least:.2g} of"
+            f" it: the force below may be extrapolated; {advice}"
         )
     value = f"about {max(low, 0):.3g} to {high:.3g}, rms {ratio:.2g} (from the statistics)"
     return Finding("force_ratio", "contact force over load", value, warning)
@@ -140,10 +140,10 @@ def _waves(scene: Scene) -> Finding:
         shortest = scene.surface.correlation_length_um * 1e-6
     if wave < shortest:
         warning = (
-            f"at {speed:.3g} m/s waves of {si(wave, 'm')} feed the resonance, shorter than the"
-            f" correlation length of {si(shortest, 'm')}: the grid decides how much of them there"
-            " is; choose a smaller surface.spacing_um and compare, or a rolling.speed_m_s of at"
-            f" least {rounded_up(shortest * frequency)}"
+            f"at {speed:.3g} m/s they are shorter than the correlation length of"
+            f" {si(shortest, 'm')}, and the grid decides how much of them there is: compare a"
+            " smaller surface.spacing_um, or choose a rolling.speed_m_s of at least"
+            f" {rounded_up(shortest * frequency)}"
         )
     return Finding("resonance_wave", "waves that feed the resonance", si(wave, "m"), warning)
 
@@ -157,9 +157,8 @@ def _half_space(scene: Scene) -> list[Finding]:
     lowest = HALF_SPACE_HZ_M / distance
     if lowest > HEARING[0]:
         warning = (
-            f"the pressure of a half-space holds from {si(lowest, 'Hz')} at {distance:g} m and is"
-            " too high below, by 14 dB at 100 Hz and 1 m: give plate.thickness_mm, or a larger"
-            " sound.distance_m"
+            "below, the pressure is too high, by 14 dB at 100 Hz and 1 m: give plate.thickness_mm,"
+            " or a larger sound.distance_m"
         )
     return [Finding("half_space_sound", "sound of a half-space from", si(lowest, "Hz"), warning)]
 
@@ -175,15 +174,13 @@ def _bending(scene: Scene) -> list[Finding]:
     warnings: dict[str, str] = {}
     if share > THICK:
         warnings["contact_thickness"] = (
-            f"the contact radius is {share:.2g} of the thickness, and the contact is that of a"
-            f" half-space, which holds up to {THICK:g}: choose a plate.thickness_mm of at least"
-            f" {rounded_up(1e3 * radius / THICK)}"
+            f"the contact is that of a half-space, which holds up to {THICK:g}: choose a"
+            f" plate.thickness_mm of at least {rounded_up(1e3 * radius / THICK)}"
         )
     if limit < HEARING[1]:
         warnings["bending"] = (
-            f"bending waves above {si(limit, 'Hz')} are shorter than {of_scene.LEAST_THICKNESSES:g}"
-            " thicknesses, and thin-plate theory ends there: do not trust the bands above, or"
-            " choose a plate.thickness_mm of at most"
+            f"bending waves above are shorter than {of_scene.LEAST_THICKNESSES:g} thicknesses: do"
+            " not trust the bands above, or choose a plate.thickness_mm of at most"
             f" {rounded_down(thickness_mm * limit / HEARING[1])}"
         )
     if distance < near:
@@ -193,9 +190,8 @@ def _bending(scene: Scene) -> list[Finding]:
         )
     if air > LOADED_HZ:
         warnings["air_load"] = (
-            f"the air loads a plate as light as this below some {si(air, 'Hz')}, which is left out:"
-            " levels there are too high; choose a plate.thickness_mm of at least"
-            f" {rounded_up(thickness_mm * air / LOADED_HZ)}, or a denser plate"
+            "the load of the air is left out, and levels there are too high: choose a denser plate"
+            f" or a plate.thickness_mm of at least {rounded_up(thickness_mm * air / LOADED_HZ)}"
         )
     rows = [
         ("air_load", "air loads the plate below", si(air, "Hz")),
@@ -214,20 +210,19 @@ def _marches(scene: Scene) -> list[Finding]:
     assert scene.dynamics is not None  # asked for by the caller
     others, seconds = scene.dynamics.loads - 1, cost.expected_seconds(scene)
     value = f"{others} more marches, {computing(others * seconds)}, and more where the force leaves"
-    shared = others * seconds / cost.cores()
-    result = [Finding("force_law", "force law", f"{value} them", None, shared)]
+    result = [Finding("force_law", "force law", f"{value} them", None, others * seconds)]
     if not scene.moves_release:
         return result
     speed, frequency = scene.motion.slowest(scene.duration), bounce_hz(scene)
     steps, warning = speed / (frequency * scene.step), None
     if steps < LEAST_STEPS:
         warning = (
-            f"the track has {steps:.2g} steps in a period of the resonance, a release under the"
-            f" moving load needs {LEAST_STEPS}: choose a rolling.speed_m_s of at least"
-            f" {rounded_up(LEAST_STEPS * frequency * scene.step)} or a smaller step"
+            f"{steps:.2g} steps in a period of the resonance, {LEAST_STEPS} are wanted: choose a"
+            f" smaller step or a rolling.speed_m_s of at least"
+            f" {rounded_up(LEAST_STEPS * frequency * scene.step)}"
         )
     value = f"one more march, {computing(seconds)}, {steps:.2g} steps in a period"
     if scene.dynamics.release is None:
         value += "; dynamics.release: false leaves it out"
-    own = seconds / cost.cores()
-    return [*result, Finding(OWN_MARCH, "release under the moving load", value, warning, own)]
+    name = "release under the moving load"
+    return [*result, Finding(OWN_MARCH, name, value, warning, seconds)]

@@ -49,6 +49,7 @@ def inverse_stencil() -> Array:
     waves = np.hypot(along, across) >= 2 * np.pi / LONGEST_WAVE
 
     def ring(a: int, b: int) -> Array:
+        """Return the transform of a unit on the nodes (a, b) of all eight octants."""
         nodes = {(x * m, y * n) for m, n in ((a, b), (b, a)) for x in (-1, 1) for y in (-1, 1)}
         # Sorted, because the order of a sum has an effect on its last digits.
         total: Array = np.sum([np.cos(m * along + n * across) for m, n in sorted(nodes)], axis=0)

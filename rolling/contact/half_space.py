@@ -86,6 +86,7 @@ def love(rows: Array, columns: Array) -> Array:
     """
 
     def corner(s: Array, t: Array) -> Array:
+        """Return the part of the coefficient by a corner of the square."""
         # Corners lie half a spacing off the nodes, so neither s nor t is ever zero; arcsinh does
         # not cancel where log(y + r) would.
         return s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))

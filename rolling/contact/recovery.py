@@ -125,8 +125,10 @@ def join_events(pieces: Iterable[dict[str, NDArray[Any]]]) -> dict[str, NDArray[
     same = (node[order[1:]] == node[order[:-1]]).all(axis=1)
     begins = np.append(True, ~(same & (first[order[1:]] == last[order[:-1]])))
     starts = np.flatnonzero(begins)
-    for name, merge in (("last", np.maximum), ("energy", np.add), ("peak", np.maximum)):
-        table[name][order[starts]] = merge.reduceat(table[name][order], starts)
+    for name in ("last", "peak"):
+        table[name][order[starts]] = np.maximum.reduceat(table[name][order], starts)
+    # Energies are added in the order of the pieces, to the same last digit.
+    table["energy"][order[starts]] = np.bincount(np.cumsum(begins) - 1, table["energy"][order])
     rows = np.sort(order[starts])
     return {name: column[rows] for name, column in table.items()}
 

@@ -232,6 +232,7 @@ class RollingContact:
         return gap if self.slopes else self._gap(k, window, np.zeros((1, 1)))
 
     def _gap(self, k: int, window: Window, heights: Array) -> Array:
+        """Compute the undeformed gap over heights on a window at position k [m]."""
         out = np.empty((window.rows, window.columns))
         _window_kernels.undeformed_gap(
             heights,

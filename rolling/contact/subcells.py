@@ -82,9 +82,11 @@ class SubcellSpace(HalfSpace):
         self.subcells = subcells
 
     def _make(self, m: int, n: int, single: bool) -> SubcellConvolution:
+        """Make the transforms of a padded size of cells."""
         return SubcellConvolution(m, n, single, self.subcells)
 
     def _length(self, reach: int, across: bool) -> int:
+        """Return the padded length in cells for sub-cells up to `reach` spacings apart."""
         # The interpolation spreads pressure into a border of one cell on both sides.
         return padded_length(-(-reach // self.subcells) + 2, across)
 

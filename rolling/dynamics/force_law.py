@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rolling._typing import Array
-from rolling.dynamics import _law_kernels
-from rolling.dynamics._law_kernels import LawTable
+from rolling.dynamics import _motion_kernels
+from rolling.dynamics._motion_kernels import LawTable
 
 EQUAL = 1e-6  # relative; positions that differ less from equal distances count as equally spaced
 # Loads of a law are added up to these multiples of the scene's. A force beyond them is
@@ -122,7 +122,7 @@ class ForceLaw:
         """Return the approach [m] under a constant load [N] >= 0 at positions [m]."""
         x = np.asarray(position_m, dtype=float)
         laws = np.empty((x.size, self.table.values.shape[1]))
-        _law_kernels.laws_at(x.ravel(), self.table, laws)
+        _motion_kernels.laws_at(x.ravel(), self.table, laws)
         weights = _integrals(self.table.breaks, float(load_n) ** (2 / 3))
         return np.asarray(laws[:, 0] + laws[:, 1:] @ weights).reshape(x.shape)
 
@@ -137,28 +137,8 @@ class ForceLaw:
             np.asarray(position_m, dtype=float), np.asarray(approach_m, dtype=float)
         )
         values = np.empty((x.size, 4))
-        _law_kernels.evaluate(x.ravel(), d.ravel(), self.table, values)
+        _motion_kernels.evaluate(x.ravel(), d.ravel(), self.table, values)
         return values.reshape((*x.shape, 4))
-
-
-def hertz_law(
-    load_n: float, radius_m: float, contact_modulus_pa: float, track_m: ArrayLike = (0, 0, 0, 0)
-) -> ForceLaw:
-    """Return the law of a smooth sphere on a track of given heights, spaced 1 m apart.
-
-    Parameters
-    ----------
-    load_n : float, N
-        Load about which the law holds.
-    radius_m, contact_modulus_pa : float, m, Pa
-        Radius R and contact modulus E*, F = 4/3 E* sqrt(R) d^(3/2).
-    track_m : array (n,), m
-        Heights of the track, which lower the approach that a force needs. Default: flat.
-    """
-    height = np.asarray(track_m, dtype=float)
-    loads = load_n * np.array([0.5, 1.0, 2.0])
-    depth = (loads / (4 / 3 * contact_modulus_pa * np.sqrt(radius_m))) ** (2 / 3)
-    return ForceLaw(np.arange(height.size, dtype=float), loads, depth[:, None] - height)
 
 
 def _broken_line(s: Array, approach: Array) -> tuple[Array, Array]:

@@ -21,8 +21,8 @@ DETUNING = 0.1  # of the bandwidth; n steps per period detune by (2 pi / n)^2 / 
 MOST_PER_PERIOD = 200
 
 State = tuple[float, float, float]  # approach [m], ball velocity [m/s], plate displacement [m]
-RunIn = tuple[int, float, bool]  # laps, change of the force in the last [N], settled
-NO_LAPS: RunIn = (0, np.nan, False)
+RunIn = tuple[int, bool]  # laps, settled
+NO_LAPS: RunIn = (0, False)
 
 
 @dataclass(frozen=True)
@@ -112,8 +112,6 @@ class Motion:
         Share of time in which the force is outside the marched loads.
     laps : int
         Laps of the run-in.
-    lap_difference_n : float, N
-        Maximum change of the force from the last lap of the run-in to the record; NaN without one.
     settled : bool
         If true, the motion repeats from lap to lap; whole laps of it loop.
     transient_s : float, s
@@ -132,7 +130,6 @@ class Motion:
     impacts: int
     outside_share: float
     laps: int
-    lap_difference_n: float
     settled: bool
     transient_s: float
 
@@ -312,7 +309,7 @@ class _Run:
             difference = float(np.max(np.abs(lap.record[:, 0] - before.record[:, 0])))
             if not lap.record[:, 0].any():  # a flight longer than a lap repeats nothing
                 difference = np.inf
-        run_in = (laps, difference, difference <= allowed)
+        run_in = laps, difference <= allowed
         if self.steps == self.lap_steps:
             return self.motion(lap, run_in)
         return self.record(before.end_on_level, run_in)
@@ -342,8 +339,7 @@ class _Run:
             impacts=int(np.sum(apart[:-1] & ~apart[1:])),
             outside_share=self.law.outside(force),
             laps=run_in[0],
-            lap_difference_n=run_in[1],
-            settled=run_in[2],
+            settled=run_in[1],
             transient_s=transient,
         )
 

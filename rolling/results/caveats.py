@@ -21,26 +21,12 @@ from rolling.sound.vibration_sound import Vibration
 BENT = 0.1  # range of the plate's displacement over its thickness up to which it is small
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 WANTED_DB = 0.2  # standard error up to which an error estimate says enough
-# These stand beside every level.
-HEADLINE = (
-    "upper_bound",
-    "assumed_q",
-    "fixed_gain",
-    "on_axis",
-    "infinite_plate",
-    "unvalidated",
-    "uncertainty",
-)
-REPEATS = ("short_loop", "short_track")  # these stand beside every player
-# All other caveats are warnings.
-STANDING = (
-    *HEADLINE,
-    *REPEATS,
-    "not_loopable",
-    "quasi_static",
-    "constant_load_release",
-    "moving_load_release",
-)
+# Caveats that stand beside every level, beside every player, and elsewhere; others are warnings.
+_BOUNDS = ("upper_bound", "assumed_q", "fixed_gain", "on_axis", "infinite_plate")
+HEADLINE = (*_BOUNDS, "unvalidated", "uncertainty")
+REPEATS = ("short_loop", "short_track")
+_LOADS = ("quasi_static", "constant_load_release", "moving_load_release")
+STANDING = (*HEADLINE, *REPEATS, *_LOADS, "not_loopable")
 
 
 @dataclass(frozen=True)

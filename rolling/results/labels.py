@@ -31,9 +31,7 @@ WORDS = {  # in the order in which labels name them
     _PATH: Word("heights"),
     "surface.roughness_ra_um": Word("Ra", "µm"),
     "surface.correlation_length_um": Word("correlation length", "µm"),
-    "surface.correlation_length_across_um": Word(
-        "correlation length across", "µm", "correlation length across as along"
-    ),
+    "surface.correlation_length_across_um": Word("correlation length across", "µm", "isotropic"),
     "surface.autocorrelation": Word("autocorrelation"),
     "surface.height_unit": Word("height unit"),
     "surface.level": Word("levelling"),

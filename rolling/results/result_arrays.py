@@ -129,9 +129,9 @@ def fixed_lengths(result: Result) -> dict[str, int]:
 def groups_of(run: Run) -> dict[str, Group]:
     """Return the groups of the file of a run by name; the root, with the series, has none."""
     result, sound = run.result, run.sound
-    arrays = {"step": run.distance, "position": run.position}
+    arrays = {name: values for name, values in run.series.items() if name in TABLE}
+    arrays |= {"step": run.distance, "position": run.position}
     arrays |= {"time": run.time, "position_time": run.position_time}
-    arrays |= {name: values for name, values in run.series.items() if name in TABLE}
     facts = {
         "title": f"rolling contact noise: {run.scene.name}",
         "format": FORMAT,

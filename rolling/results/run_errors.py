@@ -132,17 +132,9 @@ def numbers(
     if errors is None:
         return {}
     levels = errors.levels
-    unknown = (math.nan,) * 5
-    grid, spread, solver, grid_signal, solver_signal = (
-        unknown
-        if levels is None
-        else (
-            levels.laeq_grid_db,
-            levels.laeq_grid_uncertainty_db,
-            levels.laeq_solver_db,
-            levels.grid_signal_db,
-            levels.solver_signal_db,
-        )
+    grid, spread, solver = (
+        getattr(levels, f"laeq_{name}_db", math.nan)
+        for name in ("grid", "grid_uncertainty", "solver")
     )
     # The level is not corrected for the error of the grid, which therefore counts whole.
     parts = {
@@ -159,8 +151,8 @@ def numbers(
         "laeq_grid_error_uncertainty_db": known(spread),
         "laeq_solver_error_db": known(solver),
         "plastic_ratio_grid_error": known(errors.plastic_ratio),
-        "grid_signal_db": known(grid_signal),
-        "solver_signal_db": known(solver_signal),
+        "grid_signal_db": known(getattr(levels, "grid_signal_db", math.nan)),
+        "solver_signal_db": known(getattr(levels, "solver_signal_db", math.nan)),
         "laeq_uncertainty_db": None if levels is None else total,
         "laeq_uncertainty_parts_db": parts,
         "error_estimate": {"reason": errors.reason}
@@ -195,12 +187,10 @@ def _reason(scene: Scene, result: Result, sound: ContactSound) -> str | None:
     """Explain why a run has no estimate, or return None."""
     if scene.surface.kind == "smooth":
         return "a smooth surface makes no sound whose error could be estimated"
-    if not result.stretches:
-        return error_cost.too_short(scene) or "its stretches are not marched"
-    if result.stretches.fault:
+    if result.stretches and result.stretches.fault:
         return f"a stretch could not be solved again: {result.stretches.fault}"
     if not error_stretches.stretch_firsts(scene, result):
-        return "its stretches are not marched"
+        return error_cost.too_short(scene) or "its stretches are not marched"
     return "the record is silent" if sound.levels.level_db is None else None
 
 

@@ -188,22 +188,20 @@ class Run:
         return result_file.tree(self)
 
     def __repr__(self) -> str:
-        return f"<run {self.title}: LAeq {self._level('laeq_db')} dB(A), {self.result.steps} steps>"
+        level = runs_table.level_text(self.summary, "laeq_db")
+        return f"<run {self.title}: LAeq {level} dB(A), {self.result.steps} steps>"
 
     def _repr_html_(self) -> str:
         """Write levels and caveats for a notebook."""
-        levels = "".join(
-            f"<tr><td>{name}</td><td>{self._level(key)}</td><td>{unit}</td></tr>"
+        rows = [
+            (name, runs_table.level_text(self.summary, key), unit)
             for key, (name, unit) in runs_table.LEVELS.items()
-        )
+        ]
+        levels = "".join(f"<tr><td>{'</td><td>'.join(row)}</td></tr>" for row in rows)
         caveats = "".join(
             f"<li>{html.escape(each['text'])}</li>" for each in self.summary["caveats"]
         )
         return f"<h4>{html.escape(self.title)}</h4><table>{levels}</table><ul>{caveats}</ul>"
-
-    def _level(self, key: str) -> str:
-        """Write a level with its uncertainty [dB]."""
-        return runs_table.level_text(self.summary, key)
 
 
 def hear(

@@ -166,31 +166,29 @@ def error_line(label: str, summary: Mapping[str, Any]) -> str:
 
 def levels_table(runs: Sequence[Labelled]) -> str:
     """Write levels, cost and folders of runs for a terminal, with their caveats below."""
-    names, summaries = labels(runs), [stored_summary(run) for run in runs]
-    rows = []
-    for run, label, summary in zip(runs, names, summaries, strict=True):
-        row = {"run": label} | dict.fromkeys(
-            ("LAeq dB(A)", "LZeq dB", "steady dB", "plastic ratio", "steps", "ms/step"), "-"
-        )
+    levels = ("LAeq dB(A)", "LZeq dB", "steady dB")
+    rows = [["run", *levels, "plastic ratio", "steps", "ms/step", "files"]]
+    solved = []
+    for run, label in zip(runs, labels(runs), strict=True):
+        cells, summary = ["-"] * 6, stored_summary(run)
         if summary is not None:
-            row["LAeq dB(A)"] = level_text(summary, "laeq_db")
-            row["LZeq dB"] = level_text(summary, "level_db").partition(" ")[0]
-            row["steady dB"] = level_text(summary, "steady_level_db").partition(" ")[0]
-            row["plastic ratio"] = f"{summary['plastic_ratio']:.3f}"
-            row["steps"] = f"{summary['steps']}"
-            row["ms/step"] = "-" if summary["step_ms"] is None else f"{summary['step_ms']:.1f}"
-        rows.append(row | {"files": printable(str(run.folder))})
-    known = [(name, each) for name, each in zip(names, summaries, strict=True) if each is not None]
-    errors = [line for name, summary in known if (line := error_line(name, summary))]
-    return "\n".join([columns(rows), *errors, *_remarks(known)])
+            solved.append((label, summary))
+            step_ms = summary["step_ms"]
+            cells = [
+                level_text(summary, f"{name}_db") for name in ("laeq", "level", "steady_level")
+            ]
+            cells[1:] = [level.split()[0] for level in cells[1:]]
+            cells += [f"{summary['plastic_ratio']:.3f}", f"{summary['steps']}"]
+            cells += ["-" if step_ms is None else f"{step_ms:.1f}"]
+        rows.append([label, *cells, printable(str(run.folder))])
+    errors = [line for label, summary in solved if (line := error_line(label, summary))]
+    return "\n".join([columns(rows), *errors, *_remarks(solved)])
 
 
-def columns(rows: Sequence[Mapping[str, str]]) -> str:
-    """Write rows of the same keys in aligned columns, two spaces apart, for a terminal."""
-    cells = [[*rows[0]], *([*row.values()] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    lines = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in cells)
-    return "\n".join(lines)
+def columns(rows: Sequence[Sequence[str]]) -> str:
+    """Write rows of equal length in aligned columns, two spaces apart, for a terminal."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
 
 
 def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:

@@ -168,6 +168,7 @@ def _solve(
         if run.is_done and run.scene.height_path is not None:  # its file may have been edited
             result_file.read_result(run.folder / folders.RESULT, run.scene)
     if not lacking:
+        progress.line(f"{folder}: all runs are done")
         return {}
     scenes = [run.scene for run in lacking]
     marches = [contact_identity(scene) for scene in scenes]
@@ -300,7 +301,7 @@ def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator
     for run in runs:
         if reason := run.sound.not_extendable:
             raise FolderError(f"{run.folder}: {reason}, so it cannot be extended")
-        if seconds <= run.sound.duration:
+        if round(seconds * wav.SAMPLE_RATE_HZ) <= len(run.sound.pressure):
             raise FolderError(
                 f"{run.folder}: --seconds: got {seconds:g}, the record itself is"
                 f" {run.sound.duration:.4g} s long; give more"

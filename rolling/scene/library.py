@@ -36,19 +36,17 @@ def find(path: Path) -> Path:
     return path if file is None or path.is_file() else file
 
 
-def titles(inner: bool = False) -> dict[str, str]:
-    """Return the titles of scenes by name; `inner` includes the scenes in folders, of studies.
+def title(file: Path) -> str:
+    """Return the title of a scene: the first sentence of the comment that it begins with."""
+    lines = file.read_text(encoding="utf-8").splitlines()
+    comment = itertools.takewhile(lambda line: line.startswith("#"), lines)
+    text = " ".join(line.strip("# ") for line in comment if "$schema=" not in line)
+    return re.split(r"(?<=[.?!])\s", text, maxsplit=1)[0]
 
-    The title is the first sentence of the comment that the file begins with.
-    """
-    titles = {}
-    for name, file in scenes().items():
-        lines = file.read_text(encoding="utf-8").splitlines()
-        comment = itertools.takewhile(lambda line: line.startswith("#"), lines)
-        text = " ".join(line.strip("# ") for line in comment if "$schema=" not in line)
-        if inner or "/" not in name:
-            titles[name] = re.split(r"(?<=[.?!])\s", text, maxsplit=1)[0]
-    return titles
+
+def titles(inner: bool = False) -> list[tuple[str, str]]:
+    """Return name and title of each scene; `inner` includes the scenes in folders, of studies."""
+    return [(name, title(file)) for name, file in scenes().items() if inner or "/" not in name]
 
 
 def copy(name: str, target: Path) -> list[Path]:

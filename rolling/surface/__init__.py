@@ -2,10 +2,8 @@
 
 heights
     makes random and flat heights, and computes roughness statistics
-height_file
-    reads heights from files in metres
 levelling
-    finds tilt and seam of measured heights and removes the tilt
+    reads heights from files, finds their tilt and seam, and removes the tilt
 refined
     computes heights between the nodes, on finer and coarser grids and on sub-cells
 scene_surface

@@ -1,4 +1,4 @@
-"""Tilt and seam of measured heights.
+"""Measured heights, read from files, their tilt and their seam.
 
 Heights are read as one period of the surface. A crop of a larger surface is no period: its last row
 does not lead to its first, and a tilt of the specimen passes for a cliff there. Subtracting a plane
@@ -8,11 +8,17 @@ removes the tilt.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from rolling._typing import Array
+from rolling.scene.height_files import UNITS, HeightFormatError, numbers
+from rolling.surface.heights import SurfaceError
 
+LARGEST_RA = 1e-3  # [m]; anything rougher is a file in other units
+# [m]; of larger heights double precision keeps no roughness, and their sum may overflow
+HIGHEST = 1e6
 # A seam stands out if it exceeds the maximum difference between neighbouring rows by this factor
 # plus 4 / rows.
 BEYOND_MAXIMUM = 1.2
@@ -22,6 +28,42 @@ BEYOND_RANGE = 2.0
 # A median difference below this factor times the usual rms is no sign of tilt: coarsely quantized
 # heights have medians of zero or a whole quantum.
 BEYOND_USUAL = 2.0
+
+
+def read_heights(path: Path, unit: str = "m", n_across: int | None = None) -> Array:
+    """Read heights of a file in a unit of UNITS as metres about their mean, (along, across).
+
+    A profile of one line is laid over so many nodes across. Raise SurfaceError where the file holds
+    no array of real numbers, where heights are not finite or above 1000 km, or Ra is above 1 mm.
+    """
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):  # such heights are refused below
+            heights = numbers(path).astype(np.float64)
+    except HeightFormatError as error:
+        raise SurfaceError(error.of(path)) from error
+    if not heights.size:
+        raise SurfaceError(f"{path}: holds no heights")
+    bad = np.argwhere(~np.isfinite(heights))
+    if len(bad):
+        i, j = bad[0]
+        raise SurfaceError(
+            f"{path}: {len(bad)} of {heights.size} heights are not numbers, the first at"
+            f" ({i}, {j}); fill them in first"
+        )
+    largest = float(np.abs(heights).max())
+    if largest * UNITS[unit] > HIGHEST:
+        raise SurfaceError(
+            f"{path}: got a height of {largest:.4g} {unit}, allowed: up to"
+            f" {HIGHEST / UNITS[unit]:g} {unit}"
+        )
+    heights = (heights - heights.mean()) * UNITS[unit]
+    ra = np.abs(heights).mean()
+    if ra > LARGEST_RA:
+        raise SurfaceError(
+            f"{path}: Ra would be {ra:.4g} m, more than {LARGEST_RA:g} m; set surface.height_unit,"
+            f" {unit} here, to the unit of the file ({', '.join(UNITS)})"
+        )
+    return heights if n_across is None else np.repeat(heights, n_across, axis=1)
 
 
 @dataclass(frozen=True)
@@ -77,7 +119,7 @@ class Levelling:
 
 
 def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
-    """Subtract the least-squares plane from heights of zero mean, where it is wanted.
+    """Subtract the least-squares plane from heights of zero mean, where the mode asks for it.
 
     Heights that keep their plane are returned as they are.
 
@@ -93,11 +135,11 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
     """
     seams = seam(heights, 0), seam(heights, 1)
     plane = slope(heights, spacing, 0), slope(heights, spacing, 1)
-    wanted = [
+    tilted = [
         mode == "plane" or (mode == "auto" and _helps(heights, spacing, k, seams[k], plane[k]))
         for k in (0, 1)
     ]
-    taken = plane[0] if wanted[0] else 0.0, plane[1] if wanted[1] else 0.0
+    taken = plane[0] if tilted[0] else 0.0, plane[1] if tilted[1] else 0.0
     before = after = float(np.abs(heights).mean())
     if any(taken):
         along, across = (

@@ -16,8 +16,8 @@ from rolling._typing import Array
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian, HeightFile
-from rolling.surface import height_file, levelling
 from rolling.surface import heights as surface
+from rolling.surface import levelling
 from rolling.surface.heights import Correlation, Statistics
 from rolling.surface.levelling import Levelling
 from rolling.terminal import progress
@@ -71,35 +71,23 @@ _kept: dict[tuple[Any, ...], SceneSurface] = {}  # the oldest first
 
 
 def scene_surface(scene: Scene) -> SceneSurface:
-    """Generate or read the surface of a scene.
-
-    Raises
-    ------
-    SceneError
-        The surface cannot be made or read.
-    """
+    """Generate or read the surface of a scene; raise SceneError where that fails."""
     key = identity(scene)
     if key not in _kept:
         try:
             with progress.step(_making(scene)):
-                made = _make(scene)
+                fresh = _make(scene)
         except surface.SurfaceError as error:
             place = "surface.path" if scene.height_path else "surface"
             raise SceneError([f"{place}: {error}"]) from error
-        _kept[key] = made
+        _kept[key] = fresh
         while sum(other.heights.nbytes for other in _kept.values()) > _MOST_KEPT and len(_kept) > 1:
             del _kept[next(iter(_kept))]
     return _kept[key]
 
 
 def heights(scene: Scene) -> Array:
-    """Return the surface heights of a scene [m], shape (along, across).
-
-    Raises
-    ------
-    SceneError
-        The surface cannot be made or read.
-    """
+    """Return the surface heights of a scene [m], shape (along, across)."""
     return scene_surface(scene).heights
 
 
@@ -107,11 +95,6 @@ def identity(scene: Scene) -> tuple[Any, ...]:
     """Return values that are equal for scenes with the same surface.
 
     A file that was written again counts as another file.
-
-    Raises
-    ------
-    SceneError
-        The height file is missing or has no heights.
     """
     track, path = scene.track, scene.height_path
     try:
@@ -137,11 +120,10 @@ def _making(scene: Scene) -> str:
 
 
 def _make(scene: Scene) -> SceneSurface:
+    """Generate or read the surface of a scene, and level heights from a file."""
     s, spacing = scene.surface, scene.spacing
     if isinstance(s, HeightFile) and scene.height_path:
-        path = scene.height_path
-        stored = height_file.stored(path)  # the digest belongs to the array that is used
-        read = height_file.usable(stored, path, s.height_unit, s.n_across)
+        read = levelling.read_heights(scene.height_path, s.height_unit, s.n_across)
         heights, plane = levelling.level(read, spacing, s.level)
         return SceneSurface(heights, spacing, plane)
     track = scene.track
@@ -149,10 +131,10 @@ def _make(scene: Scene) -> SceneSurface:
     if isinstance(s, Gaussian):
         across = s.correlation_length_across_um or s.correlation_length_um
         lengths = (s.correlation_length_um * 1e-6, across * 1e-6)
-        made = surface.gaussian(
+        heights = surface.gaussian(
             shape, spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed
         )
-        return SceneSurface(made, spacing)
+        return SceneSurface(heights, spacing)
     return SceneSurface(surface.smooth(shape), spacing)
 
 

@@ -85,7 +85,7 @@ def test_a_run_and_its_resound_are_told_apart_by_the_speed() -> None:
             ["rigid sphere", "sphere Young's modulus 70 GPa"],
         ),
         ({"rolling__speed_m_s": [[0, 0.1], [1, 0.3]]}, ["speed 0.1 m/s", "speed 0.1 to 0.3 m/s"]),
-        ({"surface__correlation_length_across_um": 5}, ["across as along", "across 5 µm"]),
+        ({"surface__correlation_length_across_um": 5}, ["isotropic", "across 5 µm"]),
         (
             {"surface": {"kind": "smooth", "spacing_um": 2, "width_um": 64}},
             ["surface gaussian", "surface smooth"],

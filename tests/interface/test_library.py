@@ -22,7 +22,7 @@ def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_scene_has_a_name_and_a_title() -> None:
     scenes = library.scenes()
     assert set(scenes.values()) == set((ROOT / "scenarios").rglob("*.yaml"))
-    for name, title in library.titles(inner=True).items():
+    for name, title in library.titles(inner=True):
         assert title[-1] in ".?" and len(title) < 160 and "$schema" not in title, name
         if "/" not in name:
             assert read_scene(scenes[name]).name == name

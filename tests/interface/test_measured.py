@@ -13,8 +13,8 @@ from rolling.check.finding import Finding
 from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.sound import contact_sound as sound
-from rolling.surface import height_file, scene_surface
 from rolling.surface import heights as surface
+from rolling.surface import levelling, scene_surface
 
 SPACING = 2e-6
 TEXT = """\
@@ -61,9 +61,9 @@ def test_check_says_what_was_taken_off_and_what_stays(tmp_path: Path) -> None:
     warning = got["seam"].warning
     assert warning is not None
     assert (
-        "between neighbouring rows" in warning
+        "no period of a surface" in warning
         and "does not loop" in warning
-        and "blend the end" in warning
+        and "blend its end" in warning
     )
     # The contact, 0.0402 mm wide by Hertz (a^3 = 3 W R / (4 E*) gives a = 20.1 um), crosses the
     # seam once on 0.4 mm at 0.1 m/s.
@@ -86,7 +86,7 @@ def test_periodic_heights_have_no_finding_but_values(tmp_path: Path) -> None:
     assert {
         key: got[key].warning for key in ("level", "seam", "form", "correlation_nodes")
     } == dict.fromkeys(("level", "seam", "form", "correlation_nodes"))
-    read = height_file.read(tmp_path / "heights.npy")
+    read = levelling.read_heights(tmp_path / "heights.npy")
     for mode in ("auto", "none"):
         given = file.loads(TEXT, [f"surface.level={mode}"], folder=tmp_path)
         assert np.array_equal(scene_surface.heights(given), read)

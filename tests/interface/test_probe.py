@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling.check import cost, findings, probe
+from rolling.check import findings, probe
 from rolling.check.finding import Finding
 from rolling.contact import march, of_scene
 from rolling.contact.subcells import half_space_of
@@ -82,7 +82,7 @@ def test_the_expected_time_is_that_of_the_solved_steps() -> None:
     (got,) = probe.probes([given])
     finding = next(f for f in got.findings(given) if f.key == "expected_time")
     seconds = got.step_ms.mean() * 1e-3 * given.track.solved_steps
-    assert finding.seconds == pytest.approx(seconds / cost.cores())
+    assert finding.seconds == pytest.approx(seconds)
 
 
 def test_positions_that_fail_are_said(capsys: pytest.CaptureFixture[str]) -> None:

@@ -174,5 +174,5 @@ def test_folders_of_any_name_are_shown_on_one_line(runs: list[Stored]) -> None:
 
 
 def test_columns_are_as_wide_as_their_cells() -> None:
-    text = columns([{"a": "long cell", "b": "x"}, {"a": "y", "b": "z"}])
+    text = columns([["a", "b"], ["long cell", "x"], ["y", "z"]])
     assert text.splitlines() == ["a          b", "long cell  x", "y          z"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers import hertz_law
 from scipy.integrate import solve_ivp
 
 from rolling.dynamics.bodies import (
@@ -12,7 +13,7 @@ from rolling.dynamics.bodies import (
     contact_stiffness,
     sphere_mass,
 )
-from rolling.dynamics.force_law import ForceLaw, hertz_law
+from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import Motion, Stepping, Travel, move
 
 RADIUS, LOAD = 5e-3, 20.0

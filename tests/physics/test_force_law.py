@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import STEEL, make_track, roll, rough
+from helpers import STEEL, hertz_law, make_track, roll, rough
 
 from rolling.contact.closed_forms import hertz_approach
 from rolling.contact.state import RollingContact
 from rolling.dynamics.bodies import Plate, sphere_mass
-from rolling.dynamics.force_law import ForceLaw, hertz_law
+from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import Stepping, move
 
 SPACING = 2e-6

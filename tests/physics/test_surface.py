@@ -9,8 +9,8 @@ import pytest
 from scene_text import PLAIN
 
 from rolling.scene import file as scene_file
-from rolling.surface import height_file, scene_surface
 from rolling.surface import heights as surface
+from rolling.surface import levelling, scene_surface
 from rolling.surface.heights import SurfaceError
 
 SPACING = 1e-6
@@ -176,7 +176,7 @@ def saved(path: Path, values: np.ndarray, **how: bool) -> Path:
 @pytest.mark.parametrize("kind", [np.float64, np.float32])
 def test_file_is_read_as_metres_about_its_mean(tmp_path: Path, kind: type) -> None:
     z = np.random.default_rng(0).standard_normal((12, 9)) * 1e-6
-    heights = height_file.read(saved(tmp_path, (z + 1e-3).astype(kind)))
+    heights = levelling.read_heights(saved(tmp_path, (z + 1e-3).astype(kind)))
     assert heights.dtype == np.float64 and heights.shape == (12, 9)
     rounding = 1e-10 if kind is np.float32 else 1e-18
     np.testing.assert_allclose(heights, z - z.mean(), atol=rounding)
@@ -198,7 +198,7 @@ def test_arrays_that_are_not_heights_are_refused(tmp_path: Path, change, words: 
     z = np.random.default_rng(0).standard_normal((12, 9)) * 1e-6
     path = saved(tmp_path, change(z), allow_pickle=True)
     with pytest.raises(SurfaceError, match=words) as error:
-        height_file.read(path)
+        levelling.read_heights(path)
     assert str(path) in str(error.value)
 
 

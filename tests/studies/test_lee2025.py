@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from rolling.verification.dense import dense_contact
+from hard_cases.dense import dense_contact
 
 from acoustics.bands import BAND_NAMES
 from acoustics.level import I_REF_W_M2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -13,11 +14,13 @@ from rolling.contact import recovery
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import ContactState, RollingContact, march
 from rolling.contact.subcells import half_space_of
+from rolling.dynamics.force_law import ForceLaw
 
 __all__ = [
     "STEEL",
     "assert_solved",
     "gap_and_deflection",
+    "hertz_law",
     "make_track",
     "releases",
     "roll",
@@ -51,3 +54,13 @@ def releases(
 def assert_solved(track: RollingContact, state: ContactState, allowance: float = 1.5) -> None:
     """Assert the contact conditions to the tolerance, the bounds exactly, the load to 1e-12."""
     assert not optimality.broken(track, state, allowance)
+
+
+def hertz_law(
+    load_n: float, radius_m: float, contact_modulus_pa: float, track_m: Sequence[float] = (0,) * 4
+) -> ForceLaw:
+    """Return the law F = 4/3 E* sqrt(R) d^(3/2) of a smooth sphere, on heights spaced 1 m apart."""
+    height = np.asarray(track_m, dtype=float)
+    loads = load_n * np.array([0.5, 1.0, 2.0])
+    depth = (loads / (4 / 3 * contact_modulus_pa * np.sqrt(radius_m))) ** (2 / 3)
+    return ForceLaw(np.arange(height.size, dtype=float), loads, depth[:, None] - height)

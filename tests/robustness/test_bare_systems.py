@@ -9,10 +9,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from rolling.simulation import pool, spawning
-from rolling.simulation.pool import Task
+from commands import ROOT, contents, words_of
+from loky.backend import get_context
+from scene_text import TINY
 
-ROOT = Path(__file__).parents[2]
+from rolling import cli
+
 COMPILE = """\
 import os, numpy as np
 from rolling.contact import _window_kernels, solver
@@ -74,27 +76,26 @@ def test_a_given_folder_keeps_the_compiled_code(sealed: dict[str, str], tmp_path
 
 
 # ---- no semaphores
-# --------------------------------------------------------------------------------------------
-
-
-def twice(number: int, stopped: object, progress: object) -> int:
-    return 2 * number
 
 
 @pytest.mark.parametrize(
     "error", [FileNotFoundError(2, "No such file"), OSError(38, "ENOSYS"), ImportError("sem_open")]
 )
 def test_without_semaphores_one_process_does_all(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], error: Exception
+    error: Exception,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     def refuse(self: object) -> None:
         raise error
 
-    monkeypatch.setattr(spawning._Context, "Lock", refuse)
-    results: dict[int, int] = {}
-    outcome = pool.work([Task(k, twice, (k,), 1.0) for k in range(3)], 2, results.__setitem__)
-    assert results == {0: 0, 1: 2, 2: 4} and not outcome.failures
+    monkeypatch.setattr(type(get_context("loky")), "Lock", refuse)
+    scene, out = tmp_path / "scene.yaml", tmp_path / "out"
+    scene.write_text(TINY + "sweep: {surface.seed: [1, 2]}\n")
+    assert cli.main(words_of(scene, out, "--workers", "2")) == 0
     assert "is /dev/shm there and writable?" in capsys.readouterr().err
+    assert len(contents(out)) == 6
 
 
 # A namespace of its own hides /dev/shm from one process without rights of an administrator. Systems
@@ -109,17 +110,14 @@ IN_A_CONTAINER = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c"]
     reason="`unshare` is missing or makes no namespace for this user, so /dev/shm cannot be hidden",
 )
 def test_a_run_without_shared_memory_is_done(tmp_path: Path) -> None:
-    scene = tmp_path / "s.yaml"
-    scene.write_text(
-        "name: bare\nsphere: {radius_mm: 5}\n"
-        "plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n"
-        "surface: {kind: smooth, spacing_um: 2, width_um: 128}\n"
-        "rolling: {load_n: 0.2, speed_m_s: 0.1, duration_s: 0.002}\n"
-        "sweep: {rolling.load_n: [0.2, 0.3]}\n"
-    )
-    run = f"{sys.executable} -m rolling.cli run s.yaml --out out --workers 2 --no-pictures"
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(TINY + "sweep: {surface.seed: [1, 2]}\n")
+    words = " ".join(words_of(scene, tmp_path / "out", "--workers", "2"))
     done = subprocess.run(
-        [*IN_A_CONTAINER, f"mount -t tmpfs -o ro none /dev/shm && {run}"],
+        [
+            *IN_A_CONTAINER,
+            f"mount -t tmpfs -o ro none /dev/shm && {sys.executable} -m rolling {words}",
+        ],
         capture_output=True,
         text=True,
         cwd=tmp_path,

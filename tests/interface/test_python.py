@@ -1,0 +1,208 @@
+"""`import rolling as rc`: the numbers of the command in memory, and runs saved and opened."""
+
+from __future__ import annotations
+
+import doctest
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+from commands import ROOT, contents, words_of
+from matplotlib.figure import Figure
+from scene_text import TINY
+
+import rolling as rc
+from rolling import cli
+from rolling.results.run_result import Run
+from rolling.run import interface, stored
+
+SCRIPT = """\
+import rolling as rc
+print("main")
+scene = rc.read_scene("scene.yaml", ["sweep.surface.seed=[1, 2]"])
+print({seed: run.summary["laeq_db"] for seed, run in rc.simulate_sweep(scene, workers=2).items()})
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A scene with recovery events, and its run by the command."""
+    folder = tmp_path_factory.mktemp("python")
+    (folder / "scene.yaml").write_text(TINY + "recovery: {events: true}\n")
+    assert cli.main(words_of(folder / "scene.yaml", folder / "out", "--workers", "1")) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def run(folder: Path) -> Run:
+    return rc.simulate(rc.read_scene(folder / "scene.yaml"), workers=1)
+
+
+def executed(arguments: list[str], folder: Path) -> str:
+    return subprocess.run(
+        [sys.executable, *arguments], cwd=folder, capture_output=True, text=True, check=True
+    ).stdout
+
+
+def test_import_is_instant_and_names_are_public() -> None:
+    code = "import sys, rolling; print(*rolling.__all__); print(*sys.modules)"
+    names, modules = executed(["-c", code], ROOT).splitlines()
+    assert not {"numpy", "numba", "pydantic", "matplotlib", "xarray", "h5py"} & {*modules.split()}
+    for name in names.split():
+        value = getattr(rc, name)
+        assert inspect.ismodule(value) or value.__doc__, name
+    assert {*names.split()} < {*dir(rc)}
+    with pytest.raises(AttributeError, match="has no attribute 'simulat'"):
+        rc.simulat  # noqa: B018
+    assert (Path(rc.__file__).parent / "py.typed").is_file()
+
+
+def test_same_numbers_as_the_command_bit_by_bit(folder: Path, run: Run) -> None:
+    stored_run = rc.open_run(folder / "out")
+    for name, values in run.series.items():
+        if name != "step_time":
+            np.testing.assert_array_equal(values, stored_run.series[name])
+    np.testing.assert_array_equal(run.sound.pressure, stored_run.sound.pressure)
+    timed = {"step_ms", "seconds", "sound_seconds", "provenance", "listen"}
+    numbers = {key: value for key, value in run.summary.items() if key not in timed}
+    assert numbers == {k: v for k, v in stored_run.summary.items() if k not in timed}
+    assert run.events is not None and len(run.events["energy"]) > 0
+
+
+def test_a_saved_run_has_the_bytes_of_the_command_and_comes_back_equal(
+    folder: Path, tmp_path: Path, run: Run
+) -> None:
+    saved = run.save(tmp_path / "mine", report=False)
+    command, mine = contents(folder / "out"), contents(saved)
+    assert mine["signal.wav"] == command["signal.wav"]
+    again = rc.open_run(saved)
+    assert again.scene == run.scene and again.label == run.label
+    np.testing.assert_array_equal(again.release_power, run.release_power)
+    assert again.summary["laeq_db"] == run.summary["laeq_db"]
+    with pytest.raises(rc.FolderError, match="mine-2"):
+        run.save(saved)
+    again.save(tmp_path / "other")
+    assert (tmp_path / "other" / "report.html").is_file()
+
+
+def test_tree_is_the_file(folder: Path) -> None:
+    tree = rc.open_run(folder / "out").to_xarray()
+    with xr.open_datatree(folder / "out" / "result.h5", engine="h5netcdf") as file:
+        assert {*tree.groups} == {*file.groups}
+        for group in tree.groups:
+            here, there = (each[group].to_dataset(inherit=False) for each in (tree, file))
+            assert here.equals(there)
+        assert file["release_power"].dims == ("step",) and file["release_power"].units == "W"
+
+
+def test_a_sweep_gives_runs_by_value_and_is_refused_by_simulate(folder: Path) -> None:
+    loads = ["sweep.rolling.load_n=[0.005, 0.01]"]
+    scene = rc.read_scene(folder / "scene.yaml", loads)
+    with pytest.raises(rc.SceneError, match=r"sweeps rolling\.load_n; simulate_sweep"):
+        rc.simulate(scene)
+    runs = rc.simulate_sweep(scene, workers=1)
+    assert [*runs] == [0.005, 0.01]
+    assert [run.label for run in runs.values()] == ["load 0.005 N", "load 0.01 N"]
+    with pytest.raises(rc.SceneError, match="no sweep; simulate"):
+        rc.simulate_sweep(runs[0.005].scene)
+    both = scene.with_(sweep={"rolling.load_n": [0.005], "surface.seed": [1, 2]})
+    assert [*rc.simulate_sweep(both, workers=1)] == [(0.005, 1), (0.005, 2)]
+
+
+def test_failures_are_raised_beside_the_other_runs(folder: Path) -> None:
+    heavy = rc.read_scene(folder / "scene.yaml", ["rolling.load_n=40"])
+    with pytest.raises(rc.ContactError, match="more than the surface can carry"):
+        rc.simulate(heavy, workers=1)
+    swept = heavy.with_(sweep={"rolling.load_n": [40, 0.005]})
+    with pytest.raises(rc.SweepError, match=r"load 40 N: .* than the surface can carry") as error:
+        rc.simulate_sweep(swept, workers=1)
+    assert [*error.value.runs] == [0.005] and [*error.value.failures] == ["load 40 N"]
+
+
+def test_a_folder_that_holds_several_runs_or_none_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(rc.FolderError, match="no run folder"):
+        rc.open_run(tmp_path)
+    (tmp_path / "scene.yaml").write_text(TINY + "sweep: {surface.seed: [1, 2]}\n")
+    out = tmp_path / "out"
+    words = words_of(tmp_path / "scene.yaml", out, "--workers", "1", "--part", "1/2")
+    assert cli.main(words) == 0
+    with pytest.raises(rc.FolderError, match="holds 2 runs"):
+        rc.open_run(out)
+    assert rc.open_run(out / "seed=1").label == "seed 1"
+    with pytest.raises(rc.FolderError, match="not done"):
+        rc.open_run(out / "seed=2")
+
+
+@pytest.mark.parametrize("source", ["file", "input"])
+def test_a_script_needs_no_guard(source: str, folder: Path, tmp_path: Path) -> None:
+    """Workers do not run the main module again, whose output would come twice."""
+    (tmp_path / "scene.yaml").write_text((folder / "scene.yaml").read_text())
+    (tmp_path / "script.py").write_text(SCRIPT)
+    arguments = [sys.executable, "script.py" if source == "file" else "-"]
+    done = subprocess.run(
+        arguments, input=SCRIPT, cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    first, second = done.stdout.splitlines()
+    assert first == "main" and second.startswith("{1: ")
+
+
+def test_progress_is_shown_where_it_is_asked_for(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = rc.read_scene(folder / "scene.yaml")
+    for progress, is_shown in ((True, True), (None, False), (False, False)):
+        rc.simulate(scene, workers=1, progress=progress)
+        printed = capsys.readouterr()
+        assert ("100%" in printed.err) == is_shown and not printed.out
+    # A notebook is no terminal, but it has a reader.
+    shell = type("ZMQInteractiveShell", (), {})()
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    rc.simulate(scene, workers=1)
+    assert "100%" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("module", [interface, stored], ids=["interface", "stored"])
+def test_examples_of_docstrings(module) -> None:
+    assert doctest.testmod(module).failed == 0
+
+
+def test_levels_and_caveats_for_a_notebook(run: Run) -> None:
+    html = run._repr_html_()
+    assert "LAeq" in html and "dB(A)" in html and "upper bound" in html
+    assert repr(run).startswith("<run tiny, load 0.005 N: LAeq ")
+
+
+def test_player_of_a_notebook_or_the_name_of_the_file(
+    run: Run,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, "IPython.display", None)
+    assert run.play() is None
+    assert capsys.readouterr().out == "listen: listen.wav\n" and (tmp_path / "listen.wav").is_file()
+
+    class Display:
+        @staticmethod
+        def Audio(samples, rate, normalize):
+            return len(samples), rate, normalize
+
+    monkeypatch.setitem(sys.modules, "IPython.display", Display)
+    assert run.play() == (len(run.sound.pressure), 48000, False)
+
+
+def test_plots_take_and_return_axes(run: Run) -> None:
+    axes = Figure().subplots(1, 4)
+    for draw, ax in zip(
+        (rc.plot.third_octaves, rc.plot.spectrum, rc.plot.release_power, rc.plot.contact_pressure),
+        axes,
+        strict=True,
+    ):
+        assert draw(run, ax=ax) is ax
+        assert ax.get_xlabel() and ax.get_ylabel()

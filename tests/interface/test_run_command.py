@@ -1,0 +1,398 @@
+"""Commands on run folders as a user meets them, from `run` to `extend`."""
+
+from __future__ import annotations
+
+import json
+import time
+import webbrowser
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from commands import SWEEP, contents, tree, words_of
+from scene_text import TINY
+
+from acoustics import level, wav
+from acoustics.bands import third_octave_mean_square
+from acoustics.spectrum import line_spectrum
+from rolling import cli, open_run, read_scene
+from rolling.contact import closed_forms
+from rolling.marches.piece import contact_identity
+from rolling.run import folder as folders
+from rolling.terminal import defaults
+
+SEEDS = TINY + "sweep: {surface.seed: [1, 2, 3]}\n"
+OF_A_RUN = {"result.h5", "summary.json", "signal.wav", "listen.wav"}
+OF_A_FOLDER = {"scene.yaml", "runs.csv"}
+
+
+def write(folder: Path, text: str = TINY) -> Path:
+    path = folder / "scene.yaml"
+    path.write_text(text)
+    return path
+
+
+def run(scene: Path, out: Path, *more: str) -> int:
+    return cli.main(words_of(scene, out, "--workers", "1", *more))
+
+
+def summary(folder: Path) -> dict:
+    return json.loads((folder / "summary.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of three runs, with page and figures, which no test changes."""
+    folder = tmp_path_factory.mktemp("swept")
+    words = ["run", str(write(folder, SEEDS)), "--out", str(folder / "out"), "--workers", "1", "-q"]
+    assert cli.main(words) == 0
+    return folder / "out"
+
+
+# ---- run
+
+
+def test_a_run_leaves_few_files(tmp_path: Path, swept: Path) -> None:
+    out = tmp_path / "out"
+    assert run(write(tmp_path), out) == 0
+    assert {path.name for path in out.iterdir()} == OF_A_RUN | OF_A_FOLDER
+    below = {f"seed={seed}" for seed in (1, 2, 3)}
+    assert {path.name for path in swept.iterdir()} == OF_A_FOLDER | below | {
+        "report.html",
+        "figures",
+    }
+    for name in below:
+        assert {path.name for path in (swept / name).iterdir()} == OF_A_RUN
+    assert len([*swept.rglob("*.*")]) < 30
+    for name in ("summary.json", "scene.yaml"):
+        assert str(tmp_path) not in (out / name).read_text()
+
+
+def test_the_same_command_says_that_all_is_done_and_writes_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene, out = write(tmp_path, SEEDS), tmp_path / "out"
+    assert run(scene, out) == 0
+    before = {path: path.stat().st_mtime_ns for path in out.rglob("*.*")}
+    capsys.readouterr()
+    words = [word for word in words_of(scene, out) if word != "-q"]
+    assert cli.main(words) == 0
+    said = capsys.readouterr()
+    assert "done" in said.err and "dB(A)" in said.out and str(out) in said.out
+    assert {path: path.stat().st_mtime_ns for path in out.rglob("*.*")} == before
+
+
+def test_values_that_a_sweep_gets_later_are_added(tmp_path: Path) -> None:
+    scene, out, whole = write(tmp_path, SEEDS), tmp_path / "out", tmp_path / "whole"
+    assert run(scene, out) == 0
+    before = contents(out)
+    more = ("--set", "sweep.surface.seed=[0, 1, 2, 3]")
+    assert run(scene, out, *more) == 0
+    assert run(scene, whole, *more) == 0
+    assert contents(out) == contents(whole) and contents(out).items() > before.items()
+    assert len(pd.read_csv(out / "runs.csv")) == 4
+    assert run(scene, out) == 2  # fewer values are another scene
+
+
+def test_the_default_folder_is_named_by_the_scene(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    scene = write(tmp_path)
+    words = ["run", str(scene), "--no-report", "-q", "--workers", "1"]
+    for more in ([], [], ["--set", "rolling.load_n=0.006"]):
+        assert cli.main([*words, *more]) == 0
+    first, again, other = capsys.readouterr().out.split()
+    assert first == again != other and len(first) == len("outputs/tiny-") + 8
+    assert sorted(str(path) for path in Path("outputs").iterdir()) == sorted({first, other})
+
+
+def test_parts_in_any_order_give_the_bytes_of_the_whole(tmp_path: Path, swept: Path) -> None:
+    scene, out = write(tmp_path, SEEDS), tmp_path / "out"
+    for number, done in ((2, 1), (3, 2), (1, 3)):
+        assert not (out / "runs.csv").exists()
+        assert run(scene, out, "--part", f"{number}/3") == 0
+        assert [state for state, _ in folders.states(out).values()].count("done") == done
+    assert contents(out) == contents(swept)
+    assert run(scene, out, "--part", "9/9") == 0  # an array may have more parts than marches
+
+
+def test_runs_with_one_march_stay_in_one_part(tmp_path: Path) -> None:
+    """Speeds share a march where the sphere rolls the same distance; loads do not."""
+    text = TINY.replace("duration_s: 0.0005", "distance_mm: 0.05")
+    text += "sweep: {rolling.speed_m_s: [0.1, 0.2], rolling.load_n: [0.005, 0.01]}\n"
+    scene, out = write(tmp_path, text), tmp_path / "out"
+    marches = [contact_identity(single) for _, single in read_scene(scene).runs()]
+    assert marches[0] == marches[2] != marches[1] == marches[3]
+    assert run(scene, out, "--part", "1/2") == 0
+    states = folders.states(out)
+    assert [state for state, _ in states.values()] == ["done", "waiting", "done", "waiting"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--part", "4/3"], "got '4/3', allowed: K/N"),
+        (["--part", "0/3"], "got '0/3', allowed: K/N"),
+        (["--part", "a/b"], "got 'a/b', allowed: K/N"),
+        (["--part", "1/2"], "the scene has none"),
+        (["--set", "rolling.laod_n=3"], "nearest: rolling.load_n"),
+        (["--set", "surface.kind=file", "--set", "surface.path=none.npy"], "surface"),
+    ],
+)
+def test_bad_input_writes_nothing(
+    words: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene, out = write(tmp_path), tmp_path / "out"
+    try:
+        assert run(scene, out, *words) == 2
+    except SystemExit as end:  # of the parser
+        assert end.code == 2
+    assert message in capsys.readouterr().err and not out.exists()
+
+
+def test_a_run_that_fails_says_why_and_leaves_the_others_whole(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The plate carries 2.1 GPa times 50 x 128 um, 13.44 N."""
+    text = TINY + "sweep: {rolling.load_n: [40, 0.005]}\n"
+    scene, out = write(tmp_path, text), tmp_path / "out"
+    for _ in range(2):  # the second command tries it again
+        assert run(scene, out) == 1
+        assert "failed: load 40 N: " in (said := capsys.readouterr().err)
+        assert "13.44 N" in said
+    assert [state for state, _ in folders.states(out).values()] == ["failed", "done"]
+    table = pd.read_csv(out / "runs.csv")
+    assert list(table["laeq_db"].notna()) == [False, True]
+
+
+def test_workers_change_no_byte(tmp_path: Path) -> None:
+    scene = write(tmp_path, SWEEP)
+    assert run(scene, tmp_path / "one") == 0
+    assert cli.main(words_of(scene, tmp_path / "two", "--workers", "2")) == 0
+    assert contents(tmp_path / "one") == contents(tmp_path / "two")
+
+
+def test_a_smooth_ball_that_accelerates_is_silent(tmp_path: Path) -> None:
+    scene, out = tmp_path / "s.yaml", tmp_path / "out"
+    scene.write_text(
+        "name: s\nsphere: {radius_mm: 5}\nplate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n"
+        "surface: {kind: smooth, spacing_um: 2, width_um: 200}\n"
+        "rolling: {load_n: 5, speed_m_s: [[0, 0.1], [0.01, 0.3]], duration_s: 0.004}\n"
+    )
+    assert run(scene, out) == 0
+    numbers = summary(out)
+    assert numbers["laeq_db"] is None and numbers["level_db"] is None
+    speed = read_scene(out / "scene.yaml").motion.distance(0.004) / 0.004
+    power = closed_forms.smooth_release_power(5, speed, 5e-3, 210e9 / 0.91)
+    # 0.3 % of release at a / spacing = 22, and a track rounded to whole nodes
+    expected = 10 * np.log10(power / (4 * np.pi * 1e-12))
+    assert numbers["steady_level_db"] == pytest.approx(expected, abs=0.02)
+
+
+def test_a_height_file_is_found_from_the_folder(tmp_path: Path) -> None:
+    np.save(tmp_path / "z.npy", np.random.default_rng(1).standard_normal((40, 60)) * 2e-8)
+    head, _, tail = TINY.partition("surface:")
+    rest = tail[tail.index("rolling:") :].replace("0.0005", "0.0016")  # two laps
+    text = f"{head}surface: {{kind: file, path: z.npy, spacing_um: 2}}\n{rest}"
+    scene, out = write(tmp_path, text), tmp_path / "a" / "b"
+    assert run(scene, out) == 0
+    assert "path: ../../z.npy" in (out / "scene.yaml").read_text()
+    release = open_run(out).series["release_energy"]
+    assert len(release) == 80
+    np.testing.assert_array_equal(release[:40], release[40:])
+    far = tmp_path / "far"
+    words = ["resound", str(out), "--set", "sound.distance_m=2", "--out", str(far), "-q"]
+    assert cli.main([*words, "--no-report"]) == 0 and "path: ../z.npy" in tree(far)["scene.yaml"]
+
+
+def test_very_many_runs_have_a_table_and_no_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(defaults, "MOST_RUNS_COMPARED", 2)
+    monkeypatch.setattr(defaults, "FEW_RUNS", 1)
+    out = tmp_path / "out"
+    words = ["run", str(write(tmp_path, SEEDS)), "--out", str(out), "--workers", "1"]
+    assert cli.main(words) == 0
+    assert not (out / "report.html").exists() and (out / "runs.csv").is_file()
+    printed = capsys.readouterr().out
+    assert "seed 1" in printed and "seed 3" not in printed and "2 more runs" in printed
+
+
+@pytest.mark.slow
+def test_a_thousand_runs_of_different_seeds_start_within_seconds(tmp_path: Path) -> None:
+    """Each worker makes its own surface, so that the first result is there after 5 s, load 1."""
+    from commands import started, wait_for
+
+    text = TINY.replace("width_um: 128", "width_um: 512").replace("0.0005", "0.01")
+    scene = write(tmp_path, f"{text}sweep: {{surface.seed: {[*range(1000)]}}}\n")
+    began = time.monotonic()
+    with started(words_of(scene, tmp_path / "out", "--workers", "2"), tmp_path):
+        wait_for(lambda: [*tmp_path.glob("out/pieces/*/*.npz")])
+    assert time.monotonic() - began < 30.0  # five seconds on an idle machine
+
+
+# ---- resound
+
+
+@pytest.mark.law("Speed: a speed times c multiplies the release power by c, without a new solve.")
+def test_resound_solves_nothing_and_speed_scales(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first, fast, far = tmp_path / "first", tmp_path / "fast", tmp_path / "far"
+    assert run(write(tmp_path), first) == 0
+    monkeypatch.setattr("rolling.marches.piece.march", None)
+    words = ["--no-report", "-q", "--workers", "1"]
+    speed = ["resound", str(first), "--set", "rolling.speed_m_s=0.2", "--out", str(fast)]
+    assert cli.main([*speed, *words]) == 0
+    slow, quick = summary(first), summary(fast)
+    # Speed times 2: power times 2, half the time.
+    assert quick["release_power_mean_w"] == pytest.approx(
+        2 * slow["release_power_mean_w"], rel=1e-12
+    )
+    assert quick["duration_s"] == pytest.approx(slow["duration_s"] / 2, rel=1e-12)
+    louder = slow["steady_level_db"] + 10 * np.log10(2)
+    assert quick["steady_level_db"] == pytest.approx(louder, abs=1e-9)
+    distance = ["resound", str(fast), "--set", "sound.distance_m=10", "--out", str(far)]
+    assert cli.main([*distance, *words]) == 0
+    assert summary(far)["level_db"] == pytest.approx(quick["level_db"] - 20, abs=1e-6)
+    capsys.readouterr()
+    load = ["resound", str(first), "--set", "rolling.load_n=2", "--out", str(tmp_path / "no")]
+    assert cli.main([*load, *words]) == 2
+    assert "rolling.load_n" in capsys.readouterr().err and not (tmp_path / "no").exists()
+
+
+def test_a_resounded_sweep_has_the_bytes_of_a_run(tmp_path: Path, swept: Path) -> None:
+    scene, out, new = write(tmp_path, SEEDS), tmp_path / "out", tmp_path / "new"
+    change = ["--set", "sound.distance_m=2"]
+    assert cli.main(["resound", str(swept), *change, "--out", str(out), "--no-report", "-q"]) == 0
+    assert run(scene, new, *change) == 0
+    assert contents(out) == contents(new)
+
+
+# ---- status, table, plot, report, extend
+
+
+def test_status_counts_states_and_names_failures(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    assert run(write(tmp_path, SEEDS), out, "--part", "1/3") == 0
+    (out / "seed=2").mkdir()
+    (out / "seed=2" / "failed.json").write_text('{"reason": "the load is too large"}')
+    before = tree(out)
+    capsys.readouterr()
+    assert cli.main(["status", str(out)]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        f"{out}: 3 runs: 1 done, 1 waiting, 1 failed",
+        "  failed: seed=2: the load is too large",
+    ]
+    assert tree(out) == before
+    assert cli.main(["status", str(out / "seed=1")]) == 0
+    assert "1 run: 1 done" in capsys.readouterr().out
+    assert cli.main(["status", str(tmp_path)]) == 2
+    assert "no run folder" in capsys.readouterr().err
+
+    def finish(seconds: float) -> None:
+        (out / "seed=3").mkdir()
+        (out / "seed=3" / "failed.json").write_text("{}")
+
+    monkeypatch.setattr("time.sleep", finish)
+    assert cli.main(["status", str(out), "--watch"]) == 0
+    assert "2 failed" in capsys.readouterr().out
+
+
+def test_table_writes_statistics_and_plots(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = TINY + "sweep: {rolling.load_n: [0.005, 0.01], surface.seed: [1, 2]}\n"
+    out = tmp_path / "out"
+    assert run(write(tmp_path, text), out) == 0
+    capsys.readouterr()
+    assert cli.main(["table", str(out), "--plot", "plastic_ratio", "laeq_db", "-q"]) == 0
+    paths = [Path(line) for line in capsys.readouterr().out.splitlines()]
+    assert all(path.is_file() for path in paths)
+    assert {"runs.csv", "statistics.csv"} < {path.name for path in paths}
+    assert any("plastic_ratio" in path.name for path in paths)
+    statistics = pd.read_csv(out / "statistics.csv")
+    levels = statistics[statistics["level"] == "laeq_db"].set_index("rolling.load_n")
+    runs = pd.read_csv(out / "runs.csv").groupby("rolling.load_n")["laeq_db"]
+    np.testing.assert_allclose(levels["mean"], runs.mean(), rtol=1e-12)
+    for words, message in (
+        (["--plot", "laeq"], "nearest: laeq_db"),
+        (["--against", "rolling.load"], "nearest: rolling.load_n"),
+        (["--over", "rolling.seed"], "no swept key"),
+    ):
+        assert cli.main(["table", str(out), *words]) == 2
+        assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("form", ["png", "svg", "csv"])
+def test_plot_draws_single_figures(
+    form: str, swept: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["plot", str(swept / "seed=1"), "--figure", "release_power", "--format", form]
+    assert cli.main([*words, "--out", str(tmp_path / "drawn")]) == 0
+    (path,) = (tmp_path / "drawn").iterdir()
+    assert capsys.readouterr().out == f"{path}\n"
+    assert path.name == f"release_power.{form}" and path.stat().st_size > 200
+    assert cli.main(["plot", str(swept), "--figure", "release_pwoer"]) == 2
+    assert "release_power" in capsys.readouterr().err
+
+
+def test_report_is_made_again_and_of_several_folders(
+    swept: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, page = tmp_path / "out", tmp_path / "page.html"
+    assert run(write(tmp_path), out) == 0
+    assert cli.main(["report", str(out), "-q"]) == 0
+    assert "tiny" in (out / "report.html").read_text()
+    assert cli.main(["report", str(out), str(swept), "--out", str(page), "-q"]) == 0
+    assert "seed 3" in page.read_text()
+    capsys.readouterr()
+    assert cli.main(["report", str(out), "--out", str(page)]) == 2
+    assert "exists" in capsys.readouterr().err
+    assert cli.main(["report", str(out), str(swept)]) == 2
+    assert "--out" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("is_found", [True, False])
+def test_a_run_opens_its_page(
+    is_found: bool,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", lambda page: bool(opened.append(page)) or is_found)
+    scene, out = write(tmp_path, TINY + 'title: "Ball & plate <b>"\n'), tmp_path / "out"
+    assert cli.main(["run", str(scene), "--out", str(out), "--open", "--workers", "1"]) == 0
+    assert opened == [(out / "report.html").as_uri()]
+    assert ("no browser was found" in capsys.readouterr().err) == (not is_found)
+    html = (out / "report.html").read_text(encoding="utf-8")
+    assert "Ball &amp; plate &lt;b&gt;" in html and "plate <b>" not in html
+
+
+def test_a_long_record_has_the_bands_of_the_short_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert run(write(tmp_path, TINY.replace("0.0005", "0.05")), out) == 0
+    capsys.readouterr()
+    for seconds in ("0.05", "601"):
+        assert cli.main(["extend", str(out), "--seconds", seconds]) == 2
+        assert "--seconds: got" in capsys.readouterr().err
+    assert cli.main(["extend", str(out), "--seconds", "5"]) == 0
+    said = capsys.readouterr()
+    assert said.out == f"{out / 'extended.wav'}\n" and "kurtosis" in said.err
+    extended, rate, comment = wav.read(out / "extended.wav")
+    record, _, _ = wav.read(out / "signal.wav")
+    assert len(extended) == 5 * rate and "stationary Gaussian noise" in comment
+    before, after = (
+        third_octave_mean_square(*line_spectrum(samples, rate)) for samples in (record, extended)
+    )
+    heard = before > 1e-9 * before.max()  # the file is rounded to 24 bits
+    ratio = 10 * np.log10(after[heard] / before[heard])
+    assert heard.sum() > 10 and np.ptp(ratio) < 0.2  # one gain for all bands
+    assert level.laeq_db(record, rate) == pytest.approx(summary(out)["laeq_db"], abs=1e-3)
