@@ -12,29 +12,29 @@ import ast
 import json
 import re
 import sys
+from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
 COMMAND = "python docs/_hooks/generate.py"
-PACKAGES = ("rolling", "acoustics")
 
 Json = dict[str, Any]
 
 
 def main(arguments: list[str]) -> int:
     """Write the generated files, or name the stale ones; return the exit code."""
-    stale = [
-        path
+    stale = {
+        path: text
         for path, text in generated().items()
         if not path.exists() or path.read_text(encoding="utf-8") != text
-    ]
-    for path in stale:
+    }
+    for path, text in stale.items():
         print(path.relative_to(ROOT))
         if "--check" not in arguments:
-            path.write_text(generated()[path], encoding="utf-8")
-    return 1 if stale and "--check" in arguments else 0
+            path.write_text(text, encoding="utf-8")
+    return int(bool(stale) and "--check" in arguments)
 
 
 def generated() -> dict[Path, str]:
@@ -147,97 +147,53 @@ def law_table() -> str:
     The markers `@pytest.mark.law("subject: sentence")` are read from the source, without running a
     test.
     """
-    laws: dict[str, set[str]] = {}
-    files: dict[str, set[str]] = {}
+    laws, files = defaultdict(set), defaultdict(set)
     for path in sorted((ROOT / "tests").rglob("test_*.py")):
-        for law, _ in _marked(ast.parse(path.read_text(encoding="utf-8"))):
+        for law in _laws(ast.parse(path.read_text(encoding="utf-8"))):
             subject = law.partition(":")[0]
-            laws.setdefault(subject, set()).add(law)
-            files.setdefault(subject, set()).add(f"`{path.relative_to(ROOT / 'tests').as_posix()}`")
-    if not laws:
-        return "No test carries the marker `law` yet."
+            laws[subject].add(law)
+            files[subject].add(f"`{path.relative_to(ROOT / 'tests').as_posix()}`")
     rows = [[name, str(len(laws[name])), ", ".join(sorted(files[name]))] for name in sorted(laws)]
     return _table(["subject", "laws", "tests"], rows)
 
 
-def _marked(module: ast.Module) -> Iterator[tuple[str, str]]:
-    """Yield law and test of each marked test.
-
-    The mark of a class or of a module (`pytestmark`) holds for all of its tests.
-    """
-    whole: list[str] = []
-    for node in module.body:
-        if isinstance(node, ast.Assign) and any(
-            isinstance(t, ast.Name) and t.id == "pytestmark" for t in node.targets
-        ):
-            whole += _laws([node.value])
-    for node in module.body:
-        if isinstance(node, ast.ClassDef):
-            of_class = whole + _laws(node.decorator_list)
-            tests = [
-                (f"{node.name}::{part.name}", part)
-                for part in node.body
-                if isinstance(part, ast.FunctionDef)
-            ]
-        elif isinstance(node, ast.FunctionDef):
-            of_class, tests = whole, [(node.name, node)]
-        else:
-            continue
-        for name, test in tests:
-            if test.name.startswith("test"):
-                for law in of_class + _laws(test.decorator_list):
-                    yield law, name
-
-
-def _laws(expressions: list[ast.expr]) -> list[str]:
-    """Return the texts of all `....mark.law("text")` within expressions."""
-    return [
-        argument.value
-        for expression in expressions
-        for call in ast.walk(expression)
-        if isinstance(call, ast.Call)
-        and isinstance(call.func, ast.Attribute)
-        and call.func.attr == "law"
-        for argument in call.args
-        if isinstance(argument, ast.Constant) and isinstance(argument.value, str)
-    ]
+def _laws(module: ast.Module) -> Iterator[str]:
+    """Yield the texts of all `....mark.law("text")` in a module."""
+    for call in ast.walk(module):
+        if isinstance(call, ast.Call) and ast.unparse(call.func).endswith("mark.law"):
+            yield from (ast.literal_eval(argument) for argument in call.args)
 
 
 # ---- rooms
 
 
 def room_table() -> str:
-    """Return the table of rooms with purpose and imports, lowest floor first."""
-    rooms = {room: _imports(paths) - {room} for room, paths in _rooms().items()}
-    floors = _floors(rooms)
+    """Return the table of rooms with purpose and imports, lowest floor first.
+
+    A room is a folder or file at the top of `rolling`; the package `acoustics` is one room.
+    """
+    modules = {"acoustics": sorted((ROOT / "acoustics").rglob("*.py"))}
+    for path in sorted((ROOT / "rolling").iterdir()):
+        if (path / "__init__.py").exists():
+            modules[f"rolling.{path.name}"] = sorted(path.rglob("*.py"))
+        elif path.suffix == ".py" and path.stem not in ("__init__", "__main__"):
+            modules[f"rolling.{path.stem}"] = [path]
+    imports = {room: _imports(paths, modules) - {room} for room, paths in modules.items()}
+    floors = _floors(imports)
     rows = [
         [
             str(floors[room]),
             f"`{room}`",
-            _purpose(_rooms()[room]),
-            ", ".join(f"`{other}`" for other in sorted(rooms[room])),
+            _purpose(modules[room]),
+            ", ".join(f"`{other}`" for other in sorted(imports[room])),
         ]
-        for room in sorted(rooms, key=lambda room: (floors[room], room))
+        for room in sorted(modules, key=lambda room: (floors[room], room))
     ]
     return _table(["floor", "room", "purpose", "imports"], rows)
 
 
-def _rooms() -> dict[str, list[Path]]:
-    """Return the modules of each room.
-
-    A room is a folder or file at the top of `rolling`; the package `acoustics` is one room.
-    """
-    rooms: dict[str, list[Path]] = {"acoustics": sorted((ROOT / "acoustics").rglob("*.py"))}
-    for path in sorted((ROOT / "rolling").iterdir()):
-        if path.is_dir() and (path / "__init__.py").exists():
-            rooms[f"rolling.{path.name}"] = sorted(path.rglob("*.py"))
-        elif path.suffix == ".py" and path.name not in ("__init__.py", "__main__.py"):
-            rooms[f"rolling.{path.stem}"] = [path]
-    return rooms
-
-
-def _imports(paths: list[Path]) -> set[str]:
-    """Return the rooms that the modules import, within functions too."""
+def _imports(paths: list[Path], rooms: dict[str, list[Path]]) -> set[str]:
+    """Return the rooms that modules import, within functions too."""
     names: set[str] = set()
     for path in paths:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -245,37 +201,26 @@ def _imports(paths: list[Path]) -> set[str]:
                 names |= {f"{node.module}.{alias.name}" for alias in node.names}
             elif isinstance(node, ast.Import):
                 names |= {alias.name for alias in node.names}
-    return {room for name in names for room in [_room(name)] if room}
+    parts = [name.split(".") for name in names]
+    return {"acoustics" if part[0] == "acoustics" else ".".join(part[:2]) for part in parts} & {
+        *rooms
+    }
 
 
-def _room(name: str) -> str | None:
-    """Return the room of a dotted name.
-
-    The answer is None where the name belongs to another project or to `rolling` itself.
-    """
-    if name.split(".")[0] == "acoustics":
-        return "acoustics"
-    room = ".".join(name.split(".")[:2])
-    return room if room in _rooms() else None
-
-
-def _floors(rooms: dict[str, set[str]]) -> dict[str, int]:
+def _floors(imports: dict[str, set[str]]) -> dict[str, int]:
     """Return the floor of each room: one above the highest room that it imports.
 
     Rooms in a circle share the highest.
     """
-    floors = dict.fromkeys(rooms, 1)
-    for _ in rooms:
-        for room, imported in rooms.items():
-            floors[room] = max([1, *(min(floors[other] + 1, len(rooms)) for other in imported)])
+    floors = dict.fromkeys(imports, 1)
+    for _ in imports:
+        for room, others in imports.items():
+            floors[room] = max([1, *(min(floors[other] + 1, len(imports)) for other in others)])
     return floors
 
 
 def _purpose(paths: list[Path]) -> str:
-    """Return the first sentence of the docstring of a room.
-
-    A room without a docstring gives the names of its modules.
-    """
+    """Return the first sentence of the docstring of a room, or the names of its modules."""
     first = next((path for path in paths if path.name == "__init__.py"), paths[0])
     text = ast.get_docstring(ast.parse(first.read_text(encoding="utf-8")))
     if text:

@@ -12,9 +12,9 @@ import os
 import pickle
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, Self, cast
@@ -125,6 +125,21 @@ class ThisProcess:
         raise error
 
 
+@contextmanager
+def _worker_environment() -> Iterator[None]:
+    """Set the environment of processes that start in this context."""
+    before = {name: os.environ.get(name) for name in ENVIRONMENT}
+    os.environ.update(ENVIRONMENT)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
 class LocalPool:
     """Pool of processes of this machine that end with this process.
 
@@ -133,11 +148,10 @@ class LocalPool:
 
     def __init__(self, workers: int) -> None:
         self._workers, self.slots = workers, 2 * workers
-        self._before: dict[str, str | None] = {}
+        self._stack = ExitStack()
 
     def __enter__(self) -> Self:
-        self._before = {name: os.environ.get(name) for name in ENVIRONMENT}
-        os.environ.update(ENVIRONMENT)
+        self._stack.enter_context(_worker_environment())
         self._start()
         return self
 
@@ -156,11 +170,7 @@ class LocalPool:
 
     def __exit__(self, *error: object) -> None:
         self._pool.shutdown(wait=True, kill_workers=True)
-        for name, value in self._before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
+        self._stack.close()
 
     def submit(self, task: Task) -> Future[Any]:
         """Hand a task to a process."""
@@ -193,7 +203,8 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
     try:
         from loky.backend import get_context
 
-        get_context("loky").Lock()  # which needs semaphores, on Linux in /dev/shm
+        with _worker_environment():  # of the process that tidies up after workers, too
+            get_context("loky").Lock()  # which needs semaphores, on Linux in /dev/shm
     except (ImportError, NotImplementedError, OSError) as error:
         print(
             "warning: no worker processes, because the system has no semaphores for them"
