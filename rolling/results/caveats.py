@@ -69,10 +69,10 @@ def caveats(
         | _of_record(scene, sound)
         | _of_load(scene, moving)
         | {
-            each.key: f"{each.quantity}: {each.warning}"
-            for each in findings.findings(scene)
+            finding.key: f"{finding.quantity}: {finding.warning}"
+            for finding in findings.findings(scene)
             # A measured error of the grid stands for the rule's estimate.
-            if each.warning and not (knows_grid and each.key == resolution.KEY)
+            if finding.warning and not (knows_grid and finding.key == resolution.KEY)
         }
         | _of_errors(scene, errors)
         | _of_vibration(scene, vibration)

@@ -173,6 +173,7 @@ def fill(result: Result, groups: dict[str, Group]) -> None:
 
 
 def _write_snapshot(snapshot: Snapshot, run: Run) -> Group:
+    """Return pressure [Pa] and deflection [m] with the places [m] of their cells."""
     rows, columns = (np.arange(count) * run.scene.spacing for count in snapshot.pressure.shape)
     return {
         "along": snapshot.along + rows,
@@ -183,6 +184,7 @@ def _write_snapshot(snapshot: Snapshot, run: Run) -> Group:
 
 
 def _read_snapshot(arrays: Arrays, facts: Facts, result: Result) -> Snapshot:
+    """Return the snapshot of a group."""
     along, across = float(arrays["along"][0]), float(arrays["across"][0])
     return Snapshot(facts["distance_m"], along, across, arrays["pressure"], arrays["deflection"])
 
@@ -191,16 +193,18 @@ _PLACES = ("position", "distance", "along", "across", "cell")
 
 
 def _write_maps(maps: dict[int, PressureMap], run: Run) -> Group:
+    """Return the maps [Pa], padded with NaN to a common shape, and their places [m]."""
     ordered = [maps[position] for position in sorted(maps)]
-    shapes = np.array([each.pressure.shape for each in ordered])
+    shapes = np.array([drawn.pressure.shape for drawn in ordered])
     padded = np.full((len(maps), *shapes.max(axis=0)), np.nan, dtype=np.float32)
-    for block, each, (rows, columns) in zip(padded, ordered, shapes, strict=True):
-        block[:rows, :columns] = each.pressure
-    arrays = {name: np.array([getattr(each, name) for each in ordered]) for name in _PLACES}
+    for block, drawn, (rows, columns) in zip(padded, ordered, shapes, strict=True):
+        block[:rows, :columns] = drawn.pressure
+    arrays = {name: np.array([getattr(drawn, name) for drawn in ordered]) for name in _PLACES}
     return arrays | {"rows": shapes[:, 0], "columns": shapes[:, 1], "pressure": padded}, {}
 
 
 def _read_maps(arrays: Arrays, facts: Facts, result: Result) -> dict[int, PressureMap]:
+    """Return the maps of a group by position, without their padding."""
     maps, shapes = {}, zip(arrays["rows"].tolist(), arrays["columns"].tolist(), strict=True)
     places = zip(*(arrays[name].tolist() for name in _PLACES), strict=True)
     for place, (rows, columns), padded in zip(places, shapes, arrays["pressure"], strict=True):
@@ -210,10 +214,12 @@ def _read_maps(arrays: Arrays, facts: Facts, result: Result) -> dict[int, Pressu
 
 
 def _write_events(pieces: dict[int, Arrays], run: Run) -> Group:
+    """Return the table of recovery events."""
     return dict(run.events or {}), {}
 
 
 def _read_events(arrays: Arrays, facts: Facts, result: Result) -> dict[int, Arrays]:
+    """Return the table of recovery events as that of a single piece."""
     return {0: {name: arrays[name] for name in EVENT_COLUMNS}}
 
 
@@ -221,6 +227,7 @@ _STRETCH = {"release_energy": "release", "approach": "approach", "plastic_area":
 
 
 def _write_stretches(stretches: ErrorStretches, run: Run) -> Group:
+    """Return the marches by stretch and level, and the reasons of those that failed."""
     firsts = sorted({first for first, _ in stretches.marches})
     marches = [[stretches.marches[first, level] for level in LEVELS] for first in firsts]
     arrays = {
@@ -232,6 +239,7 @@ def _write_stretches(stretches: ErrorStretches, run: Run) -> Group:
 
 
 def _read_stretches(arrays: Arrays, facts: Facts, result: Result) -> ErrorStretches:
+    """Return the marches of stretches, whose time is not stored."""
     release, approach, areas = (arrays[name] for name in _STRETCH)
     stretches, faults = ErrorStretches(release.shape[2]), json.loads(facts["faults"])
     for row, first in enumerate(arrays["first"].tolist()):
@@ -260,6 +268,7 @@ def _write_film(film: SlowMotion, run: Run) -> Group:
 
 
 def _read_film(arrays: Arrays, facts: Facts, result: Result) -> SlowMotion:
+    """Return the film of a group."""
     if not arrays:
         return SlowMotion.none()
     fields = {name: facts[name] for name in _FILM}
@@ -283,6 +292,7 @@ def _write_law(marches: LoadMarches, run: Run) -> Group:
 
 
 def _read_law(arrays: Arrays, facts: Facts, result: Result) -> LoadMarches:
+    """Return the marches at other loads, without the run's own."""
     marches = LoadMarches(result.solved_steps)
     marches.approach = dict(zip(arrays["load"].tolist(), arrays["approach"], strict=True))
     del marches.approach[facts["own_load_n"]]
@@ -294,6 +304,7 @@ def _read_law(arrays: Arrays, facts: Facts, result: Result) -> LoadMarches:
 
 
 def _write_moving(moving: MovingRelease, run: Run) -> Group:
+    """Return force [N], approach [m] and energies [J] under the moving load, or its fault."""
     facts = {"key": moving.key, "fault": moving.fault}
     arrays = {"place": _places(run.result), "force": moving.force, "approach": moving.approach}
     arrays |= {"motion_approach": moving.motion_approach, **moving.steps}
@@ -301,6 +312,7 @@ def _write_moving(moving: MovingRelease, run: Run) -> Group:
 
 
 def _read_moving(arrays: Arrays, facts: Facts, result: Result) -> MovingRelease:
+    """Return the march under the moving load, or its fault."""
     if facts["fault"]:
         return MovingRelease.impossible(facts["key"], result.solved_steps, facts["fault"])
     force, motion = arrays["force"], arrays["motion_approach"]

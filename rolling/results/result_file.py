@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _SEAL = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
 _SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
-_LARGEST = 50  # bytes of all arrays per byte of a file, which is little compressed
+_LARGEST = 200  # bytes of all arrays per byte of a file: maps compress well, series hardly
 _COORDINATES = ("time", "position_time")  # beside the values of the dimensions
 
 

@@ -196,5 +196,5 @@ def _reason(scene: Scene, result: Result, sound: ContactSound) -> str | None:
 
 def _by_band(values: Array | None) -> dict[str, float | None]:
     """Return values by nominal frequency, None where they are unknown."""
-    found = [math.nan] * len(BAND_NAMES) if values is None else np.asarray(values).tolist()
-    return {name: known(value) for name, value in zip(BAND_NAMES, found, strict=True)}
+    decibels = [math.nan] * len(BAND_NAMES) if values is None else np.asarray(values).tolist()
+    return {name: known(value) for name, value in zip(BAND_NAMES, decibels, strict=True)}

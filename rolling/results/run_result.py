@@ -199,7 +199,7 @@ class Run:
         ]
         levels = "".join(f"<tr><td>{'</td><td>'.join(row)}</td></tr>" for row in rows)
         caveats = "".join(
-            f"<li>{html.escape(each['text'])}</li>" for each in self.summary["caveats"]
+            f"<li>{html.escape(caveat['text'])}</li>" for caveat in self.summary["caveats"]
         )
         return f"<h4>{html.escape(self.title)}</h4><table>{levels}</table><ul>{caveats}</ul>"
 

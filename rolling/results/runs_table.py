@@ -194,7 +194,7 @@ def columns(rows: Sequence[Sequence[str]]) -> str:
 def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     """Write the caveats of the levels, the surfaces, the short repetitions and the warnings."""
     remarks = gathered(runs)
-    beside = [each.line for each in remarks if each.key in HEADLINE]
+    beside = [caveat.line for caveat in remarks if caveat.key in HEADLINE]
     surfaces = dict.fromkeys(
         f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, skewness"
         f" {s['skewness']:.2f}, kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
@@ -206,8 +206,8 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
         if (levelling := summary["levelling"])
         and (levelling["slope_along"] or levelling["slope_across"])
     )
-    repeats = [f"note: {each.line}" for each in remarks if each.key in REPEATS]
-    warnings = [f"warning: {each.line}" for each in remarks if each.key not in STANDING]
+    repeats = [f"note: {caveat.line}" for caveat in remarks if caveat.key in REPEATS]
+    warnings = [f"warning: {caveat.line}" for caveat in remarks if caveat.key not in STANDING]
     return [*([" ".join(beside)] if beside else []), "", *surfaces, *tilts, *repeats, *warnings]
 
 

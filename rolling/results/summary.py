@@ -53,7 +53,7 @@ def summarize(
     vibration : Vibration. Vibration of sphere and plate, or None.
     moving : MovingRelease. The release under the moving load, or None.
     """
-    made, seconds = scene_surface(scene), result.series["step_time"]
+    surface, seconds = scene_surface(scene), result.series["step_time"]
     law = _law(scene, result, vibration)
     heard_law = law.get("force_law_error_db") if sound.source == "vibration" else None
     spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
@@ -76,8 +76,8 @@ def summarize(
         "step_ms": float(np.median(times) * 1e3) if len(times) else None,
         "seconds": float(times.sum()),
         "caveats": caveats(scene, sound, errors, vibration, moving),
-        "surface": asdict(made.statistics),
-        "levelling": _levelling(made.levelling) if made.levelling else None,
+        "surface": asdict(surface.statistics),
+        "levelling": _levelling(surface.levelling) if surface.levelling else None,
         **_vibration(scene, release, vibration),
         **law,
         **_moving(result, moving),

@@ -40,7 +40,7 @@ def said(
     scene = scene_of(seconds, *overrides)
     listed = caveats.caveats(scene, sound_of(scene, closed, noise))
     kept = (*caveats.STANDING, "solver")
-    return {each["key"]: each["text"] for each in listed if each["key"] in kept}
+    return {caveat["key"]: caveat["text"] for caveat in listed if caveat["key"] in kept}
 
 
 def test_each_caveat_stands_where_it_applies_and_nowhere_else() -> None:
@@ -100,7 +100,7 @@ def test_a_plate_that_bends_by_a_tenth_of_its_thickness(
     law = SimpleNamespace(load_n=np.array([10.0, 20.0]))
     vibration = cast(Vibration, SimpleNamespace(motion=motion, law=law))
     listed = caveats.caveats(scene, sound_of(scene), vibration=vibration)
-    texts = {each["key"]: each["text"] for each in listed}
+    texts = {caveat["key"]: caveat["text"] for caveat in listed}
     assert ("plate_deflection" in texts) == bent
     assert not bent or "by 0.11 of its thickness" in texts["plate_deflection"]
 
@@ -108,11 +108,13 @@ def test_a_plate_that_bends_by_a_tenth_of_its_thickness(
 def test_warnings_of_the_check_keep_their_keys_and_stand_last() -> None:
     scene = scene_of(0.03)
     listed = caveats.caveats(scene, sound_of(scene))
-    warned = [each for each in findings.findings(scene) if each.warning]
-    assert warned and [each["key"] for each in listed[-len(warned) :]] == [w.key for w in warned]
-    texts = {each["text"] for each in listed}
-    assert all(f"{each.quantity}: {each.warning}" in texts for each in warned)
-    assert not set(caveats.STANDING) & {each.key for each in findings.findings(scene)}
+    warned = [finding for finding in findings.findings(scene) if finding.warning]
+    assert warned and [caveat["key"] for caveat in listed[-len(warned) :]] == [
+        w.key for w in warned
+    ]
+    texts = {caveat["text"] for caveat in listed}
+    assert all(f"{w.quantity}: {w.warning}" in texts for w in warned)
+    assert not set(caveats.STANDING) & {finding.key for finding in findings.findings(scene)}
 
 
 def test_several_runs_say_each_caveat_once() -> None:

@@ -71,7 +71,7 @@ def test_a_run_and_its_resound_are_told_apart_by_the_speed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("keys", "found"),
+    ("keys", "names"),
     [
         ({"surface__roughness_ra_um": 0.2}, ["Ra 0.1 µm", "Ra 0.2 µm"]),
         ({"surface__seed": 2}, ["seed 1", "seed 2"]),
@@ -97,8 +97,8 @@ def test_a_run_and_its_resound_are_told_apart_by_the_speed() -> None:
         ({"name": "other"}, ["trial, load 20 N", "other, load 20 N"]),
     ],
 )
-def test_labels_name_the_difference(keys, found) -> None:
-    for label, words in zip(of(Case(SCENE), Case(scene(**keys))), found, strict=True):
+def test_labels_name_the_difference(keys, names) -> None:
+    for label, words in zip(of(Case(SCENE), Case(scene(**keys))), names, strict=True):
         assert words in label
         assert "load" not in label or "load" in words
 
@@ -126,11 +126,13 @@ def test_values_that_print_alike_have_all_their_digits() -> None:
 
 def test_height_files_are_told_apart_by_as_much_of_their_place_as_it_takes() -> None:
     surface = {"kind": "file", "path": "z.npy", "spacing_um": 2}
-    one, two = (Case(scene(Path("/data") / name, surface=surface)) for name in ("ground", "turned"))
-    assert of(one, two) == ["heights ground/z.npy", "heights turned/z.npy"]
+    ground, turned = (
+        Case(scene(Path("/data") / name, surface=surface)) for name in ("ground", "turned")
+    )
+    assert of(ground, turned) == ["heights ground/z.npy", "heights turned/z.npy"]
     # The same file, seen from two folders, is no difference.
     near = scene(Path("/data/ground"), surface=surface | {"path": "../turned/z.npy"})
-    assert of(two, Case(near, Path("runs/b"))) == ["load 20 N (a)", "load 20 N (b)"]
+    assert of(turned, Case(near, Path("runs/b"))) == ["load 20 N (a)", "load 20 N (b)"]
 
 
 def test_equal_scenes_are_told_apart_by_folder_and_then_by_number() -> None:
@@ -159,8 +161,8 @@ def test_values_under_labels_are_named_by_them() -> None:
 
 def test_long_names_are_cut_and_stand_once() -> None:
     names = [f"{'a' * 40}{digit}{'b' * 23}" for digit in "12"]
-    found = of(*(Case(scene(name=name, surface__seed=k)) for k, name in enumerate(names)))
-    assert len(set(found)) == 2 and max(map(len, found)) <= LONGEST
+    names = of(*(Case(scene(name=name, surface__seed=k)) for k, name in enumerate(names)))
+    assert len(set(names)) == 2 and max(map(len, names)) <= LONGEST
     assert labels.title("quickstart", "quickstart, load 5 N") == "quickstart, load 5 N"
     assert labels.title("quickstart", "load 5 N") == "quickstart, load 5 N"
 
@@ -183,8 +185,8 @@ def test_ten_swept_keys_stay_short_and_apart() -> None:
         )
         for k in range(32)
     ]
-    found = of(*cases)
-    assert len(set(found)) == 32 and max(map(len, found)) <= LONGEST
+    names = of(*cases)
+    assert len(set(names)) == 32 and max(map(len, names)) <= LONGEST
 
 
 NAMES = st.from_regex(r"\A[A-Za-z0-9][A-Za-z0-9._-]{0,63}\Z")
@@ -226,9 +228,9 @@ CASES = st.builds(
 @given(st.lists(CASES, min_size=1, max_size=6), st.integers(0, 3))
 def test_labels_of_any_runs_differ_and_can_be_printed(cases: list[Case], repeated: int) -> None:
     cases += cases[:repeated]
-    found = of(*cases)
-    assert len(found) == len(set(found)) == len(cases)
-    for label in found:
+    names = of(*cases)
+    assert len(names) == len(set(names)) == len(cases)
+    for label in names:
         assert label.isprintable() and label == label.strip() and 0 < len(label) <= LONGEST
         assert not label.startswith("_")  # matplotlib would leave it out of a legend
         label.encode()
@@ -236,8 +238,8 @@ def test_labels_of_any_runs_differ_and_can_be_printed(cases: list[Case], repeate
 
 @given(st.text())
 def test_printable_text_is_what_it_was_but_for_its_escapes(text: str) -> None:
-    found = labels.printable(text)
-    assert found.isprintable() and (found == text) == text.isprintable()
+    shown = labels.printable(text)
+    assert shown.isprintable() and (shown == text) == text.isprintable()
 
 
 def test_escapes_name_the_byte() -> None:

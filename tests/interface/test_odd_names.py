@@ -59,8 +59,8 @@ def test_pictures_take_any_label_as_it_stands(name: str) -> None:
     assert rows[1] == texts
     (legend,) = drawn.figure.legends
     assert [text.get_text() for text in legend.get_texts()] == [drawable(text) for text in texts]
-    for each in [legend, *drawn.figure.texts]:
-        assert each.get_window_extent().x1 <= WIDTH_IN * DPI + 1.0
+    for artist in [legend, *drawn.figure.texts]:
+        assert artist.get_window_extent().x1 <= WIDTH_IN * DPI + 1.0
 
 
 def test_texts_that_differ_look_different() -> None:

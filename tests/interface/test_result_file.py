@@ -99,10 +99,10 @@ def test_readers_of_netcdf_find_names_units_and_places(whole: Run) -> None:
         assert np.allclose(middles, release["step"].values, rtol=1e-12, atol=0)
         assert np.allclose(release, tree["release_per_metre"] * tree["speed"], rtol=1e-12, atol=0)
         maps = tree["pressure_maps"]
-        for k, each in enumerate(result.maps.values()):
+        for k, pressure_map in enumerate(result.maps.values()):
             rows, columns = int(maps["rows"][k]), int(maps["columns"][k])
             block = maps["pressure"][k].values
-            assert np.array_equal(block[:rows, :columns], each.pressure)
+            assert np.array_equal(block[:rows, :columns], pressure_map.pressure)
             assert np.isnan(block[rows:]).all() and np.isnan(block[:, columns:]).all()
         assert file.loads(tree.attrs["scene"]) == scene and tree.attrs["load_n"] == 0.3
         assert tree.attrs["identity"] == result.identity and tree.attrs["format"] == 3

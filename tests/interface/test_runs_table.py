@@ -108,7 +108,7 @@ def test_statistics_are_those_of_the_summaries(runs: list[Stored]) -> None:
         named &= of_first["band_hz"] == band if band else of_first["band_hz"].isna()
         ((_, row),) = of_first[named].iterrows()
         deviation = statistics.stdev(values)
-        mean_stated = statistics.fmean([one**2 for one in stated]) ** 0.5
+        mean_stated = statistics.fmean([spread**2 for spread in stated]) ** 0.5
         assert row["runs"] == 3
         assert row["mean"] == pytest.approx(statistics.fmean(values), rel=1e-12)
         assert row["standard_deviation"] == pytest.approx(deviation, rel=1e-12)

@@ -108,9 +108,9 @@ def test_silence_and_records_below_hearing_say_so(run: Run, tmp_path: Path) -> N
 
 
 def test_an_extended_record_states_its_kurtosis(run: Run, tmp_path: Path) -> None:
-    one = heard(run, tmp_path, noise(4))
+    noisy = heard(run, tmp_path, noise(4))
     longer = np.random.default_rng(5).standard_normal(48000) * 0.01
-    path = write_extended(one, longer)
+    path = write_extended(noisy, longer)
     samples, _, comment = wav.read(path)
     assert len(samples) == 48000 and "none of the record's single events" in comment
     assert f"kurtosis {extension.kurtosis(longer):.3g}, of the record" in comment

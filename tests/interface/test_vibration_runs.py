@@ -191,7 +191,9 @@ def test_limits_of_the_model_become_warnings_with_numbers(
     change: str, key: str, words: str
 ) -> None:
     calm = "surface.roughness_ra_um=0.04"
-    plain = {each.key: each for each in findings.findings(loads(VIBRATING, [calm]))}
-    changed = {each.key: each for each in findings.findings(loads(VIBRATING, [calm, change]))}
+    plain = {finding.key: finding for finding in findings.findings(loads(VIBRATING, [calm]))}
+    changed = {
+        finding.key: finding for finding in findings.findings(loads(VIBRATING, [calm, change]))
+    }
     assert plain[key].warning is None
     assert words in str(changed[key].warning)

@@ -33,7 +33,7 @@ def test_levels_spread_over_seeds_as_a_run_states() -> None:
     The factor of each run removes half of the spread of LZeq. 150 seeds are good to 6 %, and
     three of these are allowed. White power to 22.4 kHz has 11000 lines.
     """
-    found = [sound_of(noise(seed)) for seed in range(150)]
+    sounds = [sound_of(noise(seed)) for seed in range(150)]
     stated = [
         (
             s.uncertainty.level_db,
@@ -41,11 +41,11 @@ def test_levels_spread_over_seeds_as_a_run_states() -> None:
             s.uncertainty.third_octave_db["1000"],
             s.steady_uncertainty,
         )
-        for s in found
+        for s in sounds
     ]
     levels = [
         (s.levels.level_db, s.levels.laeq_db, s.levels.third_octave_db["1000"], s.steady_level)
-        for s in found
+        for s in sounds
     ]
     ratio = np.std(levels, axis=0, ddof=1) / np.sqrt(np.mean(np.square(stated), axis=0))
     assert np.all((ratio > 0.8) & (ratio < 1.2)), ratio
