@@ -48,14 +48,6 @@ def _vibrates(runs: Sequence[Run]) -> bool:
     return runs[0].vibration is not None
 
 
-def _levels(runs: Sequence[Run], ax: Axes) -> Axes:
-    return sweep.levels(runs, None, ax)
-
-
-def _contact_areas(runs: Sequence[Run], ax: Axes) -> Axes:
-    return sweep.contact_areas(runs, None, ax)
-
-
 COMPARING = {
     "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
     "third_octaves_a": FigureKind(
@@ -63,8 +55,8 @@ COMPARING = {
         partial(sound.third_octave_table, a_weighted=True),
     ),
     "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
-    "levels": FigureKind(_levels, sweep.sweep_table, _is_swept),
-    "contact_areas": FigureKind(_contact_areas, sweep.sweep_table, _is_swept),
+    "levels": FigureKind(sweep.levels, sweep.level_table, _is_swept),
+    "contact_areas": FigureKind(sweep.contact_areas, sweep.area_table, _is_swept),
     "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
 }
 SINGLE = {

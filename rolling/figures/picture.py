@@ -132,12 +132,12 @@ class Picture:
         return content.getvalue()
 
 
-def picture(name: str, draw: Callable[[Axes], Axes], table: DataFrame | None = None) -> Picture:
+def picture(name: str, draw: Callable[..., Axes], table: DataFrame | None = None) -> Picture:
     """Draw axes in a figure of their own, with the title above and the legend below."""
     figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), dpi=DPI)
     figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.08)
     FigureCanvasAgg(figure)
-    ax = draw(figure.add_subplot())
+    ax = draw(ax=figure.add_subplot())
     title, note = str(ax.get_label()).split("\n")
     heading = textwrap.fill(title, _TITLE_LETTERS), textwrap.fill(note, _NOTE_LETTERS)
     above = figure.suptitle(heading[0], x=0.012, ha="left", fontsize=12)

@@ -6,9 +6,9 @@ behaviour are in `assets/`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
 import jinja2
@@ -21,7 +21,7 @@ from acoustics.plot_style import PREFIXES
 from rolling import __version__
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
-from rolling.report import assumed, film, hearing, maps, playback, text
+from rolling.report import assumed, film, hearing, maps, text
 from rolling.results import caveats
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
@@ -55,7 +55,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     """
     heard = runs if len(runs) <= MOST_RUNS else []
     scale = maps.map_scale(heard)
-    views = _views(heard, scale)
+    views = _views(heard)
     players = [_player(view, scale) for view in views]
     html = (
         _environment()
@@ -85,12 +85,6 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         )
     )
     return html.encode()
-
-
-def is_page(path: Path) -> bool:
-    """Return whether a file is a page of this program."""
-    with path.open("rb") as file:
-        return f'<meta name="generator" content="{PROGRAM} '.encode() in file.read(4096)
 
 
 # ---- templates
@@ -131,12 +125,12 @@ def _descriptions(runs: Sequence[Run]) -> list[str]:
 # ---- runs
 
 
-def _views(runs: Sequence[Run], scale: dict[str, Any] | None) -> list[dict[str, Any]]:
+def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
     """Return label, gains, record, caveats and pictures of each run."""
     peaks = [float(np.abs(run.sound.pressure).max()) for run in runs]
-    gains = playback.gains(peaks, [run.sound.levels.laeq_db for run in runs])
+    levels = [run.sound.levels.laeq_db for run in runs]
     views = []
-    for run, gain in zip(runs, gains, strict=True):
+    for run, gain in zip(runs, gains(peaks, levels), strict=True):
         full_scale = gain["full_scale_pa"] or 1.0
         comment = f"full scale = {full_scale:.6g} Pa"
         loops = run.sound.loops
@@ -180,6 +174,50 @@ def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any
 def _rounded(levels: Mapping[str, float | None]) -> list[float | None]:
     """Return levels by band [dB], with three decimals."""
     return [None if (level := levels[name]) is None else round(level, 3) for name in BAND_NAMES]
+
+
+# ---- gains
+
+
+def gains(
+    peaks_pa: Sequence[float], laeq_db: Sequence[float | None]
+) -> list[dict[str, float | None]]:
+    """Compute the gains of records that are compared.
+
+    Parameters
+    ----------
+    peaks_pa : sequence of float, Pa. Maximum |p| of each record.
+    laeq_db : sequence of float or None, dB. Level of each record; None if it is silent or has no
+        audible part after A-weighting.
+
+    Returns
+    -------
+    list of dict. `full_scale_pa` [Pa] is the pressure of full scale in the file of a record, whose
+        peak lies at -1 dB. `calibrated` and `equal` are factors on its samples for a common full
+        scale and for a common LAeq, `calibrated_pa` and `equal_pa` [Pa] the full scales that they
+        lead to, and `equal_db` [dB] their ratio. A silent record has factors of 0 and no scales.
+    """
+    scales = [peak / wav.PEAK if peak > 0 else 1.0 for peak in peaks_pa]
+    records = [*zip(scales, peaks_pa, laeq_db, strict=True)]
+    common = max((scale for scale, peak, _ in records if peak > 0), default=1.0)
+    # Each record is loudest with its peak at the limit. All records can reach the minimum of these
+    # levels.
+    loudest = [level - _db(scale) for scale, _, level in records if level is not None]
+    target = min(loudest, default=0.0)
+    computed: list[dict[str, float | None]] = []
+    for scale, peak, level in records:
+        gain: dict[str, float | None] = {"full_scale_pa": scale, "calibrated": 0.0, "equal": 0.0}
+        gain |= dict.fromkeys(("calibrated_pa", "equal_pa", "equal_db"))
+        if peak > 0:
+            equal = common if level is None else 10.0 ** ((level - target) / 20.0)
+            gain |= {"calibrated": scale / common, "equal": scale / equal}
+            gain |= {"calibrated_pa": common, "equal_pa": equal, "equal_db": _db(common / equal)}
+        computed.append(gain)
+    return computed
+
+
+def _db(ratio: float) -> float:
+    return 20.0 * math.log10(ratio)
 
 
 # ---- pictures
