@@ -12,6 +12,7 @@ import math
 import os
 import re
 from collections.abc import Mapping
+from itertools import chain
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, dataclass_transform
 
 import numpy as np
@@ -39,6 +40,7 @@ from rolling.scene.messages import (
     shown,
     writable,
 )
+from rolling.scene.motion import Motion
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
@@ -218,26 +220,18 @@ SPEED = "a number > 0, or at least two [time_s, speed_m_s] pairs"
 
 
 def _speed(value: Any) -> Any:
-    """Return a speed, or pairs as tuples; raise the first fault of a pair at its own place."""
-    at = ("rolling", "speed_m_s")
+    """Return a speed, or pairs as tuples."""
     if is_number(value) and value > 0:
         return float(value)
-    if not isinstance(value, list | tuple) or len(value) < 2:
-        raise fault(f"got {shown(value)}, allowed: {SPEED}", *at)
-    for i, pair in enumerate(value):
-        if not isinstance(pair, list | tuple) or len(pair) != 2 or not all(map(is_number, pair)):
-            raise fault(f"got {shown(pair)}, allowed: [time_s, speed_m_s], two numbers", *at, i)
-        time, before = shown(pair[0]), value[i - 1][0]
-        if i == 0 and pair[0] != 0:
-            raise fault(f"got {time}, allowed: 0, the time of the first pair", *at, 0)
-        if i and pair[0] <= before:
-            words = f"got time {time} after {shown(before)}, allowed: increasing times"
-            raise fault(words, *at, i)
-        if pair[1] < 0:
-            raise fault(f"got speed {shown(pair[1])}, allowed: a number >= 0", *at, i)
-    if not any(v > 0 for _, v in value):
-        raise fault("got speeds that are all 0, allowed: at least one > 0", *at)
-    return tuple((float(t), float(v)) for t, v in value)
+    pairs = value if isinstance(value, list | tuple) else []
+    lists = [pair for pair in pairs if isinstance(pair, list | tuple) and len(pair) == 2]
+    if len(pairs) < 2 or len(lists) < len(pairs) or not all(is_number(x) for x in chain(*lists)):
+        raise fault(f"got {shown(value)}, allowed: {SPEED}", "rolling", "speed_m_s")
+    try:
+        Motion.of(pairs)
+    except ValueError as error:
+        raise fault(f"got {shown(value)}: {error}", "rolling", "speed_m_s") from error
+    return tuple((float(t), float(v)) for t, v in pairs)
 
 
 _PAIR = {"type": "array", "minItems": 2, "maxItems": 2}

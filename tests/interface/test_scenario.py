@@ -47,14 +47,8 @@ def test_scenes_are_frozen_and_folders_do_not_count() -> None:
 
 def test_sweep_product() -> None:
     runs = loads(TEXT, folder=Path("here")).runs()
-    assert [(run.load, run.sphere.radius_mm) for _, run in runs] == [
-        (5, 2),
-        (5, 5),
-        (20, 2),
-        (20, 5),
-        (100, 2),
-        (100, 5),
-    ]
+    values = [(load, radius) for load in (5, 20, 100) for radius in (2, 5)]
+    assert [(run.load, run.sphere.radius_mm) for _, run in runs] == values
     assert all(not run.sweep and run.folder == Path("here") for _, run in runs)
     assert runs[0][0] == {"rolling.load_n": 5, "sphere.radius_mm": 2}
     assert run_name(runs[0][0]) == "load_n=5,radius_mm=2"

@@ -14,7 +14,7 @@ from rolling import Scene
 from rolling.check.findings import check_scene
 from rolling.scene.file import dump, loads
 from rolling.scene.messages import SceneError
-from rolling.scene.sections import Numerics, Plate, Rolling, Sphere
+from rolling.scene.sections import Plate, Rolling, Sphere
 from rolling.scene.surfaces import Gaussian, HeightFile, Smooth
 
 
@@ -75,8 +75,6 @@ def test_values_of_numpy_and_paths_are_taken() -> None:
             lambda: Smooth(spacing_um=1, width_um=8.5),
             "surface.width_um: got 8.5, allowed: a whole number of nodes of 1 um, at least 8",
         ),
-        (lambda: Numerics(step_nodes=0.3), "numerics.step_nodes: got 0.3, allowed: a whole number"),
-        (lambda: built(plate=5), "plate: got 5, allowed: a section of keys"),
         (
             lambda: built(rolling=Rolling(load_n=1, speed_m_s=1)),
             "rolling.duration_s: missing; give it or a rolling.distance_mm",
