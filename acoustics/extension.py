@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics._typing import Array
+from acoustics.arrays import Array
 from acoustics.bands import EDGES_HZ, NOMINAL_HZ, third_octave_mean_square
 from acoustics.spectrum import line_spectrum
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics._typing import Array
+from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C
 from acoustics.resampling import resample_closed

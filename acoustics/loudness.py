@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics._typing import Array
+from acoustics.arrays import Array
 from acoustics.spectrum import check_record
 
 LEAST_RATE_HZ = 48000  # mosqito would resample lower rates

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from acoustics._typing import Array
+from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ
 
 _OVERSAMPLING = 8

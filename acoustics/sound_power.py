@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from acoustics._typing import Array
+from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, third_octave_mean_square
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S, Ball, ThinPlate
 from acoustics.spectrum import line_spectrum

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics._typing import Array
+from acoustics.arrays import Array
 from acoustics.radiation import I_REF_W_M2, P_REF_PA, intensity
 from acoustics.weighting import a_weighting_db
 

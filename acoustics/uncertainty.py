@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics._typing import Array
+from acoustics.arrays import Array
 from acoustics.bands import BANDWIDTH_HZ, third_octave_mean_square
 from acoustics.level import FAST_S, SLOW_S, SoundLevels
 from acoustics.spectrum import line_spectrum

@@ -14,7 +14,7 @@ import numpy as np
 import soundfile
 from numpy.typing import ArrayLike, NDArray
 
-from acoustics._typing import Array
+from acoustics.arrays import Array
 from acoustics.level import a_weighted_rms
 from acoustics.radiation import P_REF_PA
 from acoustics.spectrum import check_record

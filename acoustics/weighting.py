@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from acoustics._typing import Array
+from acoustics.arrays import Array
 
 # IEC 61672-1:2013, annex E: the poles follow from these four frequencies in Hz and D = sqrt(1/2).
 _REFERENCE, _LOW, _HIGH, _A = 1000.0, 10.0**1.5, 10.0**3.9, 10.0**2.45

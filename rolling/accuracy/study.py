@@ -15,7 +15,7 @@ import xarray as xr
 
 from acoustics.bands import BAND_NAMES
 from rolling import __version__
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.accuracy import work_precision
 from rolling.accuracy.variants import (
     OWN,

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from rolling._typing import Array
-from rolling.contact import of_scene
+from acoustics.arrays import Array
+from rolling.surface import contact_of_scene
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
@@ -136,7 +136,7 @@ def variant_contact(scene: Scene, variant: Variant) -> RollingContact:
     """
     plain = scene.with_({"numerics.edges": "sharp", "numerics.subcells": 1})
     own = heights(scene) if variant.width == 1 else wider_heights(scene, variant.width)
-    coarse = of_scene.rolling_contact(plain, own)
+    coarse = contact_of_scene.rolling_contact(plain, own)
     smooth, spacing = dies_out(own), coarse.spacing / variant.times
     fine = refined(own, variant.times) if smooth else subcell_heights(own, variant.times, smooth)
     contact = replace(
@@ -151,8 +151,8 @@ def variant_contact(scene: Scene, variant: Variant) -> RollingContact:
         slopes=smooth,
     )
     chosen = scene.numerics.subcells
-    subcells = of_scene.auto_subcells(contact) if chosen == "auto" else chosen
-    return of_scene.on_subcells(contact, subcells, smooth)
+    subcells = contact_of_scene.auto_subcells(contact) if chosen == "auto" else chosen
+    return contact_of_scene.on_subcells(contact, subcells, smooth)
 
 
 def march_variant(scene: Scene, variant: Variant, nodes: int) -> dict[str, Array]:

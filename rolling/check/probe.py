@@ -16,13 +16,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.check import cost, error_cost
 from rolling.check.finding import Finding, clock, computing, si
 from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
-from rolling.contact.of_scene import rolling_contact
+from rolling.surface.contact_of_scene import rolling_contact
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact, Window

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.check import cost
 from rolling.check.finding import Finding, computing, rounded_down, rounded_up, si
 from rolling.check.resolution import HEARING

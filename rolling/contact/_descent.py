@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact import _candidate_kernels, _condition_kernels, _solver_kernels
 from rolling.contact._far_field import coarse_grid, far_field, stencils
 from rolling.contact._system import BORDER, Direction, Limits, Packed, Step

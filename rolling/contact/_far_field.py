@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact._system import BORDER
 from rolling.contact.compiling import njit
 from rolling.contact.half_space import love

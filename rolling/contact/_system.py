@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact.compiling import njit
 
 Indices = NDArray[np.uint32]

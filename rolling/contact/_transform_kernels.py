@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact.compiling import njit
 
 

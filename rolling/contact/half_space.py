@@ -14,7 +14,7 @@ from threading import Lock
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact import _transform_kernels, _window_kernels
 
 # The interface of pyfftw to Dask is not used. It imports all arrays of Dask and pandas, a third of

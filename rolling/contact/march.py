@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact import _window_kernels, closed_forms, solver
 from rolling.contact.half_space import MOST_NODES, HalfSpace
 from rolling.contact.solver import Contact, ContactError, Previous, WarmStart

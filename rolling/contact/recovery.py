@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact import _window_kernels
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.state import ContactState, Window

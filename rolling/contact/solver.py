@@ -18,7 +18,7 @@ from math import inf, isfinite
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact import _condition_kernels, _window_kernels
 from rolling.contact._descent import AIM, AIM_FIRST, BlendedEdges, Candidates, Descent, Effort, Goal
 from rolling.contact._system import Limits, Sets

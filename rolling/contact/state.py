@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact import _window_kernels
 
 

@@ -14,7 +14,7 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact import _transform_kernels
 from rolling.contact.half_space import (
     GROUP,

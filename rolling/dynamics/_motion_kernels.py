@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact.compiling import njit
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.dynamics import _motion_kernels
 from rolling.dynamics._motion_kernels import LawTable
 

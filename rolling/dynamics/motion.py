@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.dynamics import _motion_kernels
 from rolling.dynamics.bodies import Chain, contact_stiffness
 from rolling.dynamics.force_law import ForceLaw

@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.ticker import EngFormatter
 
 from acoustics.plots import COLOURS
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.figures.picture import axes_of, finish, finish_grid, listed, number
 from rolling.marches.observers import Snapshot
 from rolling.results.run_result import Run

@@ -17,7 +17,7 @@ from acoustics.plot_style import COLOURS, DENSE, Lines, envelope, unit_prefix
 from acoustics.spectrum import Spectrogram, line_spectrum, welch
 from acoustics.spectrum import spectrogram as spectrogram_of
 from acoustics.weighting import a_weighting_db
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.figures.picture import (
     axes_of,
     common,

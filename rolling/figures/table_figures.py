@@ -13,7 +13,7 @@ from matplotlib.ticker import NullLocator
 
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
 from acoustics.plots import bars, look_of, short_name
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.figures.picture import MOST_NAMED, axes_of, finish, finish_grid, picture
 from rolling.results import labels
 from rolling.results.runs_table import SEED

@@ -16,7 +16,7 @@ from acoustics.plot_style import NOTHING_DB, Lines
 from acoustics.spectrum import article_line_level_db
 from acoustics.uncertainty import level_uncertainty
 from acoustics.weighting import a_weighting_db
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.results.run_result import Run
 from rolling.run import commands
 from rolling.run.folder import stored_runs

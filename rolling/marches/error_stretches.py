@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.check import error_cost
 from rolling.check.error_cost import LEVELS, Layout
 from rolling.marches.piece import Piece

@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact.solver import ContactError
 from rolling.dynamics import of_scene
 from rolling.dynamics.force_law import HIGHEST, LOWEST, ForceLaw

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact.recovery import EventTable, StepEnergy
 from rolling.contact.state import ContactState, RollingContact, Window
 from rolling.contact.subcells import cell_means

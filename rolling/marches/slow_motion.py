@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact.solver import ContactError
 from rolling.dynamics import of_scene
 from rolling.marches.force_law import force_law

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.figures.vibration import hertz_radius
 from rolling.marches.observers import SlowMotion
 from rolling.report import maps

@@ -10,7 +10,7 @@ import numpy as np
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.spectrum import line_spectrum
 from acoustics.weighting import a_weighting_db
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.figures.vibration import hertz_radius
 from rolling.report.assumed import surface_words
 from rolling.results.run_result import Run

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.figures.vibration import hertz_radius
 from rolling.marches.observers import PressureMap
 from rolling.results.run_result import Run

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from acoustics.bands import BAND_NAMES, OFF_DB
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.check import error_cost
 from rolling.marches import error_stretches
 from rolling.marches.result import Result

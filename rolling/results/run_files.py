@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from acoustics import extension, wav
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.results import result_file
 from rolling.results.run_result import Run, hear
 from rolling.results.summary import provenance

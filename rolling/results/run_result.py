@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics import wav
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES

@@ -17,7 +17,7 @@ import rolling
 from acoustics import loudness
 from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, level_db
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.check import cost, height_files
 from rolling.contact import closed_forms
 from rolling.dynamics import of_scene

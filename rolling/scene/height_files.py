@@ -20,7 +20,7 @@ from typing import IO, Any
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.scene.messages import shown
 from rolling.scene.yaml_text import open_regular
 

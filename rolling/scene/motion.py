@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 
 ROUNDING = 1e-9  # relative; a smaller excess over the last distance reached counts as rounding
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from acoustics import level, radiation, resampling, uncertainty, wav
 from acoustics.bands import AUDIBLE_HZ
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
 from rolling.sound.solver_error import resolved_fluctuation

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 
 REFERENCE_M = 1e-6
 _HALF_BAND = 10**0.05  # from the middle of a third octave to its edges

@@ -16,7 +16,7 @@ from acoustics import level, resampling, spectrum, uncertainty, wav
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import Ball, HalfSpaceBody, ThinPlate, axis_transfer, pressure_on_axis
 from acoustics.sound_power import band_power
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw

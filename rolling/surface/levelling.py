@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.scene.height_files import UNITS, HeightFormatError, numbers
 from rolling.surface.heights import SurfaceError
 

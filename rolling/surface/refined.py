@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 
 # Share of the Nyquist frequency along either axis, above which a spectrum should have died out.
 OUTER = 0.75

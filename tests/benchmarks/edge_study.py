@@ -15,9 +15,9 @@ import numpy as np
 import pandas as pd
 from tqdm import tqdm
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact.march import march
-from rolling.contact.of_scene import auto_subcells, on_subcells
+from rolling.surface.contact_of_scene import auto_subcells, on_subcells
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of

@@ -12,11 +12,11 @@ import pytest
 from large_scenes import FILE, LAPS, scene_of
 from scene_text import MADE, WIDE
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.check import cost, findings, resolution, vibration
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
-from rolling.contact.of_scene import rolling_contact
+from rolling.surface.contact_of_scene import rolling_contact
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.scene.file import loads, read_scene

@@ -13,7 +13,7 @@ import pytest
 from scene_text import PLAIN, TINY
 
 from rolling.contact.march import march
-from rolling.contact.of_scene import rolling_contact
+from rolling.surface.contact_of_scene import rolling_contact
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.subcells import half_space_of

@@ -11,7 +11,7 @@ from hard_cases import optimality, subcell_deflection
 from helpers import STEEL, assert_solved, make_track, releases, roll, rough, step_energies
 
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.of_scene import auto_subcells, on_subcells, rolling_contact
+from rolling.surface.contact_of_scene import auto_subcells, on_subcells, rolling_contact
 from rolling.contact.recovery import EventTable
 from rolling.contact.subcells import SubcellSpace, cell_means
 from rolling.marches.piece import Piece, contact_identity, march_piece

@@ -126,7 +126,7 @@ def test_a_worker_of_another_program_is_refused_by_name(
     for package in ("rolling", "acoustics"):
         skip = shutil.ignore_patterns("__pycache__")
         shutil.copytree(ROOT / package, tmp_path / "other" / package, ignore=skip)
-    other = tmp_path / "other" / "rolling" / "_typing.py"
+    other = tmp_path / "other" / "rolling" / "_own_acoustics.py"
     other.write_text(f"{other.read_text()}# another program\n")
     cluster.workers("other", "--no-nanny", path=tmp_path / "other")
     scene, out = tmp_path / "scene.yaml", tmp_path / "out"

@@ -15,7 +15,7 @@ from hard_cases.dense import dense_contact
 from acoustics.bands import BAND_NAMES
 from acoustics.level import I_REF_W_M2
 from rolling import cli
-from rolling.contact import of_scene
+from rolling.surface import contact_of_scene
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.state import Window
@@ -142,7 +142,7 @@ def test_the_articles_own_method_agrees(reading: str, roughness: float) -> None:
     Edges are sharp, as in the article (Fig. 3).
     """
     scene = runs_of(reading, quick=True)[roughness, 5.0, 1]
-    contact = replace(of_scene.rolling_contact(scene), blended=False, tolerance=1e-9)
+    contact = replace(contact_of_scene.rolling_contact(scene), blended=False, tolerance=1e-9)
     (state,) = march(contact, 0, 0, HalfSpace(contact.spacing, contact.contact_modulus))
     loaded = state.loaded
     block = Window(loaded.row - 2, loaded.column - 2, loaded.rows + 4, loaded.columns + 4)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from acoustics._typing import Array
+from acoustics.arrays import Array
 from acoustics.level import sound_levels
 from acoustics.resampling import (
     band_limit,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics._typing import Array
+from acoustics.arrays import Array
 from acoustics.radiation import P_REF_PA
 from acoustics.wav import SAMPLE_RATE_HZ
 

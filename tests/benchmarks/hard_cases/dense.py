@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 
 
 def influence_matrix(points: Array, spacing: float, contact_modulus: float) -> Array:

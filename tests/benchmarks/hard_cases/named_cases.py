@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact import closed_forms
 from rolling.contact.state import RollingContact
 from rolling.surface import heights as surface

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
 from hard_cases import subcell_deflection
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact import solver
 from rolling.contact.state import ContactState, RollingContact
 

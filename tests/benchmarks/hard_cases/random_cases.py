@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hard_cases.named_cases import CAPACITY, SOLVED, WIDTH, HardCase, make_track, rough
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact import closed_forms
-from rolling.contact.of_scene import on_subcells
+from rolling.surface.contact_of_scene import on_subcells
 from rolling.contact.state import RollingContact
 
 # An earlier solver failed on these seeds of random_scene.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 
 Distances = NDArray[np.signedinteger]
 Coefficients = Callable[[Distances, Distances], Array]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from rolling._typing import Array
+from acoustics.arrays import Array
 from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
 from rolling.surface import refined
