@@ -114,7 +114,7 @@ def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
 
 def write_table(table: pd.DataFrame, path: Path) -> None:
     """Write a table as CSV."""
-    files.write_bytes(path, table.to_csv(lineterminator="\n").encode())
+    files.write_bytes(path, table.to_csv(lineterminator="\n").encode("utf-8", "backslashreplace"))
 
 
 def write_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder]) -> None:
