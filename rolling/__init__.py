@@ -30,7 +30,7 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling.contact.half_space import HalfSpace
     from rolling.contact.march import march
     from rolling.contact.solver import ContactError, solve_contact
-    from rolling.run.interface import SweepError, open_run, save_run, simulate, simulate_sweep
+    from rolling.interface import SweepError, open_run, save_run, simulate, simulate_sweep
     from rolling.scene.file import read_scene
     from rolling.scene.messages import SceneError
     from rolling.scene.scene import Scene
@@ -39,7 +39,7 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling.terminal.files import FolderError
 
 _SECTIONS, _SURFACES = "rolling.scene.sections", "rolling.scene.surfaces"
-_RUNS = "rolling.run.interface"
+_RUNS = "rolling.interface"
 _PLACES = {  # module and name in it; None stands for the module itself
     "read_scene": ("rolling.scene.file", "read_scene"),
     "Scene": ("rolling.scene.scene", "Scene"),

@@ -93,7 +93,7 @@ def _run(given: argparse.Namespace) -> int:
 
     scene = file.read_scene(given.scene, given.set)  # before the solver is loaded
     with progress.step(LOADING):
-        from rolling.run import commands
+        from rolling import commands
     folder = given.out or commands.default_folder(scene)
     failures = commands.run_scene(
         scene,
@@ -130,7 +130,7 @@ def _code(failures: dict[str, str]) -> int:
 def _resound(given: argparse.Namespace) -> int:
     """Run the scene of a run folder with other values, with the marches stored there."""
     with progress.step(LOADING):
-        from rolling.run import commands
+        from rolling import commands
     return _code(
         commands.resound(
             given.folder,
@@ -160,7 +160,7 @@ def _status(given: argparse.Namespace) -> int:
 def _report(given: argparse.Namespace) -> int:
     """Write a page of run folders."""
     with progress.step(LOADING):
-        from rolling.run import commands
+        from rolling import commands
     print(commands.report(given.folders, given.out))
     return OK
 
@@ -168,7 +168,7 @@ def _report(given: argparse.Namespace) -> int:
 def _table(given: argparse.Namespace) -> int:
     """Write the tables and plots of a sweep."""
     with progress.step(LOADING):
-        from rolling.run import commands
+        from rolling import commands
     for path in commands.tabulate(given.folder, given.plot, given.against, given.over):
         print(path)
     return OK
@@ -177,7 +177,7 @@ def _table(given: argparse.Namespace) -> int:
 def _plot(given: argparse.Namespace) -> int:
     """Draw single figures of a run."""
     with progress.step(LOADING):
-        from rolling.run import commands
+        from rolling import commands
     for path in commands.plot(given.folder, given.figure, given.format, given.out):
         print(path)
     return OK
@@ -186,7 +186,7 @@ def _plot(given: argparse.Namespace) -> int:
 def _extend(given: argparse.Namespace) -> int:
     """Write extended records of a run folder."""
     with progress.step(LOADING):
-        from rolling.run import commands
+        from rolling import commands
     for path, text in commands.extend(given.folder, given.seconds):
         print(path)
         progress.line(text)

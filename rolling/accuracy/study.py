@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from rolling import __version__
-from acoustics.arrays import Array
 from rolling.accuracy import work_precision
 from rolling.accuracy.variants import (
     OWN,

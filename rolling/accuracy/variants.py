@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.surface import contact_of_scene
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.scene.scene import Scene
+from rolling.surface import contact_of_scene
 from rolling.surface.refined import dies_out, refined, subcell_heights
 from rolling.surface.scene_surface import heights, wider_heights, wider_times
 

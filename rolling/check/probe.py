@@ -22,7 +22,6 @@ from rolling.check.finding import Finding, clock, computing, si
 from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact, Window
@@ -30,6 +29,7 @@ from rolling.contact.subcells import half_space_of
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import scene_surface
+from rolling.surface.contact_of_scene import rolling_contact
 from rolling.terminal import progress
 
 POSITIONS = 8

@@ -24,7 +24,7 @@ def sphere_mass(radius_m: float, density_kg_m3: float) -> float:
 
 
 @dataclass(frozen=True)
-class Plate:
+class BendingPlate:
     """Infinite thin plate of uniform thickness.
 
     Parameters
@@ -36,7 +36,7 @@ class Plate:
 
     Examples
     --------
-    >>> steel = Plate(210e9, 0.3, 7850, 10e-3)
+    >>> steel = BendingPlate(210e9, 0.3, 7850, 10e-3)
     >>> f"{steel.mobility_s_kg:.3e} s/kg, {steel.critical_hz:.0f} Hz"
     '1.017e-04 s/kg, 1198 Hz'
     """

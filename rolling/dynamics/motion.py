@@ -86,7 +86,7 @@ class Stepping:
 
 
 @dataclass(frozen=True)
-class Motion:
+class BodyMotion:
     """Motion of ball and plate on a uniform grid of time.
 
     Attributes
@@ -152,7 +152,7 @@ def move(
     speed: float | Travel,
     duration_s: float | None = None,
     stepping: Stepping | None = None,
-) -> Motion:
+) -> BodyMotion:
     """Move a ball over a force law: M z.. = W - F(x, z - w), w. = Y (F - W).
 
     The time step is the shorter of a fraction of the resonance's period and the time from position
@@ -292,7 +292,7 @@ class _Run:
         approach, velocity, _ = self.advance(self.equilibrium(places[0]), places).end
         return approach, velocity, 0.0
 
-    def settled_record(self) -> Motion:
+    def settled_record(self) -> BodyMotion:
         """Run in lap by lap until the force repeats, and return the record that then follows."""
         places = self.places(self.lap_steps)
         lap_s = self.lap_steps * self.step
@@ -314,19 +314,19 @@ class _Run:
             return self.motion(lap, run_in)
         return self.record(before.end_on_level, run_in)
 
-    def record(self, state: State, run_in: RunIn = NO_LAPS, transient: float = 0.0) -> Motion:
+    def record(self, state: State, run_in: RunIn = NO_LAPS, transient: float = 0.0) -> BodyMotion:
         """Return the motion of the record from a state."""
         places = self.places(self.steps)
         if self.law.period_m is None:
             self._refuse_beyond(places)
         return self.motion(self.advance(state, places), run_in, transient)
 
-    def motion(self, lap: _Lap, run_in: RunIn, transient: float = 0.0) -> Motion:
+    def motion(self, lap: _Lap, run_in: RunIn, transient: float = 0.0) -> BodyMotion:
         """Return the motion of steps taken."""
         force, approach, velocity, plate = np.ascontiguousarray(lap.record.T)
         change, work, track, loss, moved = lap.energies
         apart = force == 0
-        return Motion(
+        return BodyMotion(
             time_s=np.asarray((np.arange(len(force)) + 0.5) * self.step),
             position_m=lap.places,
             force_n=force,

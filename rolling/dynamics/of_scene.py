@@ -6,26 +6,26 @@ import numpy as np
 
 from rolling.contact import closed_forms
 from rolling.dynamics import bodies
-from rolling.dynamics.bodies import Chain, Plate
+from rolling.dynamics.bodies import BendingPlate, Chain
 from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.motion import Motion, Travel, move
+from rolling.dynamics.motion import Travel, move
 from rolling.scene.scene import Scene
 
 LEAST_THICKNESSES = 6.0  # in a bending wave; shorter waves are beyond thin-plate theory
 _MOST_TIMES = 1_000_000  # maximum number of times that describe a changing speed
 
 
-def plate(scene: Scene) -> Plate | None:
+def plate(scene: Scene) -> BendingPlate | None:
     """Return the plate that bends, or None for a half-space."""
     p = scene.plate
     if p.thickness_mm is None or p.density_kg_m3 is None:
         return None
-    return Plate(
+    return BendingPlate(
         p.youngs_modulus_gpa * 1e9, p.poissons_ratio, p.density_kg_m3, p.thickness_mm * 1e-3
     )
 
 
-def bending_limit_hz(bending: Plate) -> float:
+def bending_limit_hz(bending: BendingPlate) -> float:
     """Return the frequency [Hz] up to which bending waves are six thicknesses long or longer."""
     longest = bending.bending_wavelength_m(1.0)  # it falls with the root of the frequency
     return (longest / (LEAST_THICKNESSES * bending.thickness_m)) ** 2
@@ -59,7 +59,7 @@ def chain_over(scene: Scene, law: ForceLaw) -> Chain:
     return chain(scene, bodies.contact_stiffness(law, scene.load))
 
 
-def motion(scene: Scene, law: ForceLaw) -> Motion:
+def motion(scene: Scene, law: ForceLaw) -> BodyMotion:
     """Move the sphere of a scene over a force law for the duration of the scene."""
     linear = chain_over(scene, law)
     duration = scene.duration

@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import EngFormatter
 
-from acoustics.plots import COLOURS
 from acoustics.arrays import Array
+from acoustics.plots import COLOURS
 from rolling.figures.picture import axes_of, finish, finish_grid, listed, number
 from rolling.marches.observers import Snapshot
 from rolling.results.run_result import Run

@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import NullLocator
 
+from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
 from acoustics.plots import bars, look_of, short_name
-from acoustics.arrays import Array
 from rolling.figures.picture import MOST_NAMED, axes_of, finish, finish_grid, picture
 from rolling.results import labels
 from rolling.results.runs_table import SEED

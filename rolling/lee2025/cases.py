@@ -10,17 +10,18 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.level import I_REF_W_M2, P_REF_PA
 from acoustics.plot_style import NOTHING_DB, Lines
 from acoustics.spectrum import article_line_level_db
 from acoustics.uncertainty import level_uncertainty
 from acoustics.weighting import a_weighting_db
-from acoustics.arrays import Array
 from rolling.results.run_result import Run
-from rolling.run import commands
 from rolling.run.folder import stored_runs
+from rolling.run.solving import solve_folder
 from rolling.run.stored import open_runs
+from rolling.scene import file
 from rolling.scene.surfaces import Gaussian
 from rolling.surface import scene_surface
 from rolling.terminal import progress
@@ -44,7 +45,7 @@ def finished_runs(
     scene_path: Path, folder: Path, workers: int, overrides: Sequence[str] = ()
 ) -> list[Run]:
     """Run a scene file into a folder, or continue it there, and open its complete runs."""
-    failures = commands.run_scene(scene_path, overrides, folder, workers=workers, report=False)
+    failures = solve_folder(file.read_scene(scene_path, overrides), folder, workers=workers)
     for label, reason in failures.items():
         progress.line(f"failed: {folder.name}, {label}: {reason}")
     return open_runs([run for run in stored_runs(folder) if run.is_done])

@@ -10,9 +10,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from acoustics.arrays import Array
 from acoustics.plot_style import look_of
 from acoustics.plots import Lines, level_limits, spectrum
-from acoustics.arrays import Array
 from rolling.check.validity import MAX_SLOPE
 from rolling.lee2025.cases import CELLS, Maps
 from rolling.lee2025.conditions import LENGTH, LOAD, ROUGHNESS, label

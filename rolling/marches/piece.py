@@ -19,7 +19,6 @@ from acoustics.arrays import Array
 from rolling.check import cost, error_cost
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
@@ -28,6 +27,7 @@ from rolling.marches.observers import Events, Film, Maps, Observer, Series
 from rolling.scene.identity import contact_keys, digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
+from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.refined import cells_of_patch
 from rolling.surface.scene_surface import heights
 

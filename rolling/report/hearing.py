@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.spectrum import line_spectrum
 from acoustics.weighting import a_weighting_db
-from acoustics.arrays import Array
 from rolling.figures.vibration import hertz_radius
 from rolling.report.assumed import surface_words
 from rolling.results.run_result import Run

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from acoustics.bands import BAND_NAMES, OFF_DB
 from acoustics.arrays import Array
+from acoustics.bands import BAND_NAMES, OFF_DB
 from rolling.check import error_cost
 from rolling.marches import error_stretches
 from rolling.marches.result import Result

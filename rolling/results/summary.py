@@ -15,9 +15,9 @@ import numpy as np
 
 import rolling
 from acoustics import loudness
+from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, level_db
-from acoustics.arrays import Array
 from rolling.check import cost, height_files
 from rolling.contact import closed_forms
 from rolling.dynamics import of_scene

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from acoustics import level, radiation, resampling, uncertainty, wav
-from acoustics.bands import AUDIBLE_HZ
 from acoustics.arrays import Array
+from acoustics.bands import AUDIBLE_HZ
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
 from rolling.sound.solver_error import resolved_fluctuation

@@ -13,14 +13,14 @@ from functools import cached_property
 import numpy as np
 
 from acoustics import level, resampling, spectrum, uncertainty, wav
+from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import Ball, HalfSpaceBody, ThinPlate, axis_transfer, pressure_on_axis
 from acoustics.sound_power import band_power
-from acoustics.arrays import Array
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.motion import Motion
+from rolling.dynamics.motion import BodyMotion
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, faded
 from rolling.sound.error_estimate import Gain
@@ -34,7 +34,7 @@ class Vibration:
 
     Attributes
     ----------
-    motion : Motion
+    motion : BodyMotion
         Motion of sphere and plate on a fine grid of time.
     law : ForceLaw
         Force law that it follows.
@@ -59,7 +59,7 @@ class Vibration:
         without a loss factor, of a half-space, and in bands that the steps do not resolve.
     """
 
-    motion: Motion
+    motion: BodyMotion
     law: ForceLaw
     chain: Chain
     load: float

@@ -17,11 +17,11 @@ from tqdm import tqdm
 
 from acoustics.arrays import Array
 from rolling.contact.march import march
-from rolling.surface.contact_of_scene import auto_subcells, on_subcells
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.surface import heights as surface
+from rolling.surface.contact_of_scene import auto_subcells, on_subcells
 from rolling.surface.refined import dies_out, subcell_heights
 
 SPACING, NODES = 2e-6, (256, 192)

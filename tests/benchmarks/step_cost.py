@@ -27,12 +27,12 @@ import numpy as np
 from rolling.check import cost
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import ContactState
 from rolling.contact.subcells import half_space_of
 from rolling.scene import file
 from rolling.scene.scene import Scene
+from rolling.surface.contact_of_scene import rolling_contact
 
 HERE = Path(__file__).parent
 QUICKSTART = HERE.parent.parent / "scenarios" / "quickstart.yaml"

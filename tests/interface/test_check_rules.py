@@ -16,11 +16,11 @@ from acoustics.arrays import Array
 from rolling.check import cost, findings, resolution, vibration
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
+from rolling.surface.contact_of_scene import rolling_contact
 
 TEXT = """\
 name: coarse

@@ -17,9 +17,8 @@ from matplotlib.figure import Figure
 from scene_text import TINY
 
 import rolling as rc
-from rolling import cli
+from rolling import cli, interface
 from rolling.results.run_result import Run
-from rolling.run import interface, stored
 
 SCRIPT = """\
 import rolling as rc
@@ -166,7 +165,7 @@ def test_progress_is_shown_where_it_is_asked_for(
     assert "100%" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("module", [interface, stored], ids=["interface", "stored"])
+@pytest.mark.parametrize("module", [interface], ids=["interface"])
 def test_examples_of_docstrings(module) -> None:
     assert doctest.testmod(module).failed == 0
 

@@ -8,13 +8,13 @@ from helpers import hertz_law
 from scipy.integrate import solve_ivp
 
 from rolling.dynamics.bodies import (
+    BendingPlate,
     Chain,
-    Plate,
     contact_stiffness,
     sphere_mass,
 )
 from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.motion import Motion, Stepping, Travel, move
+from rolling.dynamics.motion import BodyMotion, Stepping, Travel, move
 
 RADIUS, LOAD = 5e-3, 20.0
 YOUNG, POISSON, DENSITY = 206e9, 0.3, 7850.0
@@ -25,7 +25,7 @@ SPACING = 2e-6
 
 
 def plate(thickness_mm: float) -> float:
-    return Plate(YOUNG, POISSON, DENSITY, thickness_mm * 1e-3).mobility_s_kg
+    return BendingPlate(YOUNG, POISSON, DENSITY, thickness_mm * 1e-3).mobility_s_kg
 
 
 def track_law(height: np.ndarray, closed: bool = True, spacing: float = SPACING) -> ForceLaw:
@@ -53,7 +53,7 @@ def noise(n: int, rms: float = 14e-9, shortest: float = 60e-6) -> np.ndarray:
     return rms / np.std(height) * height
 
 
-def impact(modulus: float, mobility: float, speed: float = 0.1, steps: int = 400) -> Motion:
+def impact(modulus: float, mobility: float, speed: float = 0.1, steps: int = 400) -> BodyMotion:
     """Return the motion of a ball without a load that hits a plate."""
     law = hertz_law(LOAD, RADIUS, modulus)
     step = hertz_time(modulus, speed) / steps
@@ -117,7 +117,7 @@ def test_restitution_on_a_plate(modulus: float, thickness: float, restitution: f
 WAVE = 64  # nodes
 
 
-def phasor(motion: Motion) -> complex:
+def phasor(motion: BodyMotion) -> complex:
     """Return the complex amplitude of the force on a track with one wave, of exp(i k x)."""
     return 2 * np.mean(motion.force_n * np.exp(-2j * np.pi * motion.position_m / (WAVE * SPACING)))
 

@@ -13,8 +13,8 @@ import pytest
 from helpers import assert_solved, make_track, releases, roll, rough, space_of, step_energies
 
 from rolling.contact import solver
-from rolling.surface.contact_of_scene import on_subcells
 from rolling.contact.state import RollingContact
+from rolling.surface.contact_of_scene import on_subcells
 from rolling.surface.heights import gaussian
 from rolling.surface.refined import refined
 

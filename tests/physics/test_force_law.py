@@ -10,7 +10,7 @@ from helpers import STEEL, hertz_law, make_track, roll, rough
 
 from rolling.contact.closed_forms import hertz_approach
 from rolling.contact.state import RollingContact
-from rolling.dynamics.bodies import Plate, sphere_mass
+from rolling.dynamics.bodies import BendingPlate, sphere_mass
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import Stepping, move
 
@@ -122,7 +122,7 @@ def test_hertz_law_keeps_its_heights() -> None:
 
 STEPS, TIME_STEP = 16, 1.5e-6
 MASS = sphere_mass(5e-3, 7850)
-MOBILITY = Plate(206e9, 0.3, 7850, 10e-3).mobility_s_kg
+MOBILITY = BendingPlate(206e9, 0.3, 7850, 10e-3).mobility_s_kg
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,6 @@ import pytest
 from scene_text import PLAIN, TINY
 
 from rolling.contact.march import march
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.subcells import half_space_of
@@ -23,6 +22,7 @@ from rolling.marches.piece import PIECE_STEPS, Piece, contact_identity, march_pi
 from rolling.marches.result import Result
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
+from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.heights import gaussian
 
 SHORT = ("rolling.load_n=0.3", "rolling.duration_s=0.0088", "surface.width_um=96")  # 440 steps

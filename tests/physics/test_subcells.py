@@ -11,12 +11,12 @@ from hard_cases import optimality, subcell_deflection
 from helpers import STEEL, assert_solved, make_track, releases, roll, rough, step_energies
 
 from rolling.contact.half_space import HalfSpace
-from rolling.surface.contact_of_scene import auto_subcells, on_subcells, rolling_contact
 from rolling.contact.recovery import EventTable
 from rolling.contact.subcells import SubcellSpace, cell_means
 from rolling.marches.piece import Piece, contact_identity, march_piece
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
+from rolling.surface.contact_of_scene import auto_subcells, on_subcells, rolling_contact
 from rolling.surface.refined import dies_out, subcell_heights
 
 CLOSED = """\

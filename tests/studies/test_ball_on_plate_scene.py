@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling.run.interface import simulate_sweep
+from rolling.interface import simulate_sweep
 from rolling.scene.file import read_scene
 
 SCENE = Path(__file__).parents[2] / "scenarios" / "ball-on-plate.yaml"

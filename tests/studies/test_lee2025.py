@@ -15,7 +15,6 @@ from hard_cases.dense import dense_contact
 from acoustics.bands import BAND_NAMES
 from acoustics.level import I_REF_W_M2
 from rolling import cli
-from rolling.surface import contact_of_scene
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.state import Window
@@ -25,6 +24,7 @@ from rolling.scene import library
 from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
+from rolling.surface import contact_of_scene
 
 pytestmark = pytest.mark.slow
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
-from hard_cases import subcell_deflection
 from acoustics.arrays import Array
+from hard_cases import subcell_deflection
 from rolling.contact import solver
 from rolling.contact.state import ContactState, RollingContact
 

@@ -6,18 +6,22 @@ from dataclasses import replace
 from pathlib import Path
 
 from rolling.check import refusals
+from rolling.commands import derive
 from rolling.contact.solver import ContactError
 from rolling.marches.result import Result
 from rolling.results import labels
+from rolling.results.run_files import write_run
 from rolling.results.run_result import Run, hear
+from rolling.run import folder as folders
 from rolling.run.executor import RunLoop
 from rolling.run.folder import RunFolder
 from rolling.run.pools import local_pool
-from rolling.run.stored import open_run, save_run
+from rolling.run.stored import open_runs
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 from rolling.terminal import progress as terminal
+from rolling.terminal.files import FolderError
 
 __all__ = ["SweepError", "open_run", "save_run", "simulate", "simulate_sweep"]
 
@@ -140,3 +144,67 @@ def _key(run: RunFolder) -> Values:
     """Return the key of a run in a sweep: its swept value, or the tuple of its values."""
     values = tuple(run.values.values())
     return values[0] if len(values) == 1 else values
+
+
+def open_run(folder: Path | str) -> Run:
+    """Read a stored run and make its sound again, without solving.
+
+    Parameters
+    ----------
+    folder : Path or str. A run folder, or the folder of one run in a sweep.
+
+    Returns
+    -------
+    run : Run. The run as `simulate` returns it.
+
+    Raises
+    ------
+    FolderError : the folder is not a run folder, belongs to a whole sweep, or is not done.
+    SceneError : the surface of the run cannot be read.
+
+    Examples
+    --------
+    `open_run("outputs/mine").series["contact_area"]`
+    """
+    runs = folders.stored_runs(Path(folder))
+    if len(runs) > 1:
+        names = ", ".join(run.folder.name for run in runs[:3])
+        raise FolderError(
+            f"{folder}: holds {len(runs)} runs; open one of the folders in it ({names}, ...)"
+        )
+    if not runs[0].is_done:
+        raise FolderError(f"{folder}: not done; the same `rolling run` goes on with it")
+    return replace(open_runs(runs)[0], writer=save_run)
+
+
+def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
+    """Write a run that is in memory into a new folder, with the files that `rolling run` writes.
+
+    Parameters
+    ----------
+    run : Run. The run.
+    folder : Path or str. The folder to make.
+    report : bool. Write the report page as well. Default: true.
+
+    Returns
+    -------
+    folder : Path. The new folder, for `open_run`.
+
+    Raises
+    ------
+    FolderError : the folder holds files already.
+
+    Examples
+    --------
+    `save_run(simulate(scene), "outputs/mine")`
+    """
+    folder = Path(folder)
+    if folder.exists() and any(folder.iterdir()):
+        raise FolderError(f"{folder}: holds files; take another, as {folders.free_name(folder)}")
+    folder.mkdir(parents=True, exist_ok=True)
+    with folders.held(folder):
+        folders.write_scene(folder, run.scene)
+        (alone,) = folders.stored_runs(folder)
+        write_run(replace(run, folder=folder, values={}))
+        derive(folder, [alone], report)
+    return folder

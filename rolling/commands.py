@@ -3,30 +3,29 @@
 from __future__ import annotations
 
 import difflib
-from collections import Counter
+import shutil
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, nullcontext, suppress
-from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from acoustics import extension, wav
-from rolling.check import refusals
-from rolling.marches.piece import contact_identity
-from rolling.marches.result import Result
-from rolling.results import labels, result_file, runs_table
+from rolling.results import labels, runs_table
 from rolling.results.run_files import write_extended
+from rolling.results.run_result import Run
 from rolling.run import folder as folders
-from rolling.run import worker
-from rolling.run.executor import RunLoop
 from rolling.run.folder import Part, RunFolder, default_folder
-from rolling.run.pools import Cluster, Pool, Task, local_pool
-from rolling.run.stored import PAGE, TABLE, derive, open_runs, write_report, write_table
+from rolling.run.solving import runs_of_part, solve_folder
+from rolling.run.stored import open_runs
 from rolling.scene import file
-from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+PAGE, TABLE = "report.html", "runs.csv"
 __all__ = ["default_folder", "extend", "plot", "report", "resound", "run_scene", "tabulate"]
 
 
@@ -65,10 +64,10 @@ def run_scene(
     if not isinstance(scene, Scene):
         scene = file.read_scene(scene, overrides)
     folder = out or default_folder(scene)
-    refusals.refuse(scene, workers, folder)
-    if part is not None and not scene.sweep:
-        raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
-    return _run(scene, folder, [], part, workers, cluster, report)
+    derived = partial(derive, report=report)
+    failures = solve_folder(scene, folder, derived, part=part, workers=workers, cluster=cluster)
+    _print_runs(folder, runs_of_part(folders.runs_in(folder, scene), part))
+    return failures
 
 
 def resound(
@@ -101,133 +100,10 @@ def resound(
         raise FolderError(f"{source}: no run in it is done, so there is no march to take")
     scene = file.resound(folders.stored_scene(source), overrides)
     folder = out or default_folder(scene)
-    refusals.refuse(scene, workers, folder)
-    return _run(scene, folder, stored, None, workers, None, report)
-
-
-def _run(
-    scene: Scene,
-    folder: Path,
-    sources: Sequence[RunFolder],
-    part: Part | None,
-    workers: int,
-    cluster: str | None,
-    report: bool,
-) -> dict[str, str]:
-    """Solve the runs of a scene that a folder lacks, and write the files of all of them."""
-    folders.refuse_other(folder, scene)
-    if cluster is not None:  # whose workers have other working folders
-        scene = Scene.from_dict(scene.to_dict(), scene.folder.resolve())
-        folder = folder.resolve()
-    # An address without a scheduler is refused before anything is written.
-    with nullcontext() if cluster is None else Cluster(cluster) as pool:
-        folder.mkdir(parents=True, exist_ok=True)
-        with folders.held(folder, part):
-            if not folders.refuse_other(folder, scene):
-                folders.write_scene(folder, scene)
-            if not progress.is_quiet():
-                print(f"files: {folder}", flush=True)
-            runs = folders.runs_in(folder, scene)
-            own = _runs_of_part(runs, part)
-            failures = _solve(folder, runs, own, sources, workers, pool)
-            if part is None:
-                derive(folder, runs, report)
-    if part is not None:
-        _derive_after_parts(folder, runs, report)
-    _print_runs(folder, own)
+    derived = partial(derive, report=report)
+    failures = solve_folder(scene, folder, derived, sources=stored, workers=workers)
+    _print_runs(folder, folders.runs_in(folder, scene))
     return failures
-
-
-def _derive_after_parts(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
-    """Write table, figures and page after the part that ends last, which finds no other at work."""
-    if not all(run.is_done or run.failure for run in runs):
-        return
-    with ExitStack() as stack:
-        try:
-            stack.enter_context(folders.held(folder))
-        except FolderError:
-            progress.line("other parts are at work; the last one writes table and page")
-            return
-        derive(folder, runs, report)
-
-
-def _runs_of_part(runs: Sequence[RunFolder], part: Part | None) -> list[RunFolder]:
-    """Return the runs of every N-th march of a sweep; runs with one march stay together."""
-    if part is None:
-        return list(runs)
-    number, count = part
-    marches = [contact_identity(run.scene) for run in runs]
-    places = {march: place for place, march in enumerate(dict.fromkeys(marches))}
-    return [
-        run for run, march in zip(runs, marches, strict=True) if places[march] % count == number - 1
-    ]
-
-
-def _solve(
-    folder: Path,
-    runs: Sequence[RunFolder],
-    own: Sequence[RunFolder],
-    sources: Sequence[RunFolder],
-    workers: int,
-    pool: Pool | None,
-) -> dict[str, str]:
-    """Solve the runs that are not done, and write their files; return failures by label."""
-    names = dict(zip((run.folder for run in runs), labels.labels(runs), strict=True))
-    lacking = [run for run in own if not run.is_done]
-    folders.tidy(folder, own)
-    for run in own:
-        if run.is_done and run.scene.height_path is not None:  # its file may have been edited
-            result_file.read_result(run.folder / folders.RESULT, run.scene)
-    if not lacking:
-        progress.line(f"{folder}: all runs are done")
-        return {}
-    scenes = [run.scene for run in lacking]
-    marches = [contact_identity(scene) for scene in scenes]
-    left = Counter(marches)  # runs that still need the pieces of a march
-
-    def finish(number: int, result: Result) -> Task:
-        run = lacking[number]
-        arguments = run, names[run.folder], result
-        return Task(("finish", str(number)), worker.finish_run, arguments)
-
-    def finished(number: int) -> None:
-        left[marches[number]] -= 1
-        if not left[marches[number]]:
-            folders.drop_pieces(folder, marches[number])
-
-    done = [*sources, *(run for run in runs if run.is_done)]
-    stored = {contact_identity(run.scene): run for run in reversed(done)}
-
-    def start(number: int) -> Result:
-        source = stored.get(marches[number])
-        if source is None:
-            return Result.empty(scenes[number])
-        result = result_file.read_result(source.folder / folders.RESULT, source.scene)
-        return replace(result, steps=scenes[number].track.steps, extremes={})
-
-    way_on = f"finished pieces are kept in {folder}; the same command goes on"
-    pieces = folder / folders.PIECES
-    film = len(runs) <= defaults.MOST_RUNS_ON_PAGE
-    with progress.bar(0.0, scenes[0].name) as bar:
-        loop = RunLoop(scenes, start, finish, finished, pieces, film, bar)
-        try:
-            with nullcontext(pool) if pool else local_pool(workers, scenes) as pool:
-                loop.run(pool)
-        except OSError as error:
-            raise OSError(f"{error}\n{way_on}") from error
-        except KeyboardInterrupt:
-            progress.line(way_on)
-            raise
-    for number, reason in loop.failures.items():
-        _note_failure(lacking[number], reason)
-    return {names[lacking[number].folder]: text for number, text in loop.failures.items()}
-
-
-def _note_failure(run: RunFolder, reason: str) -> None:
-    """Write why a run failed into its folder, if that can be written."""
-    with suppress(OSError):
-        run.folder.mkdir(parents=True, exist_ok=True)
-        files.write_json(run.folder / folders.FAILED, {"reason": reason})
 
 
 def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
@@ -247,6 +123,42 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
         print(f"a row per run: {folder / TABLE}")
     if (folder / PAGE).is_file():
         print(f"all on one page: {folder / PAGE}")
+
+
+def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
+    """Write table, figures and page of the runs that are done, unless they are up to date."""
+    done = [run for run in runs if run.is_done]
+    if len(done) == len(runs):
+        shutil.rmtree(folder / folders.PIECES, ignore_errors=True)
+    if not done:
+        return
+    newest = max((run.folder / folders.SUMMARY).stat().st_mtime_ns for run in done)
+    report = report and len(runs) <= defaults.MOST_RUNS_COMPARED
+    last = folder / (PAGE if report else TABLE)
+    if last.is_file() and last.stat().st_mtime_ns >= newest:
+        return
+    with progress.step("writing the table"):
+        write_table(runs_table.runs_table(runs), folder / TABLE)
+    if report:
+        write_report(open_runs(done), folder, [run for run in runs if not run.is_done])
+
+
+def write_table(table: pd.DataFrame, path: Path) -> None:
+    """Write a table as CSV."""
+    files.write_bytes(path, table.to_csv(lineterminator="\n").encode("utf-8", "backslashreplace"))
+
+
+def write_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder]) -> None:
+    """Write the figures that compare runs and the page of all runs into a folder."""
+    from rolling.figures import write_figures
+    from rolling.report import page
+
+    with progress.step("drawing the figures"):
+        if len(runs) > 1:
+            write_figures(runs, folder)
+    with progress.step("writing the page"):
+        names = labels.labels(unsolved) if unsolved else []
+        files.write_bytes(folder / PAGE, page.page(runs, names))
 
 
 def report(run_folders: Sequence[Path], out: Path | None = None) -> Path:

@@ -1,0 +1,174 @@
+"""Solve the runs that a folder lacks, and write the files of each run."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack, nullcontext, suppress
+from dataclasses import replace
+from pathlib import Path
+
+from rolling.check import refusals
+from rolling.marches.piece import contact_identity
+from rolling.marches.result import Result
+from rolling.results import labels, result_file
+from rolling.run import folder as folders
+from rolling.run import worker
+from rolling.run.executor import RunLoop
+from rolling.run.folder import Part, RunFolder
+from rolling.run.pools import Cluster, Pool, Task, local_pool
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+from rolling.terminal import defaults, files, progress
+from rolling.terminal.files import FolderError
+
+Derive = Callable[[Path, Sequence[RunFolder]], object]
+
+
+def derive_nothing(folder: Path, runs: Sequence[RunFolder]) -> None:
+    """Write no files beside those of the runs."""
+
+
+def solve_folder(
+    scene: Scene,
+    folder: Path,
+    derive: Derive = derive_nothing,
+    *,
+    sources: Sequence[RunFolder] = (),
+    part: Part | None = None,
+    workers: int = 0,
+    cluster: str | None = None,
+) -> dict[str, str]:
+    """Solve the runs of a scene that a folder lacks, and write the files of all of them.
+
+    Parameters
+    ----------
+    scene : Scene. A scene with or without a sweep.
+    folder : Path. Its run folder, which may exist.
+    derive : callable. It receives folder and runs at the end, to write tables, figures and page.
+    sources : sequence of RunFolder. Runs elsewhere that are done, whose marches are taken.
+    part, workers, cluster : as in `rolling.commands.run_scene`.
+
+    Returns
+    -------
+    failures : dict. Reasons by the label of each run that failed.
+
+    Raises
+    ------
+    SceneError, FolderError, OSError, KeyboardInterrupt : as in `rolling.commands.run_scene`.
+    """
+    refusals.refuse(scene, workers, folder)
+    if part is not None and not scene.sweep:
+        raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
+    folders.refuse_other(folder, scene)
+    if cluster is not None:  # whose workers have other working folders
+        scene = Scene.from_dict(scene.to_dict(), scene.folder.resolve())
+        folder = folder.resolve()
+    # An address without a scheduler is refused before anything is written.
+    with nullcontext() if cluster is None else Cluster(cluster) as pool:
+        folder.mkdir(parents=True, exist_ok=True)
+        with folders.held(folder, part):
+            if not folders.refuse_other(folder, scene):
+                folders.write_scene(folder, scene)
+            if not progress.is_quiet():
+                print(f"files: {folder}", flush=True)
+            runs = folders.runs_in(folder, scene)
+            own = runs_of_part(runs, part)
+            failures = _solve(folder, runs, own, sources, workers, pool)
+            if part is None:
+                derive(folder, runs)
+    if part is not None:
+        _derive_after_parts(folder, runs, derive)
+    return failures
+
+
+def _derive_after_parts(folder: Path, runs: Sequence[RunFolder], derive: Derive) -> None:
+    """Write table, figures and page after the part that ends last, which finds no other at work."""
+    if not all(run.is_done or run.failure for run in runs):
+        return
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(folders.held(folder))
+        except FolderError:
+            progress.line("other parts are at work; the last one writes table and page")
+            return
+        derive(folder, runs)
+
+
+def runs_of_part(runs: Sequence[RunFolder], part: Part | None) -> list[RunFolder]:
+    """Return the runs of every N-th march of a sweep; runs with one march stay together."""
+    if part is None:
+        return list(runs)
+    number, count = part
+    marches = [contact_identity(run.scene) for run in runs]
+    places = {march: place for place, march in enumerate(dict.fromkeys(marches))}
+    return [
+        run for run, march in zip(runs, marches, strict=True) if places[march] % count == number - 1
+    ]
+
+
+def _solve(
+    folder: Path,
+    runs: Sequence[RunFolder],
+    own: Sequence[RunFolder],
+    sources: Sequence[RunFolder],
+    workers: int,
+    pool: Pool | None,
+) -> dict[str, str]:
+    """Solve the runs that are not done, and write their files; return failures by label."""
+    names = dict(zip((run.folder for run in runs), labels.labels(runs), strict=True))
+    lacking = [run for run in own if not run.is_done]
+    folders.tidy(folder, own)
+    for run in own:
+        if run.is_done and run.scene.height_path is not None:  # its file may have been edited
+            result_file.read_result(run.folder / folders.RESULT, run.scene)
+    if not lacking:
+        progress.line(f"{folder}: all runs are done")
+        return {}
+    scenes = [run.scene for run in lacking]
+    marches = [contact_identity(scene) for scene in scenes]
+    left = Counter(marches)  # runs that still need the pieces of a march
+
+    def finish(number: int, result: Result) -> Task:
+        run = lacking[number]
+        arguments = run, names[run.folder], result
+        return Task(("finish", str(number)), worker.finish_run, arguments)
+
+    def finished(number: int) -> None:
+        left[marches[number]] -= 1
+        if not left[marches[number]]:
+            folders.drop_pieces(folder, marches[number])
+
+    done = [*sources, *(run for run in runs if run.is_done)]
+    stored = {contact_identity(run.scene): run for run in reversed(done)}
+
+    def start(number: int) -> Result:
+        source = stored.get(marches[number])
+        if source is None:
+            return Result.empty(scenes[number])
+        result = result_file.read_result(source.folder / folders.RESULT, source.scene)
+        return replace(result, steps=scenes[number].track.steps, extremes={})
+
+    way_on = f"finished pieces are kept in {folder}; the same command goes on"
+    pieces = folder / folders.PIECES
+    film = len(runs) <= defaults.MOST_RUNS_ON_PAGE
+    with progress.bar(0.0, scenes[0].name) as bar:
+        loop = RunLoop(scenes, start, finish, finished, pieces, film, bar)
+        try:
+            with nullcontext(pool) if pool else local_pool(workers, scenes) as pool:
+                loop.run(pool)
+        except OSError as error:
+            raise OSError(f"{error}\n{way_on}") from error
+        except KeyboardInterrupt:
+            progress.line(way_on)
+            raise
+    for number, reason in loop.failures.items():
+        _note_failure(lacking[number], reason)
+    return {names[lacking[number].folder]: text for number, text in loop.failures.items()}
+
+
+def _note_failure(run: RunFolder, reason: str) -> None:
+    """Write why a run failed into its folder, if that can be written."""
+    with suppress(OSError):
+        run.folder.mkdir(parents=True, exist_ok=True)
+        files.write_json(run.folder / folders.FAILED, {"reason": reason})
