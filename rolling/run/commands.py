@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import nullcontext, suppress
+from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -132,12 +132,23 @@ def _run(
             failures = _solve(folder, runs, own, sources, workers, pool)
             if part is None:
                 derive(folder, runs, report)
-    if part is not None and all(run.is_done or run.failure for run in runs):
-        # The part that ends last finds no other part at work.
-        with suppress(FolderError), folders.held(folder):
-            derive(folder, runs, report)
+    if part is not None:
+        _derive_after_parts(folder, runs, report)
     _print_runs(folder, own)
     return failures
+
+
+def _derive_after_parts(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
+    """Write table, figures and page after the part that ends last, which finds no other at work."""
+    if not all(run.is_done or run.failure for run in runs):
+        return
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(folders.held(folder))
+        except FolderError:
+            progress.line("other parts are at work; the last one writes table and page")
+            return
+        derive(folder, runs, report)
 
 
 def _runs_of_part(runs: Sequence[RunFolder], part: Part | None) -> list[RunFolder]:
@@ -185,22 +196,31 @@ def _solve(
             folders.drop_pieces(folder, marches[number])
 
     done = [*sources, *(run for run in runs if run.is_done)]
+    stored = {contact_identity(run.scene): run for run in reversed(done)}
+
+    def start(number: int) -> Result:
+        source = stored.get(marches[number])
+        if source is None:
+            return Result.empty(scenes[number])
+        result = result_file.read_result(source.folder / folders.RESULT, source.scene)
+        return replace(result, steps=scenes[number].track.steps, extremes={})
+
+    way_on = f"finished pieces are kept in {folder}; the same command goes on"
     pieces = folder / folders.PIECES
     film = len(runs) <= defaults.MOST_RUNS_ON_PAGE
     with progress.bar(0.0, scenes[0].name) as bar:
-        loop = RunLoop(scenes, _stored_marches(scenes, done), finish, finished, pieces, film, bar)
+        loop = RunLoop(scenes, start, finish, finished, pieces, film, bar)
         try:
             with nullcontext(pool) if pool else local_pool(workers, scenes) as pool:
                 loop.run(pool)
         except OSError as error:
-            raise OSError(f"{error}\n{_way_on(folder)}") from error
+            raise OSError(f"{error}\n{way_on}") from error
+        except KeyboardInterrupt:
+            progress.line(way_on)
+            raise
     for number, reason in loop.failures.items():
         _note_failure(lacking[number], reason)
     return {names[lacking[number].folder]: text for number, text in loop.failures.items()}
-
-
-def _way_on(folder: Path) -> str:
-    return f"finished pieces are kept in {folder}; the same command goes on"
 
 
 def _note_failure(run: RunFolder, reason: str) -> None:
@@ -208,20 +228,6 @@ def _note_failure(run: RunFolder, reason: str) -> None:
     with suppress(OSError):
         run.folder.mkdir(parents=True, exist_ok=True)
         files.write_json(run.folder / folders.FAILED, {"reason": reason})
-
-
-def _stored_marches(scenes: Sequence[Scene], done: Sequence[RunFolder]) -> dict[int, Result]:
-    """Return results that begin with the marches of done runs, by the number of their scene."""
-    if not done:
-        return {}
-    by_march = {contact_identity(run.scene): run for run in reversed(done)}
-    results = {}
-    for number, scene in enumerate(scenes):
-        source = by_march.get(contact_identity(scene))
-        if source is not None:
-            stored = result_file.read_result(source.folder / folders.RESULT, source.scene)
-            results[number] = replace(stored, steps=scene.track.steps, extremes={})
-    return results
 
 
 def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:

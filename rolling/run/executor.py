@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import signal
 from collections import Counter, defaultdict, deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
 from contextlib import contextmanager
 from pathlib import Path
@@ -61,7 +61,7 @@ class RunLoop:
     def __init__(
         self,
         scenes: Sequence[Scene],
-        results: Mapping[int, Result],
+        start: Callable[[int], Result],
         finish: Callable[[int, Result], Task | None],
         finished: Callable[[int], object],
         pieces: Path | None,
@@ -73,7 +73,7 @@ class RunLoop:
         Parameters
         ----------
         scenes : sequence of Scene. Scenes without a sweep, one per run.
-        results : mapping. Results of earlier marches by number of the run; others begin empty.
+        start : callable. It receives the number of a run and returns its result so far.
         finish : callable. It receives number and result of a complete run, and returns the task
             that remains, or None.
         finished : callable. It receives the number of a run that is done.
@@ -84,7 +84,8 @@ class RunLoop:
         self._bar = bar
         self._scenes, self._pieces, self._film = scenes, pieces, film
         self._finish, self._finished = finish, finished
-        self._results = dict(results)
+        self._start = start
+        self._results: dict[int, Result] = {}
         self._costs = {number: cost.expected_seconds(scene) for number, scene in enumerate(scenes)}
         groups = defaultdict(list)
         for number, scene in enumerate(scenes):
@@ -139,8 +140,7 @@ class RunLoop:
         """Begin the runs of one contact identity."""
         self._bar.grow(-self._costs[group[0]])
         for number in group:
-            if number not in self._results:
-                self._results[number] = Result.empty(self._scenes[number])
+            self._results[number] = self._start(number)
             self._advance(number)
 
     def _advance(self, number: int) -> None:
@@ -148,6 +148,7 @@ class RunLoop:
         result = self._results[number]
         try:
             pieces = next_pieces(self._scenes[number], result, self._film)
+            task = None if pieces else self._finish(number, result)
         except ContactError as error:
             self._fail(number, str(error))
             return
@@ -162,7 +163,6 @@ class RunLoop:
             self._lacking[number] += 1
         if pieces:
             return
-        task = self._finish(number, result)
         del self._results[number]
         if task is None:
             self._finished(number)
@@ -190,6 +190,7 @@ class RunLoop:
         del self._flying[future]
         self._breaks.pop(task.key, None)
         self._bar.update(task.cost)
+        progress.detail(f"done: {' '.join(task.key)}")
         numbers = self._wanting.pop(task.key, [])
         if reason or isinstance(value, Failure):
             for number in numbers:

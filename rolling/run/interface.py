@@ -124,9 +124,12 @@ def _simulated(
             hear(names[number], run.values, run.folder, run.scene, result), writer=save_run
         )
 
+    def start(number: int) -> Result:
+        return Result.empty(runs[number].scene)
+
     scenes = [run.scene for run in runs]
     with terminal.bar(0.0, scene.name, shown) as bar:
-        loop = RunLoop(scenes, {}, finish, lambda number: None, None, False, bar)
+        loop = RunLoop(scenes, start, finish, lambda number: None, None, False, bar)
         with local_pool(workers, scenes) as pool:
             loop.run(pool)
     swept = {_key(run): heard[number] for number, run in enumerate(runs) if number in heard}

@@ -184,40 +184,6 @@ def test_resonance_is_weighed(overrides: list[str], words: str | None) -> None:
     assert warning is None if words is None else words in str(warning)
 
 
-# ---- vibration
-
-
-VIBRATING = """\
-name: trial
-sphere: {radius_mm: 5, density_kg_m3: 7850}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, density_kg_m3: 7850, thickness_mm: 10}
-surface: {kind: gaussian, roughness_ra_um: 0.04, correlation_length_um: 10, spacing_um: 2, \
-width_um: 64, seed: 1}
-rolling: {load_n: 20, speed_m_s: 1, distance_mm: 2}
-dynamics: {}
-"""
-
-
-@pytest.mark.parametrize(
-    ("change", "key", "words"),
-    [
-        ("plate.thickness_mm=30", "bending", "shorter than 6 thicknesses"),
-        ("plate.thickness_mm=0.1", "contact_thickness", "holds up to 0.1"),
-        ("plate.thickness_mm=0.1", "air_load", "a denser plate"),
-        ("sound.distance_m=0.2", "coincidence", "pressure on the axis holds from"),
-        ("rolling.speed_m_s=0.05", "resonance_wave", "the grid decides"),
-        ("surface.roughness_ra_um=2", "force_ratio", "loses contact"),
-        ("dynamics.release=true", "moving_release", None),
-        ("plate.thickness_mm=", "half_space_sound", "14 dB at 100 Hz and 1 m"),
-    ],
-)
-def test_limits_of_the_vibration(change: str, key: str, words: str | None) -> None:
-    calm = {each.key: each.warning for each in findings.findings(loads(VIBRATING))}
-    warning = finding(loads(VIBRATING, [change]), key).warning
-    assert calm.get(key) is None
-    assert warning is None if words is None else words in str(warning)
-
-
 # ---- memory
 
 

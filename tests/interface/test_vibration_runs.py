@@ -179,8 +179,8 @@ def test_no_estimate_where_no_linear_chain_carries_it(roughness: float, reason: 
     ("change", "key", "words"),
     [
         ("plate.thickness_mm=30", "bending", "shorter than 6 thicknesses"),
-        ("plate.thickness_mm=0.1", "contact_thickness", "of the thickness"),
-        ("plate.thickness_mm=0.1", "air_load", "the air loads a plate as light as this"),
+        ("plate.thickness_mm=0.1", "contact_thickness", "a half-space, which holds up to 0.1"),
+        ("plate.thickness_mm=0.1", "air_load", "the load of the air is left out"),
         ("sound.distance_m=0.2", "coincidence", "pressure on the axis holds from"),
         ("rolling.speed_m_s=0.05", "resonance_wave", "the grid decides"),
         ("surface.roughness_ra_um=2", "force_ratio", "loses contact"),
