@@ -8,7 +8,7 @@ from rolling.contact import closed_forms
 from rolling.dynamics import bodies
 from rolling.dynamics.bodies import BendingPlate, Chain
 from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.motion import Travel, move
+from rolling.dynamics.motion import BodyMotion, Travel, move
 from rolling.scene.scene import Scene
 
 LEAST_THICKNESSES = 6.0  # in a bending wave; shorter waves are beyond thin-plate theory
