@@ -233,12 +233,13 @@ def recipes(runs: Sequence[Run]) -> list[dict[str, str]]:
     written = []
     for home, sweep in members.items():
         name, path = f"{sweep[0].scene.name}.yaml", home / "scene.yaml"
-        stored = path.read_text(encoding="utf-8") if path.is_file() else None
+        # The folder of a run in memory is the working directory, whose scene.yaml is a stranger's.
+        is_stored = "provenance" in sweep[0].summary and path.is_file()
         written.append(
             {
                 "labels": "; ".join(run.label for run in sweep),
                 "file": name,
-                "scene": stored or file.dump(sweep[0].scene),
+                "scene": path.read_text("utf-8") if is_stored else file.dump(sweep[0].scene),
                 "command": f"rolling run {name}",
             }
         )

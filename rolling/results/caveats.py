@@ -95,9 +95,11 @@ def gathered(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[Caveat]:
     merged = []
     for key, texts in by_key.items():
         first, text = next(iter(texts.items()))
+        labels = () if len(texts) == len(runs) else tuple(texts)
         if len(set(texts.values())) > 1:
-            text += f" (in the numbers of {first})"
-        merged.append(Caveat(key, text, () if len(texts) == len(runs) else tuple(texts)))
+            others = f"; likewise {', '.join(labels[1:])}" if labels[1:] else ""
+            text, labels = f"{text} (in the numbers of {first}{others})", ()
+        merged.append(Caveat(key, text, labels))
     return merged
 
 

@@ -9,10 +9,11 @@ import pytest
 
 from rolling.check import findings, probe
 from rolling.check.finding import Finding
-from rolling.contact import march, of_scene
+from rolling.contact import march
 from rolling.contact.subcells import half_space_of
 from rolling.scene import file
 from rolling.scene.scene import Scene
+from rolling.surface import contact_of_scene
 
 TEXT = """\
 name: trial
@@ -57,7 +58,7 @@ def test_numbers_are_those_of_a_march() -> None:
     """
     given = scene()
     (got,) = probe.probes([given])
-    contact = of_scene.rolling_contact(given)
+    contact = contact_of_scene.rolling_contact(given)
     states = list(
         march.march(
             contact,
