@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import hashlib
 import os
 import shutil
 import sys
@@ -10,6 +11,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache as once
+from pathlib import Path
 from typing import Any
 
 import numba
@@ -31,15 +33,37 @@ def njit(*, cache: bool, fused: bool = False) -> Callable[[Callable[..., Any]], 
 
     def compiled(function: Callable[..., Any]) -> Any:
         try:
-            return numba.njit(cache=cache, **options)(function)
+            return _tied_to_sources(numba.njit(cache=cache, **options)(function))
         except RuntimeError:  # no folder for the cache; a fault of the code shows below as well
             _use_temporary_cache()
         try:
-            return numba.njit(cache=cache, **options)(function)
+            return _tied_to_sources(numba.njit(cache=cache, **options)(function))
         except RuntimeError:  # no temporary folder either
             return numba.njit(**options)(function)
 
     return compiled
+
+
+def _tied_to_sources(kernel: Any) -> Any:
+    """Tie the cached code of a kernel to the sources of all kernels.
+
+    Numba looks at the kernel's own file only. The cached code also holds the kernels that it calls,
+    which may stand in other files and be newer.
+    """
+    cache_file: Any = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
+    if hasattr(cache_file, "_source_stamp"):
+        cache_file._source_stamp = cache_file._source_stamp, _digest_of_sources()
+    return kernel
+
+
+@once
+def _digest_of_sources() -> str:
+    """Return the digest of the modules beside this one and of the kernels of the motion."""
+    digest = hashlib.sha256()
+    here = Path(__file__).parent
+    for path in sorted([*here.glob("*.py"), *here.parent.glob("dynamics/_*.py")]):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
 
 
 @once

@@ -124,5 +124,5 @@ def test_several_runs_say_each_caveat_once() -> None:
     runs = [("x", summary(a="All.")), ("y", summary(a="All.", b="Of one."))]
     assert caveats.gathered([*runs, ("z", summary(a="All.", b="Of another."))]) == [
         Caveat("a", "All."),
-        Caveat("b", "Of one. (in the numbers of y)", ("y", "z")),
+        Caveat("b", "Of one. (in the numbers of y; likewise z)"),
     ]

@@ -126,3 +126,33 @@ def test_a_run_without_shared_memory_is_done(tmp_path: Path) -> None:
     )
     assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
     assert done.stderr.count("warning: no worker processes") == 1
+
+
+def test_a_kernel_is_compiled_anew_when_a_kernel_in_another_file_changes(tmp_path: Path) -> None:
+    """Numba would go on with cached code that holds the old kernel."""
+    for package in ("rolling", "acoustics"):
+        skip = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=skip)
+    called = tmp_path / "rolling" / "contact" / "_called.py"
+    calling = tmp_path / "rolling" / "contact" / "_calling.py"
+    head = "from rolling.contact.compiling import njit\n"
+    calling.write_text(
+        f"{head}from rolling.contact._called import number\n\n\n"
+        "@njit(cache=True)\ndef twice():\n    return 2 * number()\n\n\nprint(twice())\n"
+    )
+    kept = {name: value for name, value in os.environ.items() if "CACHE" not in name}
+    kept["PYTHONPATH"] = str(tmp_path)
+    printed = []
+    for value in (1, 7):
+        called.write_text(f"{head}\n\n@njit(cache=True)\ndef number():\n    return {value}\n")
+        command = [sys.executable, "-B", "-c", "import rolling.contact._calling"]
+        done = subprocess.run(
+            command,
+            cwd=tmp_path,
+            env=kept,
+            text=True,
+            capture_output=True,
+            check=True,
+        )
+        printed.append(int(done.stdout))
+    assert printed == [2, 14]
