@@ -55,9 +55,11 @@ def test_killed_at_random_moments_it_goes_on_to_the_same_bytes(text: str, tmp_pa
     """A command lives for 0.2 s, the start of Python, to twice the time of an undisturbed run."""
     scene, draw = tmp_path / "scene.yaml", random.Random(1)
     scene.write_text(text)
-    began = time.monotonic()
-    expected = undisturbed(tmp_path, text)
+    expected, began = undisturbed(tmp_path, text), time.monotonic()
+    with started(words_of(scene, tmp_path / "out", "--workers", "2"), tmp_path) as command:
+        assert command.wait(PATIENCE) == 0
     longest = time.monotonic() - began
+    assert contents(tmp_path / "out") == expected
     kills, rounds = 0, 0
     while kills < 10:
         rounds += 1
@@ -65,7 +67,7 @@ def test_killed_at_random_moments_it_goes_on_to_the_same_bytes(text: str, tmp_pa
         while True:
             with started(words_of(scene, out, "--workers", "2"), tmp_path) as command:
                 try:
-                    code = command.wait(draw.uniform(0.2, 2 * longest))
+                    code = command.wait(draw.uniform(0.2, 1.5 * longest))
                 except subprocess.TimeoutExpired:  # the kill follows
                     kills += 1
                     continue
