@@ -269,8 +269,10 @@ def is_locked(path: Path) -> bool:
 # ---- files that a killed command left
 
 
-def tidy(folder: Path, runs: Sequence[RunFolder]) -> None:
+def tidy(folder: Path, runs: Sequence[RunFolder], alone: bool) -> None:
     """Remove failures of earlier attempts and files half written in a folder and its runs.
+
+    Unless the command is `alone`, another part may just write a file into the folder itself.
 
     Raises
     ------
@@ -279,7 +281,7 @@ def tidy(folder: Path, runs: Sequence[RunFolder]) -> None:
     for place in (folder / PIECES, *(run.folder for run in runs if run.values)):
         if place.is_symlink():
             raise FolderError(f"{place}: a link, but results are written into real folders only")
-    for place in {folder, *(run.folder for run in runs)}:
+    for place in {*([folder] if alone else ()), *(run.folder for run in runs)}:
         with suppress(OSError):  # a place that is no folder
             (place / FAILED).unlink(missing_ok=True)
             for path in place.glob(".*.partial"):

@@ -205,6 +205,7 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
 
         with _worker_environment():  # of the process that tidies up after workers, too
             get_context("loky").Lock()  # which needs semaphores, on Linux in /dev/shm
+    # A system without semaphores refuses the import or the call, and a sealed /dev/shm the lock.
     except (ImportError, NotImplementedError, OSError) as error:
         print(
             "warning: no worker processes, because the system has no semaphores for them"

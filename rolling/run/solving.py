@@ -118,7 +118,7 @@ def _solve(
     """Solve the runs that are not done, and write their files; return failures by label."""
     names = dict(zip((run.folder for run in runs), labels.labels(runs), strict=True))
     lacking = [run for run in own if not run.is_done]
-    folders.tidy(folder, own)
+    folders.tidy(folder, own, alone=len(own) == len(runs))
     for run in own:
         if run.is_done and run.scene.height_path is not None:  # its file may have been edited
             result_file.read_result(run.folder / folders.RESULT, run.scene)

@@ -75,11 +75,14 @@ def test_a_second_command_is_refused_and_status_only_looks(tmp_path: Path) -> No
 def test_parts_work_side_by_side_and_not_twice(seeds: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert run(seeds, out, "--part", "2/2") == 0
+    half = out / ".scene.yaml.0123456789abcdef.partial"
+    half.write_text("which the other part renames in a moment")
     with folders.held(out, (1, 2)):
         assert run(seeds, out, "--part", "1/2") == 2
         assert run(seeds, out) == 2
         assert run(seeds, out, "--part", "2/2") == 0
         assert folders.states(out)["seed=1"][0] == "running"
+        assert half.is_file()
     assert run(seeds, out, "--part", "1/2") == 0
     assert (out / "runs.csv").is_file()
 
