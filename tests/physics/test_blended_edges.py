@@ -238,6 +238,27 @@ def test_a_position_below_the_hardness_is_elastic(hardness: float, subcells: int
         assert state.contact_area == other.contact_area
 
 
+@pytest.mark.parametrize("subcells", [1, 2])
+def test_random_contacts_yield_exactly_where_they_reach_the_hardness(subcells: int) -> None:
+    """100 random contacts, of which a good part stays below the hardness: no false yielding."""
+    rng, below = np.random.default_rng(28), 0
+    for seed in range(100):
+        spacing, length = 2e-6, rng.uniform(4e-6, 40e-6)
+        heights = gaussian(
+            (64, 48), spacing, 10 ** rng.uniform(-8.5, -7), (length, length), "gaussian", seed
+        )
+        heights[tuple(rng.integers(0, 48, (2, 4)))] -= rng.choice([0.0, 1e-7])  # pits
+        elastic = make_track(heights, load=10 ** rng.uniform(-3, -1.5), tolerance=1e-7)
+        hardness = roll(elastic, 7, 7)[0].max_pressure * 10 ** rng.uniform(-0.3, 0.5)
+        sharp = replace(elastic, hardness=hardness)
+        state, other = (roll(track, 7, 7)[0] for track in (blended(sharp, subcells), sharp))
+        assert (state.plastic_area > 0) == (state.max_pressure >= hardness), seed
+        if state.max_pressure < hardness and subcells == 1:
+            assert state.contact_area == other.contact_area, seed
+        below += state.max_pressure < hardness
+    assert 20 < below < 80
+
+
 @pytest.mark.law("Blended edges: contact is continuous where it begins to yield.")
 def test_edges_blend_in_continuously_with_yield() -> None:
     """The deflection follows a falling hardness without a jump from sharp to blended edges.
