@@ -28,16 +28,6 @@ if TYPE_CHECKING:
     from rolling.marches.piece import Piece
     from rolling.scene.scene import Scene
 
-# A worker imports nothing from the working directory, and runs its libraries on one thread. Large
-# surfaces are no leak of memory.
-ENVIRONMENT = {
-    "PYTHONSAFEPATH": "1",
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-    "NUMBA_NUM_THREADS": "1",
-    "LOKY_MAX_MEMORY_LEAK_SIZE": "1e15",
-}
 CONNECT_SECONDS = 10.0
 COUNT_SECONDS = 5.0  # between two counts of the workers of a cluster
 PORT = 8786  # of a scheduler whose address names none
@@ -128,8 +118,8 @@ class ThisProcess:
 @contextmanager
 def _worker_environment() -> Iterator[None]:
     """Set the environment of processes that start in this context."""
-    before = {name: os.environ.get(name) for name in ENVIRONMENT}
-    os.environ.update(ENVIRONMENT)
+    before = {name: os.environ.get(name) for name in worker.ENVIRONMENT}
+    os.environ.update(worker.ENVIRONMENT)
     try:
         yield
     finally:

@@ -10,6 +10,7 @@ import io
 import os
 import pickle
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -34,7 +35,17 @@ Arrays = dict[str, NDArray[Any]]
 
 _PR_SET_PDEATHSIG = 1  # of prctl(2)
 _DAMAGED = (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile, zlib.error)
-_alone = threading.Lock()  # kernels and transforms keep state, so threads of a worker take turns
+_threads = threading.local()  # of a worker of a cluster; each has a process that does its tasks
+# A process imports nothing from the working directory, and runs its libraries on one thread. Large
+# surfaces are no leak of memory.
+ENVIRONMENT = {
+    "PYTHONSAFEPATH": "1",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "NUMBA_NUM_THREADS": "1",
+    "LOKY_MAX_MEMORY_LEAK_SIZE": "1e15",
+}
 
 
 @dataclass(frozen=True)
@@ -99,7 +110,10 @@ def finish_run(run: RunFolder, label: str, result: Result) -> Failure | None:
 
 
 def act(task: bytes, digest: str) -> Any:
-    """Carry out a pickled task in a worker of a cluster that runs the same program.
+    """Have a pickled task done by the process of this thread of a Dask worker.
+
+    The process is one without Dask, whose profiler keeps the frames of all threads, and with them
+    HDF5 files open, so that the layout of result.h5 changes.
 
     Raises
     ------
@@ -110,24 +124,57 @@ def act(task: bytes, digest: str) -> Any:
     own = program.identity()
     if own.sources != digest:
         raise OtherProgramError(f"version {own.version}, sources {own.sources[:12]}")
-    import dask
+    if not hasattr(_threads, "process"):
+        _threads.process = _process()
+    try:
+        _threads.process.stdin.write(task)
+        _threads.process.stdin.flush()
+        value = pickle.load(_threads.process.stdout)
+    except (OSError, EOFError):  # it was killed, and so is this worker, for the scheduler to see
+        os._exit(1)
+    if isinstance(value, Exception):
+        raise value
+    return value
 
-    function, arguments = pickle.loads(task)
-    with _alone, dask.config.set(scheduler="synchronous"):  # or xarray asks the scheduler for locks
-        return function(*arguments)
+
+def _process() -> subprocess.Popen[bytes]:
+    """Start a process that does pickled tasks from its standard input, until that ends."""
+    package = str(Path(__file__).parents[2])
+    text = f"import sys; sys.path.append({package!r}); from rolling.run import worker; "
+    command = [sys.executable, "-P", "-c", f"{text}worker.serve({os.getpid()})"]
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command, stdin=pipe, stdout=pipe, env=os.environ | ENVIRONMENT)
 
 
-def begin(parent: int, compiles: Any) -> None:
-    """Prepare a local worker process, which ends with its parent and reports compilation."""
+def serve(parent: int) -> None:
+    """Do the pickled tasks of standard input, and write their pickled values or errors."""
+    begin(parent)
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # a print must not reach the answers
+    while True:
+        try:
+            function, arguments = pickle.load(sys.stdin.buffer)
+        except EOFError:
+            return
+        try:
+            value = function(*arguments)
+        except Exception as error:
+            value = error
+        pickle.dump(value, answers)
+        answers.flush()
+
+
+def begin(parent: int, compiles: Any = None) -> None:
+    """Prepare a worker process, which ends with its parent and reports compilation."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent alone acts on Ctrl-C
     if sys.platform.startswith("linux"):
         with suppress(OSError, AttributeError):  # without prctl the thread below remains
             ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
     threading.Thread(target=_end_with, args=(parent,), name="lifeline", daemon=True).start()
+    if compiles is not None:
+        from rolling.contact import compiling
 
-    from rolling.contact import compiling
-
-    compiling.tell_always(compiles.set)
+        compiling.tell_always(compiles.set)
 
 
 def _end_with(parent: int) -> None:
